@@ -22,6 +22,7 @@ FAULTS = {  # of a sensor, as a statement
     ("IMU's rates", "axes"): "the angular velocities are about {value} of the orientation's axes",
     ("IMU's orientation", "order"): "the quaternion is {value}",
     ("IMU's orientation", "frame"): "imu.frame does not fit: {value} are of the other frame",
+    ("IMU's orientation", "sign"): "{value} of the orientation grow the other way",
     ("IMU's acceleration", "sign"): "the accelerations are those of gravity, with the other sign",
     ("camera", "medium"): "its focal lengths are {value} times too short, as those of a "
     "calibration made in air are under water",
@@ -40,6 +41,10 @@ EVIDENCE = {  # that two sensors contradict each other, by what was compared
     "gravity": "gravity does not pull along the vertical of the orientation",
     "flow": "between two images the hull moves by up to {first_deg:.3g} degrees by the images, by "
     "{second_deg:.3g} by the DVL's velocity and ranges",
+    "push": "within a second the DVL's velocity changes by up to {first:.3g} m/s, the integral of "
+    "the IMU's acceleration by {second:.3g} m/s, or in another direction",
+    "range": "the hull in the DVL's ranges comes nearer where its velocity leads away from it",
+    "hull": "the hull in the DVL's ranges turns the other way than the orientation",
     "depth": "in 3 s the depth by pressure changes by up to {first:.3g} m, the way of the DVL by "
     "{second:.3g} m",
 }

@@ -294,7 +294,7 @@ STAGE = Stage(
     summary="compute the dead-reckoned trajectory",
     inputs=("ingest",),
     parameters=NavigateOptions,
-    version=24,
+    version=25,
     run=run,
     uses=(
         *SENSOR_KEYS,

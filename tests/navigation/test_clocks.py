@@ -99,6 +99,34 @@ def test_wrong_clock_is_found_by_images(logged, measure, sensor, seconds):
         np.testing.assert_array_equal(getattr(found.logs, name).t_ns, getattr(logged, name).t_ns)
 
 
+@pytest.fixture(scope="module")
+def felt() -> NavigationLogs:
+    """A dive of 45 s, too short for the hull's turns, whose IMU measures accelerations."""
+    swum = AlongWall(RIG, duration_s=45.0)
+    logs = logs_along_wall(swum)
+    t_s, step_s = (logs.imu.t_ns - START_NS) * 1e-9, 0.05
+    before, at, after = (swum.place(t_s + of) for of in (-step_s, 0.0, step_s))
+    force = (before - 2 * at + after) / step_s**2 - [0.0, 0.0, 9.81]
+    noise = 0.03 * np.random.default_rng(6).standard_normal(force.shape)
+    felt = swum.attitude(t_s).inv().apply(force) + noise
+    return replace(logs, imu=replace(logs.imu, acceleration=felt))
+
+
+@pytest.mark.parametrize("seconds", [0.4, -3.0])
+@pytest.mark.parametrize("sensor", [Sensor.DVL, Sensor.IMU])
+def test_wrong_clock_of_a_short_dive_is_found_by_accelerations(felt, sensor, seconds):
+    found = put_right(late(felt, sensor, seconds))
+    assert [offset.sensor for offset in found.offsets] == [sensor]
+    assert off_s(found, felt, sensor) < 0.1
+
+
+def test_accelerations_do_not_accuse_clocks_that_agree(felt):
+    gravity = poses.from_rpy(np.zeros((len(felt.imu.t_ns), 3)), 0 * felt.imu.acceleration)
+    still = replace(felt.imu, acceleration=gravity.rotation.apply([0.0, 0.0, -9.81]))
+    for logs in (felt, replace(felt, imu=still)):
+        assert put_right(logs).offsets == []
+
+
 @pytest.mark.parametrize("seconds", [-6.0, 8.0, 37.0])
 def test_imu_off_by_many_seconds_is_found_without_images(logged, seconds):
     found = put_right(late(logged, Sensor.IMU, seconds))

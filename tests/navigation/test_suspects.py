@@ -41,6 +41,13 @@ def position(t_s: np.ndarray) -> np.ndarray:
     return np.column_stack([0.02 * np.sin(t_s), 3.0 * np.sin(0.1 * t_s), 0.8 * np.sin(0.3 * t_s)])
 
 
+def acceleration(t_s: np.ndarray) -> np.ndarray:
+    """The second derivative of the position."""
+    return np.column_stack(
+        [-0.02 * np.sin(t_s), -0.03 * np.sin(0.1 * t_s), -0.072 * np.sin(0.3 * t_s)]
+    )
+
+
 def ranges(t_s: np.ndarray) -> np.ndarray:
     """Distances to the wall along the beams."""
     ahead = [(attitude(t_s) * RIG.tray_from_dvl.rotation).apply(beam)[:, 0] for beam in JANUS]
@@ -84,7 +91,7 @@ def dive(seed: int = 1) -> SensorRecords:
             t_ns=imu_ns,
             quaternion=(turned * noise).as_quat(),
             angular_velocity=rates + 0.002 * rng.standard_normal(rates.shape),
-            acceleration=turned.inv().apply([0.0, 0.0, -9.81]),
+            acceleration=turned.inv().apply(acceleration(imu_s) - [0.0, 0.0, 9.81]),
         ),
         dvl=DvlPings(
             t_ns=ping_ns,
@@ -200,11 +207,53 @@ def test_dvl_that_measures_too_long_is_named_by_depth_and_images():
     assert (finding.values["sensor"], finding.values["fault"]) == ("DVL", "scale")
 
 
+def without_accelerations(records: SensorRecords) -> SensorRecords:
+    return with_imu(records, acceleration=np.full_like(records.imu.acceleration, np.nan))
+
+
+def with_imu(records: SensorRecords, **fields) -> SensorRecords:
+    return replace(records, imu=replace(records.imu, **fields))
+
+
+def with_velocity(records: SensorRecords, factors) -> SensorRecords:
+    return replace(records, dvl=replace(records.dvl, velocity=records.dvl.velocity * factors))
+
+
 def test_scale_of_one_of_two_sensors_names_both():
-    true = dive()
-    long = replace(true, dvl=replace(true.dvl, velocity=1.4 * true.dvl.velocity))
-    (finding,) = judged(long).findings
+    (finding,) = judged(with_velocity(without_accelerations(dive()), 1.4)).findings
     assert {"pressure", "DVL"} <= set(finding.values["sensors"])
+
+
+def test_accelerations_tell_whose_scale_is_wrong():
+    true = dive()
+    (finding,) = judged(with_velocity(true, 1.4)).findings
+    assert (finding.values["sensor"], finding.values["value"]) == ("DVL", "0.71")
+    (finding,) = judged(with_depth(true, 1.4 * true.pressure.depth)).findings
+    assert finding.values["sensor"] == "pressure"
+
+
+@pytest.mark.parametrize(("factors", "axes"), [([1, -1, 1], "+x -y +z"), ([1, 1, -1], "+x +y -z")])
+def test_velocity_with_one_axis_negated_is_named(factors, axes):
+    (finding,) = judged(with_velocity(dive(), factors)).findings
+    assert (finding.severity, finding.values["sensor"]) == ("error", "DVL")
+    assert finding.values["value"] == axes
+
+
+def test_accelerations_of_gravity_alone_accuse_nobody():
+    true = dive()
+    gravity = Rotation.from_quat(true.imu.quaternion).inv().apply([0.0, 0.0, -9.81])
+    assert judged(with_imu(true, acceleration=gravity)).findings == []
+
+
+@pytest.mark.parametrize("angle", ["yaw", "pitch", "roll"])
+def test_angle_that_grows_the_other_way_is_named(angle):
+    true = dive()
+    sign = np.where(np.array(["yaw", "pitch", "roll"]) == angle, -1, 1)
+    angles = sign * Rotation.from_quat(true.imu.quaternion).as_euler("ZYX")
+    found = judged(with_imu(true, quaternion=Rotation.from_euler("ZYX", angles).as_quat()))
+    (finding,) = found.findings
+    assert finding.severity == "error"
+    assert "IMU's orientation" in finding.values.get("sensors", [finding.values.get("sensor")])
 
 
 def test_orientation_that_stands_still_does_not_blame_the_rates_alone():

@@ -5,7 +5,8 @@
 - images and attitude: the turn of the upper camera from one image to the next,
 - images and DVL: the direction in which the camera went,
 - pressure and DVL: the depth against the integral of the DVL's vertical velocity,
-- attitude and DVL: the plane through a ping's returns, turned into the global frame, stands still.
+- attitude and DVL: the plane through a ping's returns, turned into the global frame, stands still,
+- acceleration and DVL: the change of the DVL's velocity against the integral of what the IMU feels.
 
 Turns about the tray's axis are left out: the play of its servo looks like a time offset.
 """
@@ -28,15 +29,16 @@ from hullrecon.navigation.sensors.servo import Servo
 from hullrecon.navigation.sensors.smoothing import local_line, running_median
 from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.records.clock import NS, seconds
-from hullrecon.records.sensors import DvlPings, PressureSamples
+from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Mask
 
 # The largest relative offsets found on 56 simulated dives with right clocks: images and attitude
 # 0.017 s, images and DVL 0.14, pressure and DVL 0.16, attitude and DVL 0.21. Sigmas of the
 # systematic part, s:
-TURN_S, DIRECTION_S, DEPTH_S, HULL_S = 0.01, 0.05, 0.05, 0.04
+TURN_S, DIRECTION_S, DEPTH_S, HULL_S, PUSH_S = 0.01, 0.05, 0.05, 0.04, 0.02
 LEAST_MOTIONS = 10
+LEAST_DEPTH_BLOCKS = 4  # few tell a sigma badly, but DEPTH_S is the most of it
 TURN_SIGMA_RAD = 0.0015  # of the attitude's turn between two images
 STEP_SIGMA_M = 0.003  # of the DVL's step between two images
 DIRECTION_SIGMA_RAD = 0.02  # of the step's direction in the camera
@@ -45,6 +47,10 @@ TRUSTED = 3.0  # sigmas; larger residuals are clipped when the mount is estimate
 TRAY_AXIS = np.array([0.0, 1.0, 0.0])  # of tray and vehicle
 TURNED_S = 1.0  # between three normals of the hull, whose second difference is the residual
 SUNK_S = 2.0  # between three depths; second differences cancel the steady rate of a wrong mount
+PUSHED_S = 0.8  # between three velocities; second differences cancel gravity and a bias
+PUSHED_BLOCK_S = 3.0  # over which their errors are common: roll and pitch that are off
+STILL = 0.1  # of the DVL's changes: accelerations that change by less tell no motion
+GRAVITY = 9.81  # m/s2, that accelerations have to hold: some sensors take it off
 LATE = 0.3  # largest delay of the next ping, as a share of the spacing
 BLOCK_S, LEAST_BLOCKS, LEAST_ROWS, MOST_ROWS = 10.0, 6, 60, 5_000
 NEIGHBOURS, JUMP_M = 9, 0.15  # pings to a median, and how far a range may be from it
@@ -224,7 +230,8 @@ def compare_depth(
         apart = (depth - sunk(_shift_ns(offsets, Sensor.IMU, Sensor.DVL)))[triples[rows]]
         return np.asarray((apart[:, 0] - 2 * apart[:, 1] + apart[:, 2])[:, None])
 
-    return _compare_with_dvl(t_ns, triples, Sensor.PRESSURE, DEPTH_S, evaluate)
+    found = _compare_with_dvl(t_ns, triples, Sensor.PRESSURE, DEPTH_S, evaluate)
+    return replace(found, least_blocks=LEAST_DEPTH_BLOCKS)
 
 
 def compare_hull_turns(
@@ -253,6 +260,48 @@ def compare_hull_turns(
         return np.asarray((bend * axis[of[:, 1]]).sum(axis=1, keepdims=True))
 
     return _compare_with_dvl(t_ns, triples, Sensor.IMU, HULL_S, evaluate)
+
+
+def compare_pushes(
+    dvl: DvlPings, imu: ImuSamples, attitude: AttitudeHistory, servo: Servo, rig: Rig
+) -> Comparison | None:
+    """Compare IMU and DVL by the change of the DVL's velocity.
+
+    None without pings, or without accelerations that hold gravity.
+    """
+    felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
+    is_felt = np.isfinite(felt).all(axis=1)
+    felt_ns, felt = imu.t_ns[is_felt], felt[is_felt]
+    known = np.isfinite(dvl.velocity).all(axis=1)
+    t_ns = dvl.t_ns[known]
+    triples = _rows_apart(t_ns, PUSHED_S)
+    holds_gravity = len(felt) > 1 and np.linalg.norm(np.median(felt, axis=0)) > GRAVITY / 2
+    if not len(triples) or not holds_gravity:
+        return None
+    t_s, felt_s = (seconds(of, int(t_ns[0])) for of in (t_ns, felt_ns))
+    pushed = integral(felt_s, felt)
+    velocity = _vehicle_from_dvl(servo, rig, t_ns).apply(dvl.velocity[known])
+    lever = tray_poses(rig.tray_origin, servo.angle_at(t_ns)).apply(rig.tray_from_dvl.translation)
+    attitude_at = _lookup(attitude)
+
+    def evaluate(offsets: Offsets, rows: Ints) -> Array:
+        shift_ns = _shift_ns(offsets, Sensor.IMU, Sensor.DVL)
+        at_ns, at_s = t_ns + shift_ns, t_s + shift_ns / NS
+        level = attitude_at(at_ns)
+        swept = np.gradient(level.apply(lever), t_s, axis=0)
+        apart = level.apply(velocity) - swept - pushed.at(at_s)
+        apart[(at_s < felt_s[0]) | (at_s > felt_s[-1])] = np.nan
+        return _second_difference(apart, triples[rows])
+
+    felt_change, change = (
+        float(np.sqrt(np.mean(np.square(_second_difference(of, triples)))))
+        for of in (pushed.at(t_s), attitude_at(t_ns).apply(velocity))
+    )
+    if felt_change < STILL * change:
+        return None  # gravity alone: filtered, as the vertical of an attitude
+    found = _compare_with_dvl(t_ns, triples, Sensor.IMU, PUSH_S, evaluate)
+    block = (found.begin_ns - t_ns[0]) // round(PUSHED_BLOCK_S * NS)
+    return replace(found, block=np.asarray(block, np.int64))
 
 
 def hull_normals(dvl: DvlPings) -> tuple[Ints, Array]:
@@ -324,6 +373,11 @@ def _compare_with_dvl(
         least_rows=LEAST_ROWS,
         least_blocks=LEAST_BLOCKS,
     )
+
+
+def _second_difference(values: Array, triples: Ints) -> Array:
+    first, middle, last = values[triples].transpose(1, 0, 2)
+    return np.asarray(first - 2 * middle + last)
 
 
 def _shift_ns(offsets: Offsets, sensor: Sensor, other: Sensor) -> int:

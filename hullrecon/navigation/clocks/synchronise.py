@@ -21,6 +21,7 @@ from hullrecon.navigation.clocks.comparisons import (
     compare_depth,
     compare_directions,
     compare_hull_turns,
+    compare_pushes,
     compare_turns,
 )
 from hullrecon.navigation.clocks.time_offsets import (
@@ -107,7 +108,10 @@ def synchronise(
     elif _is_a_minute_off(logs):
         comparisons = []
     else:
-        comparisons = [compare_hull_turns(logs.dvl, attitude, tray, rig)]
+        comparisons = [
+            compare_hull_turns(logs.dvl, attitude, tray, rig),
+            compare_pushes(logs.dvl, logs.imu, attitude, tray, rig),
+        ]
     if logs.pressure is not None:
         comparisons.append(compare_depth(logs.dvl, attitude, logs.pressure, tray, rig))
 

@@ -5,6 +5,8 @@
 - pressure and DVL: the change of depth against the integral of the DVL's vertical velocity,
 - rates and attitude: the integral of an IMU's rates against the turn of its orientation,
 - attitude and acceleration: gravity points down,
+- acceleration and DVL: the integral of what the IMU feels, less gravity, against the change of the
+  DVL's velocity,
 - images and DVL: the features' motion against that of a hull at the DVL's range, seen by a camera
   that moves by the DVL's velocity and turns by the attitude,
 - DVL's velocity and ranges: the hull stands still where the DVL comes nearer to it or turns.
@@ -37,7 +39,8 @@ from hullrecon.typing import Array, Ints
 
 # one sigma of the features' motion: of the whole, of all in common (range, curvature), and in rad
 FLOW_SHARE, FLOW_SCALE, FLOW_RAD = 0.05, 0.03, 0.003
-SUNK_S, TURNED_S, NEARED_S = 3.0, 1.0, 2.0  # of the windows in which motions are compared
+# of the windows in which motions are compared
+SUNK_S, TURNED_S, NEARED_S, PUSHED_S = 3.0, 1.0, 2.0, 1.0
 LEAST_WINDOWS, MOST_WINDOWS = 4, 2000
 LONGEST_GAP_S = 1.5  # between two readings of a window
 SMOOTH_S = 0.4  # of pressure and ranges
@@ -51,7 +54,13 @@ RELIEF_M, RELIEF_RAD = 0.03, 0.03  # plates, weld seams and curvature within a w
 LEVELS = np.linspace(0.25, 0.75, 5)  # quantiles of the depth that are held against the surface
 HIGHEST_M, SURFACE_SIGMA_M = 1.0, 0.3  # a sensor at the surface, the day's air pressure
 GRAVITY, GRAVITY_SIGMA = 9.81, 1.0  # m/s2, of a median over the dive
+# m/s2 of a MEMS accelerometer's bias and of roll and pitch (half a degree), m/s of thrusters'
+# vibration in a window, m between the IMU and the vehicle's origin
+FELT_BIAS_M_S2, PUSHED_SIGMA_M_S, IMU_LEVER_M = 0.1, 0.02, 0.2
+PUSHED_SHARE = 0.05  # of an accelerometer's scale and axes
 DEPTH_SIGMA_M = 0.005  # of a change of depth: what two smoothed readings leave at least
+ROUGH_SHARE = 0.4  # of LATE_S, by which the smoothing of two sensors differs from time to time
+STILL = 0.1  # of the others' motion: a signal that moves by less is constant
 CLIP = 4.0  # sigmas, beyond which a residual costs no more
 GAIN = 25.0  # of chi-square beyond its mean: five sigmas, as in navigation/clocks
 MISFIT = 2.0  # of chi-square by row: 1.2 at most on 17 faultless dives, 3.3 to 11 with faults
@@ -82,21 +91,44 @@ class Flow:
 class Comparison:
     """Residuals of two sensors' measurements of one motion."""
 
-    kind: str  # "level", "turn", "gravity", "depth", "flow", "range" or "hull"
+    kind: str  # "level", "turn", "gravity", "push", "depth", "flow", "range" or "hull"
     sensors: frozenset[Sensor]
     residual: Array  # (n,)
     sigma: Array  # (n,)
     nuisance: Array  # (n, k) change of the residual for one sigma of each error that is no fault
     first: Array  # (n,) the motion by the sensor that is compared
     second: Array  # (n,) the same by the others
-    vouches: bool = False  # speaks for its sensors and is too coarse to accuse one
+    vouches: bool = False  # speaks for its sensors; too coarse to accuse one, but of a sign
+    opposite: Array | None = None  # (n,) the residual if the first sensor had the other sign
+
+    @property
+    def accuses(self) -> bool:
+        """Tell whether the residuals show that a sensor is wrong."""
+        return self.is_reversed or (self.is_contradiction and not self.vouches)
 
     @property
     def is_contradiction(self) -> bool:
         """Tell whether the residuals are beyond what faultless sensors leave."""
         left, common = self._fit
         rows, chi2 = len(self.residual), _clipped(left)
-        return (chi2 - rows > GAIN and chi2 > MISFIT * rows) or bool((common**2).sum() > GAIN)
+        beyond = chi2 - rows > GAIN and chi2 > MISFIT * rows
+        return beyond or bool((common**2).sum() > GAIN) or self.is_reversed
+
+    @property
+    def is_reversed(self) -> bool:
+        """Tell whether the motions agree with the opposite sign, whatever the size of the noise."""
+        if self.opposite is None:
+            return False
+        as_is, other = self._left(self.residual), self._left(self.opposite)
+        rows = len(self.residual) - self.nuisance.shape[1]
+        return bool(rows * np.log((as_is + 1e-9) / (other + 1e-9)) > GAIN)
+
+    def _left(self, residual: Array) -> float:
+        """Sum the squares that the nuisances leave of residuals, in sigmas."""
+        z, design = residual / self.sigma, self.nuisance / self.sigma[:, None]
+        prior = np.eye(design.shape[1])
+        left = z - design @ np.linalg.solve(design.T @ design + prior, design.T @ z)
+        return float(left @ left)
 
     @property
     def misfit(self) -> float:
@@ -154,11 +186,13 @@ def compare_all(
         found.append(compare_rates(imu))
     if imu is not None and of & {Sensor.ACCELERATION, Sensor.ATTITUDE}:
         found.append(compare_gravity(imu))
-    if of & {Sensor.PRESSURE, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY, Sensor.CAMERA}:
+    if of - {Sensor.RATES}:
         track = track_of(records, rig) if track is None else track
         if track is not None:
-            if of != {Sensor.CAMERA}:
+            if of & {Sensor.PRESSURE, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}:
                 found.append(compare_depth(records, track))
+            if imu is not None and of - {Sensor.PRESSURE, Sensor.CAMERA}:
+                found.append(compare_push(imu, track))
             if dvl is not None and of != {Sensor.PRESSURE}:
                 found.append(compare_flow(dvl, rig, flows, track))
             if dvl is not None and of & {Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}:
@@ -214,6 +248,47 @@ def compare_gravity(imu: ImuSamples) -> Comparison | None:
         nuisance=np.zeros((3, 0)),
         first=mean,
         second=down,
+    )
+
+
+def compare_push(imu: ImuSamples, track: Track) -> Comparison | None:
+    """Compare the change of the DVL's velocity with what the IMU's accelerations make of it.
+
+    None without accelerations, of a sensor that has gravity taken off, or gives nothing else.
+    """
+    felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
+    known = np.isfinite(felt).all(axis=1)
+    if known.sum() < 2 or np.linalg.norm(np.median(felt[known], axis=0)) < GRAVITY / 2:
+        return None
+    start, read_ns = int(track.t_ns[0]), imu.t_ns[known]
+    inside = (track.t_ns >= read_ns[0]) & (track.t_ns <= read_ns[-1])
+    windows = _windows(track.t_ns, PUSHED_S, inside)
+    if len(windows) < LEAST_WINDOWS:
+        return None
+    t_s, read_s = track.way.t_s, seconds(read_ns, start)
+    pushed = integral(read_s, felt[known] + [0.0, 0.0, GRAVITY]).at(t_s)
+    swept = local_line(t_s, track.lever, t_s, SMOOTH_S)[1]
+    by_dvl, by_imu = (
+        _over(local_line(t_s, speed, t_s, SMOOTH_S)[0], windows)
+        for speed in (track.way.signal - swept, pushed)
+    )
+    if _rms(by_imu) < STILL * _rms(by_dvl):
+        return None  # gravity alone: filtered, as the vertical of an attitude
+    slope = local_line(t_s, pushed, t_s, SMOOTH_S)[1]
+    late = LATE_S * _over(slope, windows)
+    turn = track.global_from_vehicle[windows[:, 0]].inv()
+    spun = IMU_LEVER_M * (turn * track.global_from_vehicle[windows[:, 1]]).magnitude()
+    lasts = np.asarray(_over(t_s, windows))[:, None, None]
+    biased = FELT_BIAS_M_S2 * lasts * track.global_from_vehicle[windows[:, 0]].as_matrix()
+    sigma = np.hypot(PUSHED_SIGMA_M_S, spun)[:, None] * np.ones(3)
+    return Comparison(
+        kind="push",
+        sensors=frozenset({Sensor.ACCELERATION, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}),
+        residual=(by_dvl - by_imu).ravel(),
+        sigma=np.hypot(sigma, PUSHED_SHARE * by_imu).ravel(),
+        nuisance=np.concatenate([biased.reshape(-1, 3), late.reshape(-1, 1)], axis=1),
+        first=by_dvl.ravel(),
+        second=by_imu.ravel(),
     )
 
 
@@ -274,13 +349,13 @@ def compare_depth(records: SensorRecords, track: Track) -> Comparison | None:
     way = _over(track.way.total, windows)
     sunk = _over(smooth, windows) - way[:, 2] + _over(track.lever[:, 2], windows)
     rate = track.way.signal[:, 2]
-    late = LATE_S * np.abs(rate[windows[:, 1]] - rate[windows[:, 0]])
+    late = LATE_S * _over(rate, windows)
     return Comparison(
         kind="depth",
         sensors=frozenset({Sensor.PRESSURE, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}),
         residual=sunk,
-        sigma=np.sqrt(2 * left**2 + DEPTH_SIGMA_M**2 + late**2),
-        nuisance=_tilted(track, windows, way),
+        sigma=np.sqrt(2 * left**2 + DEPTH_SIGMA_M**2 + (ROUGH_SHARE * late) ** 2),
+        nuisance=np.column_stack([_tilted(track, windows, way), late]),
         first=_over(smooth, windows),
         second=way[:, 2],
     )
@@ -321,6 +396,8 @@ def compare_ranges(dvl: DvlPings, track: Track) -> list[Comparison]:
     way = _over(track.way.total[rows], windows)
     middle = 0.5 * (seen[first] + seen[last])
     nearer = _over(distance, windows) + (middle * way).sum(axis=1)
+    toward = track.global_from_dvl.inv().apply(track.way.signal) * [1.0, 1.0, -1.0]
+    mirrored = integral(track.way.t_s, track.global_from_dvl.apply(toward)).total[rows]
     turned = ((seen[last] - seen[first]) * axis[first]).sum(axis=1)
     along = (way * axis[first]).sum(axis=1)
     return [
@@ -333,6 +410,7 @@ def compare_ranges(dvl: DvlPings, track: Track) -> list[Comparison]:
             first=(middle * way).sum(axis=1),
             second=-_over(distance, windows),
             vouches=True,
+            opposite=nearer + (middle * (_over(mirrored, windows) - way)).sum(axis=1),
         ),
         Comparison(
             kind="hull",
@@ -343,6 +421,7 @@ def compare_ranges(dvl: DvlPings, track: Track) -> list[Comparison]:
             first=turned,
             second=_over(normal, windows)[:, 1],
             vouches=True,
+            opposite=turned - 2 * _over(normal, windows)[:, 1],
         ),
     ]
 

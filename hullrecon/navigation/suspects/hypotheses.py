@@ -119,6 +119,9 @@ def _of_dvl(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
     for (fault, value), (velocity, exact) in readings.items():
         held = replace(records, dvl=replace(dvl, velocity=velocity))
         yield Hypothesis(sensor=Sensor.DVL, fault=fault, value=value, mended=held, exact=exact)
+    for late_s in LATE_S:
+        held = replace(records, dvl=replace(dvl, t_ns=dvl.t_ns - round(late_s * NS)))
+        yield Hypothesis(sensor=Sensor.DVL, fault="clock", value=f"{late_s:g} s", mended=held)
 
 
 def _of_rates(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
@@ -134,14 +137,26 @@ def _of_rates(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
 
 def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
     attitude = Rotation.from_quat(imu.quaternion)
+    angles = attitude.as_euler("ZYX")
     turned = {
         ("order", "inverse"): attitude.inv(),
         ("order", "w x y z"): Rotation.from_quat(imu.quaternion[:, [1, 2, 3, 0]]),
+        ("order", "of roll and pitch exchanged"): Rotation.from_euler("ZYX", angles[:, [0, 2, 1]]),
         ("frame", "global axes"): NED_FROM_ENU * attitude,
+        ("frame", "the orientation's axes alone"): NED_FROM_ENU * attitude * FRD_FROM_FLU,
     }
+    for signs in itertools.product([1.0, -1.0], repeat=3):
+        name = " and ".join(
+            n for n, s in zip(("yaw", "pitch", "roll"), signs, strict=True) if s < 0
+        )
+        if name:
+            turned["sign", name] = Rotation.from_euler("ZYX", angles * signs)
     for (fault, value), rotation in turned.items():
         held = replace(records, imu=replace(imu, quaternion=rotation.as_quat()))
         yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=held)
+    for late_s in LATE_S:
+        held = replace(records, imu=replace(imu, t_ns=imu.t_ns - round(late_s * NS)))
+        yield Hypothesis(sensor=Sensor.ATTITUDE, fault="clock", value=f"{late_s:g} s", mended=held)
     frd = np.array([1.0, -1.0, -1.0])
     for value, rotation in (
         ("all axes", NED_FROM_ENU * attitude * FRD_FROM_FLU),

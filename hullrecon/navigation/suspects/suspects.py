@@ -19,6 +19,7 @@ import numpy as np
 from hullrecon.findings.finding import Finding
 from hullrecon.navigation.suspects.comparisons import (
     GAIN,
+    STILL,
     Comparison,
     Flow,
     Sensor,
@@ -31,7 +32,6 @@ from hullrecon.rig import Rig
 
 ALIKE = 4.0  # hypotheses whose chi-squares differ by less explain as much (navigation/clocks)
 EXPLAINED = 0.4  # of a motion, which the residuals of a hypothesis that explains it stay below
-STILL = 0.1  # of the others' motion: a signal that moves by less is constant
 GROSS = 0.6  # of a motion; a contradiction that size makes a path worthless
 KEPT = 0.5  # of the rows of a comparison, which a hypothesis leaves to judge it by
 SHOWN = 8  # hypotheses by contradiction that are listed
@@ -94,17 +94,18 @@ def judge(
     tried: list[Tried] = []
     for _ in range(FAULTS):
         base = compare_all(records, rig, flows=flows)
-        wrong = [c for c in base if c.is_contradiction and not c.vouches]
+        wrong = [c for c in base if c.accuses]
         if not wrong:
             break
         found = _try_all(records, rig, atmosphere_m, base, flows)
         tried += [one for _, one in found[:SHOWN]]
         best = [(h, one) for h, one in found if one.explains]
-        best = [(h, one) for h, one in best if one.chi2 < best[0][1].chi2 + ALIKE]
+        best = [pair for pair in best if _explains_as_much(*pair, *best[0])]
         sensors = list(dict.fromkeys(h.sensor for h, _ in best))
         late = [h for h, _ in best if h.fault == "clock"]
-        if late:
-            values = {"sensor": str(late[0].sensor), "value": late[0].value}
+        if late:  # a swell repeats itself: of offsets that fit as well, the least
+            least = min(late, key=lambda h: abs(float(h.value.removesuffix(" s"))))
+            values = {"sensor": str(least.sensor), "value": least.value}
             findings.append(Finding("sensors-late", values))
         elif len(sensors) != 1:
             findings.append(_describe_unknown(records, sensors, wrong, base))
@@ -118,6 +119,16 @@ def judge(
     return Judged(records=records, findings=findings, tried=tried)
 
 
+def _explains_as_much(one: Hypothesis, tried: Tried, best: Hypothesis, least: Tried) -> bool:
+    """Tell whether a hypothesis explains as much as the best.
+
+    A factor of the depths or its reciprocal of the velocities are one to the comparison of both,
+    but for the noise, which grows with the factor.
+    """
+    factors = one.fault == best.fault == "scale"
+    return tried.chi2 < least.chi2 + (GAIN if factors else ALIKE)
+
+
 def _try_all(
     records: SensorRecords,
     rig: Rig,
@@ -126,7 +137,7 @@ def _try_all(
     flows: Sequence[Flow],
 ) -> list[tuple[Hypothesis, Tried]]:
     """Make the comparisons again under each hypothesis. Those that explain most come first."""
-    wrong = [c for c in base if c.is_contradiction and not c.vouches]
+    wrong = [c for c in base if c.accuses]
     suspects = frozenset().union(*(c.sensors for c in wrong))
     before = sum(c.chi2 for c in base)
     track = track_of(records, rig)
@@ -142,7 +153,7 @@ def _try_all(
             _chi2_left(c, after.get(c.kind)) - c.chi2 for c in base if one.sensor in c.sensors
         )
         solved = one.fault == "constant" or all(_is_solved(c, after.get(c.kind)) for c in own)
-        sound = not any(c.is_contradiction and not c.vouches for c in after.values())
+        sound = not any(c.accuses for c in after.values())
         out.append(
             (
                 one,
@@ -152,7 +163,9 @@ def _try_all(
                     value=one.value,
                     chi2=chi2,
                     chi2_before=before,
-                    explains=solved and sound and chi2 < before - GAIN,
+                    explains=solved
+                    and sound
+                    and (chi2 < before - GAIN or any(c.is_reversed for c in own)),
                 ),
             )
         )
@@ -170,7 +183,7 @@ def _is_solved(before: Comparison, after: Comparison | None) -> bool:
     """Tell whether a hypothesis explains a contradiction, not by having fewer rows."""
     if after is None or len(after.residual) < KEPT * len(before.residual):
         return False
-    return after.misfit < EXPLAINED
+    return after.misfit < EXPLAINED or (before.is_reversed and not after.is_contradiction)
 
 
 def _describe(
