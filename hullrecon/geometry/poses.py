@@ -169,8 +169,9 @@ def pose_from_vector(values: Array) -> Poses:
 def tray_poses(origin_m: ArrayLike, angle_rad: ArrayLike) -> Poses:
     """Compute vehicle_from_tray = Trans(origin) Ry(theta) for angles (n,)."""
     angle = np.atleast_1d(np.asarray(angle_rad, float))
+    zero = np.zeros(len(angle))
     return Poses(
-        Rotation.from_euler("y", angle[:, None]).as_quat(),
+        np.stack([zero, np.sin(0.5 * angle), zero, np.cos(0.5 * angle)], axis=1),
         np.tile(np.asarray(origin_m, float), (len(angle), 1)),
     )
 

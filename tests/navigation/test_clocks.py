@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import fields, replace
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -46,6 +46,7 @@ def measure(swum, logged):
     true_s = (logged.top.t_ns - START_NS) * 1e-9
     camera = swum.cameras(true_s)
 
+    @cache
     def between(first: int, second: int):
         rng = np.random.default_rng([5, first, second])
         found = (camera[second].inverse() @ camera[first]).matrix()[0]

@@ -122,18 +122,15 @@ def compare_turns(
     tray_from_top = rig.tray_from(Camera.TOP).rotation
     axis = tray_from_top.inv().apply(TRAY_AXIS)
     sigma = np.hypot(motions.sigma_rad[:, :1], TURN_SIGMA_RAD)
-    attitude_at = _lookup(attitude)
+    attitude_at, seen = _lookup(attitude), motions.second_from_first.rotation.inv()
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
         shift_ns = _shift_ns(offsets, Sensor.IMU, Sensor.IMAGES)
-        first, second = (
-            attitude_at(t_ns + shift_ns)
-            * tray_poses(rig.tray_origin, servo.angle_at(t_ns + shift_ns)).rotation
-            * tray_from_top
-            for t_ns in (motions.first_ns[rows], motions.second_ns[rows])
-        )
-        seen = motions.second_from_first.rotation[rows]
-        turn = (seen.inv() * second.inv() * first).as_rotvec()
+        t_ns = np.concatenate([motions.first_ns[rows], motions.second_ns[rows]]) + shift_ns
+        tray = tray_poses(rig.tray_origin, servo.angle_at(t_ns)).rotation
+        camera = attitude_at(t_ns) * tray * tray_from_top
+        first, second = camera[: len(rows)], camera[len(rows) :]
+        turn = (seen[rows] * second.inv() * first).as_rotvec()
         turn[_outside(motions, rows, shift_ns, attitude.t_ns)] = np.nan
         return np.asarray((turn - (turn * axis).sum(axis=1, keepdims=True) * axis) / sigma[rows])
 
@@ -157,15 +154,13 @@ def compare_directions(
     # in axes halfway between those of the two images, in which the DVL measured its step
     halfway = Rotation.from_rotvec(0.5 * motions.second_from_first.rotation.as_rotvec())
     seen = -_directions(halfway.inv().apply(motions.second_from_first.translation))
-    lever = top_from_dvl.translation
+    lever, turned = top_from_dvl.translation, top_from_dvl.rotation
     swept = halfway.inv().apply(lever) - halfway.apply(lever)
 
     def step(shift_s: float, rows: Ints) -> Array:
-        first, second = (
-            path.at(seconds(t_ns[rows], start) + shift_s)
-            for t_ns in (motions.first_ns, motions.second_ns)
-        )
-        return np.asarray(top_from_dvl.rotation.apply(second - first) - swept[rows])
+        t_ns = np.concatenate([motions.first_ns[rows], motions.second_ns[rows]])
+        at = path.at(seconds(t_ns, start) + shift_s)
+        return np.asarray(turned.apply(at[len(rows) :] - at[: len(rows)]) - swept[rows])
 
     # the same for all offsets: otherwise offsets with the shortest steps would fit best
     length = np.linalg.norm(step(0.0, np.arange(len(motions))), axis=1)
@@ -178,11 +173,11 @@ def compare_directions(
         aside = np.cross(seen[rows], _directions(step(shift_ns / NS, rows)))
         unknown = _outside(motions, rows, shift_ns, velocities.t_ns)
         aside[unknown] = 0.0
-        of, turned = sigma[rows], by_mount[rows]
+        of, across = sigma[rows], by_mount[rows]
         trusted = np.clip(aside, -TRUSTED * of, TRUSTED * of)
-        information = (turned / of[:, :, None] ** 2).sum(axis=0) + np.eye(3) / MOUNT_SIGMA_RAD**2
+        information = (across / of[:, :, None] ** 2).sum(axis=0) + np.eye(3) / MOUNT_SIGMA_RAD**2
         mount = np.linalg.solve(information, (trusted / of**2).sum(axis=0))
-        found = (aside - turned @ mount) / of
+        found = (aside - across @ mount) / of
         found[unknown] = np.nan
         return np.asarray(found)
 
