@@ -3,6 +3,7 @@
 """The installed command as a user runs it, and what two runs must have in common."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -15,16 +16,19 @@ TINY = ("--legs", 1, "--marks", 0, "--image-width", 320, "--image-height", 256)
 
 
 class Shell:
-    """The command `hullrecon`, in a folder of its own."""
+    """The command `hullrecon`, in a folder of its own. Without pdf its reports have none."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, *, pdf=True):
         self.folder = folder
         self.program = Path(sys.executable).parent / "hullrecon"
+        without = {} if pdf else {"PYTHONPATH": str(Path(__file__).parent / "without_pango")}
+        self.environment = {**os.environ, **without}
 
     def start(self, *arguments):
         return subprocess.Popen(
             [self.program, *map(str, arguments)],
             cwd=self.folder,
+            env=self.environment,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
@@ -34,6 +38,7 @@ class Shell:
         done = subprocess.run(
             [self.program, *map(str, arguments)],
             cwd=self.folder,
+            env=self.environment,
             capture_output=True,
             text=True,
             check=False,

@@ -8,11 +8,12 @@ import random
 import time
 
 import pytest
-from end_to_end.shell import COARSE, without_run_blocks
+from end_to_end.shell import COARSE, Shell, without_run_blocks
 
 
 @pytest.mark.slow
-def test_run_killed_four_times_ends_with_the_same_bytes(shell, tiny):
+def test_run_killed_four_times_ends_with_the_same_bytes(tmp_path, tiny):
+    shell = Shell(tmp_path, pdf=False)
     shell("run", tiny, "--runs", "whole", *COARSE)
     whole = without_run_blocks(shell.folder / "whole")
     rng = random.Random(20)

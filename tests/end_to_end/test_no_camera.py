@@ -5,6 +5,7 @@ hull bound its drift.
 """
 
 import json
+import shutil
 
 import pytest
 from end_to_end import claims
@@ -40,12 +41,15 @@ DIVE = (
 @pytest.fixture(scope="module")
 def shell(tmp_path_factory):
     """The dive, run with planes into `with` and without them into `without`."""
-    shell = Shell(tmp_path_factory.mktemp("no_camera"))
+    shell = Shell(tmp_path_factory.mktemp("no_camera"), pdf=False)
     shell("simulate", "dive", *DIVE)
     path = shell.folder / "dive" / "dive.toml"
     text = path.read_text()
     path.write_text(text[: text.index("[hull]")])
     shell("run", "dive", "--runs", "with")
+    shutil.copytree(
+        shell.folder / "with", shell.folder / "without"
+    )  # up to navigate it is the same
     shell("run", "dive", "--runs", "without", "--set", "links.planes=false")
     return shell
 
