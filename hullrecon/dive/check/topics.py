@@ -92,11 +92,16 @@ def readable_as(channel: Channel) -> list[str]:
     sensors = [
         sensor for sensor, types in TYPES.items() if is_decoded and type_name(channel) in types
     ]
-    return ["position"] if "position" in sensors and _words(channel) & POSITION_WORDS else sensors
+    return (
+        ["position"]
+        if "position" in sensors and words_of(channel.topic) & POSITION_WORDS
+        else sensors
+    )
 
 
-def _words(channel: Channel) -> set[str]:
-    return set(re.split(r"[^a-z]+", channel.topic.lower()))
+def words_of(topic: str) -> set[str]:
+    """Split a topic's name into words."""
+    return set(re.split(r"[^a-z]+", topic.lower()))
 
 
 def _unread_code(channel: Channel) -> str:
@@ -104,7 +109,7 @@ def _unread_code(channel: Channel) -> str:
 
     Returns the code of the finding, "" for a topic that may be of use.
     """
-    kind, words, sensors = type_name(channel), _words(channel), readable_as(channel)
+    kind, words, sensors = type_name(channel), words_of(channel.topic), readable_as(channel)
     if kind in BY_TYPE:
         return BY_TYPE[kind]
     if (

@@ -26,6 +26,7 @@ class DepthSignal:
 
     values: list[float] = field(default_factory=list)  # as logged: a pressure, or m
     is_pressure: bool = False
+    is_number: bool = False  # a depth without a convention which way it grows
     _every_ns: int = NS
     _next_ns: int = 0
 
@@ -41,6 +42,7 @@ class DepthSignal:
                 self.is_pressure = True
                 self.values.append(sample.pascal)
             elif isinstance(sample, DepthSample):
+                self.is_number = not sample.is_up
                 self.values.append(sample.height)
         if len(self.values) > MOST_READINGS:
             self.values, self._every_ns = self.values[::2], 2 * self._every_ns
@@ -61,6 +63,12 @@ class DepthSignal:
             if known.min() * scale >= LOWEST_AIR_PA and known.max() * scale <= deepest_pa
         ]
         return fitting[-1] if fitting else None
+
+    @property
+    def grows_up(self) -> bool:
+        """Tell whether a number is negative below the water, as heights are."""
+        known = self._known()
+        return self.is_number and len(known) > 0 and bool(np.median(known) < -STILL_M)
 
     @property
     def span_m(self) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 
 from hullrecon.dive.check.contents import describe_losses
 from hullrecon.dive.check.requirements import missing, needs
-from hullrecon.dive.check.topics import describe_unused, unread_dvls
+from hullrecon.dive.check.topics import COMMAND_WORDS, describe_unused, unread_dvls, words_of
 from hullrecon.dive.init.depth_signal import DepthSignal, drop_still
 from hullrecon.dive.logs.fixed_frames import MOST_FRAME_MESSAGES, is_static
 from hullrecon.dive.logs.lost_values import UNFILLED
@@ -30,13 +30,14 @@ from hullrecon.records.clock import NS, format_time
 NAMED = {
     "dvl": ("dvl",),
     "imu": ("imu", "ahrs", "attitude"),
-    "pressure": ("pressure", "depth", "bar30", "vfr_hud"),
+    "pressure": ("pressure", "depth", "bar30", "vfr_hud", "rel_alt"),
     "joints": ("joint",),
     "sonar": ("sonar", "oculus", "fls"),
     "position": ("usbl", "gps", "gnss"),
 }
 UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "cam1")
 DIFFERENTIAL = ("diff", "gauge", "relative")
+NO_DEPTH = COMMAND_WORDS | {"temp", "temperature", "target", "desired", "reference", "variance"}
 IMU = "sensor_msgs/msg/Imu"
 MOST_NOTES = 2  # of a reader in one line
 MOST_DECODED = 256  # channels whose first message is looked at: each definition is compiled
@@ -254,9 +255,10 @@ def _is_of_dvl(topic: TopicNote) -> bool:
     return isinstance(topic.first, ImuSample | DepthSample) and topic.first.of_dvl
 
 
-def _is_differential(topic: TopicNote) -> bool:
-    """Tell whether a pressure is differential, by its name or by values below the air's."""
-    if any(part in topic.channel.topic.lower() for part in DIFFERENTIAL):
+def _is_no_depth(topic: TopicNote) -> bool:
+    """Tell whether a topic is no depth by its name, or a pressure by values below the air's."""
+    name = topic.channel.topic.lower()
+    if any(part in name for part in DIFFERENTIAL) or words_of(name) & NO_DEPTH:
         return True
     return topic.depth.is_pressure and topic.depth.unit is None
 
@@ -347,4 +349,4 @@ def _first(message: Message) -> object:
 
 
 # what no sensor can be, whatever its type
-UNFIT = {"pressure": _is_differential, "imu": _has_no_attitude}
+UNFIT = {"pressure": _is_no_depth, "imu": _has_no_attitude}

@@ -82,6 +82,12 @@ def pressure_unit(summary: LogSummary) -> str | None:
     return None if unit == "Pa" else unit
 
 
+def depth_grows_up(summary: LogSummary) -> bool:
+    """Tell whether the depth's topic holds numbers that are negative below the water."""
+    note = _note_of(summary, "pressure")
+    return note is not None and note.depth.grows_up
+
+
 def beams_to_ask_for(summary: LogSummary) -> int:
     """Count the DVL's beams where the first message has ranges but no directions, else 0."""
     note = _note_of(summary, "dvl")

@@ -15,6 +15,7 @@ from hullrecon.dive.init.log_summary import LogSummary, guess_topics
 from hullrecon.dive.init.proposals import (
     azimuths_to_ask_for,
     beams_to_ask_for,
+    depth_grows_up,
     find_calibration,
     has_attitude_of_dvl,
     imu_frame,
@@ -120,6 +121,7 @@ MOUNT_DEG = """\
 # mount_deg = [roll, pitch, yaw]
 """
 
+BY_SIGN = "# by its values: they are negative below the water"
 BY_VALUES = "# by its values: as pascal they lie above the water"
 
 BEAMS = """\
@@ -153,6 +155,13 @@ MOUNTS = {  # the lines of mounts that no log tells
 }
 
 
+def _depth_lines(unit: str | None, grows_up: bool) -> str:
+    """Write the keys of a pressure or depth that is not as its type has it."""
+    lines = [] if unit is None else [f"{f'unit = {_quote(unit)}'.ljust(33)}{BY_VALUES}\n"]
+    lines += ['z_axis = "up"'.ljust(33) + BY_SIGN + "\n"] if grows_up else []
+    return "".join(lines)
+
+
 def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> str:
     """Write a dive.toml for a folder, with comments for what no log tells.
 
@@ -167,7 +176,7 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
     text = HEAD.format(
         frame=frame,
         why_frame=why_frame,
-        pressure_unit="" if unit is None else f"{f'unit = {_quote(unit)}'.ljust(33)}{BY_VALUES}\n",
+        pressure_unit=_depth_lines(unit, depth_grows_up(summary)),
         mount_deg=MOUNT_DEG if has_attitude_of_dvl(summary) else "",
         folder=_printable(folder.name) or ".",
         name=_quote(

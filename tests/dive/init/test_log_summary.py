@@ -331,6 +331,22 @@ def test_the_pressure_that_follows_the_dive_is_chosen():
     assert pressure_topic(**both) == "/bar30"
 
 
+def test_a_height_and_a_temperature_are_told_from_a_depth():
+    air, number = (FLUID, 102_950 + np.zeros(50)), "std_msgs/msg/Float64"
+    assert pressure_topic(a_pressure=air, rel_alt=(number, -DEPTH_M)) == "/rel_alt"
+    assert pressure_topic(bar30__temperature=(number, 11 + DEPTH_M)) is None
+    assert pressure_topic(depth__setpoint=(number, DEPTH_M), depth=(number, DEPTH_M)) == "/depth"
+    assert DepthSignal(values=list(-DEPTH_M), is_number=True).grows_up
+    assert not DepthSignal(values=list(DEPTH_M), is_number=True).grows_up
+
+
+def test_a_bag_without_metadata_is_found_in_a_package(kit, tmp_path):
+    bag = tmp_path / "logs" / "rosbag2_2026"
+    bag.mkdir(parents=True)
+    kit.mcap(bag / "rosbag2_2026_0.mcap", kit.dive())
+    assert find_logs(tmp_path) == [bag]
+
+
 def test_where_nothing_moves_the_pressure_is_chosen_by_type():
     air = 102_950 + np.zeros(50)
     topics = {"static_pressure": (FLUID, air), "vfr_hud": (HUD, np.full(50, -1.5))}

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -54,6 +55,7 @@ BY_SUFFIX: dict[str, Callable[[Path], Log]] = {
 SONAR_SUFFIXES = (".aris", ".oculus")
 # not sqlite's: others use it too
 TELLING = (mcap_records.MAGIC, bag_records.MAGIC, aris_frames.MAGIC, log_items.MAGIC)
+PART = re.compile(r"_\d+\.(db3|mcap)(\.|$)")  # as the recorder numbers them
 MOST_LOOKED_AT = 50  # files of a folder without a log, for what they are
 FORMS = (
     "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0, AD2CP, ARIS or ViewPoint file, the JSON lines of "
@@ -146,7 +148,7 @@ def _find_logs(path: Path) -> list[Path]:
 
 def _is_log(path: Path) -> bool:
     if path.is_dir():
-        return path.name != "logs" and _holds_log(path)
+        return path.name != "logs" and (_holds_log(path) or _is_bag(path))
     suffix = Path(unpacked_name(path.name)).suffix.lower()
     if suffix in BY_SUFFIX or not path.is_file():
         return suffix in BY_SUFFIX
@@ -197,6 +199,11 @@ def _holds_log(folder: Path) -> bool:
     """Tell whether a folder is itself a log: of CSVs, or with the metadata of ROS 2."""
     names = {p.name for p in folder.iterdir()}
     return METADATA in names or any(f"{sensor}.csv" in names for sensor in COLUMNS)
+
+
+def _is_bag(folder: Path) -> bool:
+    """Tell whether a folder holds parts of a recording of ROS 2 whose metadata are missing."""
+    return any(is_stored(p.name) and PART.search(p.name) for p in folder.iterdir())
 
 
 def _peek(path: Path) -> bytes:
