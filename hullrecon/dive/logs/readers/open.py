@@ -55,7 +55,7 @@ BY_SUFFIX: dict[str, Callable[[Path], Log]] = {
 SONAR_SUFFIXES = (".aris", ".oculus")
 # not sqlite's: others use it too
 TELLING = (mcap_records.MAGIC, bag_records.MAGIC, aris_frames.MAGIC, log_items.MAGIC)
-PART = re.compile(r"_\d+\.(db3|mcap)(\.|$)")  # as the recorder numbers them
+PART = re.compile(r"_\d+$")  # as the recorder numbers them
 MOST_LOOKED_AT = 50  # files of a folder without a log, for what they are
 FORMS = (
     "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0, AD2CP, ARIS or ViewPoint file, the JSON lines of "
@@ -203,7 +203,8 @@ def _holds_log(folder: Path) -> bool:
 
 def _is_bag(folder: Path) -> bool:
     """Tell whether a folder holds parts of a recording of ROS 2 whose metadata are missing."""
-    return any(is_stored(p.name) and PART.search(p.name) for p in folder.iterdir())
+    stems = [Path(unpacked_name(p.name)).stem for p in folder.iterdir() if is_stored(p.name)]
+    return any(stem == folder.name or PART.search(stem) for stem in stems)
 
 
 def _peek(path: Path) -> bytes:
