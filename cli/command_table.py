@@ -29,32 +29,29 @@ ON_A_DIVE = {
     "explain": Entry("run", "explain", "say why a step would run again"),
     "clean": Entry("clean", "clean", "remove artifacts, after asking"),
 }
-STEPS = {
-    "ingest": Entry("steps", "ingest", "read the logs, the calibration and the CAD model"),
-    "navigate": Entry("steps", "navigate", "compute the dead-reckoned trajectory"),
-    "features": Entry("steps", "features", "find features in every image"),
-    "links": Entry(
-        "steps",
-        "links",
-        "link images in rounds, tie passes by the hull, and straighten the path with them",
-    ),
-    "matches": Entry("steps", "matches", "join matches of linked images to feature tracks"),
-    "adjust": Entry("steps", "adjust", "adjust images, DVL ranges and the CAD model together"),
-    "surface": Entry("steps", "surface", "make a surface of the DVL's returns"),
-    "detect": Entry("steps", "detect", "find structures and remesh the hull as found"),
-    "mosaic-optical": Entry("steps", "mosaic-optical", "blend the images on the hull's surface"),
-    "mosaic-sonar": Entry("steps", "mosaic-sonar", "blend the sonar's pings on the hull's surface"),
-    "change": Entry("steps", "change", "say what changed since an earlier dive of the hull"),
-    "report": Entry("steps", "report", "write the deliverables and the report"),
+_STEPS = {
+    "ingest": "read the logs, the calibration and the CAD model",
+    "navigate": "compute the dead-reckoned trajectory",
+    "features": "find features in every image",
+    "links": "link images in rounds, tie passes by the hull, and straighten the path with them",
+    "matches": "join matches of linked images to feature tracks",
+    "adjust": "adjust images, DVL ranges and the CAD model together",
+    "surface": "make a surface of the DVL's returns",
+    "detect": "find structures and remesh the hull as found",
+    "mosaic-optical": "blend the images on the hull's surface",
+    "mosaic-sonar": "blend the sonar's pings on the hull's surface",
+    "change": "say what changed since an earlier dive of the hull",
+    "report": "write the deliverables and the report",
 }
+STEPS = {name: Entry("steps", name, summary) for name, summary in _STEPS.items()}
 AROUND = {
     "simulate": Entry("simulate", "simulate", "make a dive package with truth"),
     "evaluate": Entry(
-        "score", "evaluate", "figures of a run against the truth of a simulated dive"
+        "results", "evaluate", "figures of a run against the truth of a simulated dive"
     ),
-    "diff": Entry("diff", "diff", "what changed on a hull between two runs"),
+    "diff": Entry("results", "diff", "what changed on a hull between two runs"),
     "export": Entry(
-        "export", "export", "results in forms for other programs: undistorted images for COLMAP"
+        "results", "export", "results in forms for other programs: undistorted images for COLMAP"
     ),
     "study": Entry(
         "study", "study", "the published methods in one table, the published figures as pictures"

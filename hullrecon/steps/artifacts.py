@@ -286,46 +286,37 @@ class ChangeArtifact(StepArtifact):
         return tuple(sorted(self.folder.glob("change.*")))
 
 
+class NeededInput(Generic[Artifact]):
+    """An artifact that the step is given."""
+
+    def __init__(self, name: str, kind: type[Artifact]) -> None:
+        self.name, self.kind = name, kind
+
+    def __get__(self, given: InputArtifacts, owner: type) -> Artifact:
+        return self.kind(given.inputs[self.name])
+
+
+class OptionalInput(NeededInput[Artifact]):
+    """An artifact that this dive may lack, None then."""
+
+    def __get__(self, given: InputArtifacts, owner: type) -> Artifact | None:  # type: ignore[override]
+        return super().__get__(given, owner) if self.name in given.inputs else None
+
+
 @dataclass(frozen=True)
 class InputArtifacts:
     """The artifacts that a step is given. None for an optional artifact that this dive lacks."""
 
     inputs: Mapping[str, Path]
 
-    @property
-    def ingest(self) -> IngestArtifact:
-        return IngestArtifact(self.inputs["ingest"])
-
-    @property
-    def navigate(self) -> NavigateArtifact:
-        return NavigateArtifact(self.inputs["navigate"])
-
-    @property
-    def surface(self) -> SurfaceArtifact:
-        return SurfaceArtifact(self.inputs["surface"])
-
-    @property
-    def links(self) -> LinksArtifact | None:
-        return self._optional("links", LinksArtifact)
-
-    @property
-    def matches(self) -> MatchesArtifact | None:
-        return self._optional("matches", MatchesArtifact)
-
-    @property
-    def adjust(self) -> AdjustArtifact | None:
-        return self._optional("adjust", AdjustArtifact)
-
-    @property
-    def detect(self) -> DetectArtifact | None:
-        return self._optional("detect", DetectArtifact)
-
-    @property
-    def change(self) -> ChangeArtifact | None:
-        return self._optional("change", ChangeArtifact)
-
-    def _optional(self, name: str, kind: type[Artifact]) -> Artifact | None:
-        return kind(self.inputs[name]) if name in self.inputs else None
+    ingest = NeededInput("ingest", IngestArtifact)
+    navigate = NeededInput("navigate", NavigateArtifact)
+    surface = NeededInput("surface", SurfaceArtifact)
+    links = OptionalInput("links", LinksArtifact)
+    matches = OptionalInput("matches", MatchesArtifact)
+    adjust = OptionalInput("adjust", AdjustArtifact)
+    detect = OptionalInput("detect", DetectArtifact)
+    change = OptionalInput("change", ChangeArtifact)
 
     def mounts(self, settings: Mapping[str, object]) -> dict[str, ChosenMount]:
         """Choose each lever arm and mount: by dive.toml, else by the log, else its default.

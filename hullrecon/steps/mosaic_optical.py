@@ -4,9 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
-
 from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.errors import StageError
 from hullrecon.mosaic.imagery.camera_views import CameraImages, images_of_camera
@@ -14,16 +11,11 @@ from hullrecon.mosaic.optical import optical_mosaic
 from hullrecon.mosaic.options import OpticalOptions
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
-from hullrecon.steps.features import external
+from hullrecon.steps.features import applies, external
 from hullrecon.steps.mosaics import MosaicInputs, read_mosaic_inputs, write_mosaic
 
 # of the rig, what places the cameras
 CAMERA_KEYS = ("tray.origin", "camera.top.mount", "camera.bottom.pose_in_top")
-
-
-def applies(settings: Mapping[str, object], package: Path) -> str | None:
-    """Say why there is no optical mosaic. None if a camera was carried."""
-    return None if settings["camera.top.time_offset"] is not None else "no camera was carried"
 
 
 def run(context: Context[OpticalOptions]) -> None:

@@ -45,21 +45,10 @@ from hullrecon.report.survey import (
 )
 from hullrecon.rig import RIG_KEYS, Rig, rig_from_settings
 from hullrecon.steps.artifacts import AdjustArtifact, DetectArtifact, InputArtifacts
+from hullrecon.steps.chain import NAMES
 from hullrecon.steps.features import external
 
-CHAIN = (
-    "ingest",
-    "navigate",
-    "features",
-    "links",
-    "matches",
-    "adjust",
-    "surface",
-    "detect",
-    "mosaic-optical",
-    "mosaic-sonar",
-    "change",
-)
+CHAIN = NAMES[:-1]  # without this step
 MOSAICS = {"mosaic-optical": "optical", "mosaic-sonar": "sonar"}
 DELIVERED = {
     "ortho.tif": "ortho_{}.tif",
@@ -215,13 +204,10 @@ def _dive_facts(context: Context[ReportOptions], artifacts: InputArtifacts, rig:
 
 def _about(context: Context[ReportOptions]) -> AboutInspection:
     options = context.parameters
+    texts = ("client", "operator", "vessel_operator", "water", "conclusion")
     return AboutInspection(
-        client=options.client or "",
-        operator=options.operator or "",
-        vessel_operator=options.vessel_operator or "",
+        **{name: getattr(options, name) or "" for name in texts},
         equipment=options.equipment,
-        water=options.water or "",
-        conclusion=options.conclusion or "",
         logo=None if options.logo is None else read_logo(context.source / options.logo),
     )
 

@@ -70,26 +70,23 @@ class Study:
 def _compare_methods(given: StudyDive) -> StudyResult:
     from hullrecon.studies.methods.comparison import compare_solutions, comparison_table
 
-    truth = given.truth
+    truth = given.truth  # first: without it nothing is solved
     values = compare_solutions(given.variants, given.start, truth)
-    heads, rows = comparison_table(values)
-    return _table(values, heads, rows)
+    return _table(values, *comparison_table(values))
 
 
 def _compare_surfaces(given: StudyDive) -> StudyResult:
     from hullrecon.studies.surfaces.comparison import compare_surfaces, surface_table
 
     values = compare_surfaces(given.dive, given.truth, given.run_context)
-    heads, rows = surface_table(values)
-    return _table(values, heads, rows)
+    return _table(values, *surface_table(values))
 
 
 def _compare_links(given: StudyDive) -> StudyResult:
     from hullrecon.studies.matching.comparison import compare_links, link_table
 
     values = compare_links(given.dive, given.truth, given.run_context)
-    heads, rows = link_table(values)
-    return _table(values, heads, rows)
+    return _table(values, *link_table(values))
 
 
 def _draw_methods(given: StudyDive) -> StudyResult:

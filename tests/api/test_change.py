@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from hullrecon_cli.commands.diff import diff as command
+from hullrecon_cli.commands.results import diff as command
 from report.change.conftest import T_NS, hull_change, object_change
 
 from hullrecon.api import change as api

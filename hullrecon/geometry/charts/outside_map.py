@@ -52,6 +52,15 @@ class OutsideMap:
         axes = 'AXIS["x",EAST],AXIS["y",NORTH]'
         return f'LOCAL_CS["{self.name}",LOCAL_DATUM["{datum}",32767],UNIT["metre",1],{axes}]'
 
+    def document(self) -> dict[str, object]:
+        """Describe the map for JSON documents."""
+        return {
+            "along_from_x": self.x_sign,
+            "girth_from_y": self.y_sign,
+            "name": self.name,
+            "wkt": self.wkt,
+        }
+
     def to_map(self, along_girth: Array) -> Array:
         """Convert chart points (n, 2) to map coordinates (n, 2)."""
         return np.asarray(along_girth, float) * [self.x_sign, self.y_sign]

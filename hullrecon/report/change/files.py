@@ -20,6 +20,8 @@ from hullrecon.report.render import render_template
 from hullrecon.typing import Array
 
 MOVED = "surface moved"
+HEIGHTS = ("height_before", "height_after", "height_before_sigma", "height_after_sigma")
+MEASURED = (*HEIGHTS, "change", "change_sigma")  # of an object, m
 LEAST_M = 0.05  # half the side of the square that stands for a place without an outline
 FIELDS: dict[str, type] = {  # of change.csv, change.geojson and change.gpkg
     "status": str,
@@ -143,12 +145,7 @@ def change_document(change: HullChange, outside: OutsideMap) -> dict[str, object
         },
         "objects": [object_document(row) for row in change.objects],
         "surface_moves": [move_document(row) for row in change.moves],
-        "map": {
-            "along_from_x": outside.x_sign,
-            "girth_from_y": outside.y_sign,
-            "name": outside.name,
-            "wkt": outside.wkt,
-        },
+        "map": outside.document(),
     }
 
 
@@ -179,12 +176,7 @@ def object_document(row: ObjectChange) -> dict[str, object]:
         "sigma_along": _number(row.sigma[0]),
         "sigma_girth": _number(row.sigma[1]),
         "sigma_normal": _number(row.sigma[2]),
-        "height_before": _number(row.height_before),
-        "height_after": _number(row.height_after),
-        "height_before_sigma": _number(row.height_before_sigma),
-        "height_after_sigma": _number(row.height_after_sigma),
-        "change": _number(row.change),
-        "change_sigma": _number(row.change_sigma),
+        **{name: _number(getattr(row, name)) for name in MEASURED},
         "p_value": None if not math.isfinite(row.p_value) else float(f"{row.p_value:.3g}"),
         "area": _number(row.area, 4),
         "address": row.address,

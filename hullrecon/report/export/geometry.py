@@ -236,12 +236,7 @@ def chart_document(chart: Chart, outside: OutsideMap, mesh: ChartMesh) -> dict[s
         "kind": "hull" if on_ship else "plane",
         "along": "m along the ship, forward positive" if on_ship else "m along the plane",
         "girth": "m of arc from the keel, port positive" if on_ship else "m across the plane",
-        "map": {
-            "along_from_x": outside.x_sign,
-            "girth_from_y": outside.y_sign,
-            "name": outside.name,
-            "wkt": outside.wkt,
-        },
+        "map": outside.document(),
         "mesh": {
             "file": "chart.ply",
             "step_m": mesh.step_m,

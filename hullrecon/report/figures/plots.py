@@ -25,6 +25,7 @@ from hullrecon.report.figures.style import (
     GREEN,
     ORANGE,
     Plot,
+    finish_plot,
     label_counts,
     label_log_axis,
     new_figure,
@@ -114,9 +115,7 @@ def convergence(iterations: Arrays) -> Plot:
         "cost": numbers(cost, ".9g"),
         **{n: numbers(v, ".9g") for n, v in sorted(parts.items())},
     }
-    return Plot(
-        name="convergence", title="Cost by iteration", alt=alt, png=png_bytes(figure), table=table
-    )
+    return finish_plot(figure, "convergence", "Cost by iteration", alt, table)
 
 
 def labels(iterations: Arrays) -> Plot:
@@ -145,9 +144,7 @@ def labels(iterations: Arrays) -> Plot:
         "on_surface": on.tolist(),
         "label_changes": changed.tolist(),
     }
-    return Plot(
-        name="labels", title="Labels by iteration", alt=alt, png=png_bytes(figure), table=table
-    )
+    return finish_plot(figure, "labels", "Labels by iteration", alt, table)
 
 
 def _reached(iterations: Arrays) -> Array:
@@ -212,13 +209,7 @@ def residuals(before: Mapping[str, FactorResiduals], after: Mapping[str, FactorR
         "rms_after": numbers(high, ".6g"),
         "count": [int(after[n].count) for n in names],
     }
-    return Plot(
-        name="residuals",
-        title="Residuals before and after",
-        alt=alt,
-        png=png_bytes(figure),
-        table=table,
-    )
+    return finish_plot(figure, "residuals", "Residuals before and after", alt, table)
 
 
 def standoff(dvl: DvlPings) -> Array:
@@ -304,13 +295,7 @@ def sigmas(track: VehicleTrack) -> Plot:
         "t_s": seconds(track.t_ns),
         **{f"sigma_{n}_m": numbers(track.sigma[:, k], ".6g") for k, n in enumerate("xyz")},
     }
-    return Plot(
-        name="position_sigma",
-        title="Uncertainty of position",
-        alt=alt,
-        png=png_bytes(figure),
-        table=table,
-    )
+    return finish_plot(figure, "position_sigma", "Uncertainty of position", alt, table)
 
 
 def deviation_histogram(

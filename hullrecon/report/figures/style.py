@@ -70,6 +70,12 @@ def label_counts(axis: Axis) -> None:
     axis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
 
 
+def finish_plot(
+    figure: Figure, name: str, title: str, alt: str, table: Mapping[str, Sequence[object]]
+) -> Plot:
+    return Plot(name=name, title=title, alt=alt, png=png_bytes(figure), table=table)
+
+
 def png_bytes(figure: Figure, transparent: bool = False) -> bytes:
     """Encode a figure as PNG, without the library's own metadata."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
