@@ -29,10 +29,7 @@ class AboutInspection:
     logo: bytes | None = None  # PNG
 
     def rows(self) -> list[tuple[str, str]]:
-        """List the heading and text of each block that dive.toml fills in.
-
-        The conclusion is not among them, see `paragraphs`.
-        """
+        """List the heading and text of each block that dive.toml fills in."""
         rows = [
             ("Client", self.client),
             ("Inspected by", self.operator),

@@ -162,10 +162,7 @@ def blend_tiles(
     tile_px: int,
     progress: Any,
 ) -> TileStore:
-    """Blend all views on every tile of the grid.
-
-    `footprints`: of the views on the surface: only those that may see a tile are asked for it.
-    """
+    """Blend all views on every tile of the grid."""
     windows = footprint_windows(grid, footprints)
     return make_tiles(
         grid,

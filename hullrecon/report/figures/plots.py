@@ -213,10 +213,7 @@ def residuals(before: Mapping[str, FactorResiduals], after: Mapping[str, FactorR
 
 
 def standoff(dvl: DvlPings) -> Array:
-    """Compute the distance (n,) m from the DVL to the hull along the instrument's axis.
-
-    It is the median over the beams of range times the cosine between beam and axis.
-    """
+    """Compute the distance (n,) m from the DVL to the hull along the instrument's axis."""
     depth = dvl.ranges * dvl.beams[:, 2]
     gap = np.full(len(depth), np.nan)
     heard = np.isfinite(depth).any(axis=1)

@@ -42,10 +42,7 @@ class SolveHistory:
 
 
 def label_frequency(solves: Sequence[SolveHistory]) -> PublishedFigure:
-    """Draw [Ozog2016 Fig. 4.12]: the share of label 1 by iteration, one panel per solve.
-
-    Below each: how many labels changed.
-    """
+    """Draw [Ozog2016 Fig. 4.12]: the share of label 1 by iteration, one panel per solve."""
     figure, axes = new_canvas(
         4.4 * len(solves) + 0.4, 4.6, 2, len(solves), sharex="col", height_ratios=(3, 2)
     )

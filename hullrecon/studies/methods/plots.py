@@ -80,10 +80,7 @@ class DeliveredHeight:
 def cross_sections(
     rows: Sequence[Sequence[CrossSection]], overviews: Sequence[WholeSection], kind: str
 ) -> PublishedFigure:
-    """Draw [Ozog2016 Fig. 4.10] (4.11 for one camera), a column a method.
-
-    Above is the whole section, below the structure by weighting.
-    """
+    """Draw [Ozog2016 Fig. 4.10] (4.11 for one camera), a column a method."""
     figure, axes = new_canvas(
         4.1 * len(rows[0]), 2.9 + 2.5 * len(rows), 1 + len(rows), len(rows[0]), sharey="row"
     )
@@ -171,10 +168,7 @@ def range_histogram(
 def structure_heights(
     heights: Mapping[str, Array], true_m: float, kind: str, delivered: DeliveredHeight | None
 ) -> PublishedFigure:
-    """Draw [Ozog2016 Fig. 4.16]: landmarks' heights on one structure by method.
-
-    Beside them are the height delivered and the true one.
-    """
+    """Draw [Ozog2016 Fig. 4.16]: landmarks' heights on one structure by method."""
     figure, axes = new_canvas(7.2, 3.6)
     axis, table = axes[0][0], ["what,height_m,sigma_m"]
     for k, (name, values) in enumerate(heights.items()):

@@ -91,7 +91,7 @@ def cut_section(
     """Slice the hull through a structure, half_m to either side along the hull.
 
     Points are in M, aligned. The DVL's few returns are taken from a slice five times as thick.
-    `solve`: method and weighting.
+
     """
     axes = _axes(structure)
     foot = np.array(structure.center) - structure.height * axes[2]

@@ -225,10 +225,7 @@ def linked_track(trajectory: Trajectory, path: LinkedPath) -> VehicleTrack:
 def lay_onto_cad_model(
     path: VehiclePath, start: DeadReckoning, mesh: Mesh, global_from_hull: Poses
 ) -> ReturnsOnHull:
-    """Register the returns on a path to the CAD model, from where it truly lies.
-
-    `start`: with returns.
-    """
+    """Register the returns on a path to the CAD model, from where it truly lies."""
     assert start.returns is not None
     points = start.rig.dvl_points(start.returns, path).points[~start.returns.flagged]
     model = CadModel(

@@ -51,11 +51,7 @@ class CriterionTrials:
 
 
 def gic_by_relief(scorings: Mapping[str, CriterionTrials]) -> PublishedFigure:
-    """Draw [KimEustice2009 Fig. 2]: both models' criterion against relief.
-
-    Mean and spread over the trials, a panel a scoring of the same trials, and how many of them
-    choose the homography.
-    """
+    """Draw [KimEustice2009 Fig. 2]: both models' criterion against relief."""
     figure, axes = new_canvas(4.2 * (len(scorings) + 1), 3.8, 1, len(scorings) + 1)
     *panels, shares = axes[0]
     table = [

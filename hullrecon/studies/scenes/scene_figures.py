@@ -99,10 +99,7 @@ def _views_of_peaks(rng: np.random.Generator, peak_m: float) -> tuple[Array, Arr
 
 
 def peaks(x: Array, y: Array) -> Array:
-    """Evaluate MATLAB's peaks for x and y from -3 to 3, scaled to a highest peak of 1.
-
-    Its deepest hollow is -0.81.
-    """
+    """Evaluate MATLAB's peaks for x and y from -3 to 3, scaled to a highest peak of 1."""
     first = 3 * (1 - x) ** 2 * np.exp(-(x**2) - (y + 1) ** 2)
     middle = 10 * (x / 5 - x**3 - y**5) * np.exp(-(x**2) - y**2)
     last = np.exp(-((x + 1) ** 2) - y**2) / 3
@@ -152,10 +149,7 @@ def _sampled(rng: np.random.Generator, xy: Array, sigma: Array) -> Array:
 
 
 def sphere_survey() -> SphereSurvey:
-    """Simulate a spiral around a sphere and solve it with and without planes.
-
-    With planes by characteristic radius.
-    """
+    """Simulate a spiral around a sphere and solve it with and without planes."""
     dive = spiral_around_a_sphere(
         5, radius_m=SPHERE_M, turns=SPHERE_TURNS, drift_deg_per_hour=SPHERE_DRIFT
     )

@@ -58,10 +58,7 @@ class TransferredPoints:
 def search_ellipses(
     sizes: Mapping[str, TransferredPoints], image_px: tuple[int, int]
 ) -> PublishedFigure:
-    """Draw [Ozog2016 Fig. D.4]: samples and 99 % ellipses in the second image.
-
-    A panel a size of the relative pose's sigmas.
-    """
+    """Draw [Ozog2016 Fig. D.4]: samples and 99 % ellipses in the second image."""
     figure, axes = new_canvas(4.4 * len(sizes), 4.4, 1, len(sizes))
     table, words = ["size,point,u_px,v_px,semi_axis_short_px,semi_axis_long_px,share_within_99"], []
     for axis, (name, points) in zip(axes[0], sizes.items(), strict=True):
@@ -91,10 +88,7 @@ def search_ellipses(
 
 
 def _draw_points(axis: Axes, points: TransferredPoints, image_px: tuple[int, int]) -> None:
-    """Draw samples and ellipses in four colours, and the image's border.
-
-    Neighbours of a 4 x 4 grid are told apart.
-    """
+    """Draw samples and ellipses in four colours, and the image's border."""
     from matplotlib.patches import Rectangle
 
     width, height = image_px
