@@ -133,6 +133,21 @@ def attitude(change: Callable[[Rotation], Rotation]) -> Edit:
     return edit
 
 
+def in_turn(*edits: Edit) -> Edit:
+    def edit(message: Message, t_s: float) -> Message | None:
+        for one in edits:
+            message = one(message, t_s)
+        return message
+
+    return edit
+
+
+def angle_negated(place: int) -> Edit:
+    """Let yaw, pitch or roll (0, 1, 2) of an orientation grow the other way."""
+    signs = np.where(np.arange(3) == place, -1.0, 1.0)
+    return attitude(lambda r: Rotation.from_euler("ZYX", signs * r.as_euler("ZYX")))
+
+
 def stamped(seconds: float) -> Edit:
     """Stamp a message late."""
 
@@ -256,12 +271,15 @@ def pick(random: Random, *values: float) -> float:
 
 
 SWAPS = {
+    "y negated": np.diag([1.0, -1.0, 1.0]),
+    "z negated": np.diag([1.0, 1.0, -1.0]),
     "y and z negated": np.diag([1.0, -1.0, -1.0]),
     "x and y swapped": np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]]),
     "all negated": -np.eye(3),
     "x and y negated": np.diag([-1.0, -1.0, 1.0]),
     "turned by 90 degrees": np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]),
 }
+VECTORS = ("angular_velocity", "linear_acceleration")
 CAMERAS = ("/camera/top/image_raw/compressed", "/camera/bottom/image_raw/compressed")
 
 
@@ -326,7 +344,19 @@ def _imu(random: Random) -> dict[str, Fault]:
         q.x, q.y, q.z, q.w = q.w, q.x, q.y, q.z
         return message
 
+    angle = int(random.integers(3))
+    in_body = [turned(np.diag([1.0, -1.0, -1.0]), of) for of in VECTORS]
     return {
+        "imu-convention": Fault(
+            sensor="imu",
+            edits={"/imu": in_turn(attitude(lambda r: ned * r * flip), *in_body)},
+            size="ENU and FLU, of all that it measures",
+        ),
+        "imu-angle": Fault(
+            sensor="imu",
+            edits={"/imu": angle_negated(angle)},
+            size=f"{('yaw', 'pitch', 'roll')[angle]} grows the other way",
+        ),
         "imu-rates-deg": Fault(
             sensor="imu", edits={"/imu": scaled(180 / np.pi, *rates)}, size="deg/s"
         ),

@@ -316,7 +316,8 @@ def _form_warnings(placement: Placement) -> list[str]:
         return [
             "The surveyed part of the hull is too plain to tell whether the CAD model is of this "
             "ship and scale: another hull's would fit as well, and where on the hull the dive was "
-            "is what hull.pose says."
+            "is what hull.pose says. The sigmas of the position hold for a model that is right "
+            "and to scale."
         ]
     if max(form.scale_sigma) > TRUSTED_SCALE:
         return [
