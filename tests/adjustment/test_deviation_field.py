@@ -2,9 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
 
-from hullrecon.adjustment.problem.deviation_field import DeviationGrid, grid_over, prior_rows
+from hullrecon.adjustment.problem.deviation_field import (
+    DeviationGrid,
+    as_rows,
+    grid_over,
+    know_combinations,
+    prior_rows,
+)
 
 LENGTH = (3.0, 1.5)
 
@@ -61,3 +68,19 @@ def test_the_grid_reaches_one_length_beyond_the_points():
     far = grid.origin + grid.step * (np.array(grid.shape) - 1)
     np.testing.assert_allclose(grid.origin, [-3.0, -2.5])
     assert (far >= [9.0, 3.5]).all()
+
+
+def test_combinations_that_are_known_condition_the_field():
+    """By the dense formula. The fourth depends on the first two, and the fifth is none."""
+    grid = DeviationGrid(np.zeros(2), np.ones(2), (9, 5))
+    prior = prior_rows(grid, 0.02, LENGTH)
+    known = np.random.default_rng(0).normal(size=(5, grid.size))
+    known[3:] = 10 * known[0] - known[1], np.zeros(grid.size)
+    rows, added = know_combinations(as_rows(prior), grid, known, 0.02)
+    assert added == 3 * 8
+    dense = csr_array((rows.value, rows.index, rows.start)).toarray()
+    found = np.linalg.inv(dense.T @ dense)[: grid.size, : grid.size]
+    before = np.linalg.inv((prior.T @ prior).toarray())
+    across = before @ known[:3].T
+    expected = before - across @ np.linalg.solve(known[:3] @ across, across.T)
+    np.testing.assert_allclose(found, expected, atol=1e-4 * before.max())

@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon import native
 from hullrecon.adjustment.hull_pose.form import Form
+from hullrecon.adjustment.results.solution import marginal_covariances
 from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.records.serialisation import to_arrays
 
@@ -126,6 +127,21 @@ def test_poses_in_hull_share_sigma_of_hull_pose():
     along = np.sqrt(s.pose_covariance[:, 0, 0])
     # the along-hull place is the weak one
     assert (along > np.sqrt(s.pose_covariance[:, 1, 1])).all()
+
+
+def test_the_hulls_form_is_no_witness_of_the_path():
+    """Held, the field would vouch for the path that made it. Its level is the hull pose's."""
+    found = solved()
+    problem, settings = found.adjusted.problem.hold("T_g_M"), found.adjusted.settings
+    ours = marginal_covariances(found.dive.measured, found.adjusted)
+    held, loose = (
+        np.einsum("nii->n", native.covariance(p, settings).landmark)
+        for p in (problem.hold("deviation"), problem)
+    )
+    of_ours = np.einsum("nii->n", ours.landmark)
+    assert (of_ours > held * (1 - 1e-6)).all()
+    assert (of_ours < loose * (1 + 1e-6)).all()
+    assert 0 < np.median(of_ours - held) < 0.8 * np.median(loose - held)
 
 
 def test_the_dvls_held_position_widens_the_vehicles_place_alone():

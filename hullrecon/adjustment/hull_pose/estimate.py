@@ -12,12 +12,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import cho_factor
+from scipy.linalg import cho_factor, cho_solve
 
 from hullrecon.adjustment.hull_pose import cad_error, profile_likelihood, registration
 from hullrecon.adjustment.hull_pose.cad_error import CadError
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
 from hullrecon.adjustment.problem.assembly import Selection
+from hullrecon.adjustment.problem.deviation_field import DeviationGrid
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.results.covariance import hull_axes
@@ -230,6 +231,22 @@ def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
             out, replace(found, sigma=float(np.hypot(found.sigma, found.mean))), pose
         )
     return np.asarray(out + _contradiction(evidence, pose))
+
+
+def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid) -> Array:
+    """Compute the combinations (6, size) of a deviation field that the fit takes for a motion.
+
+    The field without them is the hull's form: what the fit makes of them is in the covariance of
+    the hull's pose already.
+    """
+    by_motion = registration.signed_distances(
+        evidence.points, pose, evidence.center, evidence.cad_model.mesh
+    )[1]
+    at = cad_error.chart_coordinates(evidence.cad_model, pose.inverse().apply(evidence.points))
+    index, weight = grid.basis(at)
+    by_node = np.zeros((len(at), grid.size))
+    np.put_along_axis(by_node, index.astype(np.int64), weight, axis=1)
+    return np.asarray(by_motion.T @ cho_solve(_factor(evidence, pose), by_node))
 
 
 def _contradiction(evidence: HullPoseEvidence, pose: Poses) -> Array:

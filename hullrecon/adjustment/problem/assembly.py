@@ -15,7 +15,7 @@ from scipy.sparse import coo_array
 
 from hullrecon import native
 from hullrecon.adjustment.hull_pose.registration import frame_at
-from hullrecon.adjustment.problem.deviation_field import DeviationGrid, prior_rows
+from hullrecon.adjustment.problem.deviation_field import DeviationGrid, as_rows, prior_rows
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import HullState, State, Weights
 from hullrecon.estimation.navigation_tables import (
@@ -218,10 +218,7 @@ def _priors(m: Measurements, state: State) -> native.Priors:
     if grid is None:
         return priors
     field = prior_rows(grid, cad_model.deviation_sigma, cad_model.deviation_length)
-    sparse = native.SparseRows(
-        start=field.indptr.astype(np.int32), index=field.indices.astype(np.int32), value=field.data
-    )
-    return replace(priors, deviation=sparse)
+    return replace(priors, deviation=as_rows(field))
 
 
 def _image_tables(

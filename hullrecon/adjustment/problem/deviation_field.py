@@ -17,7 +17,11 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from hullrecon import native
 from hullrecon.typing import Array, Ints32
+
+KNOWN_SHARE = 1e-3  # of the field's sigma, to which a combination that is known is known
+DEPENDENT_SHARE = 1e-6  # least singular value, of the largest, of combinations that count
 
 
 @dataclass(frozen=True)
@@ -73,6 +77,55 @@ def prior_rows(grid: DeviationGrid, sigma: float, length: tuple[float, float]) -
     """
     scaled = grid.step * np.sqrt(2.0) / np.array(length)
     return sparse.csr_array(_operator(grid.shape, scaled) * (_interior_sigma(scaled) / sigma))
+
+
+def know_combinations(
+    prior: native.SparseRows, grid: DeviationGrid, known: Array, sigma: float
+) -> tuple[native.SparseRows, int]:
+    """Add to a field's prior that combinations (k, size) of its nodes are known.
+
+    A residual of all nodes would make the information dense. So each sum goes along the grid, and
+    what is summed up to each of its rows is an unknown of its own.
+
+    Parameters
+    ----------
+    prior
+        Rows over the nodes.
+    grid
+        Where the nodes stand.
+    known
+        Those that depend on the others are left out.
+    sigma
+        Of the field, m.
+
+    Returns
+    -------
+    prior, added
+        With rows for the sums, and how many unknowns these are, behind the nodes.
+    """
+    length = np.linalg.norm(known, axis=1, keepdims=True)
+    _, share, unit = np.linalg.svd(known / np.where(length > 0, length, 1), full_matrices=False)
+    unit = unit[share > DEPENDENT_SHARE * share[0]]
+    rows, across = grid.shape
+    start = np.arange(0, grid.size + 1, across)
+    by_node = sparse.vstack(
+        [sparse.csr_array((-u, np.arange(grid.size), start), shape=(rows, grid.size)) for u in unit]
+    )
+    step = sparse.eye_array(rows, rows - 1) - sparse.eye_array(rows, rows - 1, k=-1)
+    sums = sparse.hstack([by_node, sparse.block_diag([step] * len(unit))])
+    nodes = sparse.csr_array(
+        (prior.value, prior.index, prior.start), shape=(len(prior.start) - 1, sums.shape[1])
+    )
+    weighted = sparse.csr_array(sums) * (1 / (KNOWN_SHARE * sigma))
+    return as_rows(sparse.vstack([nodes, weighted])), sums.shape[1] - grid.size
+
+
+def as_rows(matrix: sparse.csr_array) -> native.SparseRows:
+    """Convert a sparse matrix to the solver's rows."""
+    rows = sparse.csr_array(matrix)
+    return native.SparseRows(
+        start=rows.indptr.astype(np.int32), index=rows.indices.astype(np.int32), value=rows.data
+    )
 
 
 def _operator(shape: tuple[int, int], step: Array) -> sparse.csr_array:

@@ -11,6 +11,7 @@ import numpy as np
 from hullrecon import native
 from hullrecon.adjustment.bundle_adjustment import Adjusted
 from hullrecon.adjustment.hull_pose import estimate
+from hullrecon.adjustment.problem.deviation_field import know_combinations
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.adjustment.results.covariance import points_in_hull, poses_in_hull
@@ -22,9 +23,10 @@ from hullrecon.typing import Array, Ints
 def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covariance:
     """Compute the covariances at the solution.
 
-    They are what the measurements leave open with the hull held as it was found, and the covariance
-    of its pose by the CAD model's error: in the solve a field and many beams with white noise are
-    surer of the pose than so few cells of the CAD model's error allow (docs/adr/0011). The sensors'
+    They are what the measurements leave open with the hull's pose held, its form free, and the
+    covariance of its pose by the CAD model's error: in the solve a field and many beams with white
+    noise are surer of the pose than so few cells of the CAD model's error allow (docs/adr/0011). A
+    part of the field that moves the hull as a whole is that error, and counted there. The sensors'
     errors have the covariance of a hull left free: its height and a bias of the depth are one.
     Without a deviation field, covariances are the solve's own.
     """
@@ -35,16 +37,37 @@ def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covarian
     free = native.covariance(adjusted.problem.free("T_g_M"), adjusted.settings)
     if not adjusted.strategy.deviation_field:
         return free
-    known = native.covariance(adjusted.problem.hold("T_g_M", "deviation"), adjusted.settings)
     evidence = adjusted.placement.evidence if adjusted.placement is not None else None
     evidence = evidence or _evidence_afterwards(m, adjusted, hull)
+    placed = native.covariance(_placed(adjusted.problem, evidence, hull), adjusted.settings)
     return replace(
-        known,
+        placed,
         navigation=free.navigation,
         deviation=free.deviation,
         T_g_M=estimate.hull_pose_covariance(evidence, hull.global_from_hull),
         pose_T_g_M=np.zeros_like(free.pose_T_g_M),
         landmark_T_g_M=np.zeros_like(free.landmark_T_g_M),
+    )
+
+
+def _placed(
+    problem: native.Problem, evidence: estimate.HullPoseEvidence, hull: HullState
+) -> native.Problem:
+    """Hold the hull's pose, and what of the field the fit of that pose takes for a motion."""
+    held = problem.hold("T_g_M")
+    if hull.grid is None:
+        return held
+    prior, added = know_combinations(
+        held.priors.deviation,
+        hull.grid,
+        estimate.field_as_motion(evidence, hull.global_from_hull, hull.grid),
+        hull.cad_model.deviation_sigma,
+    )
+    nodes = np.r_[held.unknowns.deviation, np.zeros(added)]
+    return replace(
+        held,
+        priors=replace(held.priors, deviation=prior),
+        unknowns=replace(held.unknowns, deviation=nodes),
     )
 
 
