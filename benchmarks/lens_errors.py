@@ -29,14 +29,13 @@ from hullrecon.adjustment.bundle_adjustment import adjust
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.results.summary import summarise_adjustment
-from hullrecon.detection.as_found.background import FieldBackground
 from hullrecon.detection.as_found.hull_as_found import as_found_surface, estimate_hull_as_found
-from hullrecon.detection.as_found.landmarks import measure_surface
+from hullrecon.detection.as_found.landmarks import FieldBackground, measure_surface
 from hullrecon.detection.deviation import split_deviation
 from hullrecon.detection.find_structures import MAX_OFFSET_M
 from hullrecon.detection.options import MIN_OFFSET_M, DetectOptions
 from hullrecon.detection.views import views_of_top_camera
-from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.evaluation.truth import Truth, read_truth
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.casting import Scene
