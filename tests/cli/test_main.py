@@ -202,3 +202,15 @@ def test_the_group_knows_all_its_commands() -> None:
     context = click.Context(cli)
     assert cli.list_commands(context) == list(COMMANDS)
     assert cli.get_command(context, "absent") is None
+
+
+def test_status_loads_no_library_that_only_steps_need(tmp_path):
+    sample = Path(__file__).resolve().parents[2] / "sample_data" / "demo"
+    program = (
+        "import sys; from hullrecon_cli.main import main;"
+        f"code = main(['--quiet', 'status', {str(sample)!r}, '--runs', {str(tmp_path)!r}]);"
+        "print(sorted({'scipy.signal', 'scipy.stats', 'open3d', 'cv2', 'matplotlib'}"
+        " & set(sys.modules)), code)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1:] == ["[] 0"], done.stdout + done.stderr

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.signal import correlate
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.check.time_overlap import HOUR_S, clock_gaps, shifted_streams
@@ -182,6 +181,10 @@ def _on_grid(
 
 
 def _running_mean(values: Array) -> Array:
+    from scipy.signal import (
+        correlate,
+    )  # it takes half a second to load, which no other command owes
+
     width = round(SMOOTH_S / STEP_S)
     kernel = np.full((width + 1, 1), 1.0 / width)
     kernel[[0, -1]] *= 0.5
@@ -213,6 +216,8 @@ def _best_lag(
     moving, is_moving : (m, k), (m,) on another grid. Its start is to be put at the lag
     among_s : if given, the lags near which it is searched, so that less tells them apart
     """
+    from scipy.signal import correlate
+
     on, off = is_fixed.astype(float), is_moving.astype(float)
     fixed, moving, rate = fixed * on[:, None], moving * off[:, None], rate * on
 
