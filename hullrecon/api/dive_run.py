@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from hullrecon.evaluation.score import Score
 
 log = logging.getLogger(__name__)
-ASKS_FOR_BOW = frozenset({"hull", "hull.bow"})  # among what a step uses
+ASKS_FOR_HULL = frozenset({"hull", "hull.bow", "hull.pose"})  # among what a step uses
 
 
 @dataclass(frozen=True)
@@ -224,17 +224,17 @@ def _warn_of_defaults(dive: DiveRun) -> None:
 def _check_before_run(dive: DiveRun, plan: Sequence[StepStatus], jobs: int | None) -> None:
     """Log what is to be done, and detect early what would end the run later.
 
-    Raises InputError for a `hull.bow` that the CAD model does not have, which steps only use after
-    hours of comparing images. Raises StorageError if the disk is too full: a step is built next to
-    its old artifact, so about that much space must be free.
+    Raises InputError for a `hull.bow` that the CAD model does not have and a `hull.pose` far from
+    the dive, which steps only use after hours of comparing images. Raises StorageError if the disk
+    is too full: a step is built next to its old artifact, so about that much space must be free.
     """
     to_do = [step for step in plan if step.to_do]
     names = ", ".join(step.stage.name for step in to_do)
     log.info("%s: %s", dive.name, f"to do: {names}" if to_do else "everything is up to date")
     if to_do and jobs is not None:
         log.info("%s: %d worker process%s (--jobs)", dive.name, jobs, "" if jobs == 1 else "es")
-    if any(ASKS_FOR_BOW & set(step.stage.uses) for step in to_do):
-        _refuse_wrong_bow(dive)
+    if any(ASKS_FOR_HULL & set(step.stage.uses) for step in to_do):
+        _refuse_wrong_hull(dive)
     manifests = [step.manifest for step in to_do if step.manifest is not None]
     needed = sum(file.size for manifest in manifests for file in manifest.outputs.values())
     free = shutil.disk_usage(dive.workspace.root).free
@@ -247,11 +247,13 @@ def _check_before_run(dive: DiveRun, plan: Sequence[StepStatus], jobs: int | Non
         )
 
 
-def _refuse_wrong_bow(dive: DiveRun) -> None:
-    from hullrecon.dive.check.hull_checks import describe_bow
+def _refuse_wrong_hull(dive: DiveRun) -> None:
+    from hullrecon.dive.check.hull_checks import describe_bow, refuse_far_hull
     from hullrecon.dive.config.schema import Hull
     from hullrecon.dive.hull.load import read_hull
 
     hull = dive.chain.sections.get("hull")
-    if isinstance(hull, Hull) and hull.bow:
-        describe_bow(hull, read_hull(dive.chain.package / hull.mesh, hull.units, []))
+    if isinstance(hull, Hull):
+        mesh = read_hull(dive.chain.package / hull.mesh, hull.units, [])
+        refuse_far_hull(hull, mesh)
+        describe_bow(hull, mesh)

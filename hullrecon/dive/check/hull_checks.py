@@ -15,7 +15,24 @@ from hullrecon.geometry.charts.section_casting import AXES, first_station, hull_
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import from_mount, up_in
 
+FARTHEST_M = 1000.0  # from where a dive begins to the ship that it is of
 AFT_SHARE = 0.25  # of the length: farther from the aft end no aft perpendicular lies
+
+
+def refuse_far_hull(hull: Hull, mesh: Mesh) -> None:
+    """Raise InputError where hull.pose puts the whole CAD model far from the dive's beginning."""
+    box = np.stack([mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)])
+    middle = from_mount(hull.pose).apply(box.mean(axis=0)[None])[0]
+    reach_m = 0.5 * float(np.linalg.norm(np.ptp(box, axis=0)))
+    far_m = float(np.linalg.norm(middle[:2])) - reach_m
+    if far_m > FARTHEST_M:
+        raise InputError(
+            f"hull.pose puts the CAD model {far_m / 1000:.4g} km from where the dive begins, which "
+            "is at x = y = 0",
+            where="hull.pose",
+            remedy="give the pose of the CAD model's own origin, or export it about an origin "
+            "near the ship and give the pose of that",
+        )
 
 
 def describe_bow(hull: Hull, mesh: Mesh) -> tuple[Finding, list[Finding]]:

@@ -18,7 +18,7 @@ from hullrecon.dive.check.consistency_checks import (
     check_mount_of_attitude,
 )
 from hullrecon.dive.check.contents import describe_start_offset
-from hullrecon.dive.check.hull_checks import describe_bow, describe_regions
+from hullrecon.dive.check.hull_checks import describe_bow, describe_regions, refuse_far_hull
 from hullrecon.dive.check.motion_offset import add_motion
 from hullrecon.dive.check.requirements import missing, needs, to_fill_in
 from hullrecon.dive.check.time_overlap import Stream
@@ -270,6 +270,8 @@ def _bow(
     Empty without a CAD model.
     """
     if hull is not None and mesh is not None:
+        with problems.collect():
+            refuse_far_hull(hull, mesh)
         with problems.collect():
             bow, stations_off = describe_bow(hull, mesh)
             return [bow], stations_off

@@ -36,6 +36,7 @@ FORMATS = ("stl", "ply", "obj", "off", "glb")
 LARGEST_BYTES = 2048 * MIB  # of a file, unpacked: 40 million triangles of a binary STL
 # what any small file may unpack to, and how tightly; hulls pack by 2 to 15
 FREE_BYTES, PACKED_BY = 64 * MIB, 50
+STRAY_PERCENT = 1.0  # of the corners at either end of an axis, which may be no part of the ship
 MERGE = 2e-7  # of the largest extent: two steps of single precision, in which STL stores corners
 FINEST_M = 1e-6  # no CAD model is finer
 # in which coordinates are stored: an error of 3 mm (step / sqrt(12)), beside the 20 mm by which
@@ -91,7 +92,7 @@ def _load(path: Path) -> tuple[Array, Ints32, bool]:
         raise InputError(
             f"{path.name} is no CAD model that is read here",
             where="hull.mesh",
-            remedy=f"give {', '.join(FORMATS)}",
+            remedy=f"export a mesh of its surface as {', '.join(FORMATS)}",
         )
     try:
         data = read_regular(path, LARGEST_BYTES)
@@ -110,7 +111,11 @@ def _load(path: Path) -> tuple[Array, Ints32, bool]:
         ) from None
     vertices, faces = _parse(data, kind, path)
     if not len(faces):
-        raise InputError(f"the CAD model {path.name} holds no faces", where=str(path.parent))
+        raise InputError(
+            f"the CAD model {path.name} holds no faces",
+            where=str(path.parent),
+            remedy="export a mesh of triangles: points, curves and STEP are not read",
+        )
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise InputError(
             f"faces of {path.name} name vertices that it does not have", where=str(path.parent)
@@ -150,6 +155,7 @@ def _check_extent(corners: Array, units: str, path: Path, notes: list[Finding]) 
     length = float(np.ptp(corners, axis=0).max())
     if SHORTEST_M <= length <= LONGEST_M:
         return
+    _refuse_stray(corners, length, path)
     length_text = (
         f"the CAD model {path.name} is {length:.4g} m long when read in {UNIT_NAMES[units]}"
     )
@@ -172,6 +178,26 @@ def _check_extent(corners: Array, units: str, path: Path, notes: list[Finding]) 
         f"{length_text}, which looks like {looks_like}",
         where="hull.units",
         remedy=f"set {named} in [hull]",
+    )
+
+
+def _refuse_stray(corners: Array, length: float, path: Path) -> None:
+    """Raise InputError where a few faces make a ship's CAD model longer than any ship is.
+
+    corners: (3 m, 3) of the m faces.
+    """
+    low, high = np.percentile(corners, [STRAY_PERCENT, 100 - STRAY_PERCENT], axis=0)
+    size = float((high - low).max())
+    if length <= LONGEST_M or not SHORTEST_M <= size <= LONGEST_M:
+        return
+    away = ((corners < low - size) | (corners > high + size)).any(axis=1).reshape(-1, 3)
+    place = ", ".join(f"{value:.1f}" for value in corners[int(np.argmax(away.ravel()))])
+    raise InputError(
+        f"{int(away.any(axis=1).sum())} of {len(away)} faces of {path.name} lie or reach far from "
+        f"all others, which are {size:.0f} m long: with them it is {length:.4g} m long (one has a "
+        f"corner at {place})",
+        where="hull.mesh",
+        remedy="remove from it what is no hull, as a plane of water or a mark at the origin",
     )
 
 

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What `check` says of the bow and of where stations count from."""
+"""What `check` says of where the ship lies, its bow, and where stations count from."""
 
 import numpy as np
 import pytest
 
-from hullrecon.dive.check.hull_checks import describe_bow
+from hullrecon.dive.check.hull_checks import describe_bow, refuse_far_hull
 from hullrecon.dive.config.schema import Hull
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import sentences
@@ -82,3 +82,12 @@ def test_stations_of_a_ship_in_map_coordinates_count_from_its_aft_end(bow, first
 def test_a_bow_across_the_ship_is_an_error():
     with pytest.raises(InputError, match=r"the bow cannot lie at \+y"):
         told(hull(bow="+y"), SHIP)
+
+
+def test_pose_that_leaves_the_ship_at_its_berth_is_refused():
+    """In map coordinates, with a pose that was given for another origin, or in kilometres."""
+    at_berth = box((573412, 6020150, -3.8), (573462, 6020159, 1.7))
+    with pytest.raises(InputError, match=r"6047 km from where the dive begins"):
+        refuse_far_hull(hull(pose=(8.7, 33.1, 3.5, 180.0, 0.0, 0.0)), at_berth)
+    refuse_far_hull(hull(pose=(-573437.0, 6020155.0, 3.5, 180.0, 0.0, 0.0)), at_berth)
+    refuse_far_hull(hull(pose=(800.0, -600.0, 3.5, 180.0, 0.0, 0.0)), SHIP)

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 import trimesh
-from dive.hull.shapes import box, moved, spindle
+from dive.hull.shapes import box, joined, moved, spindle
 
 from hullrecon.dive.hull.load import clean_mesh, read_hull
 from hullrecon.errors import InputError
@@ -110,3 +110,20 @@ def test_whole_metres_are_no_loss_of_precision(tmp_path):
 def test_centimetres_of_a_surveyor_are_read(tmp_path):
     mesh = read_hull(write(tmp_path / "h.obj", moved(SHIP, UTM), decimals=2), "m", [])
     assert np.abs(mesh.vertices.max(axis=0) - (SHIP.vertices + UTM).max(axis=0)).max() <= 0.005
+
+
+@pytest.mark.parametrize(
+    "stray",
+    [
+        Mesh(np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], float), np.array([[0, 1, 2]])),
+        moved(box([-900, -900, 0.0], [900, 900, 0.1]), UTM),
+    ],
+    ids=["a mark at the origin", "a plane of water"],
+)
+def test_faces_that_are_no_ship_are_named_not_another_unit(tmp_path, stray):
+    """One far corner makes a lattice of the whole model, on which the ship's faces merge."""
+    path = write(tmp_path / "hull.obj", joined(moved(SHIP, UTM), stray))
+    with pytest.raises(InputError, match=r"1?[12] of \d+ faces of hull.obj lie or reach far") as no:
+        read_hull(path, "m", [])
+    assert "40 m long" in no.value.what
+    assert "set units" not in str(no.value.remedy)
