@@ -458,7 +458,9 @@ def _build_pressure(source: _Source) -> PressureSamples | None:
     samples = source.samples("pressure", DEPTHS)
     if not samples:
         return None
-    return streams.pressure_samples(samples, source.request.pressure, source.notes)
+    dvl, imu = source.built.get("dvl"), source.built.get("imu")
+    compared = isinstance(dvl, DvlPings) and imu is not None and np.isfinite(dvl.velocity).any()
+    return streams.pressure_samples(samples, source.request.pressure, source.notes, bool(compared))
 
 
 def _build_sonar(source: _Source) -> SonarPings | None:

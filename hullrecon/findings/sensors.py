@@ -10,7 +10,7 @@ from hullrecon.findings.logs import Words, duration, names
 
 FAULTS = {  # of a sensor, as a statement
     ("pressure", "unit"): "the readings are in {value}, not in {unit}",
-    ("pressure", "gauge"): "the readings are the pressure above the air's, not absolute",
+    ("pressure", "gauge"): "the readings are in {value}, and the pressure above the air's",
     ("pressure", "sign"): "the readings grow upwards, not with depth",
     ("pressure", "scale"): "the depths have to be multiplied by {value}",
     ("pressure", "constant"): "the readings stand still: they are not the water's pressure",
@@ -77,9 +77,26 @@ def _mended(
 def _contradict(
     sensors: Sequence[str], kind: str, first: float, second: float, misfit: float
 ) -> str:
+    evidence = _evidence(kind, first, second)
+    if len(sensors) == 1:
+        return (
+            f"{sensors[0]}: it contradicts the sensors that it is compared with, and no other "
+            f"unit, sign or axis explains it: {evidence}"
+        )
     return (
         f"{' and '.join(sensors)} contradict each other, and which of them is wrong is not known: "
-        f"{_evidence(kind, first, second)}"
+        f"{evidence}"
+    )
+
+
+def _unit_open(readings: Sequence[Sequence[object]]) -> str:
+    depths = ", or as well ".join(
+        f"in {unit}{' above the air' if fault == 'gauge' else ''} ({low:.1f} to {high:.1f} m deep)"
+        for fault, unit, low, high in readings
+    )
+    return (
+        f"the depths lie above the water, so that the readings are in another unit: {depths}; give "
+        "pressure.unit, and pressure.atmosphere = 0 for pressures above the air's"
     )
 
 
@@ -156,6 +173,7 @@ ERRORS: dict[str, Words] = {
     "motions-apart": _motions_apart,
     "sensor-wrong": _wrong,
     "sensors-contradict": _contradict,
+    "pressure-unit-open": _unit_open,
 }
 WARNINGS: dict[str, Words] = {
     "sensor-mended": _mended,

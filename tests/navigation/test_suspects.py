@@ -134,6 +134,29 @@ def test_pressure_in_another_unit_is_converted(unit, pascal):
     assert found.records.pressure.depth == pytest.approx(true.pressure.depth)
 
 
+@pytest.mark.parametrize(
+    ("unit", "pascal"), [("Pa", 1.0), ("hPa", 100.0), ("kPa", 1000.0), ("bar", 1e5), ("psi", 6895)]
+)
+def test_pressure_above_the_air_is_converted_in_its_unit(unit, pascal):
+    true = dive()
+    found = judged(with_depth(true, true.pressure.depth / pascal - AIR_M))
+    (finding,) = found.findings
+    assert [finding.values[key] for key in ("fault", "value")] == ["gauge", unit]
+    assert found.records.pressure.depth == pytest.approx(true.pressure.depth, rel=1e-3)
+
+
+def test_pressure_of_a_dive_at_one_depth_asks_for_its_unit():
+    """Nothing tells hPa above the air (as deep as it is) from kPa (deeper)."""
+    true = dive()
+    level = replace(true.dvl, velocity=0.0 * true.dvl.velocity + [0.0, 1e-3, 0.0])
+    still = replace(true, dvl=level, pressure=replace(true.pressure))
+    logged = (1.5 + 0.0 * true.pressure.depth) / 100.0 - AIR_M
+    (finding,) = judged(with_depth(still, logged)).findings
+    assert finding.severity == "error"
+    assert "hPa above the air (1.5 to 1.5 m deep)" in finding.sentence
+    assert "give pressure.unit" in finding.sentence
+
+
 def test_pressure_of_an_enclosure_is_left_out():
     true = dive()
     still = 0.2 + 0.0002 * np.random.default_rng(2).standard_normal(len(true.pressure.depth))

@@ -193,7 +193,7 @@ class Pressure(Section, frozen=True):
 
     origin: Origin = FROM_LOG
     unit: Annotated[
-        Literal["Pa", "hPa", "mbar", "kPa", "dbar", "bar", "m", "cm", "mm", "ft"] | None,
+        Literal["Pa", "hPa", "mbar", "kPa", "psi", "dbar", "bar", "m", "cm", "mm", "ft"] | None,
         Meta(
             description="of what the topic holds: a pressure, or a depth; absent: Pa for types of "
             "pressures, m for others"

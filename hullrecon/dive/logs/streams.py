@@ -58,7 +58,7 @@ STILL_M = 0.15  # of a depth from the 5th to the 95th percentile; an enclosure's
 HIGHEST_M = 1.0  # median height over the water, beyond which depths are wrong
 HIGHEST_DECK_M = 6.0  # from which a vehicle is launched; zero pascal is 10 m above the water
 DEEPEST_HULL_M = 40.0  # the largest ships draw 25 m
-PASCALS = {"Pa": 1.0, "mbar": 1e2, "hPa": 1e2, "kPa": 1e3, "dbar": 1e4, "bar": 1e5}
+PASCALS = {"Pa": 1.0, "mbar": 1e2, "hPa": 1e2, "kPa": 1e3, "psi": 6894.757, "dbar": 1e4, "bar": 1e5}
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
 METRES_A_SECOND = {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3}
 GRAVITY_M_S2, NEAR_GRAVITY = 9.80665, 0.1  # by CIPM; share by which a vehicle moves it
@@ -280,9 +280,25 @@ def _require_mount_of_dvl(
 
 @np.errstate(all="ignore")
 def pressure_samples(
-    samples: Sequence[PressureSample | DepthSample], model: PressureModel, notes: list[Finding]
+    samples: Sequence[PressureSample | DepthSample],
+    model: PressureModel,
+    notes: list[Finding],
+    compared: bool = False,
 ) -> PressureSamples | None:
-    """Stack the depths of one sensor, positive down. None where no reading is finite."""
+    """Stack the depths of one sensor, positive down. None where no reading is finite.
+
+    Parameters
+    ----------
+    samples : readings in order of time
+    model : what they are
+    notes : what was assumed or left out is added
+    compared : the dive tells how the vehicle sank, so that pressures of another unit are kept
+
+    Raises
+    ------
+    InputError
+        Half of the depths lie above the water.
+    """
     if any(is_of_dvl(s) for s in samples):
         notes.append(Finding("depth-of-dvl", where="pressure"))
     depth = np.array([_depth(s, model) for s in samples])
@@ -292,6 +308,8 @@ def pressure_samples(
         return None
     depth = depth[good]
     if np.median(depth) < -HIGHEST_M:
+        if compared and (model.unit or "Pa") in PASCALS and isinstance(samples[0], PressureSample):
+            return PressureSamples(t_ns=_times(samples)[good], depth=depth)
         raise _above_water([s for s, is_good in zip(samples, good, strict=True) if is_good], model)
     in_water = depth > -HIGHEST_DECK_M
     if not in_water.all():

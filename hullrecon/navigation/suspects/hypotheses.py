@@ -27,7 +27,7 @@ from hullrecon.records.sensors import (
 from hullrecon.typing import Array, Mask
 
 # Units in which readings may have been logged in place of Pa, m, m/s
-PASCAL = {u: pa for u, pa in PASCALS.items() if u not in ("Pa", "mbar")} | {"psi": 6894.757}
+PASCAL = {u: pa for u, pa in PASCALS.items() if u not in ("Pa", "mbar")}
 METRES_PER_SECOND = {"cm/s": 0.01, "mm/s": 0.001, "ft/s": 0.3048, "kn": 0.514444}
 RADIANS_A_SECOND = {
     "deg/s": np.pi / 180,
@@ -82,11 +82,12 @@ def _of_pressure(
     records: SensorRecords, pressure: PressureSamples, air_m: float
 ) -> Iterator[Hypothesis]:
     depth = pressure.depth
+    # the usual readings first: of those that explain as much, the first counts
     readings = {
         **{("unit", unit): pa * (depth + air_m) - air_m for unit, pa in PASCAL.items()},
         **{("unit", unit): metre * depth for unit, metre in METRES.items() if metre != 1},
         **{("scale", f"{factor:.2f}"): factor * depth for factor in FACTORS},
-        ("gauge", ""): depth + air_m,
+        **{("gauge", unit): pa * (depth + air_m) for unit, pa in {"Pa": 1.0, **PASCAL}.items()},
         ("sign", ""): -depth,
     }
     for (fault, value), mended in readings.items():

@@ -35,6 +35,9 @@ EXPLAINED = 0.4  # of a motion, which the residuals of a hypothesis that explain
 GROSS = 0.6  # of a motion; a contradiction that size makes a path worthless
 KEPT = 0.5  # of the rows of a comparison, which a hypothesis leaves to judge it by
 SHOWN = 8  # hypotheses by contradiction that are listed
+UNITS = ("unit", "gauge")  # faults of a pressure that are one of its unit
+USUAL = {fault: rank for rank, fault in enumerate((*UNITS, "scale", "sign", "constant"))}
+SAME_DEPTH_M = 0.5  # by which two readings of a pressure may differ that are one
 FAULTS = 3  # that are looked for, one after the other
 
 
@@ -101,6 +104,7 @@ def judge(
         tried += [one for _, one in found[:SHOWN]]
         best = [(h, one) for h, one in found if one.explains]
         best = [pair for pair in best if _explains_as_much(*pair, *best[0])]
+        best.sort(key=lambda pair: _rank(pair[0]))
         sensors = list(dict.fromkeys(h.sensor for h, _ in best))
         late = [h for h, _ in best if h.fault == "clock"]
         if late:  # a swell repeats itself: of offsets that fit as well, the least
@@ -109,6 +113,9 @@ def judge(
             findings.append(Finding("sensors-late", values))
         elif len(sensors) != 1:
             findings.append(_describe_unknown(records, sensors, wrong, base))
+        elif len(readings := _depths([h for h, _ in best])) > 1:
+            where = topics.get(Sensor.PRESSURE, "")
+            findings.append(Finding("pressure-unit-open", {"readings": readings}, where))
         elif best[0][0].exact:
             records = best[0][0].mended
             findings.append(_describe("sensor-mended", best[0][0], wrong, topics))
@@ -127,6 +134,32 @@ def _explains_as_much(one: Hypothesis, tried: Tried, best: Hypothesis, least: Tr
     """
     factors = one.fault == best.fault == "scale"
     return tried.chi2 < least.chi2 + (GAIN if factors else ALIKE)
+
+
+def _rank(one: Hypothesis) -> int:
+    """Rank the readings of a pressure, the usual first. Other sensors keep their order."""
+    return USUAL.get(one.fault, len(USUAL)) if one.sensor is Sensor.PRESSURE else 0
+
+
+def _depths(best: Sequence[Hypothesis]) -> list[list[object]]:
+    """List what pressures may be that puts the depths elsewhere: fault, unit, depths from and to.
+
+    Empty where all explain another sensor. A pressure in one unit is absolute rather than above the
+    air's.
+    """
+    absolute = {one.value for one in best if one.fault == "unit"}
+    out: list[list[object]] = []
+    medians: list[float] = []
+    for one in best:
+        pressure = one.mended.pressure
+        if one.sensor is not Sensor.PRESSURE or pressure is None or one.fault not in UNITS:
+            continue
+        low, median, high = map(float, np.percentile(pressure.depth, [5, 50, 95]))
+        is_known = one.fault == "gauge" and one.value in absolute
+        if not is_known and all(abs(median - other) > SAME_DEPTH_M for other in medians):
+            medians.append(median)
+            out.append([one.fault, one.value, low, high])
+    return out
 
 
 def _try_all(

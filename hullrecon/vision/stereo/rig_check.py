@@ -36,6 +36,7 @@ MIN_PAIRS = 3  # informative pairs
 MAX_ERROR_PX = 1.5  # median, as wide as the band in which stereo matches are sought
 MAX_TURN_DEG = 0.3  # of the bottom camera; a calibration under water is good to a tenth
 TURN_SIGMAS = 5.0  # by which such a turn must be known
+FAR = 4.0  # median error as calibrated over that of a fitted pose, from where on another is meant
 CLEARLY_BETTER = 1.2  # the median error of one fit over another's
 MAX_SHARE = 0.3  # of the pairs beyond MAX_ERROR_PX
 MAX_SHIFT = 3  # frames by which the stamps of one camera may be off
@@ -480,11 +481,12 @@ def _contradiction(
         f"the images contradict the stereo calibration: {error_px:.1f} px from the epipolar "
         "lines in the median"
     )
-    if look.is_behind(pairs):
-        what += " and behind the cameras"
-    seen = look.pixels(pairs)
+    behind, seen = look.is_behind(pairs), look.pixels(pairs)
+    what += " and behind the cameras" if behind else ""
+    # what hardly leaves the lines is a matter of degree, as lenses are, and of no convention
+    is_far = behind or error_px > FAR * fitted_px
     readings = fitting_readings(look.lenses, look.mount, *seen, AS_GOOD * fitted_px)
-    if readings:
+    if is_far and readings:
         words = ", or as well ".join(one.words for one in readings)
         return RigProblem(
             what=f"{what}; they fit {words}", remedy=", or ".join(one.remedy for one in readings)
