@@ -201,9 +201,10 @@ WARNINGS: dict[str, Words] = {
     "metres?",
     "bottom-camera-late": lambda late_ms, sigma_ms, offset_s: (
         f"its images were exposed {abs(late_ms):.1f} ms {'after' if late_ms > 0 else 'before'} "
-        f"their stamps (sigma {sigma_ms:.1f} ms): on every course they lie across the epipolar "
-        "lines by as much as the vehicle moves in that time. A run reckons with it, and "
-        f"camera.bottom.time_offset = {offset_s:.4f} states it"
+        f"those of the top camera with the same stamps (sigma {sigma_ms:.1f} ms): on every course "
+        "they lie across the epipolar lines by as much as the vehicle moves in that time. A run "
+        f"reckons with it, and camera.bottom.time_offset = {offset_s:.4f} states it, as long as it "
+        "is not the top camera whose stamps are off"
     ),
     "mounts-disagree": "imu.mount_deg and dvl.mount turn the DVL's axes {degrees:.0f} degrees "
     "apart, and both say how the one DVL sits in the vehicle: is one of them wrong?",

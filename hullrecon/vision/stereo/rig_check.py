@@ -495,7 +495,8 @@ def _contradiction(
     best_px = min(lenses[0].error_px, fitted_px if found is not None else np.inf)
     if best_px > MAX_ERROR_PX:
         return RigProblem(
-            what=f"{what}, and neither one pose of the bottom camera nor one lens fits them",
+            what=f"{what}, and neither one pose, one delay of the bottom camera nor one lens fits "
+            "them: do its stamps drift, or were images paired wrongly from some time on?",
             remedy="",
         )
     causes = []
