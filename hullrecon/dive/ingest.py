@@ -64,6 +64,7 @@ from hullrecon.typing import Array
 
 # without velocity: at a decimetre a second the vehicle may be anywhere in a harbour
 LONG_SILENCE_S = 3600.0
+LEAST_SINKING_S = 20.0  # of velocities by which depths are judged
 JOINT_KEYS = {"tray": "tray.joint", "sonar_tray": "sonar.joint"}
 OpenFile = Callable[[str], BinaryIO]  # a file for the images of that camera
 Kind = TypeVar("Kind", bound=Sample)
@@ -458,9 +459,18 @@ def _build_pressure(source: _Source) -> PressureSamples | None:
     samples = source.samples("pressure", DEPTHS)
     if not samples:
         return None
+    return streams.pressure_samples(
+        samples, source.request.pressure, source.notes, _tells_depth(source)
+    )
+
+
+def _tells_depth(source: _Source) -> bool:
+    """Tell whether DVL and IMU say for long enough how the vehicle sank."""
     dvl, imu = source.built.get("dvl"), source.built.get("imu")
-    compared = isinstance(dvl, DvlPings) and imu is not None and np.isfinite(dvl.velocity).any()
-    return streams.pressure_samples(samples, source.request.pressure, source.notes, bool(compared))
+    if not isinstance(dvl, DvlPings) or imu is None:
+        return False
+    heard_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
+    return len(heard_ns) > 1 and bool(heard_ns[-1] - heard_ns[0] >= LEAST_SINKING_S * NS)
 
 
 def _build_sonar(source: _Source) -> SonarPings | None:

@@ -149,12 +149,13 @@ def test_pressure_of_a_dive_at_one_depth_asks_for_its_unit():
     """Nothing tells hPa above the air (as deep as it is) from kPa (deeper)."""
     true = dive()
     level = replace(true.dvl, velocity=0.0 * true.dvl.velocity + [0.0, 1e-3, 0.0])
-    still = replace(true, dvl=level, pressure=replace(true.pressure))
-    logged = (1.5 + 0.0 * true.pressure.depth) / 100.0 - AIR_M
-    (finding,) = judged(with_depth(still, logged)).findings
+    still = replace(true, dvl=level)
+    hectopascal = (1.5 + 0.0 * true.pressure.depth) / 100.0
+    (finding,) = judged(with_depth(still, hectopascal - AIR_M)).findings
     assert finding.severity == "error"
     assert "hPa above the air (1.5 to 1.5 m deep)" in finding.sentence
-    assert "give pressure.unit" in finding.sentence
+    assert "give pressure.unit, and pressure.atmosphere = 0" in finding.sentence
+    assert judged(with_depth(still, 100.0 * hectopascal)).findings == []
 
 
 def test_pressure_of_an_enclosure_is_left_out():
