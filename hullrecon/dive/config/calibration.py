@@ -18,12 +18,13 @@ from hullrecon.dive.config.camchain import (
 )
 from hullrecon.dive.config.camera_matrix import read_pinhole
 from hullrecon.dive.config.config_errors import shorten, show_value
+from hullrecon.dive.config.foreign_calibrations import name_foreign
 from hullrecon.dive.config.lens_models import (
     PLUMB_BOB_COUNT,
     convert_rational,
 )
 from hullrecon.dive.config.yaml_files import LARGEST_YAML, read_yaml
-from hullrecon.dive.files import read_text
+from hullrecon.dive.files import read_regular, read_text
 from hullrecon.dive.images.encoded import fits
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
@@ -51,10 +52,26 @@ def read_camera(path: Path, camera: Camera = Camera.TOP, topic: str = "") -> Cam
     camera : of the rig, for a camchain
     topic : of its images, for a camchain
     """
-    data, where = read_yaml(path), str(path)
+    where = str(path)
+    _refuse_foreign(path, where)
+    data = read_yaml(path)
     if cameras_of(data):
         data = camera_info_of(data, choose_camera(data, camera, topic), where)
     return camera_of(data, where)
+
+
+def _refuse_foreign(path: Path, where: str) -> None:
+    """Raise InputError for a calibration of another program, with what to write in its place."""
+    try:
+        text = read_regular(path, LARGEST_YAML).decode("utf-8", "replace")
+    except (OSError, ValueError):
+        return  # told by read_yaml
+    foreign = name_foreign(text)
+    if foreign is not None:
+        whose, remedy = foreign
+        raise InputError(
+            f"this calibration is {whose}, which is not read", where=where, remedy=remedy
+        )
 
 
 def is_camchain(path: Path) -> bool:

@@ -210,3 +210,23 @@ def test_an_alias_bomb_as_calibration_is_refused(tmp_path):
     (tmp_path / "x.yaml").write_text("\n".join(lines))
     with pytest.raises(InputError, match="is not YAML: its aliases"):
         read_camera(tmp_path / "x.yaml")
+
+
+@pytest.mark.parametrize(
+    ("text", "whose"),
+    [
+        ("<?xml version='1.0'?>\n<opencv_storage>\n", "OpenCV's XML"),
+        ("<calibration>\n  <projection>frame</projection>\n  <f>412</f>\n", "Metashape's XML"),
+        ("# Camera list\n1 OPENCV 400 320 412 412 200 160 0 0 0 0\n", "COLMAP's cameras.txt"),
+        ('{"IntrinsicMatrix": [[412, 0, 0]], "ImageSize": [320, 400]}', "MATLAB's"),
+        ("# oST version 5.0 parameters\n\n[image]\n", "ost.txt"),
+        ("%YAML:1.0\n---\nM1: !!opencv-matrix\n  rows: 3\n", "OpenCV's of a stereo pair"),
+        ('%YAML:1.0\nCamera.type: "PinHole"\nCamera.fx: 412.0\n', "ORB-SLAM's settings"),
+        ("PK\x03\x04", "NumPy's archive"),
+    ],
+)
+def test_calibration_of_another_program_is_named(tmp_path, text, whose):
+    (tmp_path / "c.txt").write_text(text)
+    with pytest.raises(InputError, match=whose) as refused:
+        read_camera(tmp_path / "c.txt")
+    assert str(refused.value.remedy).startswith("write a camera_info YAML")

@@ -1,0 +1,37 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Name the calibrations of other programs, which are not read, and what of them to write."""
+
+from __future__ import annotations
+
+import re
+
+CENTRE = "cx and cy less 0.5, as its first pixel has its centre at 0.5"
+# By what is found in the file: whose it is, and what its numbers are in a camera_info YAML
+FOREIGN = (
+    (r"<opencv_storage>", "OpenCV's XML", "the same names and numbers as YAML"),
+    (
+        r"<calibration>[\s\S]*<f>",
+        "Metashape's XML",
+        "fx = f + b1, fy = f, cx and cy plus (width - 1) / 2 and (height - 1) / 2, and "
+        "distortion_coefficients k1, k2, p2, p1, k3",
+    ),
+    (r"(?m)^\d+ (SIMPLE_|FULL_)?(PINHOLE|RADIAL|OPENCV)", "COLMAP's cameras.txt", CENTRE),
+    (r"IntrinsicMatrix|RadialDistortion", "MATLAB's", "cx and cy less 1, as its pixels begin at 1"),
+    (r"oST version", "camera_calibration's ost.txt", "its ost.yaml, which is written beside it"),
+    (r"(?m)^M1:", "OpenCV's of a stereo pair", "one YAML for each camera, with its images' size"),
+    (
+        r"(?m)^Camera1?\.fx",
+        "ORB-SLAM's settings",
+        "camera_matrix and distortion_coefficients k1, k2, p1, p2, k3",
+    ),
+    (r"\APK\x03\x04", "NumPy's archive", "camera_matrix, distortion_coefficients and the size"),
+)
+
+
+def name_foreign(text: str) -> tuple[str, str] | None:
+    """Tell whose calibration a file is, and what to write in its place. None for any other."""
+    for pattern, whose, how in FOREIGN:
+        if re.search(pattern, text):
+            return whose, f"write a camera_info YAML: {how}"
+    return None
