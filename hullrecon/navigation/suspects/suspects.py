@@ -103,6 +103,8 @@ def judge(
         found = _try_all(records, rig, atmosphere_m, base, flows)
         tried += [one for _, one in found[:SHOWN]]
         best = [(h, one) for h, one in found if one.explains]
+        if any(h.fault in UNITS for h, _ in best):  # a sensor left out has no residuals at all
+            best = [(h, one) for h, one in best if h.fault != "constant"]
         best = [pair for pair in best if _explains_as_much(*pair, *best[0])]
         best.sort(key=lambda pair: _rank(pair[0]))
         sensors = list(dict.fromkeys(h.sensor for h, _ in best))
