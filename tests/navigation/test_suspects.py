@@ -224,6 +224,15 @@ def test_camera_that_moves_unlike_the_dvl_is_named(turn, fault):
     assert finding.values["fault"] == fault
 
 
+@pytest.mark.parametrize("late_s", [-0.5, 0.75])
+def test_images_that_are_stamped_late_are_a_clock_and_no_wrong_camera(late_s):
+    ns = round(late_s * NS)
+    seen = [replace(flow, t_ns=(flow.t_ns[0] + ns, flow.t_ns[1] + ns)) for flow in flows()]
+    (finding,) = judged(dive(), seen).findings
+    assert (finding.code, finding.values["sensor"]) == ("sensors-late", "camera")
+    assert float(finding.values["value"].removesuffix(" s")) == pytest.approx(late_s, abs=0.26)
+
+
 def test_dvl_that_measures_too_long_is_named_by_depth_and_images():
     true = dive()
     long = replace(true, dvl=replace(true.dvl, velocity=1.4 * true.dvl.velocity))

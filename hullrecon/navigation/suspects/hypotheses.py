@@ -43,6 +43,8 @@ REPEATED = 4  # pings with one velocity to the last digit: noise of 1 mm/s makes
 # comparison tolerates near zero
 LATE_S = [s * late for late in (*np.arange(0.25, 5.0, 0.25), *range(5, 61)) for s in (1, -1)]
 
+FAR_S = 5.0  # beyond which the clock of a camera is not doubted
+
 
 @dataclass(frozen=True, kw_only=True)
 class Hypothesis:
@@ -198,6 +200,18 @@ def _of_camera(records: SensorRecords, flows: Sequence[Flow]) -> Iterator[Hypoth
         ]
         yield Hypothesis(
             sensor=Sensor.CAMERA, fault=fault, value=value, mended=records, flows=moved
+        )
+    for late_s in (late_s for late_s in LATE_S if abs(late_s) < FAR_S):
+        late_ns = round(late_s * NS)
+        moved = [
+            replace(flow, t_ns=(flow.t_ns[0] - late_ns, flow.t_ns[1] - late_ns)) for flow in flows
+        ]
+        yield Hypothesis(
+            sensor=Sensor.CAMERA,
+            fault="clock",
+            value=f"{late_s:g} s",
+            mended=records,
+            flows=moved,
         )
 
 
