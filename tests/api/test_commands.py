@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
-from hullrecon_cli.commands import score
+from hullrecon_cli.commands import results
 
 from hullrecon.errors import InputError
 
@@ -21,7 +21,7 @@ def call(command: Any, *arguments: object) -> Any:
 
 def test_evaluate_prints_a_figure_a_line_with_its_unit(deliver: Any, package: Path) -> None:
     deliver.track()
-    lines = call(score.evaluate, deliver.folder, package).stdout.splitlines()
+    lines = call(results.evaluate, deliver.folder, package).stdout.splitlines()
     rigid = next(line.split() for line in lines if line.startswith("trajectory.rigid_rmse_m"))
     assert float(rigid[1]) < 1e-6
     assert rigid[2] == "m"
@@ -31,7 +31,7 @@ def test_evaluate_prints_a_figure_a_line_with_its_unit(deliver: Any, package: Pa
 def test_evaluate_of_a_package_without_truth_is_refused(deliver: Any, tmp_path: Path) -> None:
     deliver.track()
     with pytest.raises(InputError, match="no truth"):
-        call(score.evaluate, deliver.folder, tmp_path)
+        call(results.evaluate, deliver.folder, tmp_path)
 
 
 def test_a_json_of_figures_has_no_nan(deliver: Any, package: Path) -> None:

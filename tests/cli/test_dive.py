@@ -353,7 +353,9 @@ def test_run_refuses_bow_across_the_ship_before_reading(capsys, package, tmp_pat
 
 
 def test_calibration_of_another_size_ends_with_code_3(capsys, package):
-    (package / "top.yaml").write_text(YAML.replace("32", "640").replace("24", "480"))
+    larger = "image_width: 640\nimage_height: 480\n"
+    matrix = "camera_matrix: [600, 0, 320, 0, 600, 240, 0, 0, 1]\n"
+    (package / "top.yaml").write_text(larger + matrix)
     code, line = complaint(capsys, "check", package)
     assert code == 3
     assert "32 x 24" in line
