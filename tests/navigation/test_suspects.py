@@ -280,6 +280,14 @@ def test_accelerations_of_gravity_alone_accuse_nobody():
     assert judged(with_imu(true, acceleration=gravity)).findings == []
 
 
+def test_orientation_of_a_vehicle_with_z_up_is_named_before_rates_and_dvl():
+    true = dive()
+    turned = Rotation.from_quat(true.imu.quaternion) * Rotation.from_euler("x", np.pi)
+    (finding,) = judged(with_imu(true, quaternion=turned.as_quat())).findings
+    assert (finding.values["sensor"], finding.values["fault"]) == ("IMU's orientation", "frame")
+    assert finding.values["value"] == "the vehicle's axes of the orientation alone"
+
+
 @pytest.mark.parametrize("angle", ["yaw", "pitch", "roll"])
 def test_angle_that_grows_the_other_way_is_named(angle):
     true = dive()

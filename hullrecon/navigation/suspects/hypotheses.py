@@ -147,6 +147,7 @@ def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
         ("order", "of roll and pitch exchanged"): Rotation.from_euler("ZYX", angles[:, [0, 2, 1]]),
         ("frame", "global axes"): NED_FROM_ENU * attitude,
         ("frame", "the orientation's axes alone"): NED_FROM_ENU * attitude * FRD_FROM_FLU,
+        ("frame", "the vehicle's axes of the orientation alone"): attitude * FRD_FROM_FLU,
     }
     for signs in itertools.product([1.0, -1.0], repeat=3):
         name = " and ".join(
