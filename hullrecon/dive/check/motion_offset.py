@@ -181,9 +181,8 @@ def _on_grid(
 
 
 def _running_mean(values: Array) -> Array:
-    from scipy.signal import (
-        correlate,
-    )  # it takes half a second to load, which no other command owes
+    # loaded here: it takes half a second, which no other command owes
+    from scipy.signal import correlate
 
     width = round(SMOOTH_S / STEP_S)
     kernel = np.full((width + 1, 1), 1.0 / width)

@@ -156,7 +156,7 @@ MOUNTS = {  # the lines of mounts that no log tells
 
 
 def _depth_lines(unit: str | None, grows_up: bool) -> str:
-    """Write the keys of a pressure or depth that is not as its type has it."""
+    """Write the keys for a depth that is in another unit than its type has, or grows upwards."""
     lines = [] if unit is None else [f"{f'unit = {_quote(unit)}'.ljust(33)}{BY_VALUES}\n"]
     lines += ['z_axis = "up"'.ljust(33) + BY_SIGN + "\n"] if grows_up else []
     return "".join(lines)

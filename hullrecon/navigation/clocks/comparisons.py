@@ -49,7 +49,7 @@ TURNED_S = 1.0  # between three normals of the hull, whose second difference is 
 SUNK_S = 2.0  # between three depths; second differences cancel the steady rate of a wrong mount
 PUSHED_S = 0.8  # between three velocities; second differences cancel gravity and a bias
 PUSHED_BLOCK_S = 3.0  # over which their errors are common: roll and pitch that are off
-STILL = 0.1  # of the DVL's changes: accelerations that change by less tell no motion
+STILL = 0.1  # of the others' motion: a signal that moves by less tells none
 GRAVITY = 9.81  # m/s2, that accelerations have to hold: some sensors take it off
 LATE = 0.3  # largest delay of the next ping, as a share of the spacing
 BLOCK_S, LEAST_BLOCKS, LEAST_ROWS, MOST_ROWS = 10.0, 6, 60, 5_000
@@ -264,14 +264,11 @@ def compare_pushes(
 
     None without pings, or without accelerations that hold gravity.
     """
-    felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
-    is_felt = np.isfinite(felt).all(axis=1)
-    felt_ns, felt = imu.t_ns[is_felt], felt[is_felt]
+    felt_ns, felt = felt_in_global(imu)
     known = np.isfinite(dvl.velocity).all(axis=1)
     t_ns = dvl.t_ns[known]
     triples = _rows_apart(t_ns, PUSHED_S)
-    holds_gravity = len(felt) > 1 and np.linalg.norm(np.median(felt, axis=0)) > GRAVITY / 2
-    if not len(triples) or not holds_gravity:
+    if not len(triples) or not len(felt):
         return None
     t_s, felt_s = (seconds(of, int(t_ns[0])) for of in (t_ns, felt_ns))
     pushed = integral(felt_s, felt)
@@ -368,6 +365,19 @@ def _compare_with_dvl(
         least_rows=LEAST_ROWS,
         least_blocks=LEAST_BLOCKS,
     )
+
+
+def felt_in_global(imu: ImuSamples) -> tuple[Ints, Array]:
+    """Turn accelerations into `global`: stamps (n,), m/s2 (n, 3). Gravity is felt upwards.
+
+    Empty without accelerations, or of a sensor that has gravity taken off.
+    """
+    felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
+    known = np.isfinite(felt).all(axis=1)
+    t_ns, felt = imu.t_ns[known], felt[known]
+    if len(felt) < 2 or np.linalg.norm(np.median(felt, axis=0)) < GRAVITY / 2:
+        return t_ns[:0], felt[:0]
+    return t_ns, felt
 
 
 def _second_difference(values: Array, triples: Ints) -> Array:

@@ -28,7 +28,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses, interpolate, tray_poses
 from hullrecon.geometry.robust import robust_sigma
-from hullrecon.navigation.clocks.comparisons import hull_normals
+from hullrecon.navigation.clocks.comparisons import GRAVITY, STILL, felt_in_global, hull_normals
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.smoothing import local_line
@@ -53,14 +53,13 @@ ALONG_1_M = 0.05  # curvature of a hull along its length
 RELIEF_M, RELIEF_RAD = 0.03, 0.03  # plates, weld seams and curvature within a window
 LEVELS = np.linspace(0.25, 0.75, 5)  # quantiles of the depth that are held against the surface
 HIGHEST_M, SURFACE_SIGMA_M = 1.0, 0.3  # a sensor at the surface, the day's air pressure
-GRAVITY, GRAVITY_SIGMA = 9.81, 1.0  # m/s2, of a median over the dive
+GRAVITY_SIGMA = 1.0  # m/s2, of a median over the dive
 # m/s2 of a MEMS accelerometer's bias and of roll and pitch (half a degree), m/s of thrusters'
 # vibration in a window, m between the IMU and the vehicle's origin
 FELT_BIAS_M_S2, PUSHED_SIGMA_M_S, IMU_LEVER_M = 0.1, 0.02, 0.2
 PUSHED_SHARE = 0.05  # of an accelerometer's scale and axes
 DEPTH_SIGMA_M = 0.005  # of a change of depth: what two smoothed readings leave at least
 ROUGH_SHARE = 0.4  # of LATE_S, by which the smoothing of two sensors differs from time to time
-STILL = 0.1  # of the others' motion: a signal that moves by less is constant
 CLIP = 4.0  # sigmas, beyond which a residual costs no more
 GAIN = 25.0  # of chi-square beyond its mean: five sigmas, as in navigation/clocks
 MISFIT = 2.0  # of chi-square by row: 1.2 at most on 17 faultless dives, 3.3 to 11 with faults
@@ -256,17 +255,16 @@ def compare_push(imu: ImuSamples, track: Track) -> Comparison | None:
 
     None without accelerations, of a sensor that has gravity taken off, or gives nothing else.
     """
-    felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
-    known = np.isfinite(felt).all(axis=1)
-    if known.sum() < 2 or np.linalg.norm(np.median(felt[known], axis=0)) < GRAVITY / 2:
+    read_ns, felt = felt_in_global(imu)
+    if not len(felt):
         return None
-    start, read_ns = int(track.t_ns[0]), imu.t_ns[known]
+    start = int(track.t_ns[0])
     inside = (track.t_ns >= read_ns[0]) & (track.t_ns <= read_ns[-1])
     windows = _windows(track.t_ns, PUSHED_S, inside)
     if len(windows) < LEAST_WINDOWS:
         return None
     t_s, read_s = track.way.t_s, seconds(read_ns, start)
-    pushed = integral(read_s, felt[known] + [0.0, 0.0, GRAVITY]).at(t_s)
+    pushed = integral(read_s, felt + np.array([0.0, 0.0, GRAVITY])).at(t_s)
     swept = local_line(t_s, track.lever, t_s, SMOOTH_S)[1]
     by_dvl, by_imu = (
         _over(local_line(t_s, speed, t_s, SMOOTH_S)[0], windows)

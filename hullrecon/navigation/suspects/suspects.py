@@ -17,9 +17,9 @@ from types import MappingProxyType
 import numpy as np
 
 from hullrecon.findings.finding import Finding
+from hullrecon.navigation.clocks.comparisons import STILL
 from hullrecon.navigation.suspects.comparisons import (
     GAIN,
-    STILL,
     Comparison,
     Flow,
     Sensor,

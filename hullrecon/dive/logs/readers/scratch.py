@@ -17,7 +17,7 @@ REMEDY = "free some space there, or name another folder in the variable TMPDIR"
 
 
 def scratch_folder() -> Path:
-    """Make a temporary folder. Raises StorageError where none may be written to."""
+    """Make a temporary folder, or raise StorageError where no folder can be written."""
     try:
         return Path(tempfile.mkdtemp(prefix="hullrecon-"))
     except OSError as error:  # tempfile says ENOENT where every folder that it tries is full
