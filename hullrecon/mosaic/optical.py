@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -47,8 +47,9 @@ def optical_mosaic(
     cameras: Sequence[CameraImages],
     options: OpticalOptions,
     progress: Progress,
+    scratch: BinaryIO,
 ) -> OpticalMosaic:
-    """Make the mosaic: footprints, light, then tile by tile.
+    """Make the mosaic: footprints, light, then tile by tile into a scratch file.
 
     Raises ValueError when no image meets the surface or the raster would be too large.
     """
@@ -73,6 +74,7 @@ def optical_mosaic(
         3,
         options.tile_px,
         progress,
+        scratch,
     )
     return OpticalMosaic(store=store, gsd_m=gsd, light_corrected=light is not None)
 

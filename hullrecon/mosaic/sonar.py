@@ -179,7 +179,7 @@ def sonar_mosaic(
     elevation_rad
         the full aperture out of the fan.
     scratch
-        an empty file, for what grows with the dive.
+        an empty file, for what grows with the dive, the tiles among it.
     """
     fan = build_fan(pings.directions, pings.range_m, APERTURE_SHARE * elevation_rad)
     image_views = [
@@ -200,7 +200,7 @@ def sonar_mosaic(
             for s, gain in zip(image_views, levels.gain, strict=True)
         ]
     store = blend_tiles(
-        surface, grid, footprints, image_views, LIMITS, 1, options.tile_px, progress
+        surface, grid, footprints, image_views, LIMITS, 1, options.tile_px, progress, scratch
     )
     return SonarMosaic(store=store, light_corrected=levels is not None, footprints=footprints)
 

@@ -22,18 +22,19 @@ def run(context: Context[OpticalOptions]) -> None:
     options, artifacts = context.parameters, InputArtifacts(context.inputs)
     inputs = read_mosaic_inputs(artifacts)
     cameras = _usable_images(context, artifacts, inputs)
-    try:
-        mosaic = optical_mosaic(inputs.surface, cameras, options, context.progress)
-    except ValueError as error:
-        raise StageError(f"no optical mosaic: {error}", where="mosaic-optical") from error
-    facts: dict[str, object] = {
-        "images": sum(len(images.rows) for images in cameras),
-        "ground_sample_distance_m": mosaic.gsd_m,
-        "remarks": ["lamp, vignetting and brightness of each image evened out"]
-        if mosaic.light_corrected
-        else ["light left as it was"],
-    }
-    write_mosaic(context, inputs, mosaic.store, "Optical mosaic", facts)
+    with context.out.scratch() as scratch:
+        try:
+            mosaic = optical_mosaic(inputs.surface, cameras, options, context.progress, scratch)
+        except ValueError as error:
+            raise StageError(f"no optical mosaic: {error}", where="mosaic-optical") from error
+        facts: dict[str, object] = {
+            "images": sum(len(images.rows) for images in cameras),
+            "ground_sample_distance_m": mosaic.gsd_m,
+            "remarks": ["lamp, vignetting and brightness of each image evened out"]
+            if mosaic.light_corrected
+            else ["light left as it was"],
+        }
+        write_mosaic(context, inputs, mosaic.store, "Optical mosaic", facts, scratch)
 
 
 def _usable_images(
@@ -59,7 +60,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate", "surface"),
     optional=("adjust", "detect"),
     parameters=OpticalOptions,
-    version=8,
+    version=9,
     run=run,
     fails_alone=True,
     uses=("camera.top.time_offset", *CAMERA_KEYS, "logs", "hull.frame_spacing"),

@@ -49,8 +49,6 @@ def run(context: Context[SonarOptions]) -> None:
     pings = _pings(artifacts)
     inputs = read_mosaic_inputs(artifacts)
     poses = ping_poses(artifacts, settings, inputs.track)
-    with context.out.scratch() as scratch:
-        mosaic = blend_pings(inputs.surface, pings, poses, settings, context.progress, scratch)
     nodes_ns, mount_sigma = inputs.track.t_ns, np.array(settings.read("sonar.mount_sigma", tuple))
     uncertainty = PingUncertainty(
         sonar=poses,
@@ -61,15 +59,17 @@ def run(context: Context[SonarOptions]) -> None:
         servo_from_sonar=from_mount(settings.read("sonar.mount", tuple)),
         mount_sigma=np.r_[mount_sigma[:3], np.radians(mount_sigma[3:])],
     )
-    facts: dict[str, object] = {
-        **median_position_sigma(uncertainty, mosaic.footprints, inputs.surface.chart),
-        "pings": len(pings.t_ns),
-        "poses": "dead reckoned" if inputs.mounts is None else "adjusted",
-        "remarks": ["returns brought to one level by range, beam and ping"]
-        if mosaic.light_corrected
-        else ["returns left as they were"],
-    }
-    write_mosaic(context, inputs, mosaic.store, "Sonar mosaic", facts)
+    with context.out.scratch() as scratch:
+        mosaic = blend_pings(inputs.surface, pings, poses, settings, context.progress, scratch)
+        facts: dict[str, object] = {
+            **median_position_sigma(uncertainty, mosaic.footprints, inputs.surface.chart),
+            "pings": len(pings.t_ns),
+            "poses": "dead reckoned" if inputs.mounts is None else "adjusted",
+            "remarks": ["returns brought to one level by range, beam and ping"]
+            if mosaic.light_corrected
+            else ["returns left as they were"],
+        }
+        write_mosaic(context, inputs, mosaic.store, "Sonar mosaic", facts, scratch)
 
 
 def ping_poses(artifacts: InputArtifacts, settings: StageSettings, track: VehicleTrack) -> Poses:
@@ -121,7 +121,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate", "surface"),
     optional=("adjust", "detect"),
     parameters=SonarOptions,
-    version=7,
+    version=8,
     run=run,
     fails_alone=True,
     uses=(

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import BinaryIO
 
 from hullrecon.artifacts.stage import Context
 from hullrecon.geometry.charts.outside_map import OutsideMap, outside_map
@@ -71,12 +72,16 @@ def write_mosaic(
     store: TileStore,
     title: str,
     facts: dict[str, object],
+    scratch: BinaryIO,
 ) -> None:
-    """Write ortho.tif, the rasters of its grid, ortho.png, mosaic.glb and mosaic.json."""
+    """Write ortho.tif, the rasters of its grid, ortho.png, mosaic.glb and mosaic.json.
+
+    `scratch`: a file for what is in work.
+    """
     frame = Frame(inputs.track.frame)
     layout = RasterLayout(grid=store.grid, size=store.size, outside=inputs.outside)
-    _write_mosaic_rasters(context, layout, store, title)
-    _write_surface_rasters(context, layout, inputs)
+    _write_mosaic_rasters(context, layout, store, title, scratch)
+    _write_surface_rasters(context, layout, inputs, scratch)
     presentation = Presentation(
         title=title,
         frame=frame,
@@ -95,7 +100,7 @@ def write_mosaic(
 
 
 def _write_mosaic_rasters(
-    context: MosaicContext, layout: RasterLayout, store: TileStore, title: str
+    context: MosaicContext, layout: RasterLayout, store: TileStore, title: str, scratch: BinaryIO
 ) -> None:
     colors = ("red", "green", "blue", "alpha") if store.channels == 3 else ("intensity", "alpha")
     rasters = (
@@ -125,17 +130,18 @@ def _write_mosaic_rasters(
     )
     for name, tiles, bands in rasters:
         with context.out.path(name) as path:
-            write_raster(path, tiles, layout, bands)
+            write_raster(path, tiles, layout, bands, scratch)
 
 
 def _write_surface_rasters(
-    context: MosaicContext, layout: RasterLayout, inputs: MosaicInputs
+    context: MosaicContext, layout: RasterLayout, inputs: MosaicInputs, scratch: BinaryIO
 ) -> None:
     """Write rasters of the hull as found on the mosaic's pixels."""
     if inputs.as_found is None:
         return
     for name, tiles in surface_tiles(
-        inputs.surface, surface_values(inputs.as_found, inputs.deviation), layout
+        inputs.surface, surface_values(inputs.as_found, inputs.deviation), layout, scratch
     ).items():
         with context.out.path(f"{name}.tif") as path:
-            write_raster(path, tiles, layout, surface_bands(name, by_images=inputs.by_images))
+            bands = surface_bands(name, by_images=inputs.by_images)
+            write_raster(path, tiles, layout, bands, scratch)

@@ -44,7 +44,7 @@ def tiles(views: int) -> TileStore:
         gray = np.full((*window.shape, 1), 120, np.float32)
         return Tile(value=gray, variance=np.full(window.shape, 4.0, np.float32), views=count)
 
-    return make_tiles(GRID, 1, 16, 80, make, lambda windows: windows)
+    return make_tiles(GRID, 1, 16, 80, make, lambda windows: windows, BytesIO())
 
 
 def test_the_document_says_where_and_how_large_the_mosaic_is() -> None:
@@ -148,6 +148,8 @@ def test_a_mosaic_with_a_gap_says_so() -> None:
         )
 
     document = mosaic_document(
-        make_tiles(GRID, 1, 16, 80, torn, lambda windows: windows), Frame.HULL, SHOWN.facts
+        make_tiles(GRID, 1, 16, 80, torn, lambda windows: windows, BytesIO()),
+        Frame.HULL,
+        SHOWN.facts,
     )
     assert "Gaps inside its outline: 0.04 m²." in str(document["caption"])

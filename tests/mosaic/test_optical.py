@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from io import BytesIO
 
 import numpy as np
 import pytest
@@ -68,7 +69,8 @@ SPOTS = np.stack(
 def test_the_mosaic_shows_the_paint_and_not_the_lamp(
     flat_surface: Callable[..., MosaicSurface], camera: CameraModel, lamp: bool
 ) -> None:
-    store = optical_mosaic(flat_surface(), [images(camera, SPOTS, lamp)], OPTIONS, still).store
+    seen = [images(camera, SPOTS, lamp)]
+    store = optical_mosaic(flat_surface(), seen, OPTIONS, still, BytesIO()).store
     grid = store.grid
     rows, columns = np.arange(grid.height, dtype=float), np.arange(grid.width, dtype=float)
     at = grid.centers(rows, columns)
@@ -92,6 +94,7 @@ def test_without_correction_the_lamp_stays(
         [one],
         OpticalOptions(tile_px=64, resolution_m=0.01, even_light=False),
         still,
+        BytesIO(),
     )
     assert not made.light_corrected
     middle = made.store.small.shape[0] // 2
@@ -111,5 +114,9 @@ def test_images_that_miss_the_surface_make_no_mosaic(
 ) -> None:
     with pytest.raises(ValueError, match="no image meets"):
         optical_mosaic(
-            flat_surface(), [images(camera, np.array([[5.0, 5.0]]), False)], OPTIONS, still
+            flat_surface(),
+            [images(camera, np.array([[5.0, 5.0]]), False)],
+            OPTIONS,
+            still,
+            BytesIO(),
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from io import BytesIO
 
 import numpy as np
 import pytest
@@ -30,7 +31,7 @@ def test_linear_field_is_linear_over_texels(
 ) -> None:
     surface = flat_surface()
     slope = 0.01 * surface.mesh.vertices[:, 0] + 0.02 * surface.mesh.vertices[:, 1]
-    (tile,) = surface_tiles(surface, {"form": slope}, LAYOUT)["form"]
+    (tile,) = surface_tiles(surface, {"form": slope}, LAYOUT, BytesIO())["form"]
     at = GRID.centers(np.arange(24.0), np.arange(24.0))
     on = (np.abs(at) < 1).all(axis=2)
     np.testing.assert_allclose(tile[:24, :24][on], (at @ [0.01, 0.02])[on], atol=6e-5)
@@ -40,9 +41,8 @@ def test_linear_field_is_linear_over_texels(
 def test_counts_are_of_nearest_corner_and_zero_off_surface(
     flat_surface: Callable[..., MosaicSurface],
 ) -> None:
-    (tile,) = surface_tiles(flat_surface(), {"support": np.array([1.0, 2, 3, 4])}, LAYOUT)[
-        "support"
-    ]
+    support = {"support": np.array([1.0, 2, 3, 4])}
+    (tile,) = surface_tiles(flat_surface(), support, LAYOUT, BytesIO())["support"]
     assert tile.dtype == np.uint16
     assert set(np.unique(tile)) == {0, 1, 2, 3, 4}
     assert tile[3, 3] == 4  # along -0.85, girth 0.85

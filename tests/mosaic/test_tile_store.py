@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from io import BytesIO
 
 import numpy as np
 import pytest
@@ -24,7 +25,7 @@ def ramp(window: Window) -> Tile:
 
 @pytest.fixture
 def store() -> TileStore:
-    return make_tiles(GRID, 3, 64, 80, ramp, lambda tiles: tiles)
+    return make_tiles(GRID, 3, 64, 80, ramp, lambda tiles: tiles, BytesIO())
 
 
 def test_small_copy_fits_and_keeps_the_mean(store: TileStore) -> None:
@@ -37,7 +38,7 @@ def test_small_copy_fits_and_keeps_the_mean(store: TileStore) -> None:
 
 
 def test_the_small_copy_is_reduced_by_what_divides_a_tile() -> None:
-    store = make_tiles(GRID, 3, 80, 4, ramp, lambda tiles: tiles)
+    store = make_tiles(GRID, 3, 80, 4, ramp, lambda tiles: tiles, BytesIO())
     assert store.reduction == 16
     assert store.small.shape == (7, 10, 4)
 
@@ -66,7 +67,7 @@ def test_tiles_come_back_as_they_were_made(store: TileStore) -> None:
 
 
 def test_a_tile_of_another_shape_is_refused() -> None:
-    tiles = CompressedTiles((4, 4), "uint8")
+    tiles = CompressedTiles((4, 4), "uint8", BytesIO())
     with pytest.raises(ValueError, match="shape"):
         tiles.add(np.zeros((4, 5), np.uint8))
 

@@ -5,18 +5,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface
+from hullrecon.mosaic.output.cog import BLOCK, Picture, write_cog
 from hullrecon.mosaic.output.tile_store import CompressedTiles
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.typing import Array, Ints
@@ -64,44 +65,51 @@ class RasterLayout:
 
 
 def write_raster(
-    path: Path, tiles: Iterable[NDArray[np.generic]], layout: RasterLayout, bands: RasterBands
+    path: Path,
+    tiles: CompressedTiles,
+    layout: RasterLayout,
+    bands: RasterBands,
+    scratch: BinaryIO,
 ) -> None:
     """Write tiles in the order of grid.tiles(size), as the same bytes for the same tiles.
 
-    GDAL's driver for cloud-optimised files copies a whole file with its overviews. Both, deflated,
-    stay in memory: on a full disk GDAL raises errors of its own and prints on standard error, a
-    write of ours raises OSError. `tiles`: (size, size, bands), or (size, size).
+    `tiles`: (size, size, bands), or (size, size). `scratch`: a file for what is in work.
     """
+    grid, (mirrored, upset) = layout.grid, layout.outside.flips
+    picture = Picture(
+        tiles=tiles,
+        size=layout.size,
+        width=grid.width,
+        height=grid.height,
+        mirrored=mirrored,
+        upset=upset,
+    )
+    write_cog(path, picture, _template(layout, bands), bands.nodata, scratch)
+
+
+def _template(layout: RasterLayout, bands: RasterBands) -> bytes:
+    """Let GDAL write the tags of a raster, with a block that holds nothing."""
     import rasterio
     from rasterio.io import MemoryFile
-    from rasterio.shutil import copy
 
-    grid, (west, north) = layout.grid, layout.corner
-    options = bands.creation_options
-    with (
-        rasterio.Env(GDAL_NUM_THREADS=1),
-        MemoryFile() as memory,
-        MemoryFile(ext=".tif") as finished,
-    ):
+    (west, north), step_m = layout.corner, layout.grid.step_m
+    with rasterio.Env(), MemoryFile() as memory:
         with memory.open(
             driver="GTiff",
-            width=grid.width,
-            height=grid.height,
+            width=BLOCK,
+            height=BLOCK,
             count=len(bands.names),
             dtype=bands.dtype,
             crs=rasterio.CRS.from_wkt(layout.outside.wkt),
-            transform=rasterio.Affine(grid.step_m, 0, west, 0, -grid.step_m, north),
+            transform=rasterio.Affine(step_m, 0, west, 0, -step_m, north),
             nodata=bands.nodata,
             tiled=True,
-            blockxsize=512,
-            blockysize=512,
+            blockxsize=BLOCK,
+            blockysize=BLOCK,
             compress="DEFLATE",
-            zlevel=1,
-            bigtiff="IF_SAFER",
-            **options,
+            sparse_ok=True,
+            **bands.creation_options,
         ) as file:
-            for window, values in _windows(tiles, layout):
-                file.write(values, window=rasterio.windows.Window(*window))
             for k, name in enumerate(bands.names, start=1):
                 file.set_band_description(k, name)
                 file.set_band_unit(k, "" if name == "alpha" else bands.unit)
@@ -109,17 +117,7 @@ def write_raster(
                 TIFFTAG_IMAGEDESCRIPTION=json.dumps(description(layout, bands), sort_keys=True)
             )
             file.update_tags(TIFFTAG_SOFTWARE="hullrecon")
-        copy(
-            memory.name,
-            finished.name,
-            driver="COG",
-            compress="DEFLATE",
-            blocksize=512,
-            bigtiff="IF_SAFER",
-            predictor="YES",
-            overview_resampling="average",
-        )
-        path.write_bytes(finished.getbuffer())
+        return bytes(memory.getbuffer())
 
 
 def description(layout: RasterLayout, bands: RasterBands) -> dict[str, object]:
@@ -135,21 +133,6 @@ def description(layout: RasterLayout, bands: RasterBands) -> dict[str, object]:
         "girth_from_y": layout.outside.y_sign,
         "chart_frame": layout.outside.frame,
     }
-
-
-def _windows(
-    tiles: Iterable[NDArray[np.generic]], layout: RasterLayout
-) -> Iterable[tuple[tuple[int, int, int, int], NDArray[np.generic]]]:
-    """Yield column, row, width, height of each tile, and its values (bands, height, width)."""
-    grid, (mirrored, upset) = layout.grid, layout.outside.flips
-    for window, tile in zip(grid.tiles(layout.size), tiles, strict=True):
-        held = window.meet(grid.whole)
-        height, width = held.shape
-        values = np.atleast_3d(tile)[:height, :width]
-        values = values[:: -1 if upset else 1, :: -1 if mirrored else 1]
-        column = grid.width - held.right if mirrored else held.left
-        row = grid.height - held.bottom if upset else held.top
-        yield (column, row, width, height), np.ascontiguousarray(np.moveaxis(values, 2, 0))
 
 
 QUANTUM_M = 0.0001  # metres are written in steps of it: finer is noise, and compresses badly
@@ -181,15 +164,15 @@ def surface_values(surface: Surface, split: DeviationSplit | None) -> dict[str, 
 
 
 def surface_tiles(
-    surface: MosaicSurface, values: Mapping[str, Array], layout: RasterLayout
+    surface: MosaicSurface, values: Mapping[str, Array], layout: RasterLayout, scratch: BinaryIO
 ) -> dict[str, CompressedTiles]:
     """Interpolate values (n,) of the vertices at the texels.
 
     Metres are linear on each face, counts those of the nearest corner; NaN, and 0 for counts, where
-    there is none. The surface's horizon is not needed here.
+    there is none. The surface's horizon is not needed here. `scratch`: a file that keeps the tiles.
     """
     shape = (layout.size, layout.size)
-    tiles = {name: CompressedTiles(shape, surface_bands(name).dtype) for name in values}
+    tiles = {name: CompressedTiles(shape, surface_bands(name).dtype, scratch) for name in values}
     for window in layout.grid.tiles(layout.size):
         point = sample_surface(surface, layout.grid, window).point.reshape(-1, 3)
         rows = np.flatnonzero(np.isfinite(point[:, 0]))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tiles of a mosaic, kept compressed, and a small copy of the whole for pictures."""
+"""Tiles of a mosaic, compressed in a file, and a small copy of the whole for pictures."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import zlib
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,22 +30,28 @@ class CompressedTiles:
 
     shape: tuple[int, ...]
     dtype: str
-    _data: list[bytes] = field(default_factory=list)
+    file: BinaryIO  # that holds them, perhaps beside others
+    _parts: list[tuple[int, int]] = field(default_factory=list)  # byte and length of each
 
     def add(self, tile: NDArray[np.generic]) -> None:
         """Keep a tile. Raises ValueError for one of another shape."""
         if tile.shape != self.shape:
             raise ValueError(f"a tile of shape {tile.shape} among those of {self.shape}")
-        self._data.append(zlib.compress(np.ascontiguousarray(tile, self.dtype).tobytes(), 1))
+        data = zlib.compress(np.ascontiguousarray(tile, self.dtype).tobytes(), 1)
+        self._parts.append((self.file.seek(0, 2), len(data)))
+        self.file.write(data)
+
+    def __getitem__(self, k: int) -> NDArray[np.generic]:
+        at, length = self._parts[k]
+        self.file.seek(at)
+        data = zlib.decompress(self.file.read(length))
+        return np.frombuffer(data, self.dtype).reshape(self.shape)
 
     def __iter__(self) -> Iterator[NDArray[np.generic]]:
-        return (
-            np.frombuffer(zlib.decompress(data), self.dtype).reshape(self.shape)
-            for data in self._data
-        )
+        return (self[k] for k in range(len(self)))
 
     def __len__(self) -> int:
-        return len(self._data)
+        return len(self._parts)
 
 
 @dataclass(kw_only=True)
@@ -121,12 +127,13 @@ def make_tiles(
     max_pixels: int,
     make: Callable[[Window], Tile],
     progress: Any,
+    scratch: BinaryIO,
 ) -> TileStore:
     """Make every tile in threads, up to MAX_AT_A_TIME at a time.
 
     No more are in memory uncompressed, and the result does not depend on it. The small copy is
     reduced to max_pixels a side, or as often as `size` can be halved. `make`: called from several
-    threads.
+    threads. `scratch`: a file that keeps the tiles.
     """
     reduction = 1
     while max(grid.width, grid.height) / reduction > max_pixels and size % (2 * reduction) == 0:
@@ -142,9 +149,9 @@ def make_tiles(
         small=small,
         histogram=np.zeros(4096, np.int64),
         views=np.zeros(5, np.int64),
-        color=CompressedTiles((size, size, channels + 1), "uint8"),
-        variance=CompressedTiles((size, size), "float32"),
-        counts=CompressedTiles((size, size), "uint8"),
+        color=CompressedTiles((size, size, channels + 1), "uint8", scratch),
+        variance=CompressedTiles((size, size), "float32", scratch),
+        counts=CompressedTiles((size, size), "uint8", scratch),
     )
     windows = list(grid.tiles(size))
     for window, tile in zip(progress(windows), in_threads(make, windows), strict=True):
@@ -161,8 +168,9 @@ def blend_tiles(
     channels: int,
     tile_px: int,
     progress: Any,
+    scratch: BinaryIO,
 ) -> TileStore:
-    """Blend all views on every tile of the grid."""
+    """Blend all views on every tile of the grid, into a scratch file."""
     windows = footprint_windows(grid, footprints)
     return make_tiles(
         grid,
@@ -171,4 +179,5 @@ def blend_tiles(
         TEXTURE_PX,
         lambda window: blend_tile(surface, grid, window, image_views, windows, limits, channels),
         lambda tiles: progress(tiles, "tiles"),
+        scratch,
     )

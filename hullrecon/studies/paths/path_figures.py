@@ -317,7 +317,7 @@ def _variances(dive: DiveRun, tracks: Mapping[str, VehicleTrack]) -> dict[str, V
             mosaic = blend_pings(
                 surface.surface, pings, poses, settings, lambda tiles, _: tiles, scratch
             )
-        found[name] = _variance_map(mosaic.store)
+            found[name] = _variance_map(mosaic.store)
     return found
 
 

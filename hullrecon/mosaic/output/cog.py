@@ -1,0 +1,274 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Cloud-optimised GeoTIFFs, written block by block.
+
+GDAL's own driver copies a whole file, and on a full disk prints and raises errors without a number.
+Here GDAL makes the tags, and the blocks are ours: the directories come first, then the overviews
+from the smallest, the full size last, as programs that read over a network expect.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.mosaic.grid import TexelGrid, Window
+from hullrecon.mosaic.output.tile_store import CompressedTiles
+
+BLOCK = 512  # px, side of a block of the file
+SMALLEST = 256  # px, overviews are made until one is no longer than this
+# zlib's level: on a mosaic and metres 4 took a quarter of the time of 6 for 6 % more bytes
+DEFLATE = 4
+CLASSIC_BYTES = 2**32 - 2**20  # longer files are BigTIFF
+_HEAD = (
+    "LAYOUT=IFDS_BEFORE_DATA\nBLOCK_ORDER=ROW_MAJOR\nBLOCK_LEADER=SIZE_AS_UINT4\n"
+    "BLOCK_TRAILER=LAST_4_BYTES_REPEATED\nKNOWN_INCOMPATIBLE_EDITION=NO\n "
+)
+# what GDAL finds out about the file's structure before it reads a directory
+GHOST = f"GDAL_STRUCTURAL_METADATA_SIZE={len(_HEAD):06d} bytes\n{_HEAD}".encode()
+_SUBFILE, _WIDTH, _HEIGHT, _PREDICTOR, _OFFSETS, _COUNTS = 254, 256, 257, 317, 324, 325
+# of the whole picture: description, software, place on the map, names and units of bands
+_OF_FULL_SIZE = {270, 305, 33550, 33922, 34735, 34736, 34737, 42112}
+_BYTES_OF_TYPE = {1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 7: 1, 11: 4, 12: 8, 16: 8}
+_LONG, _LONG8 = 4, 16
+
+
+@dataclass(frozen=True, kw_only=True)
+class Picture:
+    """Tiles of a raster, from which any window of it can be read."""
+
+    tiles: CompressedTiles  # (size, size, bands) or (size, size), in row-major order
+    size: int
+    width: int
+    height: int
+    mirrored: bool = False  # the raster is read from right to left
+    upset: bool = False  # and from the bottom up
+
+    @property
+    def bands(self) -> int:
+        return self.tiles.shape[2] if len(self.tiles.shape) == 3 else 1
+
+    def read(self, window: Window) -> NDArray[np.generic]:
+        """Read a window (h, w, bands) of the raster, as it is turned, zero where it sticks out."""
+        block = np.zeros((*window.shape, self.bands), self.tiles.dtype)
+        grid = TexelGrid(0.0, 0.0, 1.0, self.height, self.width)
+        asked = window.meet(grid.whole)
+        stored = self._turn(asked)
+        part = np.zeros((*stored.shape, self.bands), self.tiles.dtype)
+        across = -(-self.width // self.size)
+        for row in range(stored.top // self.size, -(-stored.bottom // self.size)):
+            for column in range(stored.left // self.size, -(-stored.right // self.size)):
+                top, left = row * self.size, column * self.size
+                tile = Window(top, top + self.size, left, left + self.size)
+                both = tile.meet(stored)
+                values = np.atleast_3d(self.tiles[row * across + column])
+                part[both.within(stored)] = values[both.within(tile)]
+        part = part[:: -1 if self.upset else 1, :: -1 if self.mirrored else 1]
+        block[asked.within(window)] = part
+        return block
+
+    def _turn(self, window: Window) -> Window:
+        """Find the texels that a window shows."""
+        top, bottom, left, right = window.top, window.bottom, window.left, window.right
+        if self.upset:
+            top, bottom = self.height - bottom, self.height - top
+        if self.mirrored:
+            left, right = self.width - right, self.width - left
+        return Window(top, bottom, left, right)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Level:
+    """The blocks of one size of the picture, as they come in the file."""
+
+    width: int
+    height: int
+    at: list[int]  # where each lies in the scratch file
+    sizes: list[int]
+
+
+def write_cog(
+    path: Path, picture: Picture, template: bytes, nodata: float | None, scratch: BinaryIO
+) -> None:
+    """Write the picture with its overviews to `path`.
+
+    Parameters
+    ----------
+    template
+        A TIFF of one sparse block with the tags of the picture.
+    nodata
+        Value of texels without one, None if the last band is alpha.
+    scratch
+        A file for the compressed blocks and the reduced pictures.
+    """
+    tags = read_tags(template)
+    predictor = struct.unpack("<H", tags[_PREDICTOR][1])[0]
+    levels = []
+    while True:
+        reduced, level = _compress(picture, predictor, nodata, scratch)
+        levels.append(level)
+        if max(picture.width, picture.height) <= SMALLEST:
+            break
+        picture = Picture(
+            tiles=reduced,
+            size=BLOCK // 2,
+            width=-(-picture.width // 2),
+            height=-(-picture.height // 2),
+        )
+    with path.open("wb") as file:
+        _assemble(file, levels, tags, scratch)
+
+
+def _compress(
+    picture: Picture, predictor: int, nodata: float | None, scratch: BinaryIO
+) -> tuple[CompressedTiles, Level]:
+    """Compress the blocks of a picture, and halve it on the way."""
+    half = BLOCK // 2
+    shape = (half, half, picture.bands)
+    reduced = CompressedTiles(shape, picture.tiles.dtype, scratch)
+    level = Level(width=picture.width, height=picture.height, at=[], sizes=[])
+    for window in TexelGrid(0.0, 0.0, 1.0, picture.height, picture.width).tiles(BLOCK):
+        block = picture.read(window)
+        # past the edge there is nothing, which zero does not say of metres
+        if nodata is not None and nodata != 0:
+            block[picture.height - window.top :] = nodata
+            block[:, picture.width - window.left :] = nodata
+        data = zlib.compress(predict(block, predictor), DEFLATE)
+        level.at.append(scratch.seek(0, 2))
+        level.sizes.append(len(data))
+        scratch.write(data)
+        reduced.add(halve(block, nodata))
+    return reduced, level
+
+
+def halve(block: NDArray[np.generic], nodata: float | None) -> NDArray[np.generic]:
+    """Average the known texels of each 2 x 2.
+
+    A block whose last band is alpha (`nodata` is None) is weighed by it.
+    """
+    height, width, bands = block.shape
+    values = block.reshape(height // 2, 2, width // 2, 2, bands).astype(np.float32)
+    if nodata is None:
+        weight = values[..., -1:]
+        alpha = weight.mean(axis=(1, 3))
+    else:
+        known = np.isfinite(values) if np.isnan(nodata) else values != nodata
+        weight = known.astype(np.float32)
+        values = np.where(known, values, 0)
+    total = weight.sum(axis=(1, 3))
+    mean = (values * weight).sum(axis=(1, 3)) / np.maximum(total, 1e-9)
+    if nodata is None:
+        mean[..., -1:] = alpha
+    else:
+        mean = np.where(total > 0, mean, nodata)
+    whole = np.issubdtype(block.dtype, np.integer)
+    return np.asarray(np.rint(mean) if whole else mean, block.dtype)
+
+
+def predict(block: NDArray[np.generic], predictor: int) -> bytes:
+    """Take differences along rows, which deflate better (TIFF's predictors 2 and 3)."""
+    height, width, bands = block.shape
+    if predictor == 2:
+        unsigned = block.view(f"u{block.dtype.itemsize}")
+        return np.diff(unsigned, axis=1, prepend=unsigned.dtype.type(0)).tobytes()
+    # of floats: first all highest bytes of a row, then the next, and differences of those
+    size = block.dtype.itemsize
+    rows = block.astype(f">f{size}").view(np.uint8).reshape(height, width * bands, size)
+    planes = rows.transpose(0, 2, 1).reshape(height, -1)
+    return np.diff(planes, axis=1, prepend=np.uint8(0)).tobytes()
+
+
+def read_tags(tiff: bytes) -> dict[int, tuple[int, bytes]]:
+    """Read type and bytes of each tag in the first directory of a little-endian classic TIFF."""
+    (at,) = struct.unpack_from("<I", tiff, 4)
+    (count,) = struct.unpack_from("<H", tiff, at)
+    tags = {}
+    for entry in range(at + 2, at + 2 + 12 * count, 12):
+        tag, kind, length = struct.unpack_from("<HHI", tiff, entry)
+        size = _BYTES_OF_TYPE[kind] * length
+        start = entry + 8 if size <= 4 else struct.unpack_from("<I", tiff, entry + 8)[0]
+        tags[tag] = (kind, tiff[start : start + size])
+    return tags
+
+
+@dataclass(frozen=True)
+class _Format:
+    """How long numbers are in a file."""
+
+    big: bool
+
+    @property
+    def header(self) -> bytes:
+        ghost_end = len(GHOST) + len(GHOST) % 2
+        if self.big:
+            return struct.pack("<2sHHHQ", b"II", 43, 8, 0, 16 + ghost_end) + GHOST.ljust(ghost_end)
+        return struct.pack("<2sHI", b"II", 42, 8 + ghost_end) + GHOST.ljust(ghost_end)
+
+    def directory(self, at: int, tags: Mapping[int, tuple[int, bytes]], *, last: bool) -> bytes:
+        """Lay out a directory that starts at a byte of the file, and what it points to."""
+        word, count, entry = ("<Q", "<Q", 20) if self.big else ("<I", "<H", 12)
+        size = struct.calcsize(word)
+        head = struct.calcsize(count) + entry * len(tags) + size
+        entries, beyond = b"", b""
+        for tag, (kind, data) in sorted(tags.items()):
+            length = len(data) // _BYTES_OF_TYPE[kind]
+            entries += struct.pack("<HH", tag, kind) + struct.pack(word, length)
+            if len(data) <= size:
+                entries += data.ljust(size, b"\0")
+            else:
+                entries += struct.pack(word, at + head + len(beyond))
+                beyond += data + b"\0" * (len(data) % 2)
+        following = 0 if last else at + head + len(beyond)
+        return struct.pack(count, len(tags)) + entries + struct.pack(word, following) + beyond
+
+
+def _assemble(
+    file: BinaryIO,
+    levels: list[Level],
+    tags: Mapping[int, tuple[int, bytes]],
+    scratch: BinaryIO,
+) -> None:
+    """Write directories, then the blocks from the smallest picture to the full size."""
+    whole = sum(size + 8 for level in levels for size in level.sizes)
+    form = _Format(whole > CLASSIC_BYTES)
+    # directories are as long whatever offsets they hold
+    starts = [[0] * len(level.sizes) for level in levels]
+    at = len(_directories(form, levels, tags, starts))
+    for level, start in zip(reversed(levels), reversed(starts), strict=True):
+        for k, size in enumerate(level.sizes):
+            start[k] = at + 4
+            at += size + 8
+    file.write(_directories(form, levels, tags, starts))
+    for level in reversed(levels):
+        for place, size in zip(level.at, level.sizes, strict=True):
+            scratch.seek(place)
+            data = scratch.read(size)
+            file.write(struct.pack("<I", size) + data + data[-4:])
+
+
+def _directories(
+    form: _Format,
+    levels: list[Level],
+    tags: Mapping[int, tuple[int, bytes]],
+    starts: list[list[int]],
+) -> bytes:
+    data = form.header
+    kind, letter = (_LONG8, "Q") if form.big else (_LONG, "I")
+    for k, (level, start) in enumerate(zip(levels, starts, strict=True)):
+        own = dict(tags) if k == 0 else {t: v for t, v in tags.items() if t not in _OF_FULL_SIZE}
+        own |= {
+            _SUBFILE: (_LONG, struct.pack("<I", int(k > 0))),
+            _WIDTH: (_LONG, struct.pack("<I", level.width)),
+            _HEIGHT: (_LONG, struct.pack("<I", level.height)),
+            _OFFSETS: (kind, struct.pack(f"<{len(start)}{letter}", *start)),
+            _COUNTS: (_LONG, struct.pack(f"<{len(start)}I", *level.sizes)),
+        }
+        data += form.directory(len(data), own, last=k == len(levels) - 1)
+    return data
