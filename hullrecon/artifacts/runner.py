@@ -24,6 +24,7 @@ from hullrecon.artifacts.machine import (
     peak_rss,
     refuse_small_address_space,
     reset_peak_rss,
+    return_free_memory,
     versions,
 )
 from hullrecon.artifacts.manifest import (
@@ -291,6 +292,7 @@ def _fill(job: Job, building: Path, run_context: RunContext) -> Manifest:
 
 def _call(stage: Stage, context: Context[Struct], building: Path) -> JsonTable:
     """Call the stage's function. Returns the times (s) and memory (bytes) that it took."""
+    return_free_memory()
     reset_peak_rss()
     started, begun, cpu = time.time(), time.perf_counter(), time.process_time()
     try:

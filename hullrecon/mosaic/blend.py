@@ -64,6 +64,15 @@ class Tile:
     variance: Floats32  # (h, w) of the weighted intensities
     views: NDArray[np.uint8]  # (h, w) how many were blended
 
+    def padded(self, shape: tuple[int, int]) -> Tile:
+        """Add unseen rows below and columns to the right, up to a shape."""
+        more = [(0, n - m) for n, m in zip(shape, self.views.shape, strict=True)]
+        return Tile(
+            value=np.pad(self.value, [*more, (0, 0)]),
+            variance=np.pad(self.variance, more, constant_values=np.nan),
+            views=np.pad(self.views, more),
+        )
+
 
 @dataclass(frozen=True, kw_only=True)
 class ViewLimits:
@@ -83,17 +92,19 @@ def blend_tile(
     channels: int,
 ) -> Tile:
     """Blend the four best views of each texel of a tile, in weighted bands."""
-    patch = sample_surface(surface, grid, window)
-    near = [k for k, w in enumerate(windows) if not w.meet(window).empty]
+    part = window.meet(grid.whole)
+    patch = sample_surface(surface, grid, part)
+    near = [k for k, w in enumerate(windows) if not w.meet(part).empty]
     choice = choose_views(
         surface,
         patch,
-        window,
+        part,
         {k: image_views[k] for k in near},
         {k: windows[k] for k in near},
         limits,
     )
-    return blend(patch, choice, window, image_views, windows, channels)
+    tile = blend(patch, choice, part, image_views, windows, channels)
+    return tile.padded(window.shape)
 
 
 def choose_views(

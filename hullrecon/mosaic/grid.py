@@ -86,6 +86,10 @@ class TexelGrid:
         )
         return found.meet(self.whole)
 
+    def parts(self, size: int) -> Iterator[Window]:
+        """Yield the windows of `tiles`, each cut off where it sticks out of the raster."""
+        return (window.meet(self.whole) for window in self.tiles(size))
+
     def tiles(self, size: int) -> Iterator[Window]:
         """Yield square windows in row-major order. The last may stick out of the raster."""
         for top in range(0, self.height, size):

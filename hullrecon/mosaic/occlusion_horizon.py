@@ -16,7 +16,7 @@ from hullrecon.typing import Array, Floats32
 CELL_M = 0.1  # of the chart, for each of which the outermost point of the surface is kept
 BLOCK_M = 0.1  # texels that share one answer
 MIN_RELIEF_M = 0.012  # lower relief is within the surface's own error and hides nothing
-PAIRS = 2_000_000  # of blocks and cells at a time: bounds memory at some 100 MB
+PAIRS = 250_000  # of blocks and cells at a time: bounds memory at some 15 MB a thread
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -105,6 +105,8 @@ APERTURE_SHARE = 0.9  # of the elevation aperture that is used: little comes bac
 # views more oblique than 82 degrees are not used; an imaging sonar grazes the hull
 LIMITS = ViewLimits(min_cosine=float(np.cos(np.radians(82.0))), slant=0.0)
 LEVEL = 90.0  # gray level that the mean return is brought to
+LEVEL_STEP_M = 0.05  # texels that the levels are learnt from
+BLOCK = 256  # of those texels, at a time
 MIN_SAMPLES = 200  # of the hull, for a ping or a place in the fan to have a level of its own
 
 
@@ -216,18 +218,21 @@ def learn_levels(
 
     That holds beam pattern, spreading and grazing angle. Only pixels on which the surface lies and
     is seen are counted, so that neither water before the first return nor shadows darken the mean.
-    None when too little of the hull was seen. `scratch`: an empty file.
+    None when too little of the hull was seen. `scratch`: a file to append to.
     """
-    grid = grid_around(footprints.at.reshape(-1, 2), 0.05)
+    grid = grid_around(footprints.at.reshape(-1, 2), LEVEL_STEP_M)
     shape = image_views[0].image.shape
     total, count = np.zeros(shape), np.zeros(shape)
     cells = _HullCells(scratch, len(image_views))
     windows = footprint_windows(grid, footprints)
-    for tile in grid.tiles(1024):
+    for tile in grid.parts(BLOCK):
         patch = sample_surface(surface, grid, tile)
         for k, image_view in enumerate(image_views):
-            part = windows[k].meet(tile).within(tile)
-            cell = _hull_cells(surface, image_view, patch.part(part), min_cosine)
+            window = windows[k].meet(tile)
+            if window.empty:
+                continue
+            part = patch.part(window.within(tile))
+            cell = _hull_cells(surface, image_view, part, min_cosine)
             cells.append(k, cell)
             flat = np.bincount(cell, minlength=shape[0] * shape[1]).reshape(shape)
             total += flat * image_view.image

@@ -17,8 +17,9 @@ arrays are little-endian. Each begins at a multiple of four bytes:
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -31,6 +32,9 @@ from hullrecon.report.figures.hull_map import HullMap
 from hullrecon.report.survey import Surfaces, Survey
 from hullrecon.typing import Array, Ints, Mask
 
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
 SceneDocument = Mapping[str, object]
 BLOCK = "scene-block"  # id of the element that holds the packed arrays
 MAX_SURVEYED, MAX_REST = 220_000, 80_000  # triangles: what a telephone still turns smoothly
@@ -38,6 +42,7 @@ MAX_PATH = 2000  # points
 RADIUS_M = 0.4  # of the relief: wider than structures are, narrower than a hull's dents and waves
 SPACING_M = 0.05
 MAX_SAMPLES = 20_000
+SAMPLES_AT_A_TIME = 1000  # lists of their neighbours take 4 kB each
 _STEPS = 65535
 
 
@@ -143,14 +148,20 @@ def relief_of(points: Array, form: Array) -> Array:
     radius = RADIUS_M * spacing / SPACING_M
     at, samples_form = points[samples], form[samples]
     tree = cKDTree(at)
-    neighbours = tree.query_ball_point(at, radius, return_sorted=True)
-    medians = np.array([np.median(samples_form[near]) for near in neighbours])
-    neighbours = tree.query_ball_point(at, radius / 2, return_sorted=True)
-    smooth = np.array([medians[near].mean() for near in neighbours])
+    medians = np.array([np.median(samples_form[near]) for near in _around(tree, at, radius)])
+    smooth = np.array([medians[near].mean() for near in _around(tree, at, radius / 2)])
     distance, nearest = tree.query(points, k=min(4, len(at)))
     distance, nearest = (np.reshape(values, (len(points), -1)) for values in (distance, nearest))
     weight = 1.0 / (distance + 0.25 * spacing) ** 2
     return np.asarray((smooth[nearest] * weight).sum(axis=1) / weight.sum(axis=1))
+
+
+def _around(tree: cKDTree, points: Array, radius: float) -> Iterator[Ints]:
+    """Yield the rows within a radius of each point, ascending."""
+    for start in range(0, len(points), SAMPLES_AT_A_TIME):
+        part = points[start : start + SAMPLES_AT_A_TIME]
+        for near in tree.query_ball_point(part, radius, return_sorted=True):
+            yield np.asarray(near, np.int64)
 
 
 def _thin(points: Array, spacing: float) -> Array:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 from mosaic.conftest import FlatChart
+from scipy import ndimage
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.geometry.frames import Frame
@@ -17,10 +18,13 @@ from hullrecon.mosaic.blend import Tile
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.output.deliverables import (
+    PREVIEW_PX,
     Presentation,
     gap_area_m2,
     make_deliverables,
     mosaic_document,
+    near_outside,
+    reduced_picture,
 )
 from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
 
@@ -153,3 +157,21 @@ def test_a_mosaic_with_a_gap_says_so() -> None:
         SHOWN.facts,
     )
     assert "Gaps inside its outline: 0.04 m²." in str(document["caption"])
+
+
+def test_a_reduced_picture_keeps_the_mean_of_what_was_seen() -> None:
+    picture = np.zeros((50, 2 * PREVIEW_PX, 4), np.uint8)
+    picture[:, ::2] = [10, 100, 201, 255]  # every other column was seen
+    small = reduced_picture(picture)
+    assert small.shape == (25, PREVIEW_PX, 4)
+    np.testing.assert_allclose(
+        small[..., :3], np.broadcast_to([10, 100, 201], (25, PREVIEW_PX, 3)), atol=1
+    )
+    np.testing.assert_allclose(small[..., 3], 128, atol=1)
+
+
+@pytest.mark.parametrize("most_px", [5, 13, 25])
+def test_distances_are_those_of_scipy(most_px: int) -> None:
+    inside = np.random.default_rng(4).random((120, 90)) > 0.002
+    exact = ndimage.distance_transform_edt(inside) <= most_px
+    np.testing.assert_array_equal(near_outside(inside, most_px), exact)

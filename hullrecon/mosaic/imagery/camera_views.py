@@ -103,7 +103,7 @@ class CameraView:
 
 Read = Callable[[int], NDArray[np.uint8] | None]
 LIGHT_STEP_M = 0.06  # texels that the light is estimated from
-BLOCK = 1024  # of those texels, at a time
+BLOCK = 256  # of those texels, at a time
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -275,7 +275,7 @@ def sample_light(
     windows: the texels that each view covers. camera (v,): the camera of each view.
     """
     parts: list[tuple[Any, ...]] = []
-    for tile in grid.tiles(BLOCK):
+    for tile in grid.parts(BLOCK):
         patch = sample_surface(surface, grid, tile)
         for view, (image_view, thumbnail) in enumerate(zip(image_views, thumbnails, strict=True)):
             window = windows[view].meet(tile)

@@ -19,7 +19,9 @@ from hullrecon.geometry.frames import Frame
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.output.textured_mesh import build_textured_mesh, encode_glb
 from hullrecon.mosaic.output.tile_store import TileStore
+from hullrecon.typing import Mask
 
+PREVIEW_PX = 1760  # longer side of the picture as drawn, 11 inches
 INK, BACK, UNSEEN = "#1c2733", "#ffffff", "#e9edf1"
 
 
@@ -58,7 +60,10 @@ def preview_png(
     axis.set_facecolor(UNSEEN)
     extent = (west, west + width * step_m, north - height * step_m, north)
     axis.imshow(
-        stretch_contrast(_rgba(picture)), extent=extent, interpolation="antialiased", aspect="equal"
+        stretch_contrast(_rgba(reduced_picture(picture))),
+        extent=extent,
+        interpolation="antialiased",
+        aspect="equal",
     )
     axis.set_title(caption.title, loc="left", fontsize=12, color=INK, fontweight="bold")
     along, girth = _axis_names(caption)
@@ -99,6 +104,23 @@ def stretch_contrast(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
     out = picture.copy()
     out[..., :3] = np.clip(15 + (level - low) * gain + color, 0, 255)
     return out
+
+
+def reduced_picture(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Average a picture to PREVIEW_PX at most: matplotlib takes 50 bytes a pixel to draw it."""
+    import cv2
+
+    height, width = picture.shape[:2]
+    shrink = max(height, width) / PREVIEW_PX
+    if shrink <= 1:
+        return picture
+    size = (max(1, round(width / shrink)), max(1, round(height / shrink)))
+    small = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
+    seen = cv2.resize((picture[..., -1] > 0).astype(np.float32), size, interpolation=cv2.INTER_AREA)
+    # pixels that were not seen are black, and no part of the mean
+    color = small[..., :-1] / np.maximum(seen, 1 / 255)[..., None]
+    small[..., :-1] = np.minimum(np.rint(color), 255)
+    return small
 
 
 def _rgba(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -252,12 +274,23 @@ def gap_area_m2(alpha: NDArray[np.uint8], step_m: float) -> float:
 
     seen = np.pad(alpha > 0, 2)
     bridge = max(1, round(0.5 * GAP_BRIDGE_M / step_m))
-    away = ndimage.distance_transform_edt(~np.pad(seen, bridge))
-    grown = away <= bridge
-    closed = ndimage.distance_transform_edt(grown) > bridge
+    grown = near_outside(~np.pad(seen, bridge), bridge)
+    closed = ~near_outside(grown, bridge)
     inside = ndimage.binary_fill_holes(closed | np.pad(seen, bridge))[
         bridge:-bridge, bridge:-bridge
     ]
     label, count = ndimage.label(inside & ~seen)
     sizes = np.bincount(label.ravel(), minlength=count + 1)[1:] * step_m**2
     return float(sizes[sizes >= MIN_GAP_M2].sum())
+
+
+def near_outside(inside: Mask, most_px: int) -> Mask:
+    """Mark the pixels no farther than `most_px` from the nearest one outside, exactly.
+
+    As scipy's distance_transform_edt would, in a seventh of its memory.
+    """
+    import cv2
+
+    distance = cv2.distanceTransform(inside.view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    # squares are whole numbers: their roots are rounded by some 1e-7
+    return np.asarray(np.rint(np.square(distance)) <= most_px**2)

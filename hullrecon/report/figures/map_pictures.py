@@ -125,13 +125,14 @@ def _stretched(picture: Pixels, seen: Mask) -> Pixels:
     level = picture.mean(axis=0, dtype=np.float32)
     if not seen.any():
         return picture
-    low, high = np.percentile(level[seen], (0.5, 99.5))
+    low, high = np.percentile(level[seen], (0.5, 99.5), overwrite_input=True)
     gain = 220 / max(high - low, 25.0)
-    bands = [
-        np.clip(15 + (level - low) * gain + (band - level) * min(gain, 1.25), 0, 255)
-        for band in picture
-    ]
-    return np.stack([band.astype(np.uint8) for band in bands])
+    stretched = np.empty_like(picture)
+    for row in range(level.shape[0]):  # of all at once, these are 100 MB each
+        gray, bands = level[row], picture[:, row]
+        color = 15 + (gray - low) * gain + (bands - gray) * min(gain, 1.25)
+        stretched[:, row] = np.clip(color, 0, 255)
+    return stretched
 
 
 def field_layer(found: ChartedSurface, field: MapField, extent: Extent) -> MapLayer:
