@@ -16,6 +16,7 @@ import numpy as np
 
 from hullrecon import native
 from hullrecon.adjustment.problem.measurements import Measurements
+from hullrecon.adjustment.problem.triangulation import in_blocks
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.rig import Rig
@@ -97,7 +98,10 @@ def apply_lenses(m: Measurements, problem: native.Problem, result: native.Result
         model, name = m.rig.camera_models.get(camera), camera.value
         if model is not None:
             pixels = getattr(tracks, name)
-            moved = pixels + displacement(pixels, model, found[camera.column])
+            moved = np.empty(pixels.shape)
+            for some in in_blocks(len(pixels)):
+                by = displacement(pixels[some], model, found[camera.column])
+                moved[some] = pixels[some] + by
             tracks = replace(tracks, **{name: moved})
     return replace(m, tracks=tracks, lenses=m.lenses + found)
 

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from hullrecon.adjustment.problem.state import State
@@ -14,7 +16,12 @@ from hullrecon.records.tracks import Tracks
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
-OBSERVATIONS = 1_000_000  # whose rays are computed at a time
+OBSERVATIONS = 1 << 16  # computed at a time: they take some 300 bytes each, and fit into a cache
+
+
+def in_blocks(count: int) -> Iterator[slice]:
+    """Split so many observations into blocks that are computed at a time."""
+    return (slice(k, min(count, k + OBSERVATIONS)) for k in range(0, count, OBSERVATIONS))
 
 
 def camera_poses(rig: Rig, state: State) -> tuple[Poses, Poses | None]:
@@ -47,7 +54,7 @@ def triangulate(
         if camera is None or pose is None:
             continue
         seen = np.flatnonzero(np.isfinite(pixels[:, 0]))
-        for some in (seen[k : k + OBSERVATIONS] for k in range(0, len(seen), OBSERVATIONS)):
+        for some in (seen[block] for block in in_blocks(len(seen))):
             origin, ray = rays_in_global(pixels[some], tracks.node[some], camera, pose)
             owner = tracks.landmark[some]
             across = np.eye(3) - ray[:, :, None] * ray[:, None, :]
@@ -89,11 +96,13 @@ def reprojection_errors(
 
     NaN where an observation has none.
     """
-    errors = []
-    for pixels, camera, pose in ((tracks.top, rig.top, top), (tracks.bottom, rig.bottom, bottom)):
+    errors = np.full((2, len(tracks.node)), np.nan)
+    cameras = ((tracks.top, rig.top, top), (tracks.bottom, rig.bottom, bottom))
+    for error, (pixels, camera, pose) in zip(errors, cameras, strict=True):
         if camera is None or pose is None:
-            errors.append(np.full(len(pixels), np.nan))
             continue
-        in_camera = pose.inverse()[tracks.node].apply(landmark[tracks.landmark])
-        errors.append(np.linalg.norm(camera.project(in_camera) - pixels, axis=1))
+        to_camera = pose.inverse()
+        for some in in_blocks(len(pixels)):
+            in_camera = to_camera[tracks.node[some]].apply(landmark[tracks.landmark[some]])
+            error[some] = np.linalg.norm(camera.project(in_camera) - pixels[some], axis=1)
     return errors[0], errors[1]
