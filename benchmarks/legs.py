@@ -142,7 +142,7 @@ def rigid_rms_mm(t_ns: Ints, positions: Array, truth: Truth) -> tuple[float, flo
     return 1e3 * float(np.sqrt((error**2).sum(axis=1).mean())), fit_scale(positions, true, motion)
 
 
-def in_sigmas(solution: Solution, truth: Truth) -> list[float]:
+def in_sigmas(solution: Solution, truth: Truth, has_depth: bool = True) -> list[float]:
     """Return the rms of the vehicle's errors in their own sigmas, by axis of the hull; without a
     CAD model by axis of g, from where the path begins.
     """
@@ -151,7 +151,8 @@ def in_sigmas(solution: Solution, truth: Truth) -> list[float]:
     inside = (t_s >= truth.t_s[0]) & (t_s <= truth.t_s[-1])
     true = truth.vehicle_at(t_s)
     if track.frame is Frame.GLOBAL:
-        true = hull_from_start(TimedPoses(t_s=t_s, poses=track.poses), truth).inverse() @ true
+        told = TimedPoses(t_s=t_s, poses=track.poses, has_depth=has_depth)
+        true = hull_from_start(told, truth).inverse() @ true
     error = (track.poses.translation - true.translation) / track.sigma[:, :3]
     return [float(x) for x in np.sqrt((error[inside] ** 2).mean(axis=0))]
 
@@ -228,7 +229,8 @@ def figures(run: Path, package: Path) -> Figures:
         "parts": len(np.unique(links["part"])),
         "cad_model_refused": said.get("cad_model_refused"),
     }
-    row["errors_in_sigmas"] = in_sigmas(solution, truth)
+    has_depth = bool(NavigateArtifact(run / "navigate").attitude.has_depth.any())
+    row["errors_in_sigmas"] = in_sigmas(solution, truth, has_depth)
     return row
 
 

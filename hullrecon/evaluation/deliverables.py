@@ -45,6 +45,7 @@ class TimedPoses:
     poses: Poses  # hull_from_vehicle
     sigma: Array | None = None  # (n, 3) m of x, y, z in the frame that was delivered, or None
     hull_from_delivered: Poses = field(default_factory=identity)  # where that frame lies
+    has_depth: bool = True  # z of g counts from the water's surface, else from the first pose
 
     def rows(self, which: Mask) -> TimedPoses:
         """Select some rows of the path."""
@@ -86,7 +87,8 @@ def read_trajectory(path: Path) -> TimedPoses:
     """Read trajectory.csv. Raises InputError where it cannot be read."""
     table = read_table(path)
     sigma = columns(table, ("sigma_x", "sigma_y", "sigma_z")) if "sigma_x" in table else None
-    return TimedPoses(t_s=table["t"], poses=poses_in(table), sigma=sigma)
+    has_depth = "depth" not in table or not np.isnan(table["depth"]).all()
+    return TimedPoses(t_s=table["t"], poses=poses_in(table), sigma=sigma, has_depth=has_depth)
 
 
 def poses_in(table: dict[str, Array]) -> Poses:

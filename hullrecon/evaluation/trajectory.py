@@ -97,8 +97,8 @@ def score_trajectory(track: TimedPoses, truth: Truth) -> tuple[Figures, Poses]:
 def hull_from_start(track: TimedPoses, truth: Truth) -> Poses:
     """Place g, in which a track is told, so that its path begins at the true pose.
 
-    Depth and level are the water's; x, y and heading are those of the first pose that has a truth:
-    sigmas are relative to it.
+    Level is the water's, and so is the depth if it was measured. The rest is that of the first pose
+    that has a truth: sigmas are relative to it.
     """
     inside = np.flatnonzero(
         (track.t_s >= truth.t_s.min() - 1e-6) & (track.t_s <= truth.t_s.max() + 1e-6)
@@ -109,7 +109,8 @@ def hull_from_start(track: TimedPoses, truth: Truth) -> Poses:
     ours = track.poses[inside]
     turn = roll_pitch_yaw(true.rotation)[0, 2] - roll_pitch_yaw(ours.rotation)[0, 2]
     turned = from_rpy(np.zeros(3), np.array([0.0, 0.0, turn]))
-    shift = (true.translation - turned.apply(ours.translation)) * [1.0, 1.0, 0.0]
+    shift = true.translation - turned.apply(ours.translation)
+    shift[:, 2] *= not track.has_depth
     return truth.global_from_hull.inverse() @ Poses(turned.quaternion, shift)
 
 

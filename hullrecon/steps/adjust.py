@@ -68,13 +68,13 @@ def run_adjustment(context: Context[Options], strategy: Strategy) -> None:
 
 
 def guess_without_depth(cad_model: CadModel | None, attitude: Attitude) -> list[str]:
-    """Warn what `hull.pose` means if no depth was measured."""
+    """Warn that nothing tells the hull's height but its form if no depth was measured."""
     if cad_model is None or attitude.has_depth.any():
         return []
+    sigma_m = float(np.linalg.norm(poses.up_in(cad_model.guess) * cad_model.guess_sigma[:3]))
     return [
-        "No depth was measured, so z of hull.pose counts from the depth of the first pose. If it "
-        "was given from the water surface, take that depth off it: else the CAD model is looked "
-        "for that much too deep, and may be refused for it."
+        "No depth was measured: the first pose may be anywhere between the water's surface and "
+        f"the keel, and hull.pose tells the height of the hull to {sigma_m:.1f} m (one sigma)."
     ]
 
 
@@ -91,16 +91,30 @@ def _measurements(context: Context[Options]) -> Measurements:
         planes=inputs.links.planes if inputs.links is not None else None,
         positions=inputs.navigate.positions,
         rig=rig_with_priors(settings, inputs.ingest.camera_models),
-        cad_model=_cad_model(inputs.ingest.hull, settings.read_optional("hull", schema.Hull)),
+        cad_model=_cad_model(
+            inputs.ingest.hull,
+            settings.read_optional("hull", schema.Hull),
+            has_depth=bool(inputs.navigate.attitude.has_depth.any()),
+        ),
     )
 
 
-def _cad_model(mesh: Mesh | None, hull: schema.Hull | None) -> CadModel | None:
-    """Build the CAD model with the package's guess of its pose. None if the dive has none."""
+def _cad_model(
+    mesh: Mesh | None, hull: schema.Hull | None, has_depth: bool = True
+) -> CadModel | None:
+    """Build the CAD model with the package's guess of its pose. None if the dive has none.
+
+    Without a depth g begins at that of the first pose, which is anywhere between the water's
+    surface, from which a hull's height is known, and the keel.
+    """
     if hull is None or mesh is None:
         return None
     sigma = guess_sigma(hull.pose, hull.pose_sigma) * np.r_[np.ones(3), np.full(3, np.pi / 180)]
     guess = poses.from_mount(hull.pose)
+    if not has_depth:
+        keel_m = max(float(guess.apply(mesh.vertices)[:, 2].max()), 0.0)
+        start_m = keel_m / np.sqrt(3)  # root mean square of depths that are as likely
+        sigma[:3] = np.hypot(sigma[:3], start_m * poses.up_in(guess))
     return CadModel(
         mesh=mesh,
         chart=chart_for_hull(mesh, poses.up_in(guess), hull.bow, hull.aft_perpendicular),
@@ -152,6 +166,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=31,
+    version=32,
     run=run,
 )

@@ -14,7 +14,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from hullrecon.evaluation.deliverables import TimedPoses
 from hullrecon.evaluation.score import score_run, table_rows, unit_of, without_nan
+from hullrecon.evaluation.trajectory import hull_from_start
+from hullrecon.evaluation.truth import read_truth
+from hullrecon.geometry.poses import Poses
 
 STEEL_M = 0.012
 
@@ -210,6 +214,18 @@ def test_path_in_g_is_scored_from_its_begin_by_axis(
     )
     assert figures["error_over_sigma_x"] == pytest.approx(0, abs=1e-6)
     assert figures["error_over_sigma_y"] == pytest.approx(0.586, abs=0.01)
+
+
+@pytest.mark.parametrize(("has_depth", "off_m"), [(True, 1.4), (False, 0.0)])
+def test_a_depth_counts_where_it_was_measured(package: Path, has_depth: bool, off_m: float) -> None:
+    truth = read_truth(package)
+    true = truth.global_from_hull @ truth.vehicle_at(truth.t_s)
+    told = Poses(true.quaternion, true.translation - [0.0, 0.0, 1.4])
+    track = TimedPoses(t_s=truth.t_s, poses=told, has_depth=has_depth)
+    found = truth.global_from_hull @ hull_from_start(track, truth) @ told
+    np.testing.assert_allclose(
+        true.translation - found.translation, np.tile([0.0, 0.0, off_m], (len(told), 1)), atol=1e-9
+    )
 
 
 def test_without_a_cad_model_what_needs_one_is_left_out(

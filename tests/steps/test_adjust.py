@@ -191,6 +191,16 @@ def test_warnings_and_times_are_in_manifest_not_in_result(stereo):
     assert "seconds" not in load_arrays(out / "iterations.npz")
 
 
+def test_without_a_depth_the_hulls_height_is_uncertain_by_the_keels():
+    hull = schema.Hull(mesh="hull.stl", pose=(0, 0, 6, 180, 0, 0))
+    cad_model, known = (_cad_model(cad_hull(), hull, has_depth=has) for has in (False, True))
+    keel_m = 6.0 - float(cad_hull().vertices[:, 2].min())
+    assert cad_model.guess_sigma[2] == pytest.approx(np.hypot(0.3, keel_m / np.sqrt(3)))
+    np.testing.assert_array_equal(
+        np.delete(cad_model.guess_sigma, 2), np.delete(known.guess_sigma, 2)
+    )
+
+
 def test_a_guess_of_the_hulls_pose_without_a_depth_is_spoken_of():
     sigma = np.full((3, 3), 1e3)
     attitude = Attitude(
@@ -202,8 +212,12 @@ def test_a_guess_of_the_hulls_pose_without_a_depth_is_spoken_of():
         nodes_per_reading=np.array([25.0, 0, 0]),
         sigma=np.vstack([[2.0, 0.002, 0.002], sigma[1:]]),
     )
-    assert "take that depth off it" in guess_without_depth(object(), attitude)[0]
-    assert guess_without_depth(object(), measured) == guess_without_depth(None, attitude) == []
+    cad_model = _cad_model(cad_hull(), schema.Hull(mesh="hull.stl"))
+    assert (
+        "hull.pose tells the height of the hull to 0.3 m"
+        in guess_without_depth(cad_model, attitude)[0]
+    )
+    assert guess_without_depth(cad_model, measured) == guess_without_depth(None, attitude) == []
 
 
 def test_the_chart_is_the_hulls(stereo):
