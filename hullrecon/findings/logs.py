@@ -184,6 +184,10 @@ NOTES: dict[str, Words] = {
     "are they right?",
     "beams-against-altitude": "along these beams the ranges reach {percent:.0f} % {side} than the "
     "altitude that the DVL computed: are the beams' directions right?",
+    "ranges-in-unit": "its ranges are in {unit}, not in m: so they fit the altitude that it "
+    "computed; they were put right",
+    "ranges-along-axis": "its ranges are distances along its axis, not along the beams: so they "
+    "fit the altitude that it computed; they were put right",
     "beams-change": "the beams' directions change during the dive; their mean was used",
     "beams-unlike-toml": "the beams of dive.toml are up to {degrees:.1f} degrees off those of the "
     "messages, which were used",

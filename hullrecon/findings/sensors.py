@@ -27,6 +27,8 @@ FAULTS = {  # of a sensor, as a statement
     ("camera", "medium"): "its focal lengths are {value} times too short, as those of a "
     "calibration made in air are under water",
     ("camera", "focal"): "its focal lengths have to be multiplied by {value}",
+    ("camera", "distortion"): "its distortion is not its calibration's: the images fit with k1 "
+    "changed by about {value}",
     ("camera", "picture"): "its pictures are turned or mirrored: x and y of its calibration are "
     "{value} of the pictures",
     ("tray's angle", "unit"): "the angle is in {value}, not in rad",
@@ -41,6 +43,8 @@ EVIDENCE = {  # that two sensors contradict each other, by what was compared
     "gravity": "gravity does not pull along the vertical of the orientation",
     "flow": "between two images the hull moves by up to {first_deg:.3g} degrees by the images, by "
     "{second_deg:.3g} by the DVL's velocity and ranges",
+    "view": "where the vehicle moves on, the features of two images show it turning otherwise than "
+    "the orientation",
     "push": "within a second the DVL's velocity changes by up to {first:.3g} m/s, the integral of "
     "the IMU's acceleration by {second:.3g} m/s, or in another direction",
     "range": "the hull in the DVL's ranges comes nearer where its velocity leads away from it",

@@ -54,8 +54,11 @@ def ranges(t_s: np.ndarray) -> np.ndarray:
     return (WALL_M - position(t_s)[:, :1]) / np.stack(ahead, axis=1)
 
 
-def flows(turn: np.ndarray | None = None) -> list[Flow]:
-    """Places of points of the wall in neighbouring images, by a calibration that turns them."""
+def flows(turn: np.ndarray | None = None, k1: float = 0.0) -> list[Flow]:
+    """Places of points of the wall in neighbouring images, by a calibration that turns them.
+
+    k1: by which that calibration's is too small.
+    """
     rng = np.random.default_rng(3)
     out = []
     for start_s in np.arange(2.0, SECONDS - 3, 3.0):
@@ -67,7 +70,9 @@ def flows(turn: np.ndarray | None = None) -> list[Flow]:
         for place, level in zip(places, attitude(times), strict=True):
             in_vehicle = level.inv().apply(points - place)
             in_top = RIG.tray_from_top.inverse().apply(in_vehicle)
-            seen.append(in_top[:, :2] / in_top[:, 2:] @ (np.eye(2) if turn is None else turn).T)
+            ideal = in_top[:, :2] / in_top[:, 2:]
+            ideal *= 1 + k1 * (ideal**2).sum(axis=1, keepdims=True)
+            seen.append(ideal @ (np.eye(2) if turn is None else turn).T)
         t_ns = (int(times[0] * NS), int(times[1] * NS))
         out.append(Flow(t_ns=t_ns, first=seen[0], second=seen[1]))
     return out
@@ -224,6 +229,18 @@ def test_camera_that_moves_unlike_the_dvl_is_named(turn, fault):
     (finding,) = judged(dive(), flows(turn)).findings
     assert (finding.severity, finding.values["sensor"]) == ("error", "camera")
     assert finding.values["fault"] == fault
+
+
+@pytest.mark.parametrize("k1", [-0.25, 0.1])
+def test_camera_of_another_distortion_is_named_with_its_k1(k1):
+    (finding,) = judged(dive(), flows(k1=k1)).findings
+    assert (finding.severity, finding.values["sensor"]) == ("error", "camera")
+    assert finding.values["fault"] == "distortion"
+    assert float(finding.values["value"]) == pytest.approx(k1, abs=0.051)
+
+
+def test_distortion_as_good_as_calibrations_are_is_no_contradiction():
+    assert judged(dive(), flows(k1=0.01)).findings == []
 
 
 @pytest.mark.parametrize("late_s", [-0.5, 0.75])

@@ -29,6 +29,9 @@ FAR_OFF_DEG = 45.0
 LEANING_DEG = 10.0  # of the beams' mean direction from the z axis
 # share; 30 degrees in place of 22.5 make 0.063, and the ranges' own errors up to 0.03
 SAME_ALTITUDE = 0.045
+SAME_COSINE = 0.015  # share; on the slope of a hull an altitude is no mean of the beams
+# of ranges beside an altitude in m, and how far (log) their ratio may be off
+SMALL_UNITS, SAME_UNIT = {"mm": 1e-3, "cm": 1e-2}, 0.15
 FEW = 10  # pings whose ranges and altitude are compared
 
 
@@ -91,6 +94,21 @@ def ask_for_beams(count: int) -> InputError:
     )
 
 
+def put_ranges_right(beams: Array, ranges: Array, altitude: Array) -> tuple[Array, list[Finding]]:
+    """Put ranges right that the altitude shows to be in another unit, or along the axis.
+
+    Arguments as of `check_beams`. A vertical distance is shorter than the range along its beam by
+    the cosine of the beam's angle, a wrong angle of the beams makes less than half of that.
+    """
+    ratio = _over_altitude(beams, ranges, altitude)
+    for unit, metres in SMALL_UNITS.items():
+        if abs(np.log(ratio * metres)) < SAME_UNIT:
+            return metres * ranges, [Finding("ranges-in-unit", {"unit": unit}, "dvl")]
+    if abs(ratio - 1) > SAME_ALTITUDE and abs(ratio / beams[:, 2].mean() - 1) < SAME_COSINE:
+        return ranges / beams[:, 2], [Finding("ranges-along-axis", where="dvl")]
+    return ranges, []
+
+
 def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[Finding]:
     """Find beams that point far off the axis or contradict the altitude.
 
@@ -110,14 +128,20 @@ def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[Finding]:
         out.append(Finding("beams-off-axis", {"degrees": float(off.max())}, "dvl"))
     elif leaning > LEANING_DEG:
         out.append(Finding("beams-leaning", {"degrees": leaning}, "dvl"))
-    whole = np.isfinite(ranges).all(axis=1) & np.isfinite(altitude)
-    if np.count_nonzero(whole) >= FEW:
-        ratio = float(np.median((ranges[whole] * beams[:, 2]).mean(axis=1) / altitude[whole]))
-        if abs(ratio - 1) > SAME_ALTITUDE:
-            side = "longer" if ratio > 1 else "shorter"
-            values = {"percent": 100 * abs(ratio - 1), "side": side}
-            out.append(Finding("beams-against-altitude", values, "dvl"))
+    ratio = _over_altitude(beams, ranges, altitude)
+    if abs(ratio - 1) > SAME_ALTITUDE:
+        side = "longer" if ratio > 1 else "shorter"
+        values = {"percent": 100 * abs(ratio - 1), "side": side}
+        out.append(Finding("beams-against-altitude", values, "dvl"))
     return out
+
+
+def _over_altitude(beams: Array, ranges: Array, altitude: Array) -> float:
+    """Divide what ranges (n, b) reach along the axis by the altitude (n,). NaN: too few."""
+    whole = np.isfinite(ranges).all(axis=1) & np.isfinite(altitude)
+    if not len(beams) or np.count_nonzero(whole) < FEW:
+        return float("nan")
+    return float(np.median((ranges[whole] * beams[:, 2]).mean(axis=1) / altitude[whole]))
 
 
 def _logged_beams(logged: Sequence[Array], configured: Array | None, notes: list[Finding]) -> Array:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.logs.dvl_beams import check_beams, choose_beams, unit
+from hullrecon.dive.logs.dvl_beams import check_beams, choose_beams, put_ranges_right, unit
 from hullrecon.dive.logs.lost_values import (
     UNFILLED,
     drop_lost_velocities,
@@ -138,7 +138,9 @@ def dvl_pings(
     along_axis = np.array([s.along_axis for s in samples], bool)
     along_beams = ranges[along_axis] / directions[:, 2]
     ranges[along_axis] = np.where(np.isfinite(along_beams) & (along_beams > 0), along_beams, np.nan)
-    notes += check_beams(directions, ranges, np.array([s.altitude for s in samples]))
+    altitude = np.array([s.altitude for s in samples])
+    ranges, mended = put_ranges_right(directions, ranges, altitude)
+    notes += mended + check_beams(directions, ranges, altitude)
     return DvlPings(
         t_ns=t_ns,
         velocity=velocity,

@@ -32,6 +32,7 @@ from hullrecon.navigation.clocks.comparisons import GRAVITY, STILL, felt_in_glob
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.smoothing import local_line
+from hullrecon.navigation.suspects.views import fit_turn
 from hullrecon.records.clock import NS, period, seconds
 from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples, SensorRecords
 from hullrecon.rig import Rig
@@ -39,6 +40,7 @@ from hullrecon.typing import Array, Ints
 
 # one sigma of the features' motion: of the whole, of all in common (range, curvature), and in rad
 FLOW_SHARE, FLOW_SCALE, FLOW_RAD = 0.05, 0.03, 0.003
+VIEW_RAD = np.radians(0.2)  # of a turn between two images by the attitude, and by a good lens
 # of the windows in which motions are compared
 SUNK_S, TURNED_S, NEARED_S, PUSHED_S = 3.0, 1.0, 2.0, 1.0
 LEAST_WINDOWS, MOST_WINDOWS = 4, 2000
@@ -77,6 +79,9 @@ class Sensor(StrEnum):
     CAMERA = "camera"
 
 
+SEEN = frozenset({Sensor.CAMERA, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY})
+
+
 @dataclass(frozen=True, kw_only=True)
 class Flow:
     """Features of a rigid scene in two images of the upper camera."""
@@ -90,7 +95,7 @@ class Flow:
 class Comparison:
     """Residuals of two sensors' measurements of one motion."""
 
-    kind: str  # "level", "turn", "gravity", "push", "depth", "flow", "range" or "hull"
+    kind: str  # "level", "turn", "gravity", "push", "depth", "flow", "view", "range", "hull"
     sensors: frozenset[Sensor]
     residual: Array  # (n,)
     sigma: Array  # (n,)
@@ -193,7 +198,8 @@ def compare_all(
             if imu is not None and of - {Sensor.PRESSURE, Sensor.CAMERA}:
                 found.append(compare_push(imu, track))
             if dvl is not None and of != {Sensor.PRESSURE}:
-                found.append(compare_flow(dvl, rig, flows, track))
+                views = views_of(dvl, rig, flows, track)
+                found += [compare_flow(views), compare_view(views)]
             if dvl is not None and of & {Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}:
                 found += compare_ranges(dvl, track)
     return [one for one in found if one is not None]
@@ -424,48 +430,116 @@ def compare_ranges(dvl: DvlPings, track: Track) -> list[Comparison]:
     ]
 
 
-def compare_flow(dvl: DvlPings, rig: Rig, flows: Sequence[Flow], track: Track) -> Comparison | None:
-    """Compare the motion of features with what DVL, attitude and tray make of it."""
+@dataclass(frozen=True, kw_only=True)
+class View:
+    """A pair of images, with the motion and the plane of hull that other sensors give it."""
+
+    flow: Flow
+    second_from_first: Poses  # of the upper camera, by DVL, attitude and tray
+    late: Array  # (3,) rad by which that turns otherwise where stamps are late by LATE_S
+    tray_axis: Array  # (3,) in the camera
+    away: Array  # (3,) normal of the hull in the first camera
+    depth: float  # m, of that plane
+
+
+def views_of(dvl: DvlPings, rig: Rig, flows: Sequence[Flow], track: Track) -> list[View]:
+    """Look up how the upper camera moved between images, and the hull before it."""
     if rig.tray_from_top is None or len(flows) < LEAST_WINDOWS:
-        return None
+        return []
     plane_ns, normal, distance = hull_planes(dvl)
     common, _, of = np.intersect1d(track.t_ns, plane_ns, return_indices=True)
     if len(common) < LEAST_WINDOWS:
-        return None
+        return []
     dvl_from_top = rig.tray_from_dvl.inverse() @ rig.tray_from_top
-    seen, made = [], []
-    for flow in flows:
-        if flow.t_ns[0] < track.t_ns[0] or flow.t_ns[1] > track.t_ns[-1]:
-            continue
-        at = np.asarray(flow.t_ns)
-        near = int(np.abs(common - at[0]).argmin())
-        turn = interpolate(track.t_ns, Poses(track.global_from_dvl.as_quat(), track.way.total), at)
-        top = turn @ Poses(
-            np.tile(dvl_from_top.quaternion, (2, 1)), np.tile(dvl_from_top.translation, (2, 1))
+    flows = [f for f in flows if track.t_ns[0] <= f.t_ns[0] and f.t_ns[1] <= track.t_ns[-1]]
+    at = np.array([flow.t_ns for flow in flows], np.int64).reshape(-1, 2)
+    near = of[np.abs(common[:, None] - at[:, 0]).argmin(axis=0)]
+    path = Poses(track.global_from_dvl.as_quat(), track.way.total)
+    moved, later = (
+        _step(interpolate(track.t_ns, path, (at + late_ns).T.ravel()), dvl_from_top)
+        for late_ns in (0, round(LATE_S * NS))
+    )
+    late = (later.rotation * moved.rotation.inv()).as_rotvec()
+    away = dvl_from_top.rotation.inv().apply(normal[near])
+    depth = distance[near] - normal[near] @ dvl_from_top.translation[0]
+    tray_axis = rig.tray_from_top.rotation.inv().apply([0.0, 1.0, 0.0])[0]
+    return [
+        View(
+            flow=flow,
+            second_from_first=moved[k],
+            late=late[k],
+            tray_axis=tray_axis,
+            away=away[k],
+            depth=float(depth[k]),
         )
-        away = dvl_from_top.rotation.inv().apply(normal[of[near]])[0]
-        depth = distance[of[near]] - float(normal[of[near]] @ dvl_from_top.translation[0])
-        rays = np.column_stack([flow.first, np.ones(len(flow.first))])
-        slope = rays @ away
-        if depth <= 0 or (slope <= 0).any():
+        for k, flow in enumerate(flows)
+    ]
+
+
+def _step(path: Poses, mount: Poses) -> Poses:
+    """Compute second_from_first of what is mounted on the first and second half of some poses."""
+    top = path @ mount
+    half = len(path) // 2
+    return top[half:].inverse() @ top[:half]
+
+
+def compare_flow(views: Sequence[View]) -> Comparison | None:
+    """Compare the motion of features with what DVL, attitude and tray make of it."""
+    seen, made = [], []
+    for view in views:
+        first, second = view.flow.first, view.flow.second
+        rays = np.column_stack([first, np.ones(len(first))])
+        slope = rays @ view.away
+        if view.depth <= 0 or (slope <= 0).any():
             continue
-        points = (top[1:].inverse() @ top[:1]).apply(rays * (depth / slope)[:, None])
+        points = view.second_from_first.apply(rays * (view.depth / slope)[:, None])
         if (points[:, 2] <= 0).any():
             continue
-        made.append(np.median(points[:, :2] / points[:, 2:] - flow.first, axis=0))
-        seen.append(np.median(flow.second - flow.first, axis=0))
+        made.append(np.median(points[:, :2] / points[:, 2:] - first, axis=0))
+        seen.append(np.median(second - first, axis=0))
     if len(seen) < LEAST_WINDOWS:
         return None
     by_images, by_dvl = np.array(seen), np.array(made)
     size = np.linalg.norm(by_dvl, axis=1, keepdims=True) * np.ones(2)
     return Comparison(
         kind="flow",
-        sensors=frozenset({Sensor.CAMERA, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}),
+        sensors=SEEN,
         residual=(by_images - by_dvl).ravel(),
         sigma=np.hypot(FLOW_SHARE * size, FLOW_RAD).ravel(),
         nuisance=FLOW_SCALE * by_dvl.reshape(-1, 1),
         first=by_images.ravel(),
         second=by_dvl.ravel(),
+    )
+
+
+def compare_view(views: Sequence[View]) -> Comparison | None:
+    """Compare the turn that features show with that by attitude and tray.
+
+    Both with the angle that the way takes of the view, of which a wrong distortion makes a part
+    look like a turn. The tray's own axis, which has its backlash, tells little.
+    """
+    views = [view for view in views if view.depth > 0]
+    if len(views) < LEAST_WINDOWS:
+        return None
+    fits = [fit_turn(v.second_from_first, v.flow.first, v.flow.second) for v in views]
+    turn, sigma = (np.array(column) for column in zip(*fits, strict=True))
+    backlash = TILT_RAD * np.array([view.tray_axis for view in views])
+    lag = np.array([view.late for view in views])
+    made = np.array(
+        [
+            v.second_from_first.rotation.as_rotvec()[0]
+            + np.cross([0.0, 0.0, 1.0], v.second_from_first.translation[0]) / v.depth
+            for v in views
+        ]
+    )
+    return Comparison(
+        kind="view",
+        sensors=SEEN - {Sensor.DVL},  # of which the way's direction alone counts
+        residual=turn.ravel(),
+        sigma=np.sqrt(sigma**2 + VIEW_RAD**2 + backlash**2 + lag**2).ravel(),
+        nuisance=np.zeros((turn.size, 0)),
+        first=(made + turn).ravel(),
+        second=made.ravel(),
     )
 
 

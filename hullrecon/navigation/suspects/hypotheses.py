@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -37,6 +38,7 @@ RADIANS_A_SECOND = {
 }
 # by which a length may be too short or too long: steps that the comparisons tolerate
 FACTORS = [*np.geomspace(0.5, 0.93, 10), *np.geomspace(1.07, 2.0, 10)]
+RADIAL = [s * k for k in np.arange(0.05, 0.65, 0.05) for s in (1, -1)]  # of k1, as tolerated
 WATER = 1.333  # refractive index of water: a calibration made in air has focal lengths that short
 REPEATED = 4  # pings with one velocity to the last digit: noise of 1 mm/s makes two of them rare
 # between the clocks of two sensors, as far as navigation/clocks searches, in steps that the depth
@@ -195,10 +197,10 @@ def _of_camera(records: SensorRecords, flows: Sequence[Flow]) -> Iterator[Hypoth
     for name, turn in signed_axes():
         if turn[2, 2] == 1 and not turn[:2, 2].any() and not turn[2, :2].any():
             turns["picture", name[:5]] = turn[:2, :2]
-    for (fault, value), turn in turns.items():
-        moved = [
-            replace(flow, first=flow.first @ turn.T, second=flow.second @ turn.T) for flow in flows
-        ]
+    lenses = {name: partial(_turned, turn=turn) for name, turn in turns.items()}
+    lenses |= {("distortion", f"{k1:+.2f}"): partial(_straightened, k1=k1) for k1 in RADIAL}
+    for (fault, value), lens in lenses.items():
+        moved = [replace(flow, first=lens(flow.first), second=lens(flow.second)) for flow in flows]
         yield Hypothesis(
             sensor=Sensor.CAMERA, fault=fault, value=value, mended=records, flows=moved
         )
@@ -214,6 +216,15 @@ def _of_camera(records: SensorRecords, flows: Sequence[Flow]) -> Iterator[Hypoth
             mended=records,
             flows=moved,
         )
+
+
+def _turned(ideal: Array, turn: Array) -> Array:
+    return np.asarray(ideal @ turn.T)
+
+
+def _straightened(ideal: Array, k1: float) -> Array:
+    """Take off the distortion (n, 2) that a calibration misses."""
+    return np.asarray(ideal * (1 - k1 * (ideal**2).sum(axis=1, keepdims=True)))
 
 
 def signed_axes() -> list[tuple[str, Array]]:

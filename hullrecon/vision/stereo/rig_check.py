@@ -15,6 +15,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.check.consistency_checks import BASELINE_M
+from hullrecon.dive.logs.dvl_beams import SAME_UNIT, SMALL_UNITS
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rigid_fit import fit_rigid
@@ -199,7 +200,7 @@ def check_baseline(
     if len(ratio) < MIN_PAIRS or abs(np.log(np.median(ratio))) < np.log1p(MAX_DEPTH_RATIO):
         return None
     middle = float(np.median(ratio))
-    what = f"stereo sees the hull at {middle:.2f} of the distance that the DVL measures"
+    what = f"stereo sees the hull at {middle:.2g} of the distance that the DVL measures"
     shift_share = rig.baseline_m * abs(1 - middle) / float(np.nanmedian(found.depth_m))
     causes, remedy = _causes_of_depth(middle, motion_ratio(), rig.baseline_m, shift_share)
     return RigProblem(what=f"{what}: {causes}", remedy=remedy)
@@ -238,6 +239,9 @@ def _causes_of_depth(
         if abs(np.log(depth)) < np.log(LEAST_UNIT):
             return baseline, "correct camera.bottom.pose_in_top"
         return f"{baseline}, or as well the DVL measures in another unit", ""
+    unit = next((u for u, m in SMALL_UNITS.items() if abs(np.log(depth / m)) < SAME_UNIT), None)
+    if by_focal < by_baseline / CLEARLY_NEARER and unit is not None:
+        return f"the DVL's ranges are in {unit}, not in m", ""
     if by_focal < by_baseline / CLEARLY_NEARER:
         return f"{focal}, or the DVL's ranges or dvl.mount are wrong", CALIBRATE
     return f"{baseline}, or as well {focal}", ""

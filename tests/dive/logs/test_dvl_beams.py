@@ -12,6 +12,7 @@ from hullrecon.dive.logs.dvl_beams import (
     a50_beams,
     check_beams,
     choose_beams,
+    put_ranges_right,
     tilted_beams,
     unit,
 )
@@ -190,3 +191,27 @@ def test_beams_that_stand_far_off_or_lean_to_one_side_are_named():
         in sentences(check_beams(tilted_beams(30.0, (0, 0, 90, -90)), *nothing))[0]
     )
     assert sentences(check_beams(tilted_beams(30.0, (0, 90, 180, -90)), *nothing)) == []
+
+
+@pytest.mark.parametrize(("unit", "metres"), [("mm", 0.001), ("cm", 0.01)])
+def test_ranges_in_another_unit_than_the_altitude_are_put_right(unit, metres):
+    ranges, altitude = pings(a50_beams(), 2.0)
+    found, findings = put_ranges_right(a50_beams(), ranges / metres, altitude)
+    np.testing.assert_allclose(found, ranges)
+    assert findings[0].values == {"unit": unit}
+
+
+@pytest.mark.parametrize("beams", [a50_beams(), JANUS])
+def test_vertical_distances_become_ranges_along_their_beams(beams):
+    ranges, altitude = pings(beams, 2.0)
+    rough = ranges * np.random.default_rng(1).normal(1, 0.01, ranges.shape)
+    found, findings = put_ranges_right(beams, rough * beams[:, 2], altitude)
+    np.testing.assert_allclose(found, rough)
+    assert [one.code for one in findings] == ["ranges-along-axis"]
+
+
+@pytest.mark.parametrize("guess", [tilted_beams(30.0, (0, 90, 180, -90)), a50_beams()])
+def test_ranges_stay_where_beams_are_guessed_or_no_altitude_tells(guess):
+    ranges, altitude = pings(a50_beams(), 2.0)
+    assert put_ranges_right(guess, ranges, altitude)[0] is ranges
+    assert put_ranges_right(guess, ranges * 0.924, np.full(12, np.nan))[1] == []

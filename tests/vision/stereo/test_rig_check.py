@@ -231,6 +231,11 @@ def test_right_baseline_agrees_with_dvl(rig, dive):
     assert lengths(rig, range_m=1.2) is None
 
 
+def test_ranges_in_millimetres_are_the_dvls_and_no_wrong_lens(rig, dive):
+    problem = lengths(rig, range_m=1300.0)
+    assert problem.sentence.endswith("the DVL's ranges are in mm, not in m")
+
+
 def test_dvl_that_saw_nothing_says_nothing_of_baseline(rig, dive):
     assert lengths(rig, range_m=np.nan) is None
 
