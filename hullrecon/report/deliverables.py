@@ -243,8 +243,10 @@ def _copied(name: str, step: str) -> Callable[[Survey], str]:
         if not_asked or _copies(survey, name):
             return ""
         mosaic = survey.mosaics.named().get(step.removeprefix("mosaic-"))
-        if name.endswith(".glb") and mosaic is not None:
+        if mosaic is not None and (name.endswith(".glb") or not mosaic.has_mesh):
             return "too little was seen for a textured mesh"
+        if mosaic is not None and name.startswith("tiles/"):
+            return f"they could not be written: see the warnings of {step}"
         return _step(survey, step)
 
     return needs
@@ -301,7 +303,10 @@ def _copy(name: str, needs: Callable[[Survey], str]) -> Deliverable:
 
 
 def _mosaic(kind: str) -> tuple[Deliverable, ...]:
-    names = ("ortho_{}.tif", "ortho_{}.png", "mosaic_{}.glb", "variance_{}.tif", "views_{}.tif")
+    names = (
+        *("ortho_{}.tif", "ortho_{}.png", "mosaic_{}.glb", "variance_{}.tif", "views_{}.tif"),
+        "tiles/{}/",
+    )
     return tuple(
         _copy(name.format(kind), _copied(name.format(kind), f"mosaic-{kind}")) for name in names
     )

@@ -4,14 +4,17 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 from typing import BinaryIO
 
 from hullrecon.artifacts.stage import Context
+from hullrecon.errors import HullreconError
 from hullrecon.geometry.charts.outside_map import OutsideMap, outside_map
 from hullrecon.geometry.frames import Frame
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, build_mosaic_surface
 from hullrecon.mosaic.options import OpticalOptions, SonarOptions
+from hullrecon.mosaic.output.cog import Picture
 from hullrecon.mosaic.output.deliverables import Presentation, make_deliverables
 from hullrecon.mosaic.output.raster import (
     RasterBands,
@@ -22,11 +25,14 @@ from hullrecon.mosaic.output.raster import (
     write_raster,
 )
 from hullrecon.mosaic.output.tile_store import TileStore
+from hullrecon.mosaic.output.tiles_3d import Pyramid, write_tileset
 from hullrecon.records.solution import Mounts
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.steps.artifacts import InputArtifacts
 
+log = logging.getLogger(__name__)
+TILES, TILESET = "tiles", "tileset.json"  # folder and head of the 3D Tiles
 REACH_M = 0.6  # largest distance of the surface from the chart
 MosaicContext = Context[OpticalOptions] | Context[SonarOptions]
 
@@ -80,7 +86,7 @@ def write_mosaic(
     """
     frame = Frame(inputs.track.frame)
     layout = RasterLayout(grid=store.grid, size=store.size, outside=inputs.outside)
-    _write_mosaic_rasters(context, layout, store, title, scratch)
+    pictures = _write_mosaic_rasters(context, layout, store, title, scratch)
     _write_surface_rasters(context, layout, inputs, scratch)
     presentation = Presentation(
         title=title,
@@ -97,11 +103,30 @@ def write_mosaic(
     else:
         context.warn("too little was seen for a textured mesh")
     context.out.json("mosaic.json", made.document)
+    pyramid = Pyramid(pictures=pictures, layout=layout, surface=inputs.surface)
+    _write_tiles(context, pyramid, frame)
+
+
+def _write_tiles(context: MosaicContext, pyramid: Pyramid, frame: Frame) -> None:
+    """Write the mosaic as 3D Tiles below tiles/. A fault of ours costs them alone."""
+    try:
+        tileset = write_tileset(
+            pyramid, lambda name, data: context.out.bytes(f"{TILES}/{name}", data), frame
+        )
+    except (HullreconError, MemoryError, OSError):
+        raise
+    except Exception as error:
+        log.exception("3D Tiles")
+        context.warn(f"the 3D Tiles could not be written: {type(error).__name__}: {error}")
+        return
+    if tileset is not None:  # last, as it names the others
+        context.out.json(f"{TILES}/{TILESET}", tileset)
 
 
 def _write_mosaic_rasters(
     context: MosaicContext, layout: RasterLayout, store: TileStore, title: str, scratch: BinaryIO
-) -> None:
+) -> list[Picture]:
+    """Write the ortho with the variance and number of its views. Returns the ortho's sizes."""
     colors = ("red", "green", "blue", "alpha") if store.channels == 3 else ("intensity", "alpha")
     rasters = (
         ("ortho.tif", store.color, RasterBands(names=colors, unit="", dtype="uint8", title=title)),
@@ -128,9 +153,11 @@ def _write_mosaic_rasters(
             ),
         ),
     )
+    pictures = {}
     for name, tiles, bands in rasters:
         with context.out.path(name) as path:
-            write_raster(path, tiles, layout, bands, scratch)
+            pictures[name] = write_raster(path, tiles, layout, bands, scratch)
+    return pictures["ortho.tif"]
 
 
 def _write_surface_rasters(

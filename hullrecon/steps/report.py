@@ -47,6 +47,7 @@ from hullrecon.rig import RIG_KEYS, Rig, rig_from_settings
 from hullrecon.steps.artifacts import AdjustArtifact, DetectArtifact, InputArtifacts
 from hullrecon.steps.chain import NAMES
 from hullrecon.steps.features import external
+from hullrecon.steps.mosaics import TILES, TILESET
 
 CHAIN = NAMES[:-1]  # without this step
 MOSAICS = {"mosaic-optical": "optical", "mosaic-sonar": "sonar"}
@@ -283,13 +284,13 @@ def _copies(context: Context[ReportOptions]) -> dict[str, Path]:
     """Find the files that are delivered as a step left them, by their name in deliver/."""
     copies = {}
     if "adjust" in context.inputs:
-        model = context.inputs["adjust"] / "colmap"
-        files = sorted(p for p in model.rglob("*") if p.is_file()) if model.is_dir() else []
-        copies = {f"colmap/{file.relative_to(model).as_posix()}": file for file in files}
+        copies = _files_of(context.inputs["adjust"] / "colmap", "colmap")
     for step, name in MOSAICS.items():
         for source, target in DELIVERED.items():
             if step in context.inputs and (context.inputs[step] / source).exists():
                 copies[target.format(name)] = context.inputs[step] / source
+        if step in context.inputs and (context.inputs[step] / TILES / TILESET).exists():
+            copies |= _files_of(context.inputs[step] / TILES, f"tiles/{name}")
     for step in reversed(MOSAICS):  # on the optical mosaic's grid if there is an optical mosaic
         for name in SURFACE_RASTERS if step in context.inputs else ():
             if (context.inputs[step] / name).exists():
@@ -298,6 +299,12 @@ def _copies(context: Context[ReportOptions]) -> dict[str, Path]:
     return copies | {
         f"change/{file.name}": file for file in (change.delivered if change is not None else ())
     }
+
+
+def _files_of(folder: Path, name: str) -> dict[str, Path]:
+    """Find all files below a folder, by their name below `name`. None if it is missing."""
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    return {f"{name}/{file.relative_to(folder).as_posix()}": file for file in files}
 
 
 def _step_run(folder: Path, name: str) -> StepRun:
@@ -321,7 +328,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=CHAIN[2:],
     parameters=ReportOptions,
-    version=17,
+    version=18,
     run=run,
     uses=("dive", "logs", "hull", "camera.top.time_offset", "change.earlier", *RIG_KEYS),
     external=files_of_package,

@@ -29,6 +29,8 @@ DELIVERED = (
     "ortho_sonar.png",
     "mosaic_optical.glb",
     "mosaic_sonar.glb",
+    "tiles/optical/tileset.json",
+    "tiles/sonar/tileset.json",
     "report/index.html",
 )
 

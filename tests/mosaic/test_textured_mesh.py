@@ -114,6 +114,7 @@ def test_a_mesh_in_g_is_turned_so_that_down_is_down() -> None:
         vertices=np.array([[0.0, 0, 1], [1, 0, 1], [0, 1, 1]]),
         faces=np.array([[0, 1, 2]]),
         uv=np.array([[0.0, 0], [1, 0], [0, 1]]),
+        normals=np.tile([0.0, 0, 1], (3, 1)),
     )
     scene = trimesh.load(BytesIO(encode_glb(mesh, checks(), DOWN)), file_type="glb")
     turn, _ = scene.graph[scene.graph.nodes_geometry[0]]
@@ -137,6 +138,7 @@ def test_a_mesh_in_map_coordinates_keeps_tenths_of_a_millimetre() -> None:
         vertices=far + np.array([[0.0, 0, 0.0123], [1, 0, 0], [0, 1, 0]]),
         faces=np.array([[0, 1, 2]]),
         uv=np.array([[0.0, 0], [1, 0], [0, 1]]),
+        normals=np.tile([0.0, 0, 1], (3, 1)),
     )
     scene = trimesh.load(BytesIO(encode_glb(mesh, checks(), UP)), file_type="glb")
     (stored,) = scene.geometry.values()

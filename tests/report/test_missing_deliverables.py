@@ -26,7 +26,10 @@ from hullrecon.report.survey import (
 
 OF_DEVIATION = ("deviation.tif", "deviation_sigma.tif", "form.tif", "form_sigma.tif")
 RASTERS = (*OF_DEVIATION, "support.tif")
-OF_MOSAIC = ("ortho_{}.tif", "ortho_{}.png", "mosaic_{}.glb", "variance_{}.tif", "views_{}.tif")
+OF_MOSAIC = (
+    *("ortho_{}.tif", "ortho_{}.png", "mosaic_{}.glb", "variance_{}.tif", "views_{}.tif"),
+    "tiles/{}/",
+)
 DOCS = Path(__file__).parents[2] / "docs" / "deliverables.md"
 
 
@@ -40,6 +43,7 @@ def whole(survey: Survey) -> Survey:
     """A dive that has everything but an earlier dive to be compared with."""
     mosaic = Mosaic(facts=MosaicFacts(), preview=b"", has_mesh=True)
     names = [name.format(kind) for kind in ("optical", "sonar") for name in OF_MOSAIC]
+    names = [f"{name}tileset.json" if name.endswith("/") else name for name in names]
     copies = {name: Path(name) for name in (*names, *RASTERS, "colmap/cameras.bin")}
     documents = {"objects.json": {}, "coverage.json": {}}
     return replace(
@@ -111,6 +115,18 @@ def test_without_a_mosaic_rasters_have_no_grid(whole: Survey) -> None:
 def test_a_mosaic_without_faces_gives_no_mesh(whole: Survey) -> None:
     assert missing_deliverables(without(whole, "mosaic_sonar.glb")) == {
         "mosaic_sonar.glb": "too little was seen for a textured mesh"
+    }
+
+
+def test_tiles_that_failed_are_told_from_a_mosaic_without_faces(whole: Survey) -> None:
+    failed = without(whole, "tiles/sonar/")
+    assert missing_deliverables(failed) == {
+        "tiles/sonar/": "they could not be written: see the warnings of mosaic-sonar"
+    }
+    faceless = Mosaic(facts=MosaicFacts(), preview=b"", has_mesh=False)
+    unseen = replace(failed, mosaics=replace(failed.mosaics, sonar=faceless))
+    assert missing_deliverables(unseen) == {
+        "tiles/sonar/": "too little was seen for a textured mesh"
     }
 
 

@@ -29,7 +29,7 @@ from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import Trajectory, VehicleTrack
 from hullrecon.rig import rig_from_settings
-from hullrecon.steps import mosaic_optical, mosaic_sonar
+from hullrecon.steps import mosaic_optical, mosaic_sonar, mosaics
 from hullrecon.steps.sonar import sonar_poses
 
 NODES = 9
@@ -149,8 +149,10 @@ def test_optical_mosaic_of_reckoned_dive_shows_disc_in_place(
         "ortho.png",
         "mosaic.glb",
         "mosaic.json",
+        "tiles",
         "manifest.json",
     }
+    assert (out / "tiles" / "tileset.json").is_file()
     assert document["frame"] == "g"
     assert document["images"] == NODES - 1  # one was unusable
     bright = (picture[..., 0] > 1.4 * np.median(picture[..., 0][picture[..., 3] > 0])) & (
@@ -178,8 +180,24 @@ def test_a_mosaic_run_twice_gives_the_same_bytes(passed: dict[str, Path], tmp_pa
         "ortho.png",
         "mosaic.glb",
         "mosaic.json",
+        "tiles/tileset.json",
+        "tiles/0/0-0.glb",
     ):
         assert (one / name).read_bytes() == (two / name).read_bytes(), name
+
+
+def test_a_fault_of_the_3d_tiles_costs_them_alone(
+    passed: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def torn(*_: object) -> None:
+        raise ZeroDivisionError("torn")
+
+    monkeypatch.setattr(mosaics, "write_tileset", torn)
+    out = run_stage(mosaic_optical.STAGE, settings(), passed, tmp_path / "out", source=tmp_path)
+    assert (out / "mosaic.glb").is_file()
+    assert not (out / "tiles" / "tileset.json").exists()
+    warnings = json.loads((out / "manifest.json").read_text())["warnings"]
+    assert "the 3D Tiles could not be written: ZeroDivisionError: torn" in warnings
 
 
 @pytest.mark.parametrize(

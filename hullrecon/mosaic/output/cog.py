@@ -96,7 +96,7 @@ class Level:
 
 def write_cog(
     path: Path, picture: Picture, template: bytes, nodata: float | None, scratch: BinaryIO
-) -> None:
+) -> list[Picture]:
     """Write the picture with its overviews to `path`.
 
     Parameters
@@ -107,10 +107,15 @@ def write_cog(
         Value of texels without one, None if the last band is alpha.
     scratch
         A file for the compressed blocks and the reduced pictures.
+
+    Returns
+    -------
+    list of Picture
+        The picture and its overviews, each half as large as the one before.
     """
     tags = read_tags(template)
     predictor = struct.unpack("<H", tags[_PREDICTOR][1])[0]
-    levels = []
+    levels, pictures = [], [picture]
     while True:
         reduced, level = _compress(picture, predictor, nodata, scratch)
         levels.append(level)
@@ -122,8 +127,10 @@ def write_cog(
             width=-(-picture.width // 2),
             height=-(-picture.height // 2),
         )
+        pictures.append(picture)
     with path.open("wb") as file:
         _assemble(file, levels, tags, scratch)
+    return pictures
 
 
 def _compress(

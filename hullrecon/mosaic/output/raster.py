@@ -70,10 +70,11 @@ def write_raster(
     layout: RasterLayout,
     bands: RasterBands,
     scratch: BinaryIO,
-) -> None:
+) -> list[Picture]:
     """Write tiles in the order of grid.tiles(size), as the same bytes for the same tiles.
 
     `tiles`: (size, size, bands), or (size, size). `scratch`: a file for what is in work.
+    Returns the picture and its overviews, as long as the scratch file lives.
     """
     grid, (mirrored, upset) = layout.grid, layout.outside.flips
     picture = Picture(
@@ -84,7 +85,7 @@ def write_raster(
         mirrored=mirrored,
         upset=upset,
     )
-    write_cog(path, picture, _template(layout, bands), bands.nodata, scratch)
+    return write_cog(path, picture, _template(layout, bands), bands.nodata, scratch)
 
 
 def _template(layout: RasterLayout, bands: RasterBands) -> bytes:

@@ -22,11 +22,12 @@ _CORNERS = (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
 
 @dataclass(frozen=True, kw_only=True)
 class TexturedMesh:
-    """vertices (n, 3), faces (m, 3) seen from outside, uv (n, 2) with v upwards."""
+    """A mesh with the texture's coordinates."""
 
-    vertices: Array
-    faces: Ints
-    uv: Array
+    vertices: Array  # (n, 3)
+    faces: Ints  # (m, 3), counter-clockwise seen from outside
+    uv: Array  # (n, 2), v upwards
+    normals: Array  # (n, 3), unit length, without which a viewer shades each triangle flat
 
 
 def build_textured_mesh(
@@ -60,8 +61,12 @@ def build_textured_mesh(
     uv = np.stack(
         np.meshgrid(columns / alpha.shape[1], 1 - rows / alpha.shape[0]), axis=-1
     ).reshape(-1, 2)
+    vertices, faces = patch.point.reshape(-1, 3)[used], faces.reshape(-1, 3)
     return TexturedMesh(
-        vertices=patch.point.reshape(-1, 3)[used], faces=faces.reshape(-1, 3), uv=uv[used]
+        vertices=vertices,
+        faces=faces,
+        uv=uv[used],
+        normals=vertex_normals(Mesh(vertices, faces.astype(np.int32))),
     )
 
 
@@ -88,7 +93,7 @@ def _outward(faces: Ints, patch: SurfacePatch) -> Ints:
 
 
 def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], up: Array) -> bytes:
-    """Encode a GLB file with normals, without which a viewer shades each triangle flat.
+    """Encode a GLB file.
 
     Vertices are single precision, about a local origin that the node's matrix moves them from.
     `texture`: (h, w, 4) RGBA or (h, w, 2). `up`: the axis of the frame that points up (3,).
@@ -110,14 +115,14 @@ def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], up: Array) -> byt
     origin = local_origin(mesh.vertices)
     place = gltf_from(up)
     place[:3, 3] = place[:3, :3] @ origin
-    mesh = trimesh.Trimesh(
+    shape = trimesh.Trimesh(
         mesh.vertices - origin,
         mesh.faces,
-        vertex_normals=vertex_normals(Mesh(mesh.vertices, mesh.faces.astype(np.int32))),
+        vertex_normals=mesh.normals,
         visual=trimesh.visual.TextureVisuals(uv=mesh.uv, material=material),
         process=False,
     )
     scene = trimesh.Scene()
-    scene.add_geometry(mesh, node_name="hull", geom_name="hull", transform=place)
+    scene.add_geometry(shape, node_name="hull", geom_name="hull", transform=place)
     data: bytes = scene.export(file_type="glb", include_normals=True)
     return bytes(data)

@@ -1,0 +1,255 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The textured hull as OGC 3D Tiles 1.1: a quadtree over the mosaic's map, a GLB a tile.
+
+The finest tiles have the mosaic's own texels, and each level above half as many a metre, in texture
+and mesh. Tiles of one level share the vertices of their borders. Skirts, which hang inward from the
+borders, close the cracks between tiles of two levels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.meshes.gltf_axes import gltf_from
+from hullrecon.mosaic.grid import Window
+from hullrecon.mosaic.mosaic_surface import MosaicSurface
+from hullrecon.mosaic.output.cog import Picture
+from hullrecon.mosaic.output.raster import RasterLayout
+from hullrecon.mosaic.output.textured_mesh import TexturedMesh, encode_glb
+from hullrecon.typing import Array, Ints, Mask
+
+TILE_PX = 512  # texels along a tile
+MARGIN_PX = 1  # of texture around a tile, so that filtering sees its neighbours
+MESH_M = 0.03  # about the edge of the finest mesh, that of the hull as found
+MIN_CELL_PX = 4  # texels along a cell at least: a sonar's are longer than MESH_M
+# A viewer refines a tile whose error is longer than 16 pixels of its screen (CesiumJS' default):
+# where a texel is longer than a pixel.
+ERROR_TEXELS = 16
+UNSEEN_RGB = (233, 237, 241)  # of texels that no view saw, as in the PNG
+# glTF has y up, 3D Tiles z: (x, y, z) becomes (x, -z, y)
+_Z_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pyramid:
+    """A mosaic in all its sizes, on the surface that it was laid on."""
+
+    pictures: Sequence[Picture]  # the full size first, each half as large as the one before
+    layout: RasterLayout
+    surface: MosaicSurface
+
+    @property
+    def cell_px(self) -> int:
+        """Texels along a cell of the mesh, a power of two, at any level."""
+        wanted = MESH_M / self.layout.grid.step_m
+        return int(2 ** np.clip(np.rint(np.log2(wanted)), np.log2(MIN_CELL_PX), 6))
+
+    @property
+    def rotation_from_frame(self) -> Array:
+        """Turn (3, 3) from the surface's frame to that of the tiles, which has z up."""
+        return np.asarray(_Z_UP @ gltf_from(self.surface.chart.ship_axes[2])[:3, :3])
+
+    @property
+    def top(self) -> int:
+        """The first level that is one tile."""
+        fits = (max(p.width, p.height) <= TILE_PX for p in self.pictures)
+        return next(level for level, one in enumerate(fits) if one)
+
+    def texel_m(self, level: int) -> float:
+        """Return the side of a texel of a level."""
+        return float(self.layout.grid.step_m * 2**level)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Tile:
+    """A tile with what is below it."""
+
+    document: dict[str, object]
+    low: Array  # (3,) of the box around it, in the tileset's frame
+    high: Array
+
+
+def write_tileset(
+    pyramid: Pyramid, write: Callable[[str, bytes], None], frame: str
+) -> dict[str, object] | None:
+    """Write the tiles of a mosaic as GLB files.
+
+    The tileset's frame is that of the deliverables, turned by quarter turns where its z points
+    down, for 3D Tiles has z up.
+
+    Parameters
+    ----------
+    write
+        Takes the name of a file and its bytes.
+    frame
+        Name of the frame of the surface, M or g.
+
+    Returns
+    -------
+    dict or None
+        tileset.json, None where too little was seen for a mesh.
+    """
+    level = pyramid.top
+    root = _build(pyramid, level, 0, 0, write)
+    if root is None:
+        return None
+    return {
+        "asset": {
+            "version": "1.1",
+            "extras": {"frame": frame, "rotation_from_frame": pyramid.rotation_from_frame.tolist()},
+        },
+        "geometricError": 2 * ERROR_TEXELS * pyramid.texel_m(level),
+        "root": {"refine": "REPLACE", **root.document},
+    }
+
+
+def _build(
+    pyramid: Pyramid, level: int, row: int, column: int, write: Callable[[str, bytes], None]
+) -> _Tile | None:
+    """Write a tile and all below it. None if there is nothing to see."""
+    picture = pyramid.pictures[level]
+    if row * TILE_PX >= picture.height or column * TILE_PX >= picture.width:
+        return None
+    below = (
+        []
+        if level == 0
+        else [
+            _build(pyramid, level - 1, 2 * row + i, 2 * column + j, write)
+            for i in (0, 1)
+            for j in (0, 1)
+        ]
+    )
+    children = [tile for tile in below if tile is not None]
+    texture = _texture(picture, row, column)
+    mesh = _mesh(pyramid, level, row, column, np.asarray(texture[..., -1] > 0))
+    lows, highs = [tile.low for tile in children], [tile.high for tile in children]
+    document: dict[str, object] = {}
+    if len(mesh.faces):
+        name = f"{pyramid.top - level}/{column}-{row}.glb"
+        write(name, encode_glb(mesh, _painted(texture), pyramid.surface.chart.ship_axes[2]))
+        document["content"] = {"uri": name}
+        placed = mesh.vertices @ pyramid.rotation_from_frame.T
+        lows.append(placed.min(axis=0))
+        highs.append(placed.max(axis=0))
+    if not lows:
+        return None
+    low, high = np.min(lows, axis=0), np.max(highs, axis=0)
+    document["geometricError"] = ERROR_TEXELS * pyramid.texel_m(level) if children else 0
+    document["boundingVolume"] = {"box": _box(low, high)}
+    if children:
+        document["children"] = [tile.document for tile in children]
+    return _Tile(document=document, low=low, high=high)
+
+
+def _box(low: Array, high: Array) -> list[float]:
+    """Write center and half axes of a box, a millimetre wider for vertices in single precision."""
+    half = 0.5 * (high - low) + 0.001
+    return [*(0.5 * (low + high)).tolist(), *np.diag(half).ravel().tolist()]
+
+
+def _texture(picture: Picture, row: int, column: int) -> NDArray[np.uint8]:
+    top, left = row * TILE_PX - MARGIN_PX, column * TILE_PX - MARGIN_PX
+    side = TILE_PX + 2 * MARGIN_PX
+    return picture.read(Window(top, top + side, left, left + side)).astype(np.uint8)
+
+
+def _painted(texture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Paint texels that no view saw."""
+    rgb = texture[..., :3] if texture.shape[2] == 4 else np.repeat(texture[..., :1], 3, axis=2)
+    rgb = np.where(texture[..., -1:] > 0, rgb, np.array(UNSEEN_RGB, np.uint8))
+    return np.concatenate([rgb, texture[..., -1:]], axis=2)
+
+
+def _mesh(pyramid: Pyramid, level: int, row: int, column: int, seen: Mask) -> TexturedMesh:
+    """Mesh the surface under a tile, with skirts.
+
+    `seen`: the tile's texels with their margin.
+    """
+    cell_px, count = pyramid.cell_px, TILE_PX // pyramid.cell_px
+    points, normals, outward = _vertices(pyramid, level, row * count, column * count, count)
+    inner = seen[MARGIN_PX:-MARGIN_PX, MARGIN_PX:-MARGIN_PX]
+    cells = np.asarray(inner.reshape(count, cell_px, count, cell_px).any(axis=(1, 3)))
+    good = np.asarray(np.isfinite(points).all(axis=2))
+    cells &= good[:-1, :-1] & good[1:, :-1] & good[:-1, 1:] & good[1:, 1:]
+    index = np.arange((count + 1) ** 2).reshape(count + 1, count + 1)
+    a, b, c, d = (
+        index[s][cells] for s in (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
+    )
+    faces = np.concatenate([np.stack([a, c, b], axis=1), np.stack([b, c, d], axis=1)])
+    at = (np.arange(count + 1) * cell_px + MARGIN_PX) / (TILE_PX + 2 * MARGIN_PX)
+    uv = np.stack(np.meshgrid(at, 1 - at), axis=-1).reshape(-1, 2)
+    edges = _border(cells, seen, index)
+    # a level above may lie off this one by about its own error
+    depth = ERROR_TEXELS * pyramid.texel_m(level)
+    hung = index.size  # from a vertex to the one that hangs from it
+    skirt = np.concatenate(
+        [
+            np.stack([edges[:, 0], edges[:, 1], edges[:, 0] + hung], axis=1),
+            np.stack([edges[:, 1], edges[:, 1] + hung, edges[:, 0] + hung], axis=1),
+        ]
+    )
+    flat = points.reshape(-1, 3)
+    vertices = np.concatenate([flat, flat - depth * outward.reshape(-1, 3)])
+    used, faces = np.unique(np.concatenate([faces, skirt]), return_inverse=True)
+    return TexturedMesh(
+        vertices=vertices[used],
+        faces=faces.reshape(-1, 3),
+        uv=np.tile(uv, (2, 1))[used],
+        normals=np.tile(normals.reshape(-1, 3), (2, 1))[used],
+    )
+
+
+def _border(cells: Mask, seen: Mask, index: Ints) -> Ints:
+    """List the edges (n, 2) of cells along the tile's border that go on in the next tile.
+
+    They run against the faces. `seen`: the tile's texels with their margin.
+    """
+    count = len(cells)
+    above, left, below, right = (
+        line[MARGIN_PX:-MARGIN_PX].reshape(count, -1).any(axis=1)
+        for line in (seen[0], seen[:, 0], seen[-1], seen[:, -1])
+    )
+    return np.concatenate(
+        [
+            np.stack([index[0, :-1], index[0, 1:]], axis=1)[cells[0] & above],
+            np.stack([index[1:, 0], index[:-1, 0]], axis=1)[cells[:, 0] & left],
+            np.stack([index[-1, 1:], index[-1, :-1]], axis=1)[cells[-1] & below],
+            np.stack([index[:-1, -1], index[1:, -1]], axis=1)[cells[:, -1] & right],
+        ]
+    )
+
+
+def _vertices(
+    pyramid: Pyramid, level: int, row: int, column: int, count: int
+) -> tuple[Array, Array, Array]:
+    """Compute points, normals and the chart's normals (count + 1, count + 1, 3) of a tile.
+
+    Normals are of the surface through the vertices around, also those past the border: neighbours
+    have the same there. Points are NaN where there is no surface.
+    """
+    surface, layout = pyramid.surface, pyramid.layout
+    step_m = pyramid.cell_px * pyramid.texel_m(level)
+    steps = np.arange(-1, count + 2)
+    west, north = layout.corner
+    xy = np.stack(
+        np.meshgrid(west + (column + steps) * step_m, north - (row + steps) * step_m), axis=-1
+    )
+    base, outward = surface.chart.from_chart(layout.outside.to_chart(xy.reshape(-1, 2)))
+    start = base + surface.reach_m * outward
+    gone = np.full(len(start), np.nan)
+    known = np.isfinite(start).all(axis=1)
+    gone[known] = surface.scene.cast(start[known], -outward[known])
+    gone[~(gone <= 2 * surface.reach_m)] = np.nan
+    points = (start - gone[:, None] * outward).reshape(*xy.shape[:2], 3)
+    outward = outward.reshape(points.shape)
+    right, down = points[1:-1, 2:] - points[1:-1, :-2], points[2:, 1:-1] - points[:-2, 1:-1]
+    normals = np.cross(down, right)
+    length = np.linalg.norm(normals, axis=2, keepdims=True)
+    inner = outward[1:-1, 1:-1]
+    normals = np.where(length > 0, normals / np.maximum(length, 1e-15), inner)
+    return points[1:-1, 1:-1], normals, inner
