@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import ndimage
 
 from hullrecon.change.difference import ChangedRegion, Difference, corrected_p_value
 from hullrecon.change.offset import offset_sigma
@@ -29,6 +28,8 @@ def surface_moves(
     options: ChangeOptions,
 ) -> tuple[SurfaceMove, ...]:
     """Find stretches of bare hull that moved beyond the errors, the largest move first."""
+    from scipy import ndimage
+
     with np.errstate(invalid="ignore"):
         bare = found.both & (np.abs(found.local) < options.min_change_m)
     for region in regions:

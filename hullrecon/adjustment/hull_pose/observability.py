@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from hullrecon.typing import Array
 
@@ -37,6 +36,8 @@ def find_weak_directions(
         rad) and a `sentence` on the ship's axis nearest to it, another one for each, with that
         axis's own sigma.
     """
+    from scipy.optimize import linear_sum_assignment  # a quarter of a second, for every command
+
     found: list[dict[str, object]] = []
     for kind, block, least in (
         ("position", slice(0, 3), least_sigma_m),
