@@ -68,7 +68,7 @@ def once(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Once:
         with (folder / "lock").open("w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             if not (folder / "done").exists():
-                fill(Shell(folder))
+                fill(Shell(folder, pdf=True))
                 (folder / "done").touch()
         return folder
 

@@ -487,6 +487,11 @@ def _warnings(dive, _, count):
     return unlike("warnings", count, len(dive.warnings))
 
 
+def _no_pdf(dive, _):
+    written = (dive.run / "deliver" / "report" / "report.pdf").exists()
+    return ["a PDF is missing, and there is one"] if written else []
+
+
 def _ranges_rejected(dive, _, rejected, of):
     return unlike("ranges", of, dive.ranges) + unlike(
         "rejected ranges", rejected, dive.ranges_flagged
@@ -728,6 +733,7 @@ TABLE = (
     (rf"^Time and memory by step: {TIME} for (\d+) steps", _time),
     (r"(\d+) warnings? (?:was|were) raised", _warnings),
     (rf"{N} of {N} DVL ranges rejected as outliers", _ranges_rejected),
+    (r"^report/report\.pdf: Pango is not installed .*$", _no_pdf),
     (r"^([a-z ]+): (\d+) pairs?$", _pairs_failed),
     (rf"{N} of {N} image observations rejected as outliers", _observations),
     # numbers that say nothing of the dive: percentiles' names, dimensions, scale bars, ticks of an

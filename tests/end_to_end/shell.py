@@ -16,9 +16,11 @@ TINY = ("--legs", 1, "--marks", 0, "--image-width", 320, "--image-height", 256)
 
 
 class Shell:
-    """The command `hullrecon`, in a folder of its own. Without pdf its reports have none."""
+    """The command `hullrecon`, in a folder of its own. Its reports have a PDF, which takes as long
+    as the rest of a report, only where it is asked for.
+    """
 
-    def __init__(self, folder, *, pdf=True):
+    def __init__(self, folder, *, pdf=False):
         self.folder = folder
         self.program = Path(sys.executable).parent / "hullrecon"
         without = {} if pdf else {"PYTHONPATH": str(Path(__file__).parent / "without_pango")}

@@ -8,21 +8,33 @@ import random
 import time
 
 import pytest
-from end_to_end.shell import COARSE, Shell, without_run_blocks
+from end_to_end.shell import COARSE, TINY, without_run_blocks
+
+
+def write_blind_dive(shell):
+    """Simulate a dive without camera and CAD model, of which the whole chain takes some seconds."""
+    shell("simulate", "blind", *TINY, "--cameras", "none", "--structures", 0, "--seed", 5)
+    path = shell.folder / "blind" / "dive.toml"
+    text = path.read_text()
+    path.write_text(text[: text.index("[hull]")])
 
 
 @pytest.mark.slow
-def test_run_killed_four_times_ends_with_the_same_bytes(tmp_path, tiny):
-    shell = Shell(tmp_path, pdf=False)
-    shell("run", tiny, "--runs", "whole", *COARSE)
+@pytest.mark.parametrize("dive", ["blind", "tiny"])
+def test_run_killed_four_times_ends_with_the_same_bytes(shell, tiny, dive):
+    """Without images to the deliverables, with images as far as other processes work on them."""
+    package, last = (tiny, ("--to", "links")) if dive == "tiny" else ("blind", COARSE)
+    if dive == "blind":
+        write_blind_dive(shell)
+    shell("run", package, "--runs", "whole", *last)
     whole = without_run_blocks(shell.folder / "whole")
     rng = random.Random(20)
     for _ in range(4):
-        run = shell.start("run", tiny, "--runs", "killed", *COARSE)
+        run = shell.start("run", package, "--runs", "killed", *last)
         time.sleep(rng.uniform(0.3, 6.0))
         run.kill()
         run.communicate()
-    shell("run", tiny, "--runs", "killed", *COARSE)
+    shell("run", package, "--runs", "killed", *last)
     again = without_run_blocks(shell.folder / "killed")
     assert sorted(again) == sorted(whole)
     different = [name for name in whole if whole[name] != again[name]]

@@ -41,7 +41,7 @@ DIVE = (
 @pytest.fixture(scope="module")
 def shell(tmp_path_factory):
     """The dive, run with planes into `with` and without them into `without`."""
-    shell = Shell(tmp_path_factory.mktemp("no_camera"), pdf=False)
+    shell = Shell(tmp_path_factory.mktemp("no_camera"))
     shell("simulate", "dive", *DIVE)
     path = shell.folder / "dive" / "dive.toml"
     text = path.read_text()

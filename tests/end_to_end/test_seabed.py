@@ -19,7 +19,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def run(evaluation_data, tmp_path_factory):
     """The folder of a whole run, to be read."""
-    shell = Shell(tmp_path_factory.mktemp("seabed"), pdf=False)
+    shell = Shell(tmp_path_factory.mktemp("seabed"))
     seabed.write(evaluation_data / "stereo-haltbrekken", shell.folder / "seabed")
     shell("run", shell.folder / "seabed", "--runs", "out", "--jobs", 2, *COARSE)
     return shell.folder / "out" / "seabed"

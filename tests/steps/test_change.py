@@ -117,8 +117,6 @@ def test_rerun_of_first_dive_outdates_second_change_and_report(
     first.rewrite(step, lambda files: {**files, "more.txt": b"new"}, may())
     first.run()
     assert out_of_date(second) == {"change", "report"}
-    second.run()
-    assert out_of_date(second) == set()
 
 
 def test_changed_objects_of_first_dive_reach_second_report(
@@ -132,6 +130,7 @@ def test_changed_objects_of_first_dive_reach_second_report(
     second.run()
     rows = json.loads((second.workspace.root / "change" / "change.json").read_text())["objects"]
     assert {row["first_id"] for row in rows if row["first_id"]} == {1, 2, 3}
+    assert out_of_date(second) == set()
 
 
 def test_rerun_of_second_dive_outdates_its_change_and_report(

@@ -213,12 +213,37 @@ def earlier(tmp_path: Path) -> EarlierSteps:
     return EarlierSteps(tmp_path)
 
 
+@pytest.fixture(scope="module")
+def detected(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The step's artifact of the dive as it is: a camera, a DVL and a CAD model."""
+    return EarlierSteps(tmp_path_factory.mktemp("detected")).run()
+
+
+@pytest.fixture(scope="module")
+def without_cad_model(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    earlier = EarlierSteps(tmp_path_factory.mktemp("without_cad_model"))
+    earlier.without_cad_model()
+    return earlier.run()
+
+
+@pytest.fixture(scope="module")
+def with_sonar_and_regions(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    earlier = EarlierSteps(tmp_path_factory.mktemp("regions"))
+    earlier.sonar = True
+    earlier.regions = (
+        schema.HullRegion(name="whole", along=(0.0, 4.0), girth=(0.0, 2.0)),
+        schema.HullRegion(name="middle", along=(1.5, 2.5), girth=(0.8, 1.2)),
+        schema.HullRegion(name="above", girth=(1.8, 2.0)),
+    )
+    return earlier.run()
+
+
 def _json(out: Path, name: str) -> dict:
     return json.loads((out / name).read_text())
 
 
-def test_the_one_structure_is_reported_with_its_place_and_images(earlier: EarlierSteps) -> None:
-    (item,) = _json(earlier.run(), "objects.json")["objects"]
+def test_the_one_structure_is_reported_with_its_place_and_images(detected: Path) -> None:
+    (item,) = _json(detected, "objects.json")["objects"]
     assert item["id"] == 1
     assert item["height"] == pytest.approx(HEIGHT, abs=0.004)
     assert item["deviation"] == pytest.approx(HEIGHT + OFF, abs=0.004)
@@ -227,8 +252,8 @@ def test_the_one_structure_is_reported_with_its_place_and_images(earlier: Earlie
     assert "below waterline" in item["address"]
 
 
-def test_the_hull_as_found_lies_where_it_was_seen(earlier: EarlierSteps) -> None:
-    found = from_arrays(Surface, load_arrays(earlier.run() / "as_found.npz"))
+def test_the_hull_as_found_lies_where_it_was_seen(detected: Path) -> None:
+    found = from_arrays(Surface, load_arrays(detected / "as_found.npz"))
     x, y, z = found.vertices.T
     rim = np.abs(np.hypot(x - 2, z - 1) - 0.12) < 0.02
     truth = 2 + OFF + HEIGHT * (np.hypot(x - 2, z - 1) < 0.12)
@@ -240,9 +265,8 @@ def test_the_hull_as_found_lies_where_it_was_seen(earlier: EarlierSteps) -> None
     assert found.sigma[seen].min() > 0.009
 
 
-def test_coverage_tells_each_sensors_area(earlier: EarlierSteps) -> None:
-    earlier.sonar = True
-    facts = _json(earlier.run(), "coverage.json")
+def test_coverage_tells_each_sensors_area(with_sonar_and_regions: Path) -> None:
+    facts = _json(with_sonar_and_regions, "coverage.json")
     assert facts["frame"] == "M"
     assert facts["camera"]["area_m2"] == pytest.approx((3.0 + 1.3 - 0.3) * 1.04, rel=0.1)
     assert facts["camera"]["gsd_m"]["p50"] == pytest.approx(1.3 / 640, rel=0.1)
@@ -267,30 +291,26 @@ def test_without_a_pressure_sensor_no_depth_is_told(earlier: EarlierSteps) -> No
     assert "waterline" not in item["address"]
 
 
-def test_the_deviation_is_parted_into_offset_and_form(earlier: EarlierSteps) -> None:
-    split = from_arrays(DeviationSplit, load_arrays(earlier.run() / "deviation.npz"))
+def test_the_deviation_is_parted_into_offset_and_form(detected: Path) -> None:
+    split = from_arrays(DeviationSplit, load_arrays(detected / "deviation.npz"))
     assert float(split.offset) == pytest.approx(OFF, abs=0.003)
     assert np.nanmax(split.form) == pytest.approx(HEIGHT, abs=0.006)
     assert float(split.offset_sigma) > 10 * np.nanmedian(split.form_sigma)
 
 
-def test_without_a_cad_model_there_is_nothing_to_deviate_from(earlier: EarlierSteps) -> None:
-    earlier.without_cad_model()
-    out = earlier.run()
+def test_without_a_cad_model_there_is_nothing_to_deviate_from(without_cad_model: Path) -> None:
+    out = without_cad_model
     assert not (out / "deviation.npz").exists()
     assert np.isnan(from_arrays(Surface, load_arrays(out / "as_found.npz")).deviation).all()
     assert _json(out, "objects.json")["objects"][0]["deviation_sigma"] is None
 
 
-def test_without_a_sonar_coverage_says_null(earlier: EarlierSteps) -> None:
-    assert _json(earlier.run(), "coverage.json")["sonar"] is None
+def test_without_a_sonar_coverage_says_null(detected: Path) -> None:
+    assert _json(detected, "coverage.json")["sonar"] is None
 
 
-def test_without_cad_model_structures_come_from_own_surface(
-    earlier: EarlierSteps,
-) -> None:
-    earlier.without_cad_model()
-    out = earlier.run()
+def test_without_cad_model_structures_come_from_own_surface(without_cad_model: Path) -> None:
+    out = without_cad_model
     (item,) = _json(out, "objects.json")["objects"]
     assert item["height"] == pytest.approx(HEIGHT, abs=0.004)
     assert item["deviation"] is None
@@ -348,20 +368,14 @@ def test_a_depth_is_known_as_well_as_the_water_surface_is(earlier: EarlierSteps)
     assert "below waterline" in found["address"]
 
 
-def test_two_runs_give_the_same_bytes(earlier: EarlierSteps, tmp_path: Path) -> None:
-    (tmp_path / "again").mkdir()
-    first, second = earlier.run(), EarlierSteps(tmp_path / "again").run()
+def test_two_runs_give_the_same_bytes(detected: Path, earlier: EarlierSteps) -> None:
+    first, second = detected, earlier.run()
     for name in ("as_found.npz", "objects.json", "coverage.json", "detect.json"):
         assert (first / name).read_bytes() == (second / name).read_bytes()
 
 
-def test_coverage_is_counted_against_the_regions_of_dive_toml(earlier: EarlierSteps) -> None:
-    earlier.sonar = True
-    whole = schema.HullRegion(name="whole", along=(0.0, 4.0), girth=(0.0, 2.0))
-    middle = schema.HullRegion(name="middle", along=(1.5, 2.5), girth=(0.8, 1.2))
-    above = schema.HullRegion(name="above", girth=(1.8, 2.0))
-    earlier.regions = (whole, middle, above)
-    facts = _json(earlier.run(), "coverage.json")
+def test_coverage_is_counted_against_the_regions_of_dive_toml(with_sonar_and_regions: Path) -> None:
+    facts = _json(with_sonar_and_regions, "coverage.json")
     found = {region["name"]: region for region in facts["regions"]}
     assert list(found) == ["whole", "middle", "above"]
     assert found["middle"]["along"] == [1.5, 2.5]
@@ -425,5 +439,5 @@ def test_regions_are_not_counted_with_refused_cad_model(earlier: EarlierSteps) -
     assert any("hull.region" in line for line in _json(out, "manifest.json")["warnings"])
 
 
-def test_without_regions_coverage_says_nothing_of_them(earlier: EarlierSteps) -> None:
-    assert "regions" not in _json(earlier.run(), "coverage.json")
+def test_without_regions_coverage_says_nothing_of_them(detected: Path) -> None:
+    assert "regions" not in _json(detected, "coverage.json")
