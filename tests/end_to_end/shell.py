@@ -10,7 +10,7 @@ from pathlib import Path
 
 SAMPLE = Path(__file__).resolve().parents[2] / "sample_data" / "demo"
 # run: coarse mosaics, where no test asks for their texels; the demo's are as a user has them
-COARSE = ("--set", "mosaic-optical.resolution_m=0.01", "--set", "mosaic-sonar.resolution_m=0.05")
+COARSE = ("--set", "mosaic-optical.resolution_m=0.02", "--set", "mosaic-sonar.resolution_m=0.1")
 # simulate: a dive of some seconds
 TINY = ("--legs", 1, "--marks", 0, "--image-width", 320, "--image-height", 256)
 
