@@ -17,10 +17,12 @@ from scipy.spatial.transform import Rotation
 from hullrecon import native
 from hullrecon.adjustment.readout import RowMotion
 from hullrecon.findings.adjustment import CORRECTED
+from hullrecon.typing import Array
 
 LEFT_OUT = 1e3  # by which the sigmas of a measurement that is left out grow
 FREE_SHARE, FREE_RAD, FREE_M = 1.0, 1.0, 1.0  # prior sigmas of what becomes unknown
-FREE_DRIFT_RAD_S = 0.01
+FREE_DRIFT_RAD_S, FREE_DEPTH_M = 0.01, 10.0
+LEAST_SLOPE = 1e-3  # of depths by the path's; less stand still
 LOOSE_TRAY_RAD = np.radians(10.0)  # of each reading of the tray: its angles are not forgotten
 ITERATIONS = 50  # of a trial, which starts at the solved path
 TOLERANCE = 1e-5
@@ -31,13 +33,14 @@ SLOPE_S = 0.002  # for derivatives by the readout time
 EXPLAINS = 0.9
 CERTAIN = 3.0  # sigmas of the squares that rows without error take with them when they are left out
 FOCAL, CENTER, RADIAL = slice(0, 2), slice(2, 4), slice(4, 6)  # of a camera's intrinsics
-SCALE, DRIFT, ROLL, PITCH = range(4)  # places among the errors of navigation
+SCALE, DRIFT, ROLL, PITCH, DEPTH = range(5)  # places among the errors of navigation
 # Truth over what a DVL measured, beyond which its scale explains nothing: feet are 3.28 to a metre
 LEAST_SCALE, MOST_SCALE = 0.25, 4.0
 # Readout times that cameras have [s]; less moves features by less than calibrations are wrong
 LEAST_READOUT_S, MOST_READOUT_S = 0.005, 0.2
 # Suspects as a whole, by their own errors
 WHOLES = {
+    "pressure": {"pressure-scale"},
     "dvl-velocities": {"dvl-scale", "dvl-mount"},
     "focal-length": {"focal-length-top", "focal-length-bottom"},
     "principal-point": {"principal-point-bottom"},
@@ -94,6 +97,7 @@ def try_suspects(
     """
     before = _solved(problem, settings)[0]
     trials = [_try(suspect, problem, settings, before) for suspect in _suspects(problem)]
+    trials += _try_depths(problem, settings, before)
     if len(problem.stereo.node) + len(problem.mono.node):
         trials.append(_try_readout(problem, settings, before, by_row))
     return tuple(sorted(trials, key=lambda trial: -trial.gain))
@@ -131,6 +135,53 @@ def _try_readout(
         rows=1,
         found=READOUT_S * found,
     )
+
+
+def _try_depths(problem: native.Problem, settings: native.Options, before: float) -> list[Trial]:
+    """Solve without depths, and with depths that a line makes of them.
+
+    Readings that follow no depth stand still but for their noise, which costs them as much.
+    """
+    depth, sigma_m = problem.attitude.measured[:, 0], problem.attitude.sigma[:, 0]
+    squares, unknowns = _solved(_without_attitude(problem, [0]), settings)
+    weight = 1 / sigma_m**2
+    still = float(weight @ (depth - np.average(depth, weights=weight)) ** 2) + 1
+    left_out = Trial(
+        suspect="pressure",
+        gain=before - squares - min(still, len(depth)),
+        rows=len(depth),
+        found=None,
+    )
+    path_m = _depths_of_path(problem.started_from(unknowns), settings)
+    slope = _slope(path_m, depth, weight)
+    if abs(slope) < LEAST_SLOPE:
+        return [left_out]
+    scaled, _ = _solved(_with_depths(problem, 1 / slope), settings)
+    own = Trial(suspect="pressure-scale", gain=before - scaled - 2, rows=2, found=1 / slope)
+    return [left_out, own]
+
+
+def _depths_of_path(problem: native.Problem, settings: native.Options) -> Array:
+    """Compute the depths (m,) that a path has where the pressure sensor was read."""
+    rows = problem.attitude
+    at = native.evaluate(problem, replace(settings, method="naive"), jacobian=False)
+    whitened = at.residual[at.factor == native.FACTORS.index("attitude")].reshape(-1, 3)[:, 0]
+    return np.asarray(whitened * rows.sigma[:, 0] + rows.measured[:, 0])
+
+
+def _slope(x: Array, y: Array, weight: Array) -> float:
+    """Fit y (n,) = slope * x + constant by weighted least squares."""
+    from_mean = x - np.average(x, weights=weight)
+    return float((weight * from_mean) @ y / (weight @ from_mean**2))
+
+
+def _with_depths(problem: native.Problem, factor: float) -> native.Problem:
+    """Multiply the depths and their sigmas, with a constant that is unknown."""
+    measured, sigma = problem.attitude.measured.copy(), problem.attitude.sigma.copy()
+    measured[:, 0] *= factor
+    sigma[:, 0] *= abs(factor)
+    rows = replace(problem.attitude, measured=measured, sigma=sigma)
+    return _free_navigation({DEPTH: FREE_DEPTH_M})(replace(problem, attitude=rows))
 
 
 def _try(
@@ -186,9 +237,8 @@ def _squares(problem: native.Problem, settings: native.Options) -> float:
 def _suspects(problem: native.Problem) -> list[_Suspect]:
     """List the suspects that a problem has."""
     has_images = len(problem.stereo.node) + len(problem.mono.node) > 0
-    nodes, steps = len(problem.attitude.node), len(problem.odometry.first)
+    steps = len(problem.odometry.first)
     found = [
-        _Suspect("pressure", lambda p: _without_attitude(p, [0]), nodes),
         _Suspect("dvl-scale", _free_navigation({SCALE: FREE_SHARE}), 1, _scale),
         _Suspect("tray", _loosen_tray, len(problem.tray.node)),
     ]

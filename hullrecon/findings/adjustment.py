@@ -19,6 +19,17 @@ def _scaled(found: float | None) -> str:
     return f"with the DVL's velocities {100 * abs(share):.0f} % too {_long(share)}"
 
 
+def _deeper(found: float | None) -> str:
+    """Describe depths whose truth is `found` times what was measured."""
+    share = 1 / (found or 1.0) - 1
+    if share < -1:
+        return "with the depths of the pressure sensor counted upwards"
+    return (
+        f"with the depths of the pressure sensor {100 * abs(share):.0f} % too "
+        f"{'deep' if share > 0 else 'shallow'}"
+    )
+
+
 def _turned(key: str) -> Callable[[float | None], str]:
     return lambda found: f"with {key} turned by {degrees(found or 0.0):.1f} degrees"
 
@@ -57,6 +68,7 @@ def _center_shift(whose: str) -> Callable[[float | None], str]:
 # By suspect: what makes the rest agree; found is its own error, where it was freed
 SUSPECTS: Mapping[str, Callable[[float | None], str]] = {
     "pressure": lambda _: "without the depths of the pressure sensor",
+    "pressure-scale": _deeper,
     "dvl-velocities": lambda _: "without the DVL's velocities",
     "dvl-scale": _scaled,
     "dvl-mount": _turned("dvl.mount"),
@@ -82,6 +94,7 @@ CORRECTED = frozenset({"dvl-scale", "dvl-mount", "imu", "camera-mount", "stereo-
 # What heals where one suspect alone explains a contradiction
 REMEDIES: Mapping[str, str] = {
     "pressure": "name the topic of the water's pressure, or leave topics.pressure away",
+    "pressure-scale": "leave topics.pressure away",
     "positions": "leave topics.position away",
     "readout": "give that time, in s, as readout_s of camera.top and camera.bottom",
 }

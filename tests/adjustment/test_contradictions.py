@@ -66,15 +66,27 @@ def refused(measured):
     return found.value.what
 
 
+NO_CAMERA = {"camera": False}
+
+
+@pytest.mark.parametrize("scene", [NO_CAMERA, CAMERA_ONLY], ids=["no camera", "mono"])
 @pytest.mark.parametrize(
-    "depth",
-    [lambda d: 0 * d + d.mean(), lambda d: 3.28 * d, lambda d: -d],
-    ids=["constant", "in feet", "upward"],
+    ("depth", "words"),
+    [(lambda d: 0 * d + d.mean(), "without the depths"), (lambda d: -d, "counted upwards")],
+    ids=["constant", "upward"],
 )
-@pytest.mark.parametrize("scene", [{"camera": False}, CAMERA_ONLY], ids=["no camera", "mono"])
-def test_depths_of_no_water_are_named(scene, depth):
-    said = refused(with_depth(simulate(**scene).measured, depth))
-    assert SUSPECTS["pressure"](None) in said
+def test_depths_of_no_water_are_named(scene, depth, words):
+    assert words in refused(with_depth(simulate(**scene).measured, depth))
+
+
+@pytest.mark.parametrize(
+    ("scene", "factor", "way"),
+    [(NO_CAMERA, 3.28, "deep"), (CAMERA_ONLY, 3.28, "deep"), (NO_CAMERA, 0.6, "shallow")],
+)
+def test_depths_of_another_scale_are_named_with_it(scene, factor, way):
+    said = refused(with_depth(simulate(**scene).measured, lambda d: factor * d))
+    (found,) = re.findall(rf"depths of the pressure sensor (\d+) % too {way}", said)
+    assert float(found) == pytest.approx(100 * abs(factor - 1), rel=0.07)
 
 
 def test_depths_left_away_as_advised_heal():
