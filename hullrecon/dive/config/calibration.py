@@ -38,6 +38,7 @@ NAMES = {
     "camera_matrix": ("k", "K", "cameraMatrix", "Camera_Matrix"),
     "distortion_coefficients": ("d", "D", "distCoeffs", "Distortion_Coefficients"),
 }
+LEAST_BENT_PX = 1.0
 REGION_KEYS = ("binning_x", "binning_y", "roi")
 
 
@@ -50,14 +51,34 @@ def read_camera(path: Path, camera: Camera = Camera.TOP, topic: str = "") -> Cam
     ----------
     path : of the YAML
     camera : of the rig, for a camchain
-    topic : of its images, for a camchain
+    topic : of its images, for a camchain, and by whose name they are rectified
     """
     where = str(path)
     _refuse_foreign(path, where)
     data = read_yaml(path)
     if cameras_of(data):
         data = camera_info_of(data, choose_camera(data, camera, topic), where)
-    return camera_of(data, where)
+    found = camera_of(data, where)
+    if is_rectified(topic) and _bends(found):
+        raise InputError(
+            f"{topic} holds rectified pictures by its name, from which this calibration's "
+            "distortion would be taken once more",
+            where=where,
+            remedy="give the calibration of the rectified pictures",
+        )
+    return found
+
+
+def is_rectified(topic: str) -> bool:
+    """Tell whether a topic's name is one that image_proc gives rectified pictures."""
+    return "rect" in topic.rpartition("/image")[2]
+
+
+def _bends(camera: CameraModel) -> bool:
+    """Tell whether a distortion moves the corners of an image by more than a calibration errs."""
+    corner = np.array([[0.0, 0.0], [camera.width - 1.0, camera.height - 1.0]])
+    ideal = (corner - [camera.cx, camera.cy]) / [camera.fx, camera.fy]
+    return bool(np.abs(camera.distort(ideal) - corner).max() > LEAST_BENT_PX)
 
 
 def _refuse_foreign(path: Path, where: str) -> None:

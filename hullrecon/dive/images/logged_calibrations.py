@@ -6,7 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from hullrecon.dive.config.calibration import REGION_KEYS, camera_of, has_region
+from hullrecon.dive.config.calibration import (
+    REGION_KEYS,
+    camera_of,
+    has_region,
+    is_rectified,
+)
 from hullrecon.dive.images.encoded import Size, header_size
 from hullrecon.dive.logs.messages.decode import ENCODINGS, decode, type_name
 from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, calibration_keys, lies_beside
@@ -20,7 +25,6 @@ from hullrecon.geometry.frames import Camera
 
 REMEDY = "give the YAML of the camera in water"
 COMPRESSED_IMAGE = "sensor_msgs/msg/CompressedImage"
-RECTIFIED = "rect"  # in the name of a topic of image_proc
 
 Keys = Mapping[str, object]
 
@@ -142,7 +146,7 @@ class LoggedCalibrations:
                 where=_key(camera),
                 remedy=REMEDY,
             )
-        if RECTIFIED in images.rpartition("/image")[2]:
+        if is_rectified(images):
             raise InputError(
                 f"{images} is rectified, and {topic} describes what was before",
                 where=_key(camera),

@@ -27,6 +27,7 @@ from hullrecon.dive.logs.timeline import GAP_S
 from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
+from hullrecon.geometry.frames import Camera
 from hullrecon.records.clock import NS, format_time
 
 # the sample, when it was logged, ns, and the number of its log
@@ -111,10 +112,12 @@ def read_streams(
         name = printable(log.path.name)
         out.losses += [(name, loss) for loss in log.losses()]
         out.notes += [note.inside(name) for note in log.notes]
-    out.notes += [
-        Finding("messages-unusable", {"count": n, "why": why}, topic)
-        for (topic, why), n in sorted(out.undecoded.items())
-    ]
+    unread = {topic for topic, _ in out.undecoded} - out.used
+    for (topic, why), n in sorted(out.undecoded.items()):
+        out.notes.append(Finding("messages-unusable", {"count": n, "why": why}, topic))
+        if topic in unread and not {c.key for c in Camera}.isdisjoint(topics.get(topic, ())):
+            with problems.collect():
+                raise InputError(f"its images cannot be read, {n} of them: {why}", where=topic)
     out.notes += [
         Finding("messages-unstamped", {"count": n}, topic)
         for topic, n in sorted(out.unstamped.items())

@@ -230,3 +230,13 @@ def test_calibration_of_another_program_is_named(tmp_path, text, whose):
     with pytest.raises(InputError, match=whose) as refused:
         read_camera(tmp_path / "c.txt")
     assert str(refused.value.remedy).startswith("write a camera_info YAML")
+
+
+@pytest.mark.parametrize("topic", ["/top/image_rect", "/zed/left/image_rect_color/compressed"])
+def test_rectified_pictures_are_not_rectified_once_more(calibration, tmp_path, topic):
+    path = calibration(tmp_path / "c.yaml")
+    with pytest.raises(InputError, match=f"{topic} holds rectified pictures"):
+        read_camera(path, topic=topic)
+    assert read_camera(path, topic="/rectangle/image_raw").k1 == -0.1
+    flat = calibration(tmp_path / "flat.yaml", distortion_coefficients="[0, 0, 0, 0, 0]")
+    assert read_camera(flat, topic=topic).fx == 50.0

@@ -233,3 +233,24 @@ def test_of_a_missing_log_nothing_is_said_of_its_calibrations(package):
     found = check(package, 'logs.files=["logs/dive.mcap","logs/none.mcap"]')
     assert sentences(found.missing_files) == ["missing: logs/none.mcap (logs.files)"]
     assert sentences(found.unusable) == []
+
+
+def test_images_of_which_none_can_be_read_are_refused_with_why(package, kit):
+    picture = kit.make(
+        "sensor_msgs/msg/Image",
+        header=kit.header(0),
+        height=48,
+        width=64,
+        encoding="nv21",
+        is_bigendian=0,
+        step=64,
+        data=np.zeros(64 * 72, np.uint8),
+    )
+    entries = [
+        type(e)("/cam", "sensor_msgs/msg/Image", e.t_ns, picture) if e.topic == "/cam" else e
+        for e in entries_of(kit, [("/camera_info", 0.0, info(kit))])
+    ]
+    kit.mcap(package / "logs" / "dive.mcap", entries)
+    found = check(package)
+    assert "the encoding 'nv21', which is not read (/cam)" in found.verdict
+    assert not found.run_is_possible

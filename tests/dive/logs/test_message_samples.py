@@ -211,7 +211,33 @@ def test_a_red_bayer_mosaic_is_red(kit):
     assert max(found[0], found[1]) < 50
 
 
-@pytest.mark.parametrize("more", [{"height": 9}, {"step": 2}, {"width": 0}])
+@pytest.mark.parametrize("step", [0, 4, 16, 400])
+def test_a_step_that_is_not_filled_in_is_that_of_rows_without_padding(kit, step):
+    np.testing.assert_array_equal(picture(kit, COLORS, "bgr8", step=step), COLORS)
+
+
+@pytest.mark.parametrize(("encoding", "order"), [("bgr16", [0, 1, 2]), ("rgb16", [2, 1, 0])])
+def test_colours_of_sixteen_bits_keep_their_values(kit, encoding, order):
+    deep = COLORS.astype("<u2") * 1000
+    np.testing.assert_array_equal(picture(kit, deep, encoding), deep[:, :, order])
+
+
+def test_a_bayer_mosaic_of_sixteen_bits_is_one_of_eight_bits(kit):
+    mosaic = np.random.default_rng(1).integers(0, 256, (6, 8)).astype(np.uint8)
+    deep = picture(kit, mosaic.astype("<u2") * 256, "bayer_grbg16")
+    assert np.abs(deep / 256 - picture(kit, mosaic, "bayer_grbg8")).max() < 1
+
+
+@pytest.mark.parametrize(("stored", "flag"), [(">u2", 0), ("<u2", 1)])
+def test_bytes_in_another_order_than_stated_are_named(kit, stored, flag):
+    smooth = (600 * np.outer(np.linspace(1, 3, 80), np.linspace(1, 2, 120))).astype(stored)
+    assert picture(kit, smooth, "mono16", is_bigendian=1 - flag)[0, 0] == 600
+    message = raw(kit, smooth, "mono16", is_bigendian=flag)
+    with pytest.raises(DamagedError, match=f"is_bigendian = {flag}"):
+        translate("camera_top", "sensor_msgs/msg/Image", message)
+
+
+@pytest.mark.parametrize("more", [{"height": 9}, {"step": 2, "height": 3}, {"width": 0}])
 def test_a_raw_image_whose_pixels_are_not_there_is_damaged(kit, more):
     message = raw(kit, COLORS, "bgr8", **more)
     with pytest.raises(DamagedError, match="pixels"):

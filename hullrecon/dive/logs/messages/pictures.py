@@ -11,32 +11,33 @@ from hullrecon.dive.logs.messages.decode import Fields
 from hullrecon.dive.logs.readers.unpack import DamagedError
 
 CHANNELS = {
-    "mono8": 1,
-    "8uc1": 1,
-    "bgr8": 3,
-    "8uc3": 3,
-    "rgb8": 3,
-    "bgra8": 4,
-    "8uc4": 4,
-    "rgba8": 4,
-    "mono16": 1,
-    "16uc1": 1,
-    "bayer_rggb8": 1,
-    "bayer_bggr8": 1,
-    "bayer_gbrg8": 1,
-    "bayer_grbg8": 1,
+    "mono": 1,
+    "bgr": 3,
+    "rgb": 3,
+    "bgra": 4,
+    "rgba": 4,
+    "bayer_rggb": 1,
+    "bayer_bggr": 1,
+    "bayer_gbrg": 1,
+    "bayer_grbg": 1,
     "yuv422": 2,
     "uyvy": 2,
     "yuv422_yuy2": 2,
     "yuyv": 2,
 }
+# OpenCV's names, by their channels
+PLAIN = {"8uc1": "mono8", "8uc3": "bgr8", "8uc4": "bgra8", "16uc1": "mono16", "16uc3": "bgr16"}
+# How much rougher 16-bit pixels are with their bytes exchanged, at least; the rows that are looked
+# at for that, and from how large an image on
+ROUGH, EVERY, LEAST_BYTES = 3.0, 16, 10_000
 VIDEO_FORMS = ("h264", "h265", "hevc", "av1", "ffmpeg", "theora")
 QUICK = 1  # PNG's compression level: images are written once, and read a few times
 
 
 def encode_raw(message: Fields) -> bytes:
     """Encode an image as PNG. Raises DamagedError for missing pixels or an unknown encoding."""
-    return _png(_to_bgr(_pixels(message), message.encoding.lower()))
+    encoding, width = _form(message.encoding)
+    return _png(_to_bgr(_pixels(message, CHANNELS[encoding], width), encoding))
 
 
 def decoded_mosaic(form: str, encoded: bytes) -> bytes:
@@ -63,9 +64,9 @@ def decoded_mosaic(form: str, encoded: bytes) -> bytes:
     if not kept.startswith("bayer_"):
         return encoded
     pixels = cv2.imdecode(np.frombuffer(encoded, np.uint8), cv2.IMREAD_UNCHANGED)
-    if pixels is None or pixels.ndim != 2 or kept not in CHANNELS:
+    if pixels is None or pixels.ndim != 2 or kept.rstrip("0123456789") not in CHANNELS:
         return encoded
-    return _png(_to_bgr(pixels, kept))
+    return _png(_to_bgr(pixels, kept.rstrip("0123456789")))
 
 
 def _png(pixels: NDArray[np.integer]) -> bytes:
@@ -77,55 +78,79 @@ def _png(pixels: NDArray[np.integer]) -> bytes:
     return bytes(png)
 
 
-def _pixels(message: Fields) -> NDArray[np.integer]:
-    """Read pixels (h, w) or (h, w, channels), rows freed of their padding."""
-    encoding = message.encoding.lower()
-    if encoding not in CHANNELS:
-        raise DamagedError(f"an image in the encoding {message.encoding!r}")
-    width = 2 if "16" in encoding and not encoding.startswith("yuv") else 1
-    row = int(message.width) * CHANNELS[encoding] * width
+def _form(encoding: str) -> tuple[str, int]:
+    """Read an encoding: its key in CHANNELS, and the bytes of a sample."""
+    lower = encoding.lower()
+    name = PLAIN.get(lower, lower)
+    if name in CHANNELS:
+        return name, 1
+    for end, width in (("8", 1), ("16", 2)):
+        if name.endswith(end) and name.removesuffix(end) in CHANNELS:
+            return name.removesuffix(end), width
+    raise DamagedError(f"an image in the encoding {encoding!r}, which is not read")
+
+
+def _pixels(message: Fields, channels: int, width: int) -> NDArray[np.integer]:
+    """Read pixels (h, w) or (h, w, channels), rows freed of their padding.
+
+    A step that is not filled in is that of rows without padding, where as many bytes are there.
+    """
+    height, row, step = (
+        int(message.height),
+        int(message.width) * channels * width,
+        int(message.step),
+    )
     data = np.frombuffer(bytes(message.data), np.uint8)
-    if (
-        not row
-        or row > message.step
-        or data.size < int(message.step) * int(message.height)
-        or not message.height
-    ):
+    if row and data.size == row * height:
+        step = row
+    if not row or not height or row > step or data.size < step * height:
         raise DamagedError(
-            f"an image of {data.size} bytes for {message.width} x {message.height} pixels"
+            f"an image of {data.size} bytes and a step of {step} for {message.width} x {height} "
+            f"pixels of {channels * width} bytes"
         )
-    rows = np.ascontiguousarray(
-        data[: int(message.step) * int(message.height)].reshape(int(message.height), -1)[:, :row]
-    )
-    if width == 2:
-        rows = rows.view(">u2" if message.is_bigendian else "<u2")
-    return (
-        rows.reshape(int(message.height), int(message.width), -1).squeeze(-1)
-        if CHANNELS[encoding] == 1
-        else rows.reshape(int(message.height), int(message.width), -1)
-    )
+    rows = np.ascontiguousarray(data[: step * height].reshape(height, -1)[:, :row])
+    pixels = _deep(rows, bool(message.is_bigendian)) if width == 2 else rows
+    shape = (height, int(message.width), channels)
+    return pixels.reshape(shape[:2] if channels == 1 else shape)
+
+
+def _deep(rows: NDArray[np.uint8], is_bigendian: bool) -> NDArray[np.integer]:
+    """Read samples of 16 bits. Raises DamagedError where their order of bytes is not as stated.
+
+    Neighbours of a picture are alike, and differ all over where the lower byte comes first.
+    """
+    orders = (">u2", "<u2") if is_bigendian else ("<u2", ">u2")
+    stated, exchanged = (_roughness(rows[::EVERY].view(order)) for order in orders)
+    if rows.size > LEAST_BYTES and stated > ROUGH * exchanged:
+        raise DamagedError(
+            "an image of 16 bits whose bytes are not in the order that is_bigendian = "
+            f"{int(is_bigendian)} states"
+        )
+    return rows.view(orders[0])
+
+
+def _roughness(pixels: NDArray[np.integer]) -> float:
+    """Compute by how much neighbours along rows differ, as a share of how much all do."""
+    values = pixels.astype(float)
+    return float(np.abs(np.diff(values)).mean() / max(values.std(), 1.0))
 
 
 def _to_bgr(pixels: NDArray[np.integer], encoding: str) -> NDArray[np.integer]:
     """Convert pixels to gray or blue, green, red, as OpenCV writes them. 16 bits stay."""
     import cv2
 
-    if pixels.dtype.itemsize == 2:
-        return np.asarray(pixels, np.uint16)
     codes = {
-        "rgb8": cv2.COLOR_RGB2BGR,
-        "rgba8": cv2.COLOR_RGBA2BGR,
-        "bgra8": cv2.COLOR_BGRA2BGR,
-        "8uc4": cv2.COLOR_BGRA2BGR,
-        "bayer_rggb8": cv2.COLOR_BayerRGGB2BGR,
-        "bayer_bggr8": cv2.COLOR_BayerBGGR2BGR,
-        "bayer_gbrg8": cv2.COLOR_BayerGBRG2BGR,
-        "bayer_grbg8": cv2.COLOR_BayerGRBG2BGR,
+        "rgb": cv2.COLOR_RGB2BGR,
+        "rgba": cv2.COLOR_RGBA2BGR,
+        "bgra": cv2.COLOR_BGRA2BGR,
+        "bayer_rggb": cv2.COLOR_BayerRGGB2BGR,
+        "bayer_bggr": cv2.COLOR_BayerBGGR2BGR,
+        "bayer_gbrg": cv2.COLOR_BayerGBRG2BGR,
+        "bayer_grbg": cv2.COLOR_BayerGRBG2BGR,
         "yuv422": cv2.COLOR_YUV2BGR_UYVY,
         "uyvy": cv2.COLOR_YUV2BGR_UYVY,
         "yuv422_yuy2": cv2.COLOR_YUV2BGR_YUY2,
         "yuyv": cv2.COLOR_YUV2BGR_YUY2,
     }
-    return np.asarray(
-        cv2.cvtColor(pixels, codes[encoding]) if encoding in codes else pixels, np.uint8
-    )
+    native = pixels.astype(np.uint16 if pixels.dtype.itemsize == 2 else np.uint8)
+    return np.asarray(cv2.cvtColor(native, codes[encoding]) if encoding in codes else native)
