@@ -17,7 +17,7 @@ from hullrecon.mosaic.occlusion_horizon import (
     build_occlusion_horizon,
     hidden_from,
 )
-from hullrecon.typing import Array, Floats32, Ints, Mask
+from hullrecon.typing import Array, Floats32, Ints, Ints32, Mask
 
 # texels between points of the chart; between them it is linear, 0.1 mm off on a radius of a metre
 # at 4 mm texels
@@ -54,13 +54,17 @@ class SurfacePatch:
 
     point: Array  # (h, w, 3), NaN where there is none
     normal: Array  # (h, w, 3) of the chart
+    face: Ints32  # (h, w) of the mesh that holds the point, -1 where there is none
     # (h, w) tangent of the incidence from which something may hide it, inf if nothing
     hidden_from: Floats32
 
     def part(self, which: tuple[slice, slice]) -> SurfacePatch:
         """Cut out some rows and columns."""
         return SurfacePatch(
-            point=self.point[which], normal=self.normal[which], hidden_from=self.hidden_from[which]
+            point=self.point[which],
+            normal=self.normal[which],
+            face=self.face[which],
+            hidden_from=self.hidden_from[which],
         )
 
     def only(self, which: Mask) -> SurfacePatch:
@@ -89,16 +93,17 @@ def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> S
     inside = np.zeros(shape[:2], bool)
     inside[window.meet(grid.whole).within(window)] = True
     good = np.isfinite(start).all(axis=1) & inside.ravel()
-    gone = np.full(len(start), np.inf)
-    gone[good] = surface.scene.cast(start[good], direction[good])
-    gone[gone > 2 * surface.reach_m] = np.nan
+    gone, face = np.full(len(start), np.inf), np.full(len(start), -1, np.int32)
+    gone[good], face[good] = surface.scene.hit(start[good], direction[good])
+    off = gone > 2 * surface.reach_m
+    gone[off], face[off] = np.nan, -1
     point = (start + gone[:, None] * direction).reshape(shape)
     if surface.horizon is None:
-        return SurfacePatch(point=point, normal=normal, hidden_from=np.zeros(shape[:2], np.float32))
+        tangent = np.zeros(shape[:2], np.float32)
+    else:
+        tangent = hidden_from(surface.horizon, point, normal, grid.step_m)
     return SurfacePatch(
-        point=point,
-        normal=normal,
-        hidden_from=hidden_from(surface.horizon, point, normal, grid.step_m),
+        point=point, normal=normal, face=face.reshape(shape[:2]), hidden_from=tangent
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
-from hullrecon.typing import Array, Floats32
+from hullrecon.typing import Array, Floats32, Ints32
 
 CELL_M = 0.1  # of the chart, for each of which the outermost point of the surface is kept
 BLOCK_M = 0.1  # texels that share one answer
@@ -37,16 +37,24 @@ def build_occlusion_horizon(
     corner = np.where(np.isfinite(corner), corner, np.roll(corner, 1, axis=1))
     low, high = corner.min(axis=1), corner.max(axis=1)
     near = ((high >= bounds[0] - span_m) & (low <= bounds[1] + span_m)).all(axis=1)
-    used, faces = np.unique(mesh.faces[near], return_inverse=True)
-    fine, _ = refine(Mesh(mesh.vertices[used], faces.reshape(-1, 3).astype(np.int32)), CELL_M)
-    charted = chart.to_chart(fine.vertices)
+    vertices = _cover(mesh.vertices, mesh.faces[near])
+    charted = chart.to_chart(vertices)
     known = np.flatnonzero(np.isfinite(charted).all(axis=1))
     known = known[np.argsort(-charted[known, 2], kind="stable")]
     _, first = np.unique(np.floor(charted[known, :2] / CELL_M), axis=0, return_index=True)
     chosen = known[first]
     return OcclusionHorizon(
-        top=fine.vertices[chosen], normal=chart.from_chart(charted[chosen, :2])[1], span_m=span_m
+        top=vertices[chosen], normal=chart.from_chart(charted[chosen, :2])[1], span_m=span_m
     )
+
+
+def _cover(vertices: Array, faces: Ints32) -> Array:
+    """Cover faces with points (n, 3) no farther apart than a cell, their corners among them."""
+    corner = vertices[faces]
+    edge = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2)
+    used, coarse = np.unique(faces[edge.max(axis=1) > CELL_M], return_inverse=True)
+    fine, _ = refine(Mesh(vertices[used], coarse.reshape(-1, 3).astype(np.int32)), CELL_M)
+    return np.vstack([vertices[np.unique(faces)], fine.vertices[len(used) :]])
 
 
 def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: float) -> Floats32:

@@ -19,7 +19,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "mesh/mesh_index.h"
 
@@ -48,11 +47,9 @@ bool sound(const Triangle& t, double far) {
 
 }  // namespace
 
-void MeshIndex::find_frames() {
-  for (const Vec3& v : vertices_) size_ = std::max(size_, v.cwiseAbs().maxCoeff());
+void MeshIndex::find_frames(const std::vector<Edge>& edges) const {
   certificate_ = std::make_unique<Certificate[]>(faces_.size());
   frames_.resize(faces_.size());
-  std::map<std::pair<int32_t, int32_t>, std::pair<int32_t, int>> open;  // edges that wait for their second face
   for (int32_t f = 0; f < static_cast<int32_t>(faces_.size()); ++f) {
     const Triangle t = triangle(f);
     const std::array<Vec3, 3> corner{t.a, t.b, t.c};
@@ -65,12 +62,16 @@ void MeshIndex::find_frames() {
     for (int k = 0; k < 3; ++k) {
       frame.out[k] = (corner[(k + 1) % 3] - corner[k]).cross(frame.normal).stableNormalized();
       frame.at[k] = frame.out[k].dot(corner[k]);
-      const auto ends = std::minmax(faces_[f][k], faces_[f][(k + 1) % 3]);
-      const auto [other, alone] = open.try_emplace(ends, f, k);
-      if (alone) continue;
-      frame.across[k] = other->second.first;
-      frames_[other->second.first].across[other->second.second] = f;
     }
+  }
+  for (size_t i = 1, first = 0; i < edges.size(); ++i) {
+    if (!edges[i].same(edges[first])) {
+      first = i;
+      continue;
+    }
+    const auto across = [&](int32_t corner) -> int32_t& { return frames_[corner / 3].across[corner % 3]; };
+    across(edges[i].corner) = edges[first].corner / 3;
+    across(edges[first].corner) = edges[i].corner / 3;
   }
 }
 

@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <numeric>
 #include <string>
+#include <tuple>
 
 #include "common/errors.h"
 
@@ -56,45 +57,74 @@ MeshIndex::MeshIndex(std::vector<Vec3> vertices, std::vector<std::array<int32_t,
     }
   }
   weld();
-  find_normals();
   std::vector<Triangle> triangles;
-  for (size_t f = 0; f < faces_.size(); ++f) triangles.push_back(triangle(static_cast<int32_t>(f)));
+  triangles.reserve(faces_.size());
+  face_normal_.reserve(faces_.size());
+  for (size_t f = 0; f < faces_.size(); ++f) {
+    const Triangle t = triangles.emplace_back(triangle(static_cast<int32_t>(f)));
+    face_normal_.push_back((t.b - t.a).cross(t.c - t.a).stableNormalized());
+    if (face_normal_.back().squaredNorm() < 0.5) face_normal_.back().setZero();
+  }
+  for (const Vec3& v : vertices_) size_ = std::max(size_, v.cwiseAbs().maxCoeff());
   tree_ = std::make_unique<BoxTree>(triangles);
-  find_frames();
 }
 
+// Of equal vertices the first.
 void MeshIndex::weld() {
-  std::map<std::array<double, 3>, int32_t> seen;
-  std::vector<int32_t> to(vertices_.size());
-  for (size_t v = 0; v < vertices_.size(); ++v) {
-    const Vec3 at = vertices_[v] + Vec3::Zero();  // -0 becomes 0
-    to[v] = seen.try_emplace({at[0], at[1], at[2]}, static_cast<int32_t>(v)).first->second;
+  std::vector<int32_t> order(vertices_.size()), to(vertices_.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto place = [&](int32_t v) { return std::tie(vertices_[v][0], vertices_[v][1], vertices_[v][2]); };
+  std::sort(order.begin(), order.end(), [&](int32_t a, int32_t b) {
+    const auto one = place(a), two = place(b);
+    return one < two || (one == two && a < b);
+  });
+  for (size_t i = 0; i < order.size(); ++i) {
+    to[order[i]] = i > 0 && place(order[i - 1]) == place(order[i]) ? to[order[i - 1]] : order[i];
   }
   for (auto& face : faces_) {
     for (int32_t& v : face) v = to[v];
   }
 }
 
-void MeshIndex::find_normals() {
-  std::map<std::pair<int32_t, int32_t>, Vec3> edges;
-  const auto key = [](int32_t a, int32_t b) { return std::pair(std::min(a, b), std::max(a, b)); };
-  face_normal_.resize(faces_.size());
+void MeshIndex::prepare_closest() const {
+  std::call_once(prepared_, [this] {
+    const std::vector<Edge> sorted = edges();
+    find_normals(sorted);
+    find_frames(sorted);
+  });
+}
+
+std::vector<MeshIndex::Edge> MeshIndex::edges() const {
+  std::vector<Edge> found;
+  found.reserve(3 * faces_.size());
+  for (size_t f = 0; f < faces_.size(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax({faces_[f][k], faces_[f][(k + 1) % 3]});
+      found.push_back({low, high, static_cast<int32_t>(3 * f + k)});
+    }
+  }
+  std::sort(found.begin(), found.end(),
+            [](const Edge& a, const Edge& b) { return std::tie(a.low, a.high, a.corner) < std::tie(b.low, b.high, b.corner); });
+  return found;
+}
+
+void MeshIndex::find_normals(const std::vector<Edge>& edges) const {
   vertex_normal_.assign(vertices_.size(), Vec3::Zero());
   for (size_t f = 0; f < faces_.size(); ++f) {
     const Triangle t = triangle(static_cast<int32_t>(f));
-    face_normal_[f] = (t.b - t.a).cross(t.c - t.a).stableNormalized();
-    if (face_normal_[f].squaredNorm() < 0.5) face_normal_[f].setZero();
     const std::array<Vec3, 3> corner{t.a, t.b, t.c};
     for (int k = 0; k < 3; ++k) {
       const Vec3 one = corner[(k + 1) % 3] - corner[k], two = corner[(k + 2) % 3] - corner[k];
       const double angle = std::atan2(one.cross(two).norm(), one.dot(two));
       vertex_normal_[faces_[f][k]] += angle * face_normal_[f];
-      edges.try_emplace(key(faces_[f][k], faces_[f][(k + 1) % 3]), Vec3::Zero()).first->second += face_normal_[f];
     }
   }
   edge_normal_.resize(faces_.size());
-  for (size_t f = 0; f < faces_.size(); ++f) {
-    for (int k = 0; k < 3; ++k) edge_normal_[f][k] = edges.at(key(faces_[f][k], faces_[f][(k + 1) % 3]));
+  for (size_t first = 0, last = 0; first < edges.size(); first = last) {
+    Vec3 sum = Vec3::Zero();
+    for (last = first; last < edges.size() && edges[last].same(edges[first]); ++last)
+      sum += face_normal_[edges[last].corner / 3];
+    for (size_t i = first; i < last; ++i) edge_normal_[edges[i].corner / 3][edges[i].corner % 3] = sum;
   }
 }
 
@@ -123,6 +153,7 @@ void MeshIndex::visit(int32_t face, const Triangle& triangle, const Vec3& point,
 }
 
 Closest MeshIndex::closest(const Vec3& point, int32_t hint) const {
+  prepare_closest();
   Best best;
   if (hint >= 0) {
     const WalkEnd stop = walk(point, hint);

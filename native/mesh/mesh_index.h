@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "mesh/box_tree.h"
@@ -58,9 +59,17 @@ class MeshIndex {
     double clearance;  // of the point's foot on the face to its nearest edge; 0: the foot may be outside
   };
 
+  // An edge of a face, by its welded ends: the faces of an edge follow each other.
+  struct Edge {
+    int32_t low, high, corner;  // corner: 3 face + k
+    bool same(const Edge& other) const { return low == other.low && high == other.high; }
+  };
+
   void weld();
-  void find_normals();
-  void find_frames();
+  void prepare_closest() const;  // at the first closest point asked for: rays do without
+  std::vector<Edge> edges() const;
+  void find_normals(const std::vector<Edge>& edges) const;
+  void find_frames(const std::vector<Edge>& edges) const;
   WalkEnd walk(const Vec3& point, int32_t face) const;
   double certified(const WalkEnd& stop) const;  // height up to which the face is the closest; 0: none
   void compute_certificate(int32_t face) const;
@@ -73,13 +82,14 @@ class MeshIndex {
 
   std::vector<Vec3> vertices_;
   std::vector<std::array<int32_t, 3>> faces_;
-  std::vector<Vec3> face_normal_;                 // unit; zero for a sliver
-  std::vector<std::array<Vec3, 3>> edge_normal_;  // sum over the faces that share the edge (not unit)
-  std::vector<Vec3> vertex_normal_;               // sum weighted by the corner's angle (not unit)
+  std::vector<Vec3> face_normal_;  // unit; zero for a sliver
   std::unique_ptr<BoxTree> tree_;
-  std::vector<FaceFrame> frames_;
-  std::unique_ptr<Certificate[]> certificate_;  // computed when first asked for: the same number by any thread
-  double size_ = 0;                             // m: the largest coordinate
+  double size_ = 0;  // m: the largest coordinate
+  mutable std::once_flag prepared_;
+  mutable std::vector<std::array<Vec3, 3>> edge_normal_;  // sum over the faces that share the edge (not unit)
+  mutable std::vector<Vec3> vertex_normal_;               // sum weighted by the corner's angle (not unit)
+  mutable std::vector<FaceFrame> frames_;
+  mutable std::unique_ptr<Certificate[]> certificate_;  // computed when first asked for: the same number by any thread
 };
 
 }  // namespace hullrecon

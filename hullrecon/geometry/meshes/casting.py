@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.meshes.mesh import Mesh, face_normals
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array, Ints, Ints32
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,11 +47,16 @@ class Scene:
             normal[known] = self._normal[near.face]
         return ClosestPoints(distance=distance, foot=foot, normal=normal, face=face)
 
+    def hit(self, origins: Array, directions: Array) -> tuple[Array, Ints32]:
+        """Cast rays as `cast` does, and tell the faces (n,) that they meet, -1 on a miss."""
+        if not len(directions):
+            return np.zeros(0), np.zeros(0, np.int32)
+        hits = self._index.cast(np.broadcast_to(origins, directions.shape), directions)
+        return hits.range, hits.face
+
     def cast(self, origins: Array, directions: Array) -> Array:
         """Measure along unit directions (n, 3) from origins (n, 3) or (3,) to the mesh (n,), m.
 
         inf for a ray that misses the mesh.
         """
-        if not len(directions):
-            return np.zeros(0)
-        return self._index.cast(np.broadcast_to(origins, directions.shape), directions).range
+        return self.hit(origins, directions)[0]

@@ -13,14 +13,12 @@ from typing import BinaryIO
 import numpy as np
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
-from hullrecon.geometry.meshes.casting import Scene
-from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.mosaic.grid import TexelGrid
+from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface
 from hullrecon.mosaic.output.cog import BLOCK, Picture, write_cog
-from hullrecon.mosaic.output.tile_store import CompressedTiles
+from hullrecon.mosaic.output.tile_store import CompressedTiles, in_threads
 from hullrecon.records.surface import DeviationSplit, Surface
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,35 +172,50 @@ def surface_tiles(
     """
     shape = (layout.size, layout.size)
     tiles = {name: CompressedTiles(shape, surface_bands(name).dtype, scratch) for name in values}
-    for window in layout.grid.tiles(layout.size):
-        point = sample_surface(surface, layout.grid, window).point.reshape(-1, 3)
-        rows = np.flatnonzero(np.isfinite(point[:, 0]))
-        corners, share = face_shares(surface.mesh, surface.scene, point[rows])
-        for name, value in values.items():
-            tile = np.full(len(point), np.nan)
-            if name == "support":
-                tile[rows] = value[
-                    np.take_along_axis(corners, share.argmax(axis=1)[:, None], axis=1)[:, 0]
-                ]
-                tile = np.nan_to_num(tile)
-            else:
-                tile[rows] = np.rint((value[corners] * share).sum(axis=1) / QUANTUM_M) * QUANTUM_M
-            tiles[name].add(tile.reshape(shape))
+
+    def make(window: Window) -> Mapping[str, Array]:
+        return _interpolate(surface, values, layout, window)
+
+    for made in in_threads(make, list(layout.grid.tiles(layout.size))):
+        for name, tile in made.items():
+            tiles[name].add(tile)
     return tiles
 
 
-def face_shares(mesh: Mesh, scene: Scene, points: Array) -> tuple[Ints, Array]:
-    """Find the corners (n, 3) of faces under points (n, 3), with barycentric shares."""
-    if not len(points):
-        return np.zeros((0, 3), np.int64), np.zeros((0, 3))
-    near = scene.closest(points)
-    corners = mesh.faces[near.face].astype(np.int64)
-    a, b, c = mesh.vertices[corners].transpose(1, 0, 2)
-    whole = np.cross(b - a, c - a)
-    size = np.maximum(np.einsum("ni,ni->n", whole, whole), 1e-30)
-    of_b = np.einsum("ni,ni->n", np.cross(near.foot - a, c - a), whole) / size
-    of_c = np.einsum("ni,ni->n", np.cross(b - a, near.foot - a), whole) / size
-    return corners, np.clip(np.stack([1 - of_b - of_c, of_b, of_c], axis=1), 0.0, 1.0)
+def _interpolate(
+    surface: MosaicSurface, values: Mapping[str, Array], layout: RasterLayout, window: Window
+) -> dict[str, Array]:
+    """Interpolate values (n,) of the vertices at the texels of one tile."""
+    part = window.meet(layout.grid.whole)
+    patch = sample_surface(surface, layout.grid, part)
+    held = patch.face >= 0
+    corners = surface.mesh.faces[patch.face[held]]
+    share = corner_shares(surface.mesh.vertices[corners], patch.point[held])
+    nearest = np.take_along_axis(corners, share.argmax(axis=1)[:, None], axis=1)[:, 0]
+    tiles = {}
+    for name, value in values.items():
+        counts = name == "support"
+        tiles[name] = tile = np.full(window.shape, 0.0 if counts else np.nan)
+        tile[: part.shape[0], : part.shape[1]][held] = (
+            np.nan_to_num(value[nearest])
+            if counts
+            else np.rint((value[corners] * share).sum(axis=1) / QUANTUM_M) * QUANTUM_M
+        )
+    return tiles
+
+
+def corner_shares(corners: Array, points: Array) -> Array:
+    """Compute barycentric shares (n, 3) of points (n, 3) on faces with corners (n, 3, 3)."""
+    to_b, to_c, to_point = (end - corners[:, 0] for end in (corners[:, 1], corners[:, 2], points))
+    bb, bc, cc, pb, pc = (
+        np.einsum("ni,ni->n", u, v)
+        for u, v in (
+            (to_b, to_b), (to_b, to_c), (to_c, to_c), (to_point, to_b), (to_point, to_c)
+        )
+    )  # fmt: skip
+    size = np.maximum(bb * cc - bc * bc, 1e-30)
+    of_b, of_c = (cc * pb - bc * pc) / size, (bb * pc - bc * pb) / size
+    return np.asarray(np.clip(np.stack([1 - of_b - of_c, of_b, of_c], axis=1), 0.0, 1.0))
 
 
 def surface_bands(name: str, *, by_images: bool = True) -> RasterBands:

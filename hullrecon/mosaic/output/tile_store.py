@@ -9,7 +9,7 @@ import zlib
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from hullrecon.mosaic.mosaic_surface import MosaicSurface
 
 TEXTURE_PX = 4096  # longer side of the small copy, which is the GLB's texture
 MAX_AT_A_TIME = 8  # tiles; one takes some 100 MB while it is made
+Made = TypeVar("Made")
 VARIANCE_STEP = 0.25  # squared gray levels; finer is noise, and compresses badly
 
 
@@ -103,7 +104,7 @@ class TileStore:
         return [float((np.searchsorted(share, p / 100) + 1) * VARIANCE_STEP) for p in percent]
 
 
-def in_threads(make: Callable[[Window], Tile], windows: Sequence[Window]) -> Iterator[Tile]:
+def in_threads(make: Callable[[Window], Made], windows: Sequence[Window]) -> Iterator[Made]:
     """Yield tiles in the order of the windows, begun ahead in threads."""
     from concurrent.futures import ThreadPoolExecutor
 
