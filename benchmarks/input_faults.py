@@ -1,0 +1,383 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Make one input of a simulated dive wrong by a random size, for benchmarks.faulty_inputs."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import reduce
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import trimesh
+from mcap.reader import make_reader
+from mcap.writer import Writer
+from scipy.spatial.transform import Rotation
+
+from hullrecon.dive.config.yaml_files import read_yaml
+from hullrecon.synthetic.logs import store
+
+NS = 1_000_000_000
+Message = Any  # of rosbags
+Edit = Callable[[Message, float], None]  # changes a message of a topic, t seconds into the dive
+Files = Callable[[Path], None]  # changes files of a package other than its log
+Random = np.random.Generator
+CAMERAS = ("/camera/top/image_raw/compressed", "/camera/bottom/image_raw/compressed")
+VELOCITY = ("velocity.x", "velocity.y", "velocity.z")
+RATES = ("angular_velocity.x", "angular_velocity.y", "angular_velocity.z")
+SWAPS = {
+    "y negated": np.diag([1.0, -1.0, 1.0]),
+    "z negated": np.diag([1.0, 1.0, -1.0]),
+    "y and z negated": np.diag([1.0, -1.0, -1.0]),
+    "x and y swapped": np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]]),
+    "all negated": -np.eye(3),
+    "x and y negated": np.diag([-1.0, -1.0, 1.0]),
+    "turned by 90 degrees": np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]),
+}
+NED = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
+FLIP = Rotation.from_matrix(SWAPS["y and z negated"])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fault:
+    """One wrong input of a random size."""
+
+    sensor: str  # what has to be named, a key of NAMES of benchmarks.faulty_inputs
+    edits: Mapping[str, Edit] = field(default_factory=dict)  # by topic
+    files: Files | None = None
+    size: str = ""  # of the fault, for the table
+
+
+def faults(kind: str, random: Random) -> dict[str, Fault]:
+    """Draw the size of each fault that a dive of this kind may have."""
+    found = _pressure(random) | _dvl(random) | _imu(random) | _clocks(random) | _cad(random)
+    return found if kind == "none" else found | _cameras(random, kind) | _joints(random)
+
+
+def corrupt(package: Path, copy: Path, fault: Fault) -> None:
+    """Write a copy of a package with a fault."""
+    shutil.copytree(package, copy, ignore=shutil.ignore_patterns("*.mcap"))
+    toml("name", lambda _: f'"{copy.name}"')(copy)
+    (log,) = (package / "logs").glob("*.mcap")
+    rewrite(log, copy / "logs" / log.name, fault.edits)
+    if fault.files is not None:
+        fault.files(copy)
+
+
+def rewrite(log: Path, to: Path, edits: Mapping[str, Edit]) -> None:
+    """Copy an MCAP log with messages of some topics changed."""
+    with log.open("rb") as source, to.open("wb") as target:
+        reader, writer = make_reader(source), Writer(target)
+        writer.start(profile="ros2")
+        channels: dict[int, int] = {}
+        first_ns = None
+        for schema, channel, message in reader.iter_messages():
+            assert schema is not None
+            first_ns = message.log_time if first_ns is None else first_ns
+            if channel.id not in channels:
+                known = writer.register_schema(schema.name, schema.encoding, schema.data)
+                channels[channel.id] = writer.register_channel(
+                    channel.topic, channel.message_encoding, known
+                )
+            data = message.data
+            if channel.topic in edits:
+                read = store().deserialize_cdr(data, schema.name)
+                edits[channel.topic](read, (message.log_time - first_ns) / NS)
+                data = bytes(store().serialize_cdr(read, schema.name))
+            writer.add_message(channels[channel.id], message.log_time, data, message.publish_time)
+        writer.finish()
+
+
+def changed(change: Callable[[Any], Any], *names: str) -> Edit:
+    """Make an edit that changes fields, given as paths with dots."""
+
+    def edit(message: Message, t_s: float) -> None:
+        for name in names:
+            *path, last = name.split(".")
+            of = reduce(getattr, path, message)
+            setattr(of, last, change(getattr(of, last)))
+
+    return edit
+
+
+def scaled(factor: float, *names: str) -> Edit:
+    return changed(lambda value: value * factor, *names)
+
+
+def turned(matrix: np.ndarray, *names: str) -> Edit:
+    """Express vectors in other axes."""
+
+    def edit(message: Message, t_s: float) -> None:
+        for name in names:
+            vector = getattr(message, name)
+            vector.x, vector.y, vector.z = (matrix @ [vector.x, vector.y, vector.z]).tolist()
+
+    return edit
+
+
+def attitude(change: Callable[[Rotation], Rotation]) -> Edit:
+    def edit(message: Message, t_s: float) -> None:
+        q = message.orientation
+        q.x, q.y, q.z, q.w = change(Rotation.from_quat([q.x, q.y, q.z, q.w])).as_quat().tolist()
+
+    return edit
+
+
+def with_body(message: Message, t_s: float) -> None:
+    """Write all that an IMU measures in ENU and FLU."""
+    attitude(lambda r: NED * r * FLIP)(message, t_s)
+    turned(SWAPS["y and z negated"], "angular_velocity", "linear_acceleration")(message, t_s)
+
+
+def w_first(message: Message, t_s: float) -> None:
+    q = message.orientation
+    q.x, q.y, q.z, q.w = q.w, q.x, q.y, q.z
+
+
+def stamped(seconds: float) -> Edit:
+    """Stamp a message late."""
+
+    def edit(message: Message, t_s: float) -> None:
+        stamp = message.header.stamp
+        t_ns = stamp.sec * NS + stamp.nanosec + round(seconds * NS)
+        stamp.sec, stamp.nanosec = t_ns // NS, t_ns % NS
+
+    return edit
+
+
+def picture(change: Callable[[np.ndarray], np.ndarray]) -> Edit:
+    def edit(message: Message, t_s: float) -> None:
+        image = cv2.imdecode(np.asarray(message.data), cv2.IMREAD_COLOR)
+        assert image is not None
+        quality = [cv2.IMWRITE_JPEG_QUALITY, 92]
+        message.data = cv2.imencode(".jpg", np.ascontiguousarray(change(image)), quality)[1].ravel()
+
+    return edit
+
+
+def lost_as_zero(start_s: float, seconds: float, covariance: float) -> Edit:
+    """Write zeros for velocities while the bottom is lost, with a covariance."""
+
+    def edit(message: Message, t_s: float) -> None:
+        if start_s <= t_s < start_s + seconds:
+            message.velocity.x = message.velocity.y = message.velocity.z = 0.0
+            message.velocity_covar = np.diag(np.full(3, covariance)).ravel()
+            message.range, message.num_good_beams = np.zeros(4), 0
+
+    return edit
+
+
+def calibration(
+    cameras: Sequence[str], change: Callable[[list[float], list[float]], None]
+) -> Files:
+    """Change camera matrix and distortion of some cameras."""
+
+    def files(package: Path) -> None:
+        for camera in cameras:
+            path = package / "calibration" / f"camera_{camera}.yaml"
+            document: Any = read_yaml(path)
+            change(document["camera_matrix"]["data"], document["distortion_coefficients"]["data"])
+            path.write_text(json.dumps(document))
+
+    return files
+
+
+def toml(key: str, change: Callable[[str], str]) -> Files:
+    def files(package: Path) -> None:
+        path = package / "dive.toml"
+        text, count = re.subn(
+            rf"(?m)^({key} = )(.*)$", lambda m: m[1] + change(m[2]), path.read_text(), count=1
+        )
+        if not count:
+            raise SystemExit(f"dive.toml has no {key}")
+        path.write_text(text)
+
+    return files
+
+
+def mesh(change: Callable[[trimesh.Trimesh], object]) -> Files:
+    def files(package: Path) -> None:
+        of = trimesh.load(package / "hull.stl", process=False)
+        change(of)
+        of.export(package / "hull.stl")
+
+    return files
+
+
+def swap_cameras(package: Path) -> None:
+    path = package / "dive.toml"
+    other = {"top": "bottom", "bottom": "top"}
+    path.write_text(
+        re.sub(
+            r"(?m)^camera_(top|bottom) = ", lambda m: f"camera_{other[m[1]]} = ", path.read_text()
+        )
+    )
+
+
+def sign(random: Random) -> float:
+    return float(random.choice([-1.0, 1.0]))
+
+
+def pick(random: Random, *values: float) -> float:
+    return float(random.choice(values))
+
+
+def _pressure(random: Random) -> dict[str, Fault]:
+    units = [("hPa", 0.01), ("kPa", 0.001), ("bar", 1e-5), ("dbar", 1e-4)]
+    unit, factor = units[random.integers(4)]
+    air = 101325.0 + random.normal(0, 2000)
+    gain = pick(random, 0.7, 0.85, 1.2, 1.5)
+
+    def housing(message: Message, t_s: float) -> None:
+        message.fluid_pressure = air + 30 * np.sin(t_s / 7) + random.normal(0, 8)
+
+    def fault(edit: Edit, size: str) -> Fault:
+        return Fault(sensor="pressure", edits={"/pressure": edit}, size=size)
+
+    name = "fluid_pressure"
+    return {
+        "pressure-unit": fault(scaled(factor, name), f"in {unit}"),
+        "pressure-dead": fault(changed(lambda _: air, name), f"{air:.0f} Pa"),
+        "pressure-enclosure": fault(housing, "air in a housing"),
+        "pressure-scale": fault(
+            changed(lambda p: 101325 + gain * (p - 101325), name), f"depth times {gain:g}"
+        ),
+    }
+
+
+def _dvl(random: Random) -> dict[str, Fault]:
+    factor = pick(random, 0.001, 1000, 0.85, 1.15, 1.25)
+    axes = str(random.choice(list(SWAPS)))
+    start, seconds = float(random.uniform(5, 15)), float(random.uniform(2, 6))
+    lost = lost_as_zero(start, seconds, pick(random, 1e-5, 1000.0, 0.0))
+
+    def fault(edit: Edit, size: str) -> Fault:
+        return Fault(sensor="dvl", edits={"/dvl": edit}, size=size)
+
+    return {
+        "dvl-scale": fault(scaled(factor, *VELOCITY), f"velocity times {factor:g}"),
+        "dvl-axes": fault(turned(SWAPS[axes], "velocity"), axes),
+        "dvl-lost-zero": fault(lost, f"{seconds:.1f} s of zeros"),
+        "dvl-range-mm": fault(scaled(1000.0, "range"), "ranges in mm"),
+        "dvl-range-axis": fault(scaled(np.cos(np.radians(22.5)), "range"), "along the axis"),
+    }
+
+
+def _imu(random: Random) -> dict[str, Fault]:
+    axes, angle = str(random.choice(list(SWAPS))), int(random.integers(3))
+    signs = np.where(np.arange(3) == angle, -1.0, 1.0)
+    mirrored = attitude(lambda r: Rotation.from_euler("ZYX", signs * r.as_euler("ZYX")))
+
+    def fault(edit: Edit, size: str = "") -> Fault:
+        return Fault(sensor="imu", edits={"/imu": edit}, size=size)
+
+    return {
+        "imu-convention": fault(with_body, "ENU and FLU, of all that it measures"),
+        "imu-angle": fault(mirrored, f"{('yaw', 'pitch', 'roll')[angle]} grows the other way"),
+        "imu-rates-deg": fault(scaled(180 / np.pi, *RATES), "deg/s"),
+        "imu-rates-axes": fault(turned(SWAPS[axes], "angular_velocity"), axes),
+        "imu-enu": fault(attitude(lambda r: NED * r * FLIP)),
+        "imu-body": fault(attitude(lambda r: r * FLIP)),
+        "imu-inverse": fault(attitude(lambda r: r.inv())),
+        "imu-order": fault(w_first, "w first"),
+        "imu-dead": fault(attitude(lambda r: Rotation.identity()), "identity"),
+    }
+
+
+def _joints(random: Random) -> dict[str, Fault]:
+    off = sign(random) * random.uniform(5, 20)
+
+    def fault(change: Callable[[np.ndarray], np.ndarray], size: str = "") -> Fault:
+        return Fault(
+            sensor="joints", edits={"/joint_states": changed(change, "position")}, size=size
+        )
+
+    return {
+        "joint-deg": fault(np.degrees),
+        "joint-sign": fault(np.negative),
+        "joint-offset": fault(lambda x: x + np.radians(off), f"{off:.1f} degrees"),
+    }
+
+
+def _clocks(random: Random) -> dict[str, Fault]:
+    topic = str(random.choice(["/dvl", "/imu", "/pressure"]))
+    late = sign(random) * float(np.exp(random.uniform(np.log(0.1), np.log(5))))
+    far = pick(random, 3600, 7200, -3600, -1_777_800_000, 18)
+    return {
+        name: Fault(sensor="clock", edits={topic: stamped(by)}, size=f"{topic} {by:+.2f} s")
+        for name, by in (("clock-late", late), ("clock-far", far))
+    }
+
+
+def _cameras(random: Random, kind: str) -> dict[str, Fault]:
+    both = ("top", "bottom") if kind == "stereo" else ("top",)
+    topics = CAMERAS[: len(both)]
+    late, shift = sign(random) * random.uniform(0.08, 0.6), sign(random) * random.uniform(15, 50)
+    air, small = pick(random, 1 / 1.333, 1.333), sign(random) * random.uniform(0.01, 0.06)
+
+    def lens(
+        change: Callable[[list[float], list[float]], None], size: str = "", of: Sequence[str] = both
+    ) -> Fault:
+        return Fault(sensor="camera", files=calibration(of, change), size=size)
+
+    def longer_focus(factor: float) -> Callable[[list[float], list[float]], None]:
+        return lambda k, d: k.__setitem__(slice(0, 5, 4), [factor * k[0], factor * k[4]])
+
+    def shifted(k: list[float], d: list[float]) -> None:
+        k[2], k[5] = k[2] + shift, k[5] + shift / 2
+
+    def transposed(k: list[float], d: list[float]) -> None:
+        k[:] = np.reshape(k, (3, 3)).T.ravel().tolist()
+
+    def bent(k: list[float], d: list[float]) -> None:
+        d[:] = [-value for value in d]
+
+    def shown(change: Callable[[np.ndarray], np.ndarray], size: str) -> Fault:
+        return Fault(sensor="camera", edits=dict.fromkeys(topics, picture(change)), size=size)
+
+    def longer(text: str) -> str:
+        values = json.loads(text)
+        return str([*(1.1 * value for value in values[:3]), *values[3:]])
+
+    def clock(of: Sequence[str], by: float) -> Fault:
+        return Fault(
+            sensor="clock", edits=dict.fromkeys(of, stamped(by)), size=f"{1e3 * by:+.0f} ms"
+        )
+
+    found = {
+        "camera-medium": lens(longer_focus(air), f"f times {air:.3f}"),
+        "camera-focal": lens(longer_focus(1.08), "f times 1.08, top alone", ("top",)),
+        "camera-principal": lens(shifted, f"{shift:.0f} px"),
+        "camera-transposed": lens(transposed),
+        "camera-distortion": lens(bent, "other sign"),
+        "camera-turned": shown(lambda i: i[::-1, ::-1], "pictures by 180 degrees"),
+        "camera-mirrored": shown(lambda i: i[:, ::-1], "pictures"),
+        "camera-late": clock(topics, late),
+    }
+    if kind == "stereo":
+        found["camera-swapped"] = Fault(sensor="camera", files=swap_cameras)
+        found["camera-apart"] = Fault(
+            sensor="camera", files=toml("pose_in_top", longer), size="baseline 10 % too long"
+        )
+        found["camera-bottom-late"] = clock(CAMERAS[1:], small)
+    return found
+
+
+def _cad(random: Random) -> dict[str, Fault]:
+    unit = str(random.choice(["mm", "cm", "ft", "in"]))
+    stretch = pick(random, 0.9, 1.1, 1.3)
+
+    def fault(files: Files, size: str) -> Fault:
+        return Fault(sensor="cad", files=files, size=size)
+
+    return {
+        "cad-unit": fault(toml("units", lambda _: f'"{unit}"'), unit),
+        "cad-scale": fault(mesh(lambda m: m.apply_scale(stretch)), f"times {stretch:g}"),
+        "cad-inverted": fault(mesh(lambda m: m.invert()), "faces inwards"),
+    }
