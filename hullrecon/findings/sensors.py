@@ -171,6 +171,13 @@ def _in_other_unit(others: Sequence[str], seconds: float, after: bool, factor: i
     )
 
 
+def _late(sensor: str, seconds: float) -> str:
+    return (
+        f"{sensor}: its readings fit the other sensors' with stamps that are {abs(seconds):g} s "
+        f"{'earlier' if seconds > 0 else 'later'}: is a clock off?"
+    )
+
+
 ERRORS: dict[str, Words] = {
     "clocks-apart": _apart,
     "stamps-in-other-unit": _in_other_unit,
@@ -181,8 +188,7 @@ ERRORS: dict[str, Words] = {
 }
 WARNINGS: dict[str, Words] = {
     "sensor-mended": _mended,
-    "sensors-late": "{sensor}: its readings fit the other sensors' with stamps that are {value} "
-    "earlier: is a clock off?",
+    "sensors-late": _late,
     "sensors-part": _contradict,
     "read-beside": _beside,
     "stream-shifted": _shifted,

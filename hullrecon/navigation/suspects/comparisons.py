@@ -171,37 +171,56 @@ def _clipped(left: Array) -> float:
     return float(np.square(np.minimum(np.abs(left), CLIP)).sum())
 
 
-def compare_all(
+# Sensors on whose readings each comparison rests, by its kind, the quickest first.
+RESTS_ON = {
+    "level": {Sensor.PRESSURE},
+    "gravity": {Sensor.ACCELERATION, Sensor.ATTITUDE},
+    "turn": {Sensor.RATES, Sensor.ATTITUDE},
+    "depth": {Sensor.PRESSURE, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY},
+    "range": {Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY},
+    "hull": {Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY},
+    "push": {Sensor.ACCELERATION, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY},
+    "flow": {Sensor.CAMERA, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY},
+    "view": {Sensor.CAMERA, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY},
+}
+OF_TRACK = {kind for kind, sensors in RESTS_ON.items() if Sensor.DVL in sensors}
+
+
+def compare(
     records: SensorRecords,
     rig: Rig,
-    of: Set[Sensor] = frozenset(Sensor),
-    track: Track | None = None,
     flows: Sequence[Flow] = (),
+    kinds: Set[str] = RESTS_ON.keys(),
+    track: Track | None = None,
+    hull: HullPlanes | None = None,
 ) -> list[Comparison]:
-    """Make every comparison of some sensors for which the dive has readings and motion enough.
+    """Make the comparisons of some kinds for which the dive has readings and motion enough.
 
-    track: of the DVL, where it is known already.
+    track, hull: of the DVL, where they are known already.
     """
     found: list[Comparison | None] = []
     imu, dvl, pressure = records.imu, records.dvl, records.pressure
-    if pressure is not None and of & {Sensor.PRESSURE}:
+    if pressure is not None and "level" in kinds:
         found.append(compare_level(pressure))
-    if imu is not None and len(imu.t_ns) > 1 and of & {Sensor.RATES, Sensor.ATTITUDE}:
+    if imu is not None and len(imu.t_ns) > 1 and "turn" in kinds:
         found.append(compare_rates(imu))
-    if imu is not None and of & {Sensor.ACCELERATION, Sensor.ATTITUDE}:
+    if imu is not None and "gravity" in kinds:
         found.append(compare_gravity(imu))
-    if of - {Sensor.RATES}:
-        track = track_of(records, rig) if track is None else track
-        if track is not None:
-            if of & {Sensor.PRESSURE, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}:
-                found.append(compare_depth(records, track))
-            if imu is not None and of - {Sensor.PRESSURE, Sensor.CAMERA}:
-                found.append(compare_push(imu, track))
-            if dvl is not None and of != {Sensor.PRESSURE}:
-                views = views_of(dvl, rig, flows, track)
-                found += [compare_flow(views), compare_view(views)]
-            if dvl is not None and of & {Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}:
-                found += compare_ranges(dvl, track)
+    if kinds & OF_TRACK and track is None:
+        track = track_of(records, rig)
+    if track is None or dvl is None:
+        return [one for one in found if one is not None]
+    if "depth" in kinds:
+        found.append(compare_depth(records, track))
+    if imu is not None and "push" in kinds:
+        found.append(compare_push(imu, track))
+    if kinds & {"flow", "view", "range", "hull"}:
+        planes = hull_planes(dvl) if hull is None else hull
+        views = views_of(dvl.t_ns, planes, rig, flows, track) if kinds & {"flow", "view"} else []
+        found.append(compare_flow(views) if "flow" in kinds else None)
+        found.append(compare_view(views) if "view" in kinds else None)
+        if kinds & {"range", "hull"}:
+            found += compare_ranges(dvl.t_ns, planes, track)
     return [one for one in found if one is not None]
 
 
@@ -377,18 +396,18 @@ def _tilted(track: Track, windows: Ints, way: Array) -> Array:
     return np.stack([*columns, SCALE * way[:, 2]], axis=1)
 
 
-def compare_ranges(dvl: DvlPings, track: Track) -> list[Comparison]:
+def compare_ranges(ping_ns: Ints, hull: HullPlanes, track: Track) -> list[Comparison]:
     """Compare the hull that the DVL's ranges show with its velocity, and with the attitude.
 
     The hull stands still: it comes nearer by the velocity along its normal, and its normal turns
-    across the tray's axis by the attitude alone.
+    across the tray's axis by the attitude alone. ping_ns: of all pings.
     """
-    plane_ns, normal, distance = hull_planes(dvl)
-    common, rows, of = np.intersect1d(track.t_ns, plane_ns, return_indices=True)
+    common, rows, of = np.intersect1d(track.t_ns, ping_ns[hull.ping], return_indices=True)
     if len(common) < LEAST_WINDOWS:
         return []
     t_s = seconds(common, int(common[0]))
-    smooth, _ = local_line(t_s, np.column_stack([normal, distance])[of], t_s, SMOOTH_S)
+    planes = np.column_stack([hull.normal, hull.distance])[of]
+    smooth, _ = local_line(t_s, planes, t_s, SMOOTH_S)
     normal = smooth[:, :3] / np.linalg.norm(smooth[:, :3], axis=1, keepdims=True)
     distance = smooth[:, 3]
     windows = _windows(common, NEARED_S)
@@ -442,12 +461,16 @@ class View:
     depth: float  # m, of that plane
 
 
-def views_of(dvl: DvlPings, rig: Rig, flows: Sequence[Flow], track: Track) -> list[View]:
-    """Look up how the upper camera moved between images, and the hull before it."""
+def views_of(
+    ping_ns: Ints, hull: HullPlanes, rig: Rig, flows: Sequence[Flow], track: Track
+) -> list[View]:
+    """Look up how the upper camera moved between images, and the hull before it.
+
+    ping_ns: of all pings.
+    """
     if rig.tray_from_top is None or len(flows) < LEAST_WINDOWS:
         return []
-    plane_ns, normal, distance = hull_planes(dvl)
-    common, _, of = np.intersect1d(track.t_ns, plane_ns, return_indices=True)
+    common, _, of = np.intersect1d(track.t_ns, ping_ns[hull.ping], return_indices=True)
     if len(common) < LEAST_WINDOWS:
         return []
     dvl_from_top = rig.tray_from_dvl.inverse() @ rig.tray_from_top
@@ -460,8 +483,8 @@ def views_of(dvl: DvlPings, rig: Rig, flows: Sequence[Flow], track: Track) -> li
         for late_ns in (0, round(LATE_S * NS))
     )
     late = (later.rotation * moved.rotation.inv()).as_rotvec()
-    away = dvl_from_top.rotation.inv().apply(normal[near])
-    depth = distance[near] - normal[near] @ dvl_from_top.translation[0]
+    away = dvl_from_top.rotation.inv().apply(hull.normal[near])
+    depth = hull.distance[near] - hull.normal[near] @ dvl_from_top.translation[0]
     tray_axis = rig.tray_from_top.rotation.inv().apply([0.0, 1.0, 0.0])[0]
     return [
         View(
@@ -543,16 +566,24 @@ def compare_view(views: Sequence[View]) -> Comparison | None:
     )
 
 
-def hull_planes(dvl: DvlPings) -> tuple[Ints, Array, Array]:
-    """Fit a plane to each ping's returns.
+@dataclass(frozen=True, kw_only=True)
+class HullPlanes:
+    """Planes through the returns of each ping that has enough."""
 
-    Stamps (n,), normals (n, 3) in the DVL's frame away from it, and distances (n,), m.
-    """
+    ping: Ints  # (n,) rows of the pings
+    normal: Array  # (n, 3) in the DVL's frame, away from it
+    distance: Array  # (n,) m
+
+
+def hull_planes(dvl: DvlPings) -> HullPlanes:
+    """Fit a plane to the returns of each ping."""
     t_ns, normal = hull_normals(dvl)
     if not len(t_ns):
-        return t_ns, normal, np.zeros(0)
-    ends = dvl.ranges[np.searchsorted(dvl.t_ns, t_ns)][:, :, None] * dvl.beams
-    return t_ns, normal, np.nanmedian((ends * normal[:, None]).sum(axis=2), axis=1)
+        return HullPlanes(ping=t_ns, normal=normal, distance=np.zeros(0))
+    ping = np.searchsorted(dvl.t_ns, t_ns)
+    ends = dvl.ranges[ping][:, :, None] * dvl.beams
+    distance = np.nanmedian((ends * normal[:, None]).sum(axis=2), axis=1)
+    return HullPlanes(ping=ping, normal=normal, distance=distance)
 
 
 def compare_level(pressure: PressureSamples) -> Comparison:

@@ -58,6 +58,7 @@ class Hypothesis:
     mended: SensorRecords  # with the fault taken off; without the sensor where nothing mends it
     exact: bool = False  # the mended readings can be used
     flows: Sequence[Flow] | None = None  # of the images, where the camera is at fault
+    late_s: float = 0.0  # of a clock's stamps
 
 
 def hypotheses(
@@ -101,12 +102,7 @@ def _of_pressure(
     yield Hypothesis(sensor=Sensor.PRESSURE, fault="constant", value="", mended=gone, exact=True)
     for late_s in LATE_S:
         moved = replace(pressure, t_ns=pressure.t_ns - round(late_s * NS))
-        yield Hypothesis(
-            sensor=Sensor.PRESSURE,
-            fault="clock",
-            value=f"{late_s:g} s",
-            mended=replace(records, pressure=moved),
-        )
+        yield _late(Sensor.PRESSURE, late_s, replace(records, pressure=moved))
 
 
 def _of_dvl(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
@@ -126,7 +122,7 @@ def _of_dvl(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
         yield Hypothesis(sensor=Sensor.DVL, fault=fault, value=value, mended=held, exact=exact)
     for late_s in LATE_S:
         held = replace(records, dvl=replace(dvl, t_ns=dvl.t_ns - round(late_s * NS)))
-        yield Hypothesis(sensor=Sensor.DVL, fault="clock", value=f"{late_s:g} s", mended=held)
+        yield _late(Sensor.DVL, late_s, held)
 
 
 def _of_rates(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
@@ -162,7 +158,7 @@ def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
         yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=held)
     for late_s in LATE_S:
         held = replace(records, imu=replace(imu, t_ns=imu.t_ns - round(late_s * NS)))
-        yield Hypothesis(sensor=Sensor.ATTITUDE, fault="clock", value=f"{late_s:g} s", mended=held)
+        yield _late(Sensor.ATTITUDE, late_s, held)
     frd = np.array([1.0, -1.0, -1.0])
     for value, rotation in (
         ("all axes", NED_FROM_ENU * attitude * FRD_FROM_FLU),
@@ -209,13 +205,12 @@ def _of_camera(records: SensorRecords, flows: Sequence[Flow]) -> Iterator[Hypoth
         moved = [
             replace(flow, t_ns=(flow.t_ns[0] - late_ns, flow.t_ns[1] - late_ns)) for flow in flows
         ]
-        yield Hypothesis(
-            sensor=Sensor.CAMERA,
-            fault="clock",
-            value=f"{late_s:g} s",
-            mended=records,
-            flows=moved,
-        )
+        yield replace(_late(Sensor.CAMERA, late_s, records), flows=moved)
+
+
+def _late(sensor: Sensor, late_s: float, mended: SensorRecords) -> Hypothesis:
+    value = f"{late_s:g} s"
+    return Hypothesis(sensor=sensor, fault="clock", value=value, mended=mended, late_s=late_s)
 
 
 def _turned(ideal: Array, turn: Array) -> Array:

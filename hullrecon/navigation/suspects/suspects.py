@@ -20,10 +20,15 @@ from hullrecon.findings.finding import Finding
 from hullrecon.navigation.clocks.comparisons import STILL
 from hullrecon.navigation.suspects.comparisons import (
     GAIN,
+    OF_TRACK,
+    RESTS_ON,
     Comparison,
     Flow,
+    HullPlanes,
     Sensor,
-    compare_all,
+    Track,
+    compare,
+    hull_planes,
     track_of,
 )
 from hullrecon.navigation.suspects.hypotheses import Hypothesis, hypotheses
@@ -96,7 +101,7 @@ def judge(
     findings: list[Finding] = []
     tried: list[Tried] = []
     for _ in range(FAULTS):
-        base = compare_all(records, rig, flows=flows)
+        base = compare(records, rig, flows)
         wrong = [c for c in base if c.accuses]
         if not wrong:
             break
@@ -110,8 +115,8 @@ def judge(
         sensors = list(dict.fromkeys(h.sensor for h, _ in best))
         late = [h for h, _ in best if h.fault == "clock"]
         if late:  # a swell repeats itself: of offsets that fit as well, the least
-            least = min(late, key=lambda h: abs(float(h.value.removesuffix(" s"))))
-            values = {"sensor": str(least.sensor), "value": least.value}
+            least = min(late, key=lambda h: abs(h.late_s))
+            values = {"sensor": str(least.sensor), "seconds": least.late_s}
             findings.append(Finding("sensors-late", values))
         elif len(sensors) != 1:
             findings.append(_describe_unknown(records, sensors, wrong, base))
@@ -171,40 +176,96 @@ def _try_all(
     base: Sequence[Comparison],
     flows: Sequence[Flow],
 ) -> list[tuple[Hypothesis, Tried]]:
-    """Make the comparisons again under each hypothesis. Those that explain most come first."""
-    wrong = [c for c in base if c.accuses]
+    """Make the comparisons again under each hypothesis. Those that explain most come first.
+
+    A hypothesis that leaves a contradiction explains nothing: only the SHOWN best of these are held
+    against the other comparisons too. Nor are those that could not come near the best one if the
+    other comparisons had no residuals at all.
+    """
+    wrong = sorted((c for c in base if c.accuses), key=lambda c: list(RESTS_ON).index(c.kind))
     suspects = frozenset().union(*(c.sensors for c in wrong))
     before = sum(c.chi2 for c in base)
     track = track_of(records, rig)
-    out = []
+    hull = None if records.dvl is None else hull_planes(records.dvl)
+    solved: list[tuple[float, Hypothesis, _Again]] = []
+    unsolved: list[tuple[float, Hypothesis, _Again]] = []
     for one in hypotheses(records, suspects, atmosphere_m, flows):
         own = [c for c in wrong if one.sensor in c.sensors]
-        if one.fault == "constant" and not all(c.follows < STILL for c in own if c.second.any()):
+        is_constant = one.fault == "constant"
+        if not own or (is_constant and not all(c.follows < STILL for c in own if c.second.any())):
             continue
-        held = track if one.sensor in (Sensor.PRESSURE, Sensor.CAMERA) else None
-        seen = flows if one.flows is None else one.flows
-        after = {c.kind: c for c in compare_all(one.mended, rig, {one.sensor}, held, seen)}
-        chi2 = before + sum(
-            _chi2_left(c, after.get(c.kind)) - c.chi2 for c in base if one.sensor in c.sensors
-        )
-        solved = one.fault == "constant" or all(_is_solved(c, after.get(c.kind)) for c in own)
-        sound = not any(c.accuses for c in after.values())
-        out.append(
-            (
-                one,
-                Tried(
-                    sensor=one.sensor,
-                    fault=one.fault,
-                    value=one.value,
-                    chi2=chi2,
-                    chi2_before=before,
-                    explains=solved
-                    and sound
-                    and (chi2 < before - GAIN or any(c.is_reversed for c in own)),
-                ),
-            )
-        )
-    return sorted(out, key=lambda pair: (not pair[1].explains, pair[1].chi2))
+        is_moved = one.sensor in RESTS_ON["push"] | {Sensor.RATES}
+        again = _Again(one, rig, flows, None if is_moved else track, hull)
+        left = None if is_constant else next((c for c in own if not again.solves(c)), None)
+        if left is None:
+            gain = sum(c.chi2 - _chi2_left(c, again.made(c.kind)) for c in own)
+            gain += sum(c.chi2 for c in base if one.sensor in c.sensors and not c.accuses)
+            solved.append((before - gain, one, again))
+        else:
+            unsolved.append((_chi2_left(left, again.made(left.kind)) - left.chi2, one, again))
+    tried: list[tuple[Hypothesis, Tried]] = []
+    best = np.inf
+    for least, one, again in sorted(solved, key=lambda found: found[0]):
+        if least <= best + GAIN or len(tried) < SHOWN:
+            tried.append((one, _weigh(one, base, again)))
+            best = min(best, tried[-1][1].chi2) if tried[-1][1].explains else best
+    for _, one, again in sorted(unsolved, key=lambda found: found[0])[:SHOWN]:
+        tried.append((one, _weigh(one, base, again)))
+    return sorted(tried, key=lambda pair: (not pair[1].explains, pair[1].chi2))
+
+
+class _Again:
+    """Comparisons under a hypothesis, each made when it is asked for."""
+
+    def __init__(
+        self,
+        one: Hypothesis,
+        rig: Rig,
+        flows: Sequence[Flow],
+        track: Track | None,
+        hull: HullPlanes | None,
+    ) -> None:
+        self._records, self._rig, self._hull = one.mended, rig, hull
+        self._flows = flows if one.flows is None else one.flows
+        self._track = track
+        self._made: dict[str, Comparison | None] = {}
+
+    def made(self, kind: str) -> Comparison | None:
+        """Make a comparison of one kind. None without readings or motion enough."""
+        if kind not in self._made:
+            if self._track is None and kind in OF_TRACK:
+                self._track = track_of(self._records, self._rig)
+            found = compare(self._records, self._rig, self._flows, {kind}, self._track, self._hull)
+            self._made |= {kind: None, **{c.kind: c for c in found}}
+        return self._made[kind]
+
+    def solves(self, before: Comparison) -> bool:
+        """Tell whether the hypothesis explains a contradiction, not by having fewer rows."""
+        after = self.made(before.kind)
+        if after is None or len(after.residual) < KEPT * len(before.residual):
+            return False
+        return after.misfit < EXPLAINED or (before.is_reversed and not after.is_contradiction)
+
+
+def _weigh(one: Hypothesis, base: Sequence[Comparison], again: _Again) -> Tried:
+    """Tell what a hypothesis explains, by the comparisons that its sensor has a part in."""
+    own = [c for c in base if c.accuses and one.sensor in c.sensors]
+    before = sum(c.chi2 for c in base)
+    chi2 = before + sum(
+        _chi2_left(c, again.made(c.kind)) - c.chi2 for c in base if one.sensor in c.sensors
+    )
+    solved = one.fault == "constant" or all(again.solves(c) for c in own)
+    after = [again.made(kind) for kind, sensors in RESTS_ON.items() if one.sensor in sensors]
+    sound = not any(c.accuses for c in after if c is not None)
+    gains = chi2 < before - GAIN or any(c.is_reversed for c in own)
+    return Tried(
+        sensor=one.sensor,
+        fault=one.fault,
+        value=one.value,
+        chi2=chi2,
+        chi2_before=before,
+        explains=solved and sound and gains,
+    )
 
 
 def _chi2_left(before: Comparison, after: Comparison | None) -> float:
@@ -212,13 +273,6 @@ def _chi2_left(before: Comparison, after: Comparison | None) -> float:
     kept = after.chi2 if after is not None else 0.0
     lost = len(before.residual) - (len(after.residual) if after is not None else 0)
     return kept + max(0, lost) * min(1.0, before.chi2 / max(1, len(before.residual)))
-
-
-def _is_solved(before: Comparison, after: Comparison | None) -> bool:
-    """Tell whether a hypothesis explains a contradiction, not by having fewer rows."""
-    if after is None or len(after.residual) < KEPT * len(before.residual):
-        return False
-    return after.misfit < EXPLAINED or (before.is_reversed and not after.is_contradiction)
 
 
 def _describe(
