@@ -25,7 +25,7 @@ from hullrecon.synthetic.hull_shapes import ship_form
 from hullrecon.synthetic.items import Item, height_of
 from hullrecon.synthetic.options import DiveSpec, Ship
 
-ALONG, GIRTH, STEP = (30.0, 34.0), (4.2, 6.0), 0.02
+ALONG, GIRTH, STEP = (30.0, 34.0), (4.2, 6.0), 0.03
 SIGMAS = np.array([0.15, 0.03, 0.02, 0.002, 0.002, 0.003])  # of a hull pose: m, rad
 NOISE_M = 0.002
 BEFORE = (
@@ -66,12 +66,22 @@ NONE = Errors(pose=np.zeros(6), seed=0, noise_m=0.0)
 
 
 def survey(
-    items, errors=NONE, *, along=ALONG, girth=GIRTH, listed=None, bulge=None, name="dive", hull=1
+    items,
+    errors=NONE,
+    *,
+    along=ALONG,
+    girth=GIRTH,
+    listed=None,
+    bulge=None,
+    name="dive",
+    hull=1,
+    step_m=STEP,
 ):
     """One dive over a window of the chart. listed: items that its detection reports, all if not
-    given; bulge: (along, girth, width, height) of bare hull that stands off.
+    given; bulge: (along, girth, width, height) of bare hull that stands off; step_m: from vertex to
+    vertex.
     """
-    a, g = np.meshgrid(np.arange(*along, STEP), np.arange(*girth, STEP), indexing="ij")
+    a, g = np.meshgrid(np.arange(*along, step_m), np.arange(*girth, step_m), indexing="ij")
     points, normals = chart().from_chart(np.column_stack([a.ravel(), g.ravel()]))
     off = deviation_m(DiveSpec(seed=hull), a, g).ravel()
     for item in items:
@@ -81,7 +91,7 @@ def survey(
             bulge[3]
             * np.exp(-0.5 * ((a - bulge[0]) ** 2 + (g - bulge[1]) ** 2) / bulge[2] ** 2).ravel()
         )
-    off += _noise(a.shape, errors).ravel()
+    off += _noise(a.shape, errors, step_m).ravel()
     center, back = _center(), _about_center(errors.pose)
     found = Surface(
         vertices=back.apply(points + normals * off[:, None]), faces=_faces(a.shape), deviation=off,
@@ -114,11 +124,11 @@ def _about_center(pose: np.ndarray) -> Poses:
     return Poses(turn.quaternion, (center + pose[:3] - turn.apply(center[None])[0])[None])
 
 
-def _noise(shape: tuple[int, int], errors: Errors) -> np.ndarray:
+def _noise(shape: tuple[int, int], errors: Errors, step_m: float) -> np.ndarray:
     """What a hull as found is off by: alike over decimetres."""
     rng, out = np.random.default_rng([errors.seed, 3]), np.zeros(shape)
-    for cells, share in ((2, 0.5), (8, 0.7), (25, 0.5)):
-        rough = gaussian_filter(rng.standard_normal(shape), cells)
+    for width_m, share in ((0.04, 0.5), (0.16, 0.7), (0.5, 0.5)):
+        rough = gaussian_filter(rng.standard_normal(shape), width_m / step_m)
         out += share * errors.noise_m * rough / rough.std()
     return out
 
