@@ -63,8 +63,7 @@ def minimise_over_pose(
     max_iterations
         Accepted and rejected steps count.
     min_decrease, min_relative_decrease
-        It ends when an accepted step lowers the cost by less than either, or a refused one promised
-        less.
+        It ends when an accepted step lowers the cost by less than either.
     free_directions
         Computes a basis (6, k) of the steps allowed at a pose. All six by default.
     """
@@ -77,16 +76,13 @@ def minimise_over_pose(
         )
         trial = update(pose, np.asarray(step))
         there = linearise(trial)
-        least = max(min_decrease, min_relative_decrease * here.cost)
         if there.cost > here.cost:
             damping *= 10
-            # a shorter step promises even less
-            promised = -float(here.gradient @ step + 0.5 * step @ here.information @ step)
-            if promised < least or damping > MOST_DAMPING:
+            if damping > MOST_DAMPING:
                 break
             continue
-        decrease = here.cost - there.cost
+        decrease, cost_before = here.cost - there.cost, here.cost
         pose, here, damping = trial, there, max(damping / 5, LEAST_DAMPING)
-        if decrease < least:
+        if decrease < min_decrease or decrease < min_relative_decrease * cost_before:
             break
     return PoseSolution(pose=pose, at_minimum=here)
