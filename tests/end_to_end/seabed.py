@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the dive package of the real stereo seabed (stereo-haltbrekken, pairs 26 to 41) in
+"""Writes the dive package of the real stereo seabed (stereo-haltbrekken, pairs 34 to 41) in
 plain-file form.
 
 python tests/end_to_end/seabed.py DATA/stereo-haltbrekken PACKAGE. The calibration is the one that
@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 WIDTH, HEIGHT = 1360, 1024
-PAIRS = range(26, 42)
+PAIRS = range(34, 42)
 FOCAL_LEFT, RADIAL_LEFT = 1594.0, 0.125
 FOCAL_RIGHT, RADIAL_RIGHT = 1565.0, 0.112
 RIGHT_FROM_LEFT_DEG = (1.49, -2.70, 4.58)  # rotation vector

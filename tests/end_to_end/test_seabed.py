@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The real dark seabed: stereo images alone, no logs, no CAD model (stereo-haltbrekken, pairs 26 to
+"""The real dark seabed: stereo images alone, no logs, no CAD model (stereo-haltbrekken, pairs 34 to
 41).
 """
 
@@ -31,11 +31,11 @@ def seen_m2(path):
         return float((file.read(4) > 0).sum() * abs(file.transform.a * file.transform.e))
 
 
-def test_all_sixteen_pairs_of_the_seabed_join_in_one_path(run):
+def test_all_eight_pairs_of_the_seabed_join_in_one_path(run):
     deliver = run / "deliver"
     with (deliver / "trajectory.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == 16
+    assert len(rows) == 8
     steps = [
         sum((float(b[f"{k}_m"]) - float(a[f"{k}_m"])) ** 2 for k in "xyz") ** 0.5
         for a, b in pairwise(rows)
@@ -44,7 +44,7 @@ def test_all_sixteen_pairs_of_the_seabed_join_in_one_path(run):
     assert all(0.25 < step < 0.75 for step in steps[:-1]), steps
     assert steps[-1] < 0.25
     assert (deliver / "ortho_optical.png").exists()
-    assert seen_m2(deliver / "ortho_optical.tif") > 5
+    assert seen_m2(deliver / "ortho_optical.tif") > 4
     assert json.loads((deliver / "summary.json").read_text())["frame"] == "g"
 
 
@@ -54,7 +54,7 @@ def test_the_model_holds_all_images_on_a_rigid_baseline(run):
 
     model = pycolmap.Reconstruction(str(run / "adjust" / "colmap"))
     centres = {image.name: image.projection_center() for image in model.images.values()}
-    assert len(centres) == 32
+    assert len(centres) == 16
     tops = sorted(name for name in centres if name.startswith("camera_top"))
     bases = [
         np.linalg.norm(centres[name] - centres[name.replace("top", "bottom")]) for name in tops
