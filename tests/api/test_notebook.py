@@ -65,8 +65,9 @@ def test_a_run_that_does_not_name_its_package_is_refused(tmp_path: Path) -> None
 
 
 def test_a_dive_is_run_up_to_a_step_and_opened_again_by_its_run(tmp_path: Path) -> None:
-    dive = hullrecon.run(DEMO, tmp_path, last_step="navigate")
-    assert (dive.workspace.artifact("navigate") / "trajectory.npz").exists()
+    dive = hullrecon.run(DEMO, tmp_path, last_step="ingest")
+    assert (dive.workspace.artifact("ingest") / "dvl.npz").exists()
+    assert not dive.workspace.artifact("navigate").exists()
     assert not dive.deliver.exists()
     again = hullrecon.open_dive(dive.workspace.root)
     assert again.name == "demo"

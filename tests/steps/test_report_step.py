@@ -36,7 +36,26 @@ def save(folder: Path, name: str, record: object) -> None:
 
 @pytest.fixture
 def navigated(tmp_path: Path) -> dict[str, Path]:
-    """Artifacts of ingest and navigate, and nothing else."""
+    return write_navigated(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def delivered(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder deliver/ of a dive that was only navigated."""
+    folder = tmp_path_factory.mktemp("delivered")
+    return run(write_navigated(folder), folder / "report")
+
+
+@pytest.fixture
+def no_pdf(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave the PDF out, which takes as long as the rest."""
+    monkeypatch.setattr(
+        "hullrecon.report.deliverables.why_no_pdf", lambda: "Pango is not installed"
+    )
+
+
+def write_navigated(tmp_path: Path) -> dict[str, Path]:
+    """Write artifacts of ingest and navigate, and nothing else."""
     n = 6
     trajectory = Trajectory(
         t_ns=np.arange(n) * 500_000_000,
@@ -67,7 +86,7 @@ def run(inputs: dict[str, Path], out: Path, options: ReportOptions | None = None
 
 
 def test_a_mosaic_without_a_textured_mesh_says_why(
-    navigated: dict[str, Path], tmp_path: Path
+    navigated: dict[str, Path], tmp_path: Path, no_pdf: None
 ) -> None:
     folder = tmp_path / "mosaic-sonar"
     folder.mkdir()
@@ -81,10 +100,8 @@ def test_a_mosaic_without_a_textured_mesh_says_why(
     assert "mosaic_sonar.glb</a>" not in (deliver / "report" / "index.html").read_text()
 
 
-def test_dive_that_was_only_navigated_is_delivered_with_reasons(
-    navigated: dict[str, Path], tmp_path: Path
-) -> None:
-    deliver = run(navigated, tmp_path / "report")
+def test_dive_that_was_only_navigated_is_delivered_with_reasons(delivered: Path) -> None:
+    deliver = delivered
     summary = json.loads((deliver / "summary.json").read_text())
     assert summary["frame"] == "g"
     assert len((deliver / "trajectory.csv").read_text().splitlines()) == 7
@@ -94,10 +111,8 @@ def test_dive_that_was_only_navigated_is_delivered_with_reasons(
     assert "one beam lost" in (deliver / "report" / "index.html").read_text()
 
 
-def test_every_delivered_file_is_in_the_summary_with_its_hash(
-    navigated: dict[str, Path], tmp_path: Path
-) -> None:
-    deliver = run(navigated, tmp_path / "report")
+def test_every_delivered_file_is_in_the_summary_with_its_hash(delivered: Path) -> None:
+    deliver = delivered
     listed = json.loads((deliver / "summary.json").read_text())["deliverables"]
     there = {p.relative_to(deliver).as_posix() for p in deliver.rglob("*") if p.is_file()} - {
         "summary.json"
@@ -107,14 +122,16 @@ def test_every_delivered_file_is_in_the_summary_with_its_hash(
         assert hashlib.sha256((deliver / name).read_bytes()).hexdigest() == entry["sha256"]
 
 
-def test_two_runs_deliver_the_same_bytes(navigated: dict[str, Path], tmp_path: Path) -> None:
-    first, second = (run(navigated, tmp_path / name) for name in ("one", "two"))
+def test_two_runs_deliver_the_same_bytes(
+    delivered: Path, navigated: dict[str, Path], tmp_path: Path
+) -> None:
+    first, second = delivered, run(navigated, tmp_path / "report")
     for path in sorted(p for p in first.rglob("*") if p.is_file()):
         assert path.read_bytes() == (second / path.relative_to(first)).read_bytes(), path.name
 
 
 def test_objects_that_were_not_looked_for_are_absent_not_none(
-    navigated: dict[str, Path], tmp_path: Path
+    navigated: dict[str, Path], tmp_path: Path, no_pdf: None
 ) -> None:
     detect = tmp_path / "detect"
     detect.mkdir()
@@ -138,11 +155,8 @@ def test_surface_without_cad_model_has_no_comparison() -> None:
 
 
 def test_without_pango_page_is_delivered_and_pdf_explained(
-    navigated: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    navigated: dict[str, Path], tmp_path: Path, no_pdf: None
 ) -> None:
-    monkeypatch.setattr(
-        "hullrecon.report.deliverables.why_no_pdf", lambda: "Pango is not installed"
-    )
     deliver = run(navigated, tmp_path / "report")
     assert (
         json.loads((deliver / "summary.json").read_text())["absent"]["report/report.pdf"]
@@ -175,13 +189,12 @@ def test_failed_deliverable_is_warned_of_and_reported_by_run(
     assert str(tmp_path / "report" / TRACEBACKS) in error.line()
 
 
-def test_a_whole_delivery_ends_without_an_error(navigated: dict[str, Path], tmp_path: Path) -> None:
-    run(navigated, tmp_path / "report")
-    assert failed_delivery(tmp_path) is None
+def test_a_whole_delivery_ends_without_an_error(delivered: Path) -> None:
+    assert failed_delivery(delivered.parents[1]) is None
 
 
 def test_the_page_says_what_the_package_says_of_the_inspection(
-    navigated: dict[str, Path], tmp_path: Path
+    navigated: dict[str, Path], tmp_path: Path, no_pdf: None
 ) -> None:
     Image.new("RGB", (60, 20), (10, 80, 140)).save(tmp_path / "logo.png")
     options = ReportOptions(
