@@ -86,7 +86,14 @@ def adjust(
         When measurements contradict each other by more than a correction may take out.
     """
     solver = RoundSolver(calibrated=measured.rig, options=options, strategy=strategy, report=report)
+    settled = solve_path_and_place(measured, solver)
 
+    # Then labels and ranges: all landmarks, with the CAD model if it is accepted.
+    return solve_all_landmarks(settled, solver)
+
+
+def solve_path_and_place(measured: Measurements, solver: RoundSolver) -> Stage:
+    """Solve the path, and the CAD model's place on it. Raises as `adjust`."""
     # First the path, from images and navigation.
     path = solve_path(measured, solver)
 
@@ -96,10 +103,8 @@ def adjust(
         placed = place_cad_model(path, measured.cad_model, solver)
         if not placed.verdict.accepted:
             placed = explain_refusal(path, placed, solver)
-            report(f"the CAD model is left out: {placed.verdict.reason}")
-
-    # Then labels and ranges: all landmarks, with the CAD model if it is accepted.
-    return solve_all_landmarks(path, placed, solver)
+            solver.report(f"the CAD model is left out: {placed.verdict.reason}")
+    return settle(path, placed)
 
 
 def solve_path(measured: Measurements, solver: RoundSolver) -> Stage:
@@ -108,7 +113,7 @@ def solve_path(measured: Measurements, solver: RoundSolver) -> Stage:
     start = _start(measured, solver.strategy)
     with_cad = measured.cad_model is not None
     rounds = solver.coarse_rounds(start, max(solver.options.rounds - 1, int(with_cad)))
-    path = Stage(rounds=rounds, estimate=rounds[-1].after if rounds else start)
+    path = Stage.of(rounds, rounds[-1].after if rounds else start)
     if not rounds or not solver.strategy.systematic_errors:
         return path
 
@@ -124,18 +129,30 @@ def solve_path(measured: Measurements, solver: RoundSolver) -> Stage:
     return hold_within_belief(path, corrected, solver)
 
 
-def solve_all_landmarks(path: Stage, placed: Stage | None, solver: RoundSolver) -> Adjusted:
+def settle(path: Stage, placed: Stage | None) -> Stage:
+    """Join a path and the CAD model's place on it, done with the measurements of their rounds.
+
+    Where the CAD model is refused, the last round goes on from the path alone.
+    """
+    joined = path.then(placed)
+    refused = placed is not None and not placed.verdict.accepted
+    return replace(
+        joined, estimate=path.estimate if refused else joined.estimate, first=None, last=None
+    )
+
+
+def solve_all_landmarks(settled: Stage, solver: RoundSolver) -> Adjusted:
     """Solve the last round, with all landmarks.
 
     With an accepted CAD model landmarks have labels, on its surface or not, and the hull is held
     where its pose was estimated. Else the path is solved without it.
     """
-    if placed is None or not placed.verdict.accepted:
-        last = solver.solve_round(path.estimate, final=True)
-    else:
-        estimated = placed.placement is not None and placed.placement.evidence is not None
-        last = solver.solve_round(placed.estimate, final=True, hold_hull_pose=estimated)
-    return _adjusted(path.then(placed), last, solver)
+    placement = settled.placement
+    estimated = placement is not None and placement.evidence is not None
+    last = solver.solve_round(
+        settled.estimate, final=True, hold_hull_pose=estimated and settled.verdict.accepted
+    )
+    return _adjusted(settled, last, solver)
 
 
 def _start(measured: Measurements, strategy: Strategy) -> Estimate:
@@ -159,7 +176,7 @@ def _start(measured: Measurements, strategy: Strategy) -> Estimate:
     )
 
 
-def _adjusted(stages: Stage, last: RoundResult, solver: RoundSolver) -> Adjusted:
+def _adjusted(settled: Stage, last: RoundResult, solver: RoundSolver) -> Adjusted:
     """Collect the adjusted dive, without landmarks that the last solve lost.
 
     Those were pushed behind their cameras or metres off the hull, and nothing determines them.
@@ -176,19 +193,18 @@ def _adjusted(stages: Stage, last: RoundResult, solver: RoundSolver) -> Adjusted
         chosen = replace(chosen, landmarks=chosen.landmarks[keep])
         result = selection.drop_label_rows(result, keep[problem.surface.landmark])
         problem = selection.drop_landmarks(problem, keep)
-    rounds = [*stages.rounds, last]
     return Adjusted(
         state=state,
         weights=last.weights,
         chosen=chosen,
-        start=rounds[0].start,
+        start=settled.start or last.start,
         problem=problem,
         result=result,
-        rounds=tuple(done.history for done in rounds),
+        rounds=(*settled.history, last.history),
         rig=last.after.measured.rig,
         lenses=last.after.measured.lenses,
-        verdict=stages.verdict,
-        placement=stages.placement,
+        verdict=settled.verdict,
+        placement=settled.placement,
         strategy=solver.strategy,
         settings=solver.settings,
     )

@@ -69,7 +69,7 @@ def place_cad_model(path: Stage, cad_model: CadModel, solver: RoundSolver) -> St
     The hull's pose of the resulting estimate is the mean of its profile along the hull. With one
     round (`rounds = 1`) only the registration is judged.
     """
-    segments = segments_of_path(path.rounds[-1], solver) if path.rounds else None
+    segments = None if path.last is None else segments_of_path(path.last, solver)
     placed = register(path.estimate, cad_model, solver, segments)
     if not placed.verdict.accepted:
         return placed
@@ -79,8 +79,8 @@ def place_cad_model(path: Stage, cad_model: CadModel, solver: RoundSolver) -> St
     rounds = solver.coarse_rounds(placed.estimate, min(1, solver.options.rounds - 1))
     if not rounds:
         return placed
-    placed = replace(placed, rounds=rounds, verdict=accept(rounds[-1], solver))
-    return estimate_hull_pose(placed, solver) if placed.verdict.accepted else placed
+    placed = Stage.of(rounds, placed.estimate, accept(rounds[-1], solver), placed.placement)
+    return estimate_hull_pose(rounds[-1], placed, solver) if placed.verdict.accepted else placed
 
 
 def register(
@@ -101,7 +101,7 @@ def register(
     solver.report(f"registered {len(points)} points to the CAD model, {fitting} within three sigma")
     hull = _hull_state(found, points, solver.strategy.deviation_field)
     state = replace(state, hull=replace(hull, segments=segments))
-    return Stage(
+    return Stage.of(
         rounds=(),
         estimate=replace(solved, state=state),
         verdict=_name_unit(
@@ -334,14 +334,13 @@ def _returns_in_global(measured: Measurements, state: State) -> Array:
     return ends.points[~measured.returns.flagged]
 
 
-def estimate_hull_pose(placed: Stage, solver: RoundSolver) -> Stage:
+def estimate_hull_pose(last: RoundResult, placed: Stage, solver: RoundSolver) -> Stage:
     """Estimate the hull's pose and form from the points of the last round that lie on it.
 
     Where the hull deviates from the CAD model by more than the package states, the stated error is
     widened to what the points show.
     """
-    last, placement = placed.rounds[-1], placed.placement
-    ready = last.after
+    ready, placement = last.after, placed.placement
     hull = ready.state.hull
     if hull is None or placement is None or not solver.strategy.deviation_field:
         return replace(placed, estimate=ready)

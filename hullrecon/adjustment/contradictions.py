@@ -89,9 +89,9 @@ def is_sheared(path: Stage, solver: RoundSolver) -> bool:
 
     Legs beside each other show that before any prior is exceeded.
     """
-    if not path.rounds:
+    if path.first is None:
         return False
-    problem, by_row = _suspected(path.rounds[0])
+    problem, by_row = _suspected(path.first)
     return least_gain(problem, solver.settings, by_row) > SHEARED
 
 
@@ -103,7 +103,7 @@ def explain_refusal(path: Stage, placed: Stage, solver: RoundSolver) -> Stage:
     ContradictionError
         Where the path contradicts itself without the CAD model.
     """
-    if not path.rounds or not solver.strategy.systematic_errors:
+    if path.first is None or not solver.strategy.systematic_errors:
         return placed
     trials = path.verdict.suspects
     if not trials:
@@ -113,7 +113,8 @@ def explain_refusal(path: Stage, placed: Stage, solver: RoundSolver) -> Stage:
 
 
 def _try_all(path: Stage, solver: RoundSolver) -> tuple[Trial, ...]:
-    problem, by_row = _suspected(path.rounds[0])
+    assert path.first is not None
+    problem, by_row = _suspected(path.first)
     return try_suspects(problem, solver.settings, by_row)
 
 

@@ -78,10 +78,10 @@ def widen_exceeded_priors(path: Stage, solver: RoundSolver) -> Stage | None:
     priors = _priors(rig, state)
     if not any(prior.may_be_exceeded() for prior in priors.values()):
         return None
+    if path.last is None:
+        return None
     try:
-        covariance = native.covariance(
-            path.rounds[-1].problem, replace(solver.settings, method="naive")
-        )
+        covariance = native.covariance(path.last.problem, replace(solver.settings, method="naive"))
     except StageError:
         return None  # something is not determined at all; the last round says what
     widening = {
@@ -99,7 +99,7 @@ def widen_exceeded_priors(path: Stage, solver: RoundSolver) -> Stage | None:
         widened = replace(widened, weights=widen_ranges(widened, share))
         verdict = Verdict(length_conflict=share if rig.bottom is None else None)
     result = solver.solve_round(widened)
-    return Stage(rounds=(result,), estimate=result.after, verdict=verdict)
+    return Stage.of((result,), result.after, verdict)
 
 
 def contradicts_priors(path: Stage) -> bool:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -85,12 +85,37 @@ ACCEPTED = Verdict()
 
 @dataclass(frozen=True, kw_only=True)
 class Stage:
-    """A stage of the adjustment: its rounds, what it leaves to the next, and the verdict on it."""
+    """A stage of the adjustment: its rounds, what it leaves to the next, and the verdict on it.
 
-    rounds: tuple[RoundResult, ...]
+    Of its rounds only the first and the last keep their measurements, which are most of the memory.
+    """
+
+    history: tuple[iteration_history.Round, ...]
+    start: native.Problem | None  # of the first round, as it began; None without rounds
+    first: RoundResult | None  # None without rounds, or where they are done with
+    last: RoundResult | None
     estimate: Estimate
     verdict: Verdict = ACCEPTED
     placement: Placement | None = None  # of the CAD model on the path
+
+    @staticmethod
+    def of(
+        rounds: Sequence[RoundResult],
+        estimate: Estimate,
+        verdict: Verdict = ACCEPTED,
+        placement: Placement | None = None,
+    ) -> Stage:
+        """Make a stage of rounds, which may be none."""
+        first, last = (rounds[0], rounds[-1]) if rounds else (None, None)
+        return Stage(
+            history=tuple(done.history for done in rounds),
+            start=None if first is None else first.start,
+            first=first,
+            last=last,
+            estimate=estimate,
+            verdict=verdict,
+            placement=placement,
+        )
 
     def then(self, later: Stage | None) -> Stage:
         """Join a stage that continues from this one. None leaves it as it is."""
@@ -99,7 +124,10 @@ class Stage:
         here, there = self.verdict, later.verdict
         conflict = there.length_conflict
         return Stage(
-            rounds=(*self.rounds, *later.rounds),
+            history=(*self.history, *later.history),
+            start=self.start or later.start,
+            first=self.first or later.first,
+            last=later.last or self.last,
             estimate=later.estimate,
             verdict=Verdict(
                 accepted=there.accepted,

@@ -75,10 +75,8 @@ def free_contradicted_rig(path: Stage, solver: RoundSolver) -> Stage | None:
         return None
     solver.report(f"the stereo rig is an unknown: {describe_contradiction(contradiction)}")
     solver.history.append(trial.history)
-    return Stage(
-        rounds=(trial,),
-        estimate=_adopt(trial.after, rig, contradiction),
-        verdict=Verdict(stereo=contradiction),
+    return Stage.of(
+        (trial,), _adopt(trial.after, rig, contradiction), Verdict(stereo=contradiction)
     )
 
 

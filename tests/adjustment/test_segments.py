@@ -54,7 +54,7 @@ def errors_m(dive, adjusted):
 
 def found_segments(dive):
     path = solve_path(dive.measured, solver(dive))
-    return path, segments_of_path(path.rounds[-1], solver(dive))
+    return path, segments_of_path(path.last, solver(dive))
 
 
 def solver(dive):
