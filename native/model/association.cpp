@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/association.h"
 
-#include <algorithm>
-
 namespace hullrecon {
 
 Association::Association(std::unique_ptr<MeshIndex> mesh, int64_t surface_rows, int64_t range_rows, int threads)
@@ -38,8 +36,7 @@ void Association::settle(bool trial) {
     if (flickers_[i] > kFlickers) range_[i] = Facet{};
     missed_ += !hit_[i];
   }
-  const auto rays = static_cast<int64_t>(range_.size());
-  refused_ = trial && !first_ && missed_ - accepted_misses_ > std::max<int64_t>(4, (rays - accepted_misses_) / 5);
+  refused_ = trial && !first_ && beams().loses_too_many();
   if (first_) accepted_misses_ = missed_;
   first_ = false;
 }

@@ -4,6 +4,7 @@
 // between.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -32,6 +33,15 @@ class Association {
   template <class Ray>
   void refresh_range(const Ray& ray, bool trial);
   void accept();  // the present point is the new one to compare with
+
+  // How many beams miss at the present point, missed at the last accepted one, and are in the table.
+  struct Beams {
+    int64_t missed = 0, accepted_misses = 0, count = 0;
+    // Whether so many are lost that the point is refused.
+    bool loses_too_many() const { return missed - accepted_misses > std::max<int64_t>(4, (count - accepted_misses) / 5); }
+  };
+  Beams beams() const { return {missed_, accepted_misses_, static_cast<int64_t>(range_.size())}; }
+  void refuse(bool refused) { refused_ = refused; }  // the point, for the beams of all parts of a problem
 
   int64_t missed() const { return missed_; }
   const std::vector<double>& distance() const { return distance_; }  // m, signed, of each surface row, without the field

@@ -9,11 +9,13 @@
 
 #include <algorithm>
 #include <array>
+#include <deque>
 #include <string>
 #include <vector>
 
 #include "common/errors.h"
 #include "model/tables.h"
+#include "solve/joined_problem.h"
 
 namespace hullrecon {
 
@@ -199,6 +201,52 @@ struct BoundProblem {
     validate(tables);
     validate(options);
   }
+};
+
+// Checked parts of a problem (hullrecon/native/parts.py), with what each shares.
+class BoundParts {
+ public:
+  BoundParts(const py::list& parts, const py::object& settings) {
+    for (const py::handle part : parts) {
+      problems_.emplace_back(part.attr("problem"), settings);
+      shared_.push_back(
+          {rows(part, "shared_poses"), rows(part, "shared_nodes"), rows(part, "shared_planes"), rows(part, "shared_switches")});
+    }
+  }
+
+  // Makes the models of the parts, which refer to them.
+  std::vector<ProblemPart> models(std::deque<Model>& models) const {
+    std::vector<ProblemPart> out;
+    for (size_t k = 0; k < problems_.size(); ++k) {
+      Model& model = models.emplace_back(problems_[k].tables, problems_[k].options);
+      const std::array<std::pair<int, int64_t>, 4> kinds{{{0, model.poses()},
+                                                          {model.first_node(), model.nodes()},
+                                                          {model.first_plane(), model.planes()},
+                                                          {model.first_switch(), model.tables().link_switch.rows()}}};
+      out.push_back({&model, {}});
+      for (size_t kind = 0; kind < kinds.size(); ++kind) {
+        for (const auto& [row, number] : shared_[k][kind]) {
+          if (row < 0 || row >= kinds[kind].second)
+            throw InputError("row " + std::to_string(row) + " of part " + std::to_string(k) + " is not there", "parts", "");
+          out.back().shared.push_back({kinds[kind].first + row, number});
+        }
+      }
+    }
+    return out;
+  }
+
+ private:
+  using Shared = std::vector<std::array<int32_t, 2>>;
+  static Shared rows(const py::handle part, const char* name) {
+    const py::array_t<int32_t, py::array::c_style | py::array::forcecast> array(part.attr(name));
+    if (array.ndim() != 2 || array.shape(1) != 2) throw InputError("the array must be (m, 2)", name, "");
+    Shared out(array.shape(0));
+    for (size_t k = 0; k < out.size(); ++k) out[k] = {array.at(k, 0), array.at(k, 1)};
+    return out;
+  }
+
+  std::deque<BoundProblem> problems_;
+  std::vector<std::array<Shared, 4>> shared_;  // poses, nodes, planes, switches: rows and numbers
 };
 
 // Pairs of poses, (m, 2).

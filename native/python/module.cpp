@@ -157,6 +157,27 @@ bool interrupted() {
   return PyErr_CheckSignals() != 0;
 }
 
+// Unknowns, and what became of rows.
+py::dict rows_of(const Model& model) {
+  py::dict out;
+  out["unknowns"] = unknowns(model);
+  out["label"] = column<int32_t>(model.labels());
+  out["distance"] = column<double>(model.association().distance());
+  std::vector<char> hit;
+  for (int64_t i = 0; i < model.tables().range_node.rows(); ++i) hit.push_back(model.association().hit(i));
+  out["ray_hit"] = column<bool>(hit);
+  return out;
+}
+
+void add_record(py::dict& out, const Solution& solution) {
+  py::dict seconds;
+  out["iterations"] = record(solution.iterations);
+  out["converged"] = solution.converged;
+  out["message"] = solution.message;
+  for (const auto& [part, time] : solution.seconds) seconds[part] = time;
+  out["seconds"] = seconds;
+}
+
 py::dict run_solve(const py::object& problem, const py::object& settings) {
   const BoundProblem bound(problem, settings);
   std::unique_ptr<Model> model;
@@ -168,18 +189,26 @@ py::dict run_solve(const py::object& problem, const py::object& settings) {
   } catch (const Interrupted&) {
     throw py::error_already_set();
   }
-  py::dict out, seconds;
-  out["unknowns"] = unknowns(*model);
-  out["label"] = column<int32_t>(model->labels());
-  out["distance"] = column<double>(model->association().distance());
-  std::vector<char> hit;
-  for (int64_t i = 0; i < bound.tables.range_node.rows(); ++i) hit.push_back(model->association().hit(i));
-  out["ray_hit"] = column<bool>(hit);
-  out["iterations"] = record(solution.iterations);
-  out["converged"] = solution.converged;
-  out["message"] = solution.message;
-  for (const auto& [part, time] : solution.seconds) seconds[part] = time;
-  out["seconds"] = seconds;
+  py::dict out = rows_of(*model);
+  add_record(out, solution);
+  return out;
+}
+
+py::dict run_solve_parts(const py::list& parts, const py::object& settings) {
+  const BoundParts bound(parts, settings);
+  std::deque<Model> models;
+  Solution solution;
+  try {
+    py::gil_scoped_release free;
+    solution = solve(bound.models(models), interrupted);
+  } catch (const Interrupted&) {
+    throw py::error_already_set();
+  }
+  py::list found;
+  for (const Model& model : models) found.append(rows_of(model));
+  py::dict out;
+  out["parts"] = found;
+  add_record(out, solution);
   return out;
 }
 
@@ -206,26 +235,44 @@ py::dict run_evaluate(const py::object& problem, const py::object& settings, boo
   return out;
 }
 
-py::dict run_covariance(const py::object& problem, const py::object& settings) {
-  const BoundProblem bound(problem, settings);
-  Covariance c;
-  {
-    py::gil_scoped_release free;
-    Model model(bound.tables, bound.options);
-    c = covariance(model);
-  }
-  const auto n = bound.tables.pose.rows(), l = bound.tables.landmark.rows();
+py::dict marginals_of(const Model& model, const Covariance& c) {
+  const auto n = model.poses(), l = model.landmarks();
   py::dict out;
   out["pose"] = column<double>(c.pose).reshape({n, int64_t{7}, int64_t{7}});
   out["pose_T_g_M"] = column<double>(c.pose_hull).reshape({n, int64_t{7}, int64_t{6}});
   out["landmark"] = column<double>(c.landmark).reshape({l, int64_t{3}, int64_t{3}});
   out["landmark_T_g_M"] = column<double>(c.landmark_hull).reshape({l, int64_t{3}, int64_t{6}});
   out["deviation"] = column<double>(c.deviation);
-  out["deviation_T_g_M"] = column<double>(c.deviation_hull).reshape({bound.tables.deviation.rows(), int64_t{6}});
+  out["deviation_T_g_M"] = column<double>(c.deviation_hull).reshape({int64_t{model.nodes()}, int64_t{6}});
   for (const auto& [name, block] : c.global) out[name.c_str()] = block;
   py::dict leverage;
   for (size_t k = 0; k < kKindNames.size(); ++k) leverage[kKindNames[k]] = c.leverage[k];
   out["leverage_by_factor"] = leverage;
+  return out;
+}
+
+py::dict run_covariance(const py::object& problem, const py::object& settings) {
+  const BoundProblem bound(problem, settings);
+  std::unique_ptr<Model> model;
+  Covariance c;
+  {
+    py::gil_scoped_release free;
+    model = std::make_unique<Model>(bound.tables, bound.options);
+    c = covariance(*model);
+  }
+  return marginals_of(*model, c);
+}
+
+py::list run_covariance_parts(const py::list& parts, const py::object& settings) {
+  const BoundParts bound(parts, settings);
+  std::deque<Model> models;
+  std::vector<Covariance> all;
+  {
+    py::gil_scoped_release free;
+    all = covariance(bound.models(models));
+  }
+  py::list out;
+  for (size_t k = 0; k < all.size(); ++k) out.append(marginals_of(models[k], all[k]));
   return out;
 }
 
@@ -258,8 +305,10 @@ PYBIND11_MODULE(_native, m) {
       .def("__len__", &MeshIndex::faces);
   bind_matching(m);
   m.def("solve", &run_solve);
+  m.def("solve_parts", &run_solve_parts);
   m.def("evaluate", &run_evaluate);
   m.def("covariance", &run_covariance);
+  m.def("covariance_parts", &run_covariance_parts);
   m.def("pair_covariance", &run_pair_covariance);
 }
 

@@ -22,7 +22,7 @@ double since(Clock::time_point& start) {
 
 }  // namespace
 
-Schur::Schur(Model& model)
+Schur::Schur(Model& model, const std::optional<std::vector<int>>& interface)
     : model_(model),
       layout_(model),
       images_(model),
@@ -30,7 +30,8 @@ Schur::Schur(Model& model)
       small_(model, layout_),
       threads_(model.options().threads),
       pattern_(layout_, images_, surface_, small_, threads_),
-      reduced_(pattern_.reduced_system()),
+      reduced_(pattern_.reduced_system(interface)),
+      is_part_(interface.has_value()),
       intrinsics_(images_.intrinsics().width()),
       hull_(layout_.column(kHull)),
       mount_(layout_.column(kCamera)) {
@@ -56,16 +57,27 @@ std::optional<std::array<double, kKindNames.size()>> Schur::cost() {
   return sum;
 }
 
-bool Schur::step(const StepVector& damping, StepVector& out) {
+bool Schur::condense(const StepVector& damping) {
   auto clock = Clock::now();
   if (!invert(damping)) return false;
   eliminate();
   reduced_->add_diagonal(damping.reduced);
   seconds.eliminate += since(clock);
   const bool definite = reduced_->factor();
-  if (definite) out.reduced = -rhs_, reduced_->solve(out.reduced);
+  rhs_ = -rhs_;
+  if (definite) reduced_->forward(rhs_);
   seconds.factor += since(clock);
-  if (!definite || !out.reduced.allFinite()) return false;
+  return definite;
+}
+
+bool Schur::finish(StepVector& out) {
+  auto clock = Clock::now();
+  out.reduced.resize(rhs_.size());
+  const Eigen::Index found = is_part_ ? interior() : rhs_.size();
+  out.reduced.head(found) = rhs_.head(found);
+  reduced_->backward(out.reduced);
+  seconds.factor += since(clock);
+  if (!out.reduced.allFinite()) return false;
   back_substitute(out);
   seconds.back_substitute += since(clock);
   return out.landmark.allFinite();

@@ -9,6 +9,9 @@
 //     X_ij = [i = j] E_i' H_i E_i - E_i' H_i K H_j E_j,                                                   (9)
 // and the reduced system of poses and mount is  S = [P Q]' X [P Q]  (10).
 //
+// Of a part of a problem (docs/schur.md, *Parts*) the interior is eliminated as well, and what is left on its interface and the
+// border is joined with that of the other parts (solve/joined_problem.h).
+//
 // Each row of X is summed by one thread in a fixed order, sums over all rows by fixed chunks: the bytes do not depend on the
 // number of threads.
 #pragma once
@@ -29,7 +32,8 @@ struct StepVector {
 
 class Schur {
  public:
-  explicit Schur(Model& model);
+  // interface: of a part, the blocks of the layout that other parts meet too. None: the model is the whole problem.
+  explicit Schur(Model& model, const std::optional<std::vector<int>>& interface = {});
 
   // Robustified cost by kind at the model's unknowns; empty: they cannot be evaluated (or are refused, association.h).
   std::optional<std::array<double, kKindNames.size()>> cost();
@@ -37,7 +41,15 @@ class Schur {
   void linearise();
   void restore() { images_.place_cameras(); }  // after a point was tried: back at the unknowns of linearise()
   // Solves (J'J + diag(damping)) step = -gradient. False: not positive definite.
-  bool step(const StepVector& damping, StepVector& step);
+  bool step(const StepVector& damping, StepVector& step) { return condense(damping) && finish(step); }
+
+  // The step in halves. Of a part there stand between them condensed() and condensed_gradient(), on interface and border, in
+  // the last entries of a StepVector's `reduced`; finish() finds their step in those of `step`.
+  bool condense(const StepVector& damping);
+  bool finish(StepVector& step);
+  int interior() const { return reduced_->interior(); }                      // entries of `reduced` before them
+  Eigen::Map<Eigen::MatrixXd> condensed() { return reduced_->condensed(); }  // its lower half
+  auto condensed_gradient() const { return -rhs_.tail(rhs_.size() - interior()); }
 
   const StepVector& gradient() const { return gradient_; }
   const StepVector& diagonal() const { return diagonal_; }
@@ -101,6 +113,7 @@ class Schur {
   const int threads_;
   const TwistPattern pattern_;
   const std::unique_ptr<ReducedSystem> reduced_;
+  const bool is_part_;
   const int intrinsics_, hull_, mount_;  // columns of the free intrinsics; first of T_g_M, T_s_ct in the border, -1: held
   std::vector<int> intrinsics_in_border_;
 

@@ -33,8 +33,8 @@ class TwistPattern {
     return {column_.data() + column_start_[block], static_cast<size_t>(column_start_[block + 1] - column_start_[block])};
   }
   int64_t size() const { return size_; }
-  // The reduced system on this pattern, small factors counted in.
-  std::unique_ptr<ReducedSystem> reduced_system() const;
+  // The reduced system on this pattern, small factors counted in. interface: of a part, its blocks that others meet.
+  std::unique_ptr<ReducedSystem> reduced_system(const std::optional<std::vector<int>>& interface) const;
 
  private:
   struct Neighbours {

@@ -102,6 +102,10 @@ Covariance covariance(Model& model) {
   model.refresh(false, true);
   Information information(model);
   invert(model, information);
+  return marginals(model, information);
+}
+
+Covariance marginals(const Model& model, const Information& information) {
   Covariance out;
   poses_and_globals(model, information, out);
   leverages(model, information, out);

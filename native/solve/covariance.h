@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "model/model.h"
+#include "solve/information.h"
+#include "solve/joined_problem.h"
 
 namespace hullrecon {
 
@@ -27,5 +28,11 @@ struct Covariance {
 // From the information at the model's unknowns: Huber rows weighted by rho', mixture rows by their label's sigma.
 // Throws StageError naming what is not determined.
 Covariance covariance(Model& model);
+
+// The same of the parts of a problem, of each what it holds: marginals of the whole problem.
+std::vector<Covariance> covariance(const std::vector<ProblemPart>& parts);
+
+// Marginals of a model whose information has been replaced by the entries of its inverse.
+Covariance marginals(const Model& model, const Information& inverse);
 
 }  // namespace hullrecon

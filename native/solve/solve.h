@@ -26,6 +26,11 @@ struct Solution {
 // Throws StageError when the start cannot be evaluated or the solver fails.
 Solution solve(Model& model, const std::function<bool()>& interrupted);
 
+struct ProblemPart;  // solve/joined_problem.h
+
+// The same of a problem in parts, by our core, to the same unknowns in the same steps.
+Solution solve(const std::vector<ProblemPart>& parts, const std::function<bool()>& interrupted);
+
 // Its two routes, by Options::core. Both take the same steps: Levenberg and Marquardt's as Ceres does them.
 Solution solve_by_ceres(Model& model, const std::function<bool()>& interrupted);
 Solution solve_by_schur(Model& model, const std::function<bool()>& interrupted);

@@ -24,11 +24,12 @@ double panel(double height, double columns) {
 
 }  // namespace
 
-FrontTree::FrontTree(const std::vector<int>& width, const std::vector<int64_t>& start, const std::vector<int32_t>& below)
+FrontTree::FrontTree(const std::vector<int>& width, const std::vector<int64_t>& start, const std::vector<int32_t>& below,
+                     int kept)
     : offset_(1, 0), front_of_(width.size()) {
   for (int w : width) offset_.push_back(offset_.back() + w);
   const Rows rows = fill(start, below);
-  gather(rows);
+  gather(rows, kept);
   lay_out(rows);
   find_runs();
   count_work();
@@ -53,18 +54,18 @@ FrontTree::Rows FrontTree::fill(const std::vector<int64_t>& start, const std::ve
   return rows;
 }
 
-// From the root down: a column joins the front after it when that is its parent's and the zeros are worth it.
-void FrontTree::gather(const Rows& rows) {
-  const auto blocks = static_cast<int32_t>(rows.size());
+// From the root down: a column joins the front after it when that is its parent's and the zeros are worth it, or both are kept.
+void FrontTree::gather(const Rows& rows, int kept) {
+  const auto blocks = static_cast<int32_t>(rows.size()), first_kept = blocks - kept;
   double entries = 0, height = 0;  // of the front at hand: numbers that are not zeros by joining; rows and columns
   for (int32_t b = blocks - 1; b >= 0; --b) {
     double below = 0;
     for (int32_t r : rows[b]) below += offset_[r + 1] - offset_[r];
     const double width = offset_[b + 1] - offset_[b], own = panel(below + width, width);
-    const bool chain = !fronts_.empty() && rows[b][0] == b + 1;
+    const bool chain = !fronts_.empty() && b + 1 != first_kept && rows[b][0] == b + 1;
     const int columns = chain ? offset_[fronts_.back().last] - offset_[b] : 0;
     const double whole = panel(height + width, columns);
-    if (chain && worth_joining(columns, whole - entries - own, whole)) {
+    if (chain && (b >= first_kept || worth_joining(columns, whole - entries - own, whole))) {
       fronts_.back().first = b;
       entries += own, height += width;
     } else {

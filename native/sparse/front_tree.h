@@ -38,8 +38,9 @@ struct Run {
 class FrontTree {
  public:
   // width: of each block, in an order that is a postorder of the elimination tree. below[start[b], start[b + 1]): the blocks
-  // after b that b meets, ascending; the last block is met by all.
-  FrontTree(const std::vector<int>& width, const std::vector<int64_t>& start, const std::vector<int32_t>& below);
+  // after b that b meets, ascending; the last block is met by all. kept: the last blocks, each meeting all after it, that are
+  // a front of their own, the root; 0: the root is as it comes.
+  FrontTree(const std::vector<int>& width, const std::vector<int64_t>& start, const std::vector<int32_t>& below, int kept = 0);
 
   const std::vector<Front>& fronts() const { return fronts_; }
   std::span<const FrontRow> rows(int front) const { return part(rows_, front, &Front::rows); }
@@ -55,6 +56,7 @@ class FrontTree {
   };
   EntryPosition position(int row, int column) const;
   int offset(int block) const { return offset_[block]; }  // in scalars, of the whole matrix
+  int width(int block) const { return offset_[block + 1] - offset_[block]; }
   int64_t values() const { return fronts_.back().value + int64_t{fronts_.back().height} * fronts_.back().size; }
 
  private:
@@ -65,7 +67,7 @@ class FrontTree {
     return {all.data() + begin, static_cast<size_t>(fronts_[front].*end - begin)};
   }
   static Rows fill(const std::vector<int64_t>& start, const std::vector<int32_t>& below);
-  void gather(const Rows& rows);
+  void gather(const Rows& rows, int kept);
   void lay_out(const Rows& rows);
   void find_runs();
   void count_work();

@@ -57,9 +57,10 @@ using Matrix = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 
 }  // namespace
 
-Fronts::Fronts(FrontTree tree, int threads)
+Fronts::Fronts(FrontTree tree, int threads, bool keeps_root)
     : tree_(std::move(tree)),
       threads_(thread_count(threads)),
+      keeps_root_(keeps_root),
       value_(tree_.values()),
       rest_(tree_.fronts().size()),
       pool_(threads_) {
@@ -116,8 +117,7 @@ void Fronts::visit_all(Order order, const Visit& visit) {
       if (!failed.exchange(true)) failure = std::current_exception();
     }
   };
-  const int root = static_cast<int>(tree_.fronts().size()) - 1;
-  order == Order::Up ? climb(root, guarded) : descend(root, guarded);
+  order == Order::Up ? climb(root(), guarded) : descend(root(), guarded);
   if (failure) std::rethrow_exception(failure);
 }
 
@@ -133,7 +133,7 @@ void Fronts::factor_front(int front) {
   const Front& f = tree_.fronts()[front];
   rest_[front] = std::make_unique_for_overwrite<double[]>(int64_t{f.below()} * f.below());
   for (int child : tree_.children(front)) take_own(child);
-  eliminate(front);
+  if (!is_kept(front)) eliminate(front);
   for (int child : tree_.children(front)) take_rest(child), rest_[child].reset();
 }
 
@@ -190,8 +190,11 @@ void Fronts::eliminate(int front) {
   } while (first < f.size);
 }
 
-void Fronts::solve(Eigen::VectorXd& x) {
+void Fronts::forward(Eigen::VectorXd& x) {
   visit_all(Order::Up, [&](int front) { forward(front, x); });
+}
+
+void Fronts::backward(Eigen::VectorXd& x) {
   visit_all(Order::Down, [&](int front) { backward(front, x); });
 }
 
@@ -210,12 +213,14 @@ void Fronts::forward(int front, Eigen::VectorXd& x) {
       }
     }
   }
+  if (is_kept(front)) return;
   const Matrix panel(at(front, 0, 0), f.height, f.size, Eigen::OuterStride<>(f.height));
   panel.topRows(f.size).triangularView<Eigen::Lower>().solveInPlace(own);
   carried.noalias() -= panel.bottomRows(below) * own;
 }
 
 void Fronts::backward(int front, Eigen::VectorXd& x) {
+  if (is_kept(front)) return;
   const Front& f = tree_.fronts()[front];
   const int below = f.below();
   auto own = x.segment(tree_.offset(f.first), f.size);
@@ -227,6 +232,45 @@ void Fronts::backward(int front, Eigen::VectorXd& x) {
   const Matrix panel(at(front, 0, 0), f.height, f.size, Eigen::OuterStride<>(f.height));
   own.noalias() -= panel.bottomRows(below).transpose() * carried;
   panel.topRows(f.size).triangularView<Eigen::Lower>().transpose().solveInPlace(own);
+}
+
+void Fronts::invert() {
+  for (int front = root(); front >= 0; --front) {
+    if (!is_kept(front)) invert_front(front);
+  }
+}
+
+// Z_RR of a front, its lower half, from the fronts above it: R is a clique of the filled graph.
+Eigen::MatrixXd Fronts::inverse_below(int front) const {
+  const int size = tree_.fronts()[front].size, below = tree_.fronts()[front].below();
+  const auto rows = tree_.rows(front);
+  Eigen::MatrixXd out(below, below);
+  for (size_t b = 0; b < rows.size(); ++b) {
+    const int columns = tree_.width(rows[b].block);
+    for (size_t a = b; a < rows.size(); ++a) {
+      const auto at = tree_.position(rows[a].block, rows[b].block);
+      const Front& above = tree_.fronts()[at.front];
+      const double* const first = value_.data() + above.value + int64_t{at.column} * above.height + at.row;
+      const int count = tree_.width(rows[a].block);
+      out.block(rows[a].place - size, rows[b].place - size, count, columns) =
+          Matrix(first, count, columns, Eigen::OuterStride<>(above.height));
+    }
+  }
+  return out;
+}
+
+void Fronts::invert_front(int front) {
+  const Front& f = tree_.fronts()[front];
+  if (f.size == 0) return;
+  Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> panel(at(front, 0, 0), f.height, f.size, Eigen::OuterStride<>(f.height));
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(f.size, f.size);
+  panel.topRows(f.size).triangularView<Eigen::Lower>().solveInPlace(inverse);
+  const Eigen::MatrixXd y = panel.bottomRows(f.below()) * inverse;
+  panel.topRows(f.size) = inverse.transpose() * inverse;
+  if (f.below() == 0) return;
+  const Eigen::MatrixXd z_rj = -(inverse_below(front).selfadjointView<Eigen::Lower>() * y);
+  panel.topRows(f.size) -= y.transpose() * z_rj;
+  panel.bottomRows(f.below()) = z_rj;
 }
 
 }  // namespace hullrecon

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Factors a symmetric positive definite matrix of blocks in place, by the multifrontal method [DuffReid1983, Liu1992]: each
 // front adds what its children leave to its panel, eliminates its own columns and leaves the rest to its parent. Subtrees go to
-// threads; every sum has a fixed order, so the bytes do not depend on their number.
+// threads; every sum has a fixed order, so the bytes do not depend on their number. A root that is kept is left to others: it
+// becomes the Schur complement of all before it, to be joined with those of other parts of a problem.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +18,7 @@ namespace hullrecon {
 
 class Fronts {
  public:
-  Fronts(FrontTree tree, int threads);
+  Fronts(FrontTree tree, int threads, bool keeps_root = false);
 
   const FrontTree& tree() const { return tree_; }
   void clear();
@@ -27,7 +28,14 @@ class Fronts {
     return value_.data() + f.value + int64_t{column} * f.height + row;
   }
   bool factor();  // the lower half becomes the factor's; false: not positive definite
-  void solve(Eigen::VectorXd& x);
+  // x := inverse(L) x, then x := inverse(L') x. A kept root has the right side that belongs to it after the first, and must
+  // have its solution before the second.
+  void forward(Eigen::VectorXd& x);
+  void backward(Eigen::VectorXd& x);
+  // From the factor to the entries of the inverse on its pattern [Takahashi1973]: with the columns J of a front, the rows R
+  // below them and Y = L_RJ L_JJ^-1, Z_RJ = -Z_RR Y and Z_JJ = L_JJ^-T L_JJ^-1 - Y' Z_RJ, parents before children. A kept root
+  // has to hold its own entries of the inverse.
+  void invert();
 
  private:
   enum class Order { Up, Down };
@@ -37,6 +45,8 @@ class Fronts {
   void descend(int front, const Visit& visit);
   template <class Visit>
   void visit_all(Order order, const Visit& visit);
+  int root() const { return static_cast<int>(tree_.fronts().size()) - 1; }
+  bool is_kept(int front) const { return keeps_root_ && front == root(); }
   void factor_front(int front);
   void take_own(int child);
   void take_rest(int child);
@@ -44,9 +54,12 @@ class Fronts {
   void eliminate(int front);
   void forward(int front, Eigen::VectorXd& x);
   void backward(int front, Eigen::VectorXd& x);
+  Eigen::MatrixXd inverse_below(int front) const;
+  void invert_front(int front);
 
   FrontTree tree_;
   int threads_;
+  bool keeps_root_;
   double grain_;  // work of a subtree that one thread does alone
   std::vector<double> value_;
   std::vector<std::unique_ptr<double[]>> rest_;  // what a front leaves to its parent until that took it: lower half, by columns

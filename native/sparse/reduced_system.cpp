@@ -49,12 +49,37 @@ std::vector<int> fill_reducing_order(const std::vector<int64_t>& start, const st
   return position;
 }
 
+// The same where blocks of an interface, met by others still unseen, come last.
+std::vector<int> order_before(const std::vector<int>& interface, const std::vector<int64_t>& start,
+                              const std::vector<int32_t>& neighbours) {
+  const auto blocks = static_cast<int>(start.size() - 1), interior = blocks - static_cast<int>(interface.size());
+  std::vector<int> position(blocks, -1), number(blocks, -1), inner;
+  for (size_t k = 0; k < interface.size(); ++k) position[interface[k]] = interior + static_cast<int>(k);
+  for (int b = 0; b < blocks; ++b) {
+    if (position[b] < 0) number[b] = static_cast<int>(inner.size()), inner.push_back(b);
+  }
+  std::vector<int64_t> inner_start{0};
+  std::vector<int32_t> inner_neighbours;
+  for (int b : inner) {
+    for (int64_t k = start[b]; k < start[b + 1]; ++k) {
+      if (number[neighbours[k]] >= 0) inner_neighbours.push_back(number[neighbours[k]]);
+    }
+    inner_start.push_back(static_cast<int64_t>(inner_neighbours.size()));
+  }
+  const std::vector<int> order = fill_reducing_order(inner_start, inner_neighbours);
+  for (int k = 0; k < interior; ++k) position[inner[k]] = order[k];
+  return position;
+}
+
 }  // namespace
 
 ReducedSystem::ReducedSystem(std::vector<int> width, int border, const std::vector<int64_t>& start,
-                             const std::vector<int32_t>& neighbours, int threads)
-    : border_(border), position_(fill_reducing_order(start, neighbours)) {
+                             const std::vector<int32_t>& neighbours, int threads,
+                             const std::optional<std::vector<int>>& interface)
+    : border_(border),
+      position_(interface ? order_before(*interface, start, neighbours) : fill_reducing_order(start, neighbours)) {
   const auto blocks = static_cast<int>(width.size());
+  const int interior = blocks - (interface ? static_cast<int>(interface->size()) : 0);
   std::vector<int> at(blocks), width_at;
   for (int b = 0; b < blocks; ++b) at[position_[b]] = b;
   std::vector<int64_t> below_start{0};
@@ -62,15 +87,28 @@ ReducedSystem::ReducedSystem(std::vector<int> width, int border, const std::vect
   for (int b : at) {
     const auto first = static_cast<int64_t>(below.size());
     for (int64_t k = start[b]; k < start[b + 1]; ++k) {
-      if (position_[neighbours[k]] > position_[b]) below.push_back(position_[neighbours[k]]);
+      const int other = position_[neighbours[k]];
+      if (other > position_[b] && position_[b] < interior) below.push_back(other);
     }
     std::sort(below.begin() + first, below.end());
+    for (int later = position_[b] + 1; position_[b] >= interior && later < blocks; ++later) below.push_back(later);
     below.push_back(blocks);
     below_start.push_back(static_cast<int64_t>(below.size()));
     width_at.push_back(width[b]);
   }
   position_.push_back(blocks), width_at.push_back(border), below_start.push_back(static_cast<int64_t>(below.size()));
-  fronts_ = std::make_unique<Fronts>(FrontTree(width_at, below_start, below), threads);
+  const int kept = interface ? blocks - interior + 1 : 0;
+  fronts_ = std::make_unique<Fronts>(FrontTree(width_at, below_start, below, kept), threads, kept > 0);
+}
+
+Eigen::MatrixXd ReducedSystem::block(int a, int b) const {
+  if (position_[a] < position_[b]) return block(b, a).transpose();
+  const auto [front, r, c] = tree().position(position_[a], position_[b]);
+  const int rows = tree().width(position_[a]), columns = tree().width(position_[b]), height = tree().fronts()[front].height;
+  Eigen::MatrixXd m = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>(fronts_->at(front, r, c), rows, columns,
+                                                                                 Eigen::OuterStride<>(height));
+  if (a == b) m.triangularView<Eigen::StrictlyUpper>() = m.transpose();
+  return m;
 }
 
 void ReducedSystem::add_diagonal(const Eigen::VectorXd& d) {

@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
 // Holds the reduced system: the lower half of a symmetric matrix of small blocks and a dense border, in a fill-reducing order,
-// kept where its factor will stand (fronts.h).
+// kept where its factor will stand (fronts.h). With an interface it is that of a part of a problem: blocks of the interface,
+// which other parts meet too, and the border come last and are left by the factorisation, condensed.
 #pragma once
 
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "sparse/fronts.h"
@@ -16,9 +18,10 @@ namespace hullrecon {
 class ReducedSystem {
  public:
   // width: of each block. neighbours[start[b], start[b + 1]): the blocks that b meets, both ways, itself left out; the border
-  // meets all. Of AMD and METIS the order with fewer nonzeros is taken.
+  // meets all. Of AMD and METIS the order with fewer nonzeros is taken. interface: blocks, in the order in which they stand
+  // before the border; none: nothing is left by the factorisation.
   ReducedSystem(std::vector<int> width, int border, const std::vector<int64_t>& start, const std::vector<int32_t>& neighbours,
-                int threads);
+                int threads, const std::optional<std::vector<int>>& interface = {});
 
   const FrontTree& tree() const { return fronts_->tree(); }
   int size() const { return offset(static_cast<int>(position_.size()) - 1) + border_; }
@@ -46,7 +49,21 @@ class ReducedSystem {
   void add_diagonal(const Eigen::VectorXd& d);
 
   bool factor() { return fronts_->factor(); }  // false: not positive definite. The matrix is gone then.
-  void solve(Eigen::VectorXd& x) { fronts_->solve(x); }
+  void solve(Eigen::VectorXd& x) { forward(x), backward(x); }
+
+  // Of a part: its solution in halves, between which the interface's is put into x (fronts.h).
+  void forward(Eigen::VectorXd& x) { fronts_->forward(x); }
+  void backward(Eigen::VectorXd& x) { fronts_->backward(x); }
+  int interior() const { return tree().offset(tree().fronts().back().first); }  // scalars before interface and border
+  // Information that factor() leaves on interface and border, its lower half.
+  Eigen::Map<Eigen::MatrixXd> condensed() {
+    const int size = tree().fronts().back().size;
+    return {fronts_->at(static_cast<int>(tree().fronts().size()) - 1, 0, 0), size, size};
+  }
+
+  // Of a factor: its matrix's inverse, read by block. Of a part condensed() has to hold that of interface and border.
+  void invert() { fronts_->invert(); }
+  Eigen::MatrixXd block(int a, int b) const;  // (width of a, width of b), where the factor has an entry
 
  private:
   template <class Product>

@@ -3,6 +3,7 @@
 #include "sparse/fronts.h"
 
 #include <Eigen/Dense>
+#include <optional>
 #include <random>
 
 #include "expect.h"
@@ -28,14 +29,14 @@ struct Graph {
     if (a == b || std::count(meets[a].begin(), meets[a].end(), b)) return;
     meets[a].push_back(b), meets[b].push_back(a);
   }
-  ReducedSystem reduced(int threads) const {
+  ReducedSystem reduced(int threads, const std::optional<std::vector<int>>& interface = {}) const {
     std::vector<int64_t> start{0};
     std::vector<int32_t> all;
     for (const auto& others : meets) {
       all.insert(all.end(), others.begin(), others.end());
       start.push_back(static_cast<int64_t>(all.size()));
     }
-    return ReducedSystem(width, border, start, all, threads);
+    return ReducedSystem(width, border, start, all, threads, interface);
   }
 };
 
@@ -143,4 +144,60 @@ TEST_CASE("rows and columns of each front lie on the elimination tree") {
     for (int child : tree.children(f)) CHECK(tree.fronts()[child].parent == f);
   }
   CHECK(columns == reduced.size());
+}
+
+TEST_CASE("a part leaves the Schur complement on its interface and border") {
+  for (const std::vector<int>& interface : {std::vector<int>{}, {7}, {55, 3, 20}, {0, 1, 2, 3, 4, 5, 6, 7, 8}}) {
+    for (int border : {0, 12}) {
+      const Graph graph(60, border, 90, 4);
+      ReducedSystem part = graph.reduced(2, interface);
+      const Eigen::MatrixXd dense = fill(graph, part, 4.0 * part.size());
+      const int inner = part.interior(), outer = part.size() - inner;
+      for (size_t k = 0; k < interface.size(); ++k) CHECK(part.offset(interface[k]) >= inner);
+      Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(part.size(), -1, 1);
+      const Eigen::VectorXd b = x;
+      REQUIRE(part.factor());
+      const Eigen::MatrixXd gain = dense.bottomLeftCorner(outer, inner) * dense.topLeftCorner(inner, inner).inverse();
+      const Eigen::MatrixXd expected = dense.bottomRightCorner(outer, outer) - gain * dense.topRightCorner(inner, outer);
+      const Eigen::MatrixXd left = part.condensed().selfadjointView<Eigen::Lower>();
+      CHECK((left - expected).norm() <= 1e-12 * dense.norm());
+      part.forward(x);
+      CHECK((x.tail(outer) - (b.tail(outer) - gain * b.head(inner))).norm() <= 1e-12 * b.norm());
+      x.tail(outer) = expected.ldlt().solve(Eigen::VectorXd(x.tail(outer)));
+      part.backward(x);
+      CHECK((dense * x - b).norm() < 1e-12 * b.norm());
+    }
+  }
+}
+
+TEST_CASE("an interface of which no block stands alone keeps the others' order") {
+  const Graph graph(40, 5, 60, 8);
+  const ReducedSystem part = graph.reduced(1, std::vector<int>{12, 30, 2});
+  CHECK(part.offset(12) < part.offset(30));
+  CHECK(part.offset(30) < part.offset(2));
+  CHECK(part.offset(2) < part.offset(40));  // the border
+  CHECK(part.tree().fronts().back().size == graph.width[12] + graph.width[30] + graph.width[2] + 5);
+}
+
+TEST_CASE("the inverse on the factor's pattern is the dense one, of a whole and of a part") {
+  for (const std::optional<std::vector<int>>& interface :
+       {std::optional<std::vector<int>>{}, {std::vector<int>{}}, {std::vector<int>{31, 8, 50}}}) {
+    const Graph graph(60, 7, 90, 4);
+    ReducedSystem reduced = graph.reduced(2, interface);
+    const Eigen::MatrixXd expected = fill(graph, reduced, 4.0 * reduced.size()).inverse();
+    REQUIRE(reduced.factor());
+    const int outer = reduced.size() - reduced.interior();
+    if (interface) reduced.condensed() = expected.bottomRightCorner(outer, outer);
+    reduced.invert();
+    const auto compare = [&](int a, int b, int columns) {
+      const Eigen::MatrixXd got = reduced.block(a, b);
+      CHECK((got - expected.block(reduced.offset(a), reduced.offset(b), graph.width[a], columns)).norm() <
+            1e-12 * expected.norm());
+    };
+    for (int a = 0; a < 60; ++a) {
+      compare(a, a, graph.width[a]);
+      compare(a, 60, 7);
+      for (int b : graph.meets[a]) compare(a, b, graph.width[b]);
+    }
+  }
 }

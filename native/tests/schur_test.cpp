@@ -84,6 +84,30 @@ TEST_CASE("a damped step solves the dense normal equations, whatever is held") {
   }
 }
 
+TEST_CASE("a step in halves is the whole one, whatever stays on the interface") {
+  for (const auto& held : held_sets()) {
+    SmallProblem problem(held);
+    Model model(problem.tables, Options{});
+    model.refresh(false);
+    Schur whole(model);
+    const int node = whole.layout().node(1);
+    for (const std::vector<int>& interface : {std::vector<int>{}, {2}, {3, 0, 1}, {4, whole.layout().nodes() > 0 ? node : 0}}) {
+      Schur part(model, interface);
+      whole.linearise(), part.linearise();
+      StepVector expected, step, damping = constant(part, 1.0);
+      REQUIRE(whole.step(constant(whole, 1.0), expected));
+      REQUIRE(part.condense(damping));
+      const int outer = static_cast<int>(damping.reduced.size()) - part.interior();
+      const Eigen::MatrixXd left = part.condensed().selfadjointView<Eigen::Lower>();
+      step.reduced.resize(damping.reduced.size());
+      step.reduced.tail(outer) = -left.ldlt().solve(Eigen::VectorXd(part.condensed_gradient()));
+      REQUIRE(part.finish(step));
+      const Eigen::VectorXd got = by_columns(model, part, step), want = by_columns(model, whole, expected);
+      CHECK(largest(got - want) < 1e-9 * largest(want));
+    }
+  }
+}
+
 TEST_CASE("a second step from one point forgets the first, and threads change nothing") {
   std::vector<Eigen::VectorXd> steps;
   for (int threads : {1, 2, 5}) {

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// A problem in parts that share blocks: poses, nodes of the field, planes, switches, and all globals. Each part eliminates what
+// is its own, landmarks included. What they leave on shared blocks and globals is summed and solved, so a step is that of the
+// whole problem, whatever the parts are (docs/schur.md, *Parts*). Every factor and prior belongs to one part alone.
+//
+// Sums over parts have the order of the parts: the bytes depend on the parts and not on who computes them.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "solve/least_squares.h"
+
+namespace hullrecon {
+
+// A block that several parts hold.
+struct SharedBlock {
+  int block;   // of a part's model, a free one that is neither a landmark nor a global
+  int number;  // among the blocks that are shared, the same in every part
+};
+
+struct ProblemPart {
+  Model* model;
+  std::vector<SharedBlock> shared;
+};
+
+class JoinedProblem final : public LeastSquares {
+ public:
+  // Throws InputError where parts do not fit together.
+  explicit JoinedProblem(const std::vector<ProblemPart>& parts);
+  ~JoinedProblem() override;
+
+  void refresh(bool trial) override;
+  std::optional<Costs> cost() override;
+  void linearise() override;
+  void scale() override;
+  std::optional<double> step(double radius) override;
+  Lengths move() override;
+  void accept() override;
+  void take_back() override;
+  void describe(IterationRow& row) override;
+  double gradient_norm() override;
+  void end() override;
+  Schur::Seconds seconds() const override;
+
+ private:
+  struct Part;
+  void number_shared(const std::vector<ProblemPart>& parts);
+  void place(Part& part);
+  void count_once();
+  void join(Part& part);
+  double model_change() const;
+  Eigen::VectorXd of_part(const Part& part, const Eigen::VectorXd& of_top) const;
+
+  std::vector<std::unique_ptr<Part>> parts_;
+  std::array<int, kGlobals> column_;    // first of a global in the border; -1: held in every part
+  std::unique_ptr<ReducedSystem> top_;  // of shared blocks and border
+  int shared_ = 0, border_ = 0;
+  Eigen::VectorXd gradient_, diagonal_, scale_, damping_, step_;  // of these, as top_ orders them
+};
+
+}  // namespace hullrecon

@@ -1,0 +1,164 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A problem in parts takes the steps of the whole, whatever the parts are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from native.splitting import Split
+
+from benchmarks.problems import make
+from benchmarks.survey import Size
+from hullrecon.errors import InputError, StageError
+from hullrecon.native import Options, RangeTable, SparseRows, SurfaceTable, covariance, solve
+from hullrecon.native.parts import Part, PartsResult, covariance_parts, solve_parts
+
+FREE = ("T_ct_cb", "T_s_d", "navigation", "intrinsics_top", "intrinsics_bottom")
+
+
+def place(split: Split, found: PartsResult, name: str) -> np.ndarray:
+    """Unknowns of the parts, where they stand in the whole."""
+    rows = {"pose": split.poses, "landmark": split.landmarks, "deviation": split.nodes}[name]
+    out = np.full_like(getattr(split.problem.unknowns, name), np.nan)
+    for part, at in zip(found.parts, rows, strict=True):
+        out[at] = getattr(part.unknowns, name)
+    return out
+
+
+def expect_the_same(problem, owner, options: Options) -> PartsResult:
+    whole = solve(problem, options)
+    split = Split(problem, owner)
+    found = solve_parts(split.parts(), options)
+    record, one = found.iterations, whole.iterations
+    assert len(record.cost) == len(one.cost)
+    assert (found.message, found.converged) == (whole.message, whole.converged)
+    np.testing.assert_array_equal(record.accepted, one.accepted)
+    np.testing.assert_allclose(record.cost, one.cost, rtol=1e-10)
+    for name in ("on_surface", "label_changes", "rays_missed"):
+        np.testing.assert_array_equal(getattr(record, name), getattr(one, name), err_msg=name)
+    for name in ("pose", "landmark", "deviation"):
+        got = place(split, found, name)
+        np.testing.assert_allclose(got, getattr(whole.unknowns, name), rtol=0, atol=1e-9)
+    for name in ("T_g_M", "T_s_ct", "T_s_d", "navigation"):
+        for part in found.parts:
+            np.testing.assert_allclose(
+                getattr(part.unknowns, name), getattr(whole.unknowns, name), rtol=0, atol=1e-9
+            )
+    return found
+
+
+@pytest.fixture(scope="module")
+def side():
+    """Four legs along a ship's side, and the stripe along it of each pose."""
+    problem = make(Size(poses=160, imaged=150, landmarks=1200, stereo=True, legs=4))
+    along = problem.unknowns.pose[:, :2] @ [np.cos(0.7), np.sin(0.7)]
+    return problem, np.argsort(np.argsort(along)) * 8 // len(along)
+
+
+@pytest.mark.parametrize("parts", [1, 2, 8])
+def test_parts_of_a_side_take_the_steps_of_the_whole(side, parts):
+    problem, stripe = side
+    found = expect_the_same(problem, stripe * parts // 8, Options(threads=2))
+    assert found.iterations.accepted.sum() > 4
+
+
+@pytest.mark.parametrize("held", [(), FREE])
+def test_parts_with_a_deviation_field_take_the_steps_of_the_whole(make_survey, held):
+    draft = make_survey(poses=12, landmarks=80, pixel_noise=0.5)
+    nodes, rng = 6, np.random.default_rng(3)
+    draft.unknowns.deviation = np.zeros(nodes)
+    for table in (draft.ranges, draft.surface):
+        rows = len(table.measured if table is draft.ranges else table.weight)
+        table.field.index = rng.integers(0, nodes, (rows, 4)).astype(np.int32)
+        table.field.weight = np.full((rows, 4), 0.25)
+    draft.priors.deviation = SparseRows(
+        start=np.arange(nodes + 1, dtype=np.int32),
+        index=np.arange(nodes, dtype=np.int32),
+        value=np.full(nodes, 50.0),
+    )
+    draft.unknowns.pose[:, :3] += 0.01 * rng.normal(size=(12, 3))
+    owner = np.repeat(np.arange(3), 4)
+    expect_the_same(replace(draft.build(), constant=held), owner, Options())
+
+
+def test_the_order_of_parts_changes_nothing_that_matters(side):
+    problem, stripe = side
+    one = Split(problem, stripe)
+    other = Split(problem, np.random.default_rng(4).permutation(8)[stripe])
+    first, second = (solve_parts(split.parts(), Options()) for split in (one, other))
+    assert len(first.iterations.cost) == len(second.iterations.cost)
+    np.testing.assert_allclose(
+        place(one, first, "pose"), place(other, second, "pose"), rtol=0, atol=1e-9
+    )
+
+
+def test_parts_repeat_their_bytes_on_any_number_of_threads(side):
+    problem, stripe = side
+    parts = Split(problem, stripe // 2).parts()
+    one, two = (
+        solve_parts(parts, Options(threads=threads, max_iterations=4)) for threads in (1, 3)
+    )
+    np.testing.assert_array_equal(one.iterations.cost, two.iterations.cost)
+    for here, there in zip(one.parts, two.parts, strict=True):
+        assert here.unknowns.pose.tobytes() == there.unknowns.pose.tobytes()
+        assert here.unknowns.landmark.tobytes() == there.unknowns.landmark.tobytes()
+
+
+@pytest.mark.parametrize("parts", [1, 8])
+def test_marginals_of_parts_are_those_of_the_whole(side, parts):
+    problem, stripe = side
+    # The side is so plain that the prior alone tells its place along the hull. Half a metre of that
+    # beside tenths of a millimetre leaves eight digits to either way of inverting.
+    guess = problem.priors.T_g_M
+    near = replace(guess, sqrt_information=50 * guess.sqrt_information)
+    problem = replace(problem, priors=replace(problem.priors, T_g_M=near))
+    problem = problem.started_from(solve(problem).unknowns)
+    whole, split = covariance(problem), Split(problem, stripe * parts // 8)
+    found = covariance_parts(split.parts())
+    hull = sigmas(whole.T_g_M)
+    for part, poses, landmarks in zip(found, split.poses, split.landmarks, strict=True):
+        for name, rows in (("pose", poses), ("landmark", landmarks)):
+            want, cross = getattr(whole, name)[rows], getattr(whole, f"{name}_T_g_M")[rows]
+            expect_close(getattr(part, name), want, sigmas(want), sigmas(want))
+            expect_close(getattr(part, f"{name}_T_g_M"), cross, sigmas(want), hull)
+        expect_close(part.T_g_M, whole.T_g_M, hull, hull)
+        expect_close(part.T_s_ct, whole.T_s_ct, sigmas(whole.T_s_ct), sigmas(whole.T_s_ct))
+    for kind, leverage in whole.leverage_by_factor.items():
+        np.testing.assert_allclose(
+            sum(part.leverage_by_factor[kind] for part in found), leverage, rtol=1e-8, atol=1e-8
+        )
+
+
+def sigmas(covariance):
+    return np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
+
+
+def expect_close(got, want, first, second):
+    """Equal to 1e-9 as correlations."""
+    assert (np.abs(got - want) <= 1e-9 * first[..., :, None] * second[..., None, :]).all()
+
+
+def test_what_no_part_determines_is_refused(side):
+    problem, stripe = side
+    free = replace(problem, priors=replace(problem.priors, T_g_M=None), ranges=RangeTable())
+    free = replace(free, surface=SurfaceTable())
+    with pytest.raises(StageError, match="undetermined"):
+        covariance_parts(Split(free, stripe // 4).parts())
+
+
+@pytest.mark.parametrize(
+    "shared", [np.array([[99999, 0]]), np.array([[0, -1]]), np.array([[0, 0], [0, 1]])]
+)
+def test_blocks_that_cannot_be_shared_are_refused(side, shared):
+    part = Part(problem=side[0], shared_poses=shared.astype(np.int32))
+    with pytest.raises(InputError, match="part"):
+        solve_parts([part], Options())
+
+
+def test_a_number_that_no_part_has_is_refused(side):
+    part = Part(problem=side[0], shared_poses=np.array([[3, 1]], np.int32))
+    with pytest.raises(InputError, match="no part has shared block 0"):
+        solve_parts([part], Options())
