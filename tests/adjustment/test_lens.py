@@ -17,6 +17,7 @@ from hullrecon.adjustment.problem.lens import (
     estimate_lens_sigma,
     free_lenses,
     lens_modes,
+    lens_warnings,
     mode_shares,
     summarise_lenses,
 )
@@ -263,3 +264,14 @@ def test_a_lens_that_is_said_to_be_exact_is_held() -> None:
     one = free_lenses(problem, m, np.array([0.1, 0.0]))
     assert "lens_bottom" in one.constant
     assert "lens_top" not in one.constant
+
+
+def test_a_lens_is_warned_of_beyond_its_calibrations_sigma_and_its_own() -> None:
+    def warnings(displacement_px: float, sigma_px: float) -> list[str]:
+        found = {"displacement_px": displacement_px, "sigma_px": sigma_px}
+        return lens_warnings({"top": {**found, "calibration_sigma_px": 0.1}})
+
+    (line,) = warnings(0.36, 0.07)
+    assert "the top camera's lens 0.36 ± 0.07 px (rms) off its calibration, 4 times" in line
+    assert warnings(0.2, 0.01) == []  # two sigmas of the calibration
+    assert warnings(0.36, 0.2) == []  # not known well enough to say

@@ -8,6 +8,7 @@ does not average out as their noise does. Pixel p sees what the calibration puts
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -130,6 +131,23 @@ def summarise_lenses(rig: Rig, found: Array, marginals: native.Covariance) -> di
                 "calibration_sigma_px": rig.priors.calibration_sigma_px[camera.column],
             }
     return out
+
+
+def lens_warnings(lenses: Mapping[str, Mapping[str, float]]) -> list[str]:
+    """Warn of each lens that the images show farther off its calibration than a prior follows.
+
+    lenses: as of `summarise_lenses`.
+    """
+    return [
+        f"The images fit with the {camera} camera's lens {found['displacement_px']:.2f} ± "
+        f"{found['sigma_px']:.2f} px (rms) off its calibration, "
+        f"{found['displacement_px'] / found['calibration_sigma_px']:.0f} times "
+        f"camera.{camera}.calibration_sigma_px: its calibration does not hold. What the images "
+        "tell of that was taken out."
+        for camera, found in lenses.items()
+        if found["displacement_px"]
+        > MOST_CALIBRATIONS * max(found["calibration_sigma_px"], found["sigma_px"])
+    ]
 
 
 def _legendre(at: Array) -> Array:

@@ -108,6 +108,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
             *([] if untied is None else [untied]),
             *([] if disagreement is None else [disagreement]),
             *intrinsics.intrinsics_warnings(seen_with),
+            *lens.lens_warnings(lenses),
             *([] if stereo is None else [stereo]),
             *_unexpected_errors(m, adjusted, marginals),
             *explained_as_well(adjusted.verdict.suspects),
