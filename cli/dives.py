@@ -46,6 +46,16 @@ def jobs_option(what: str) -> Callable[[Command], Command]:
     )
 
 
+def memory_option(command: Command) -> Command:
+    """Add --memory to a command."""
+    text = (
+        "GB that a run may take; a dive that needs more is refused  [default: half the machine's]"
+    )
+    return click.option(
+        "--memory", "memory_gb", type=click.FloatRange(min=0, min_open=True), help=text
+    )(command)
+
+
 def set_option(command: Command) -> Command:
     """Add --set to a command."""
     text = "use this value instead of that of dive.toml; may be repeated"

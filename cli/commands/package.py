@@ -12,7 +12,14 @@ import click
 
 from hullrecon.errors import HullreconError, InputError
 
-from ..dives import CONFIGURATION, FOLDER, allow_outside_option, name_overrides, set_option
+from ..dives import (
+    CONFIGURATION,
+    FOLDER,
+    allow_outside_option,
+    memory_option,
+    name_overrides,
+    set_option,
+)
 from ..state import state_of
 
 
@@ -48,8 +55,11 @@ def init(log: Path, out: Path | None, force: bool, allow_outside: bool) -> None:
 @click.command("check")
 @click.argument("package", type=FOLDER)
 @set_option
+@memory_option
 @allow_outside_option
-def check_of_package(package: Path, overrides: tuple[str, ...], allow_outside: bool) -> None:
+def check_of_package(
+    package: Path, overrides: tuple[str, ...], memory_gb: float | None, allow_outside: bool
+) -> None:
     """Describe what PACKAGE holds, or a bare log, and what is missing for a run.
 
     Exits with 0 only when a run is possible, else with 3.
@@ -70,6 +80,7 @@ def check_of_package(package: Path, overrides: tuple[str, ...], allow_outside: b
         loaded,
         allow_outside=allow_outside,
         trusted_keys=[text.partition("=")[0].strip() for text in overrides],
+        memory_gb=memory_gb,
         progress=choose_progress(),
     )
     state_of().emit(found.document(), found.lines())

@@ -23,6 +23,7 @@ _COMMON = (
     "from_scratch",
     "read_data",
     "jobs",
+    "memory_gb",
     "scheduler",
     "wait_s",
 )  # as run_options adds them

@@ -144,6 +144,7 @@ def run(
     from_scratch: bool = False,
     read_data: bool = False,
     wait_s: float = 0.0,
+    memory_gb: float | None = None,
     allow_outside: bool = False,
     progress: Progress | None = None,
     raise_failure: bool = True,
@@ -166,6 +167,9 @@ def run(
         Read every byte that a step depends on instead of trusting sizes and times.
     wait_s
         How long to wait for another run on this dive.
+    memory_gb
+        How much memory a run may take, half of the machine's if None. A dive that is predicted to
+        take more is refused once its package is read.
     progress
         Shows how far each step is, nothing if None.
     raise_failure
@@ -190,13 +194,15 @@ def run(
         jobs = usable_cores()
     with choose_executor(jobs or 1, scheduler) as executor:
         hashes = dive.workspace.hashes(trusting=not read_data)
+        to_do: list[str] = []
         outcomes = run_chain(
             dive.chain if last_step is None else dive.chain.up_to(last_step),
             dive.workspace,
             RunContext(hashes, executor, progress or Progress()),
             from_scratch=from_scratch,
             wait_s=wait_s,
-            preflight=lambda plan: _check_before_run(dive, plan, jobs),
+            preflight=lambda plan: to_do.extend(_check_before_run(dive, plan, jobs)),
+            before={"navigate": lambda: _refuse_costs(dive, to_do, memory_gb)},
             keep_going=True,
         )
     result = RunResult(dive=dive, outcomes=tuple(outcomes))
@@ -221,8 +227,10 @@ def _warn_of_defaults(dive: DiveRun) -> None:
             log.warning("%s", finding.sentence)
 
 
-def _check_before_run(dive: DiveRun, plan: Sequence[StepStatus], jobs: int | None) -> None:
+def _check_before_run(dive: DiveRun, plan: Sequence[StepStatus], jobs: int | None) -> list[str]:
     """Log what is to be done, and detect early what would end the run later.
+
+    Returns the steps to do.
 
     Raises InputError for a `hull.bow` that the CAD model does not have and a `hull.pose` far from
     the dive, which steps only use after hours of comparing images. Raises StorageError if the disk
@@ -237,12 +245,32 @@ def _check_before_run(dive: DiveRun, plan: Sequence[StepStatus], jobs: int | Non
         _refuse_wrong_hull(dive)
     manifests = [step.manifest for step in to_do if step.manifest is not None]
     needed = sum(file.size for manifest in manifests for file in manifest.outputs.values())
+    _refuse_full_disk(dive, needed, "the last run's artifacts took")
+    return [step.stage.name for step in to_do]
+
+
+def _refuse_costs(dive: DiveRun, steps: Sequence[str], memory_gb: float | None) -> None:
+    """Log what the steps to do cost, by the size of the dive, and refuse what does not fit.
+
+    Raises InputError as `check` would for too little memory, StorageError for too little disk.
+    """
+    from hullrecon.api.costs import findings_of, predict, size_of_run
+
+    costs = predict(size_of_run(dive.workspace.root), steps)
+    for finding in findings_of(costs, memory_gb):
+        if finding.severity == "error":
+            raise InputError(finding.sentence)
+        log.info("%s: %s", dive.name, finding.sentence)
+    _refuse_full_disk(dive, 1e6 * sum(cost.disk_mb for cost in costs), "the artifacts take about")
+
+
+def _refuse_full_disk(dive: DiveRun, needed: float, why: str) -> None:
     free = shutil.disk_usage(dive.workspace.root).free
     if needed > free:
         raise StorageError(
             f"only {free / 1e6:.0f} MB are free",
             where=str(dive.workspace.root),
-            remedy=f"the last run's artifacts took {needed / 1e6:.0f} MB: free some space, or"
+            remedy=f"{why} {needed / 1e6:.0f} MB: free some space, or"
             " choose another folder with --runs",
         )
 

@@ -6,9 +6,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
+from hullrecon.api.costs import findings_of, predict, size_of
+from hullrecon.artifacts.chain import Chain
 from hullrecon.artifacts.disk import storage_errors, write_file
 from hullrecon.artifacts.progress import Progress
 from hullrecon.artifacts.stage import StageSettings
@@ -18,6 +21,7 @@ from hullrecon.dive.config.load import FILE, LoadedConfig, load_config
 from hullrecon.dive.init.log_summary import LogSummary, guess_topics, summarise_logs
 from hullrecon.dive.init.proposals import missing_calibrations, questions
 from hullrecon.dive.init.template import fill_template
+from hullrecon.dive.logs.read_streams import Watch
 from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.package_files import check_files, check_log, lies_inside
 from hullrecon.errors import InputError, UsageError
@@ -116,25 +120,26 @@ def check_loaded(
     *,
     allow_outside: bool = False,
     trusted_keys: Sequence[str] = (),
+    memory_gb: float | None = None,
     progress: Progress | None = None,
 ) -> PackageCheck:
     """Check the package of a configuration.
 
-    `trusted_keys`: keys that the package did not set, whose files may lie outside.
+    `trusted_keys`: keys that the package did not set, whose files may lie outside. `memory_gb`: as
+    for `hullrecon.run`.
     """
     check_files(loaded, allow_outside=allow_outside, trusted_keys=trusted_keys)
     request = request_of(StageSettings(STAGE.name, {name: loaded.value(name) for name in USES}))
-    if progress is None:
-        return check_package(
-            loaded, request, check_images=describe_rig_problem, check_sensors=describe_sensors
-        )
-    return check_package(
-        loaded,
-        request,
-        lambda messages: progress.track(messages, "check: messages", None),
-        describe_rig_problem,
-        describe_sensors,
-    )
+    watch: Watch = iter
+    if progress is not None:
+        watch = partial(progress.track, label="check: messages", total=None)
+    checked = check_package(loaded, request, watch, describe_rig_problem, describe_sensors)
+    if checked.reasons:
+        return checked
+    found, chain = checked.found, Chain(stages(), loaded.sections, loaded.package)
+    size = size_of(found.images, found.cameras, found.records.sonar)
+    steps = [stage.name for stage in chain.stages if stage.name not in chain.skip_reasons()]
+    return replace(checked, costs=findings_of(predict(size, steps), memory_gb))
 
 
 def summarise(path: Path | str, *, allow_outside: bool = False) -> LogSummary:

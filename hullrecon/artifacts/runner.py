@@ -85,6 +85,7 @@ def run_chain(
     from_scratch: bool = False,
     wait_s: float = 0.0,
     preflight: Preflight | None = None,
+    before: Mapping[str, Callable[[], None]] | None = None,
     keep_going: bool = False,
 ) -> list[StepOutcome]:
     """Bring every step of the chain up to date, and publish the deliverables.
@@ -95,6 +96,8 @@ def run_chain(
         How long to wait for another run on this workspace.
     preflight
         Called with the status of every step before anything is done. Its error ends the run.
+    before
+        Called before the step of that name, once those before it are up to date. As preflight.
     keep_going
         A step that fails alone leaves its failure in its outcome, and the other steps go on.
 
@@ -123,7 +126,7 @@ def run_chain(
             if preflight is not None:
                 preflight(assess_chain(chain, workspace, run_context.hashes))
             run_context = replace(run_context, is_held=is_held)
-            return _run_all(chain, workspace, run_context, from_scratch, keep_going)
+            return _run_all(chain, workspace, run_context, from_scratch, keep_going, before or {})
         except Exception:
             if is_held() and workspace.delivery.withdraw():
                 withdrawn = workspace.delivery.withdrawn
@@ -140,6 +143,7 @@ def _run_all(
     run_context: RunContext,
     from_scratch: bool,
     keep_going: bool,
+    before: Mapping[str, Callable[[], None]],
 ) -> list[StepOutcome]:
     skipped, failures = chain.skip_reasons(), dict[str, str]()
     hashes, done = run_context.hashes, list[StepOutcome]()
@@ -158,6 +162,8 @@ def _run_all(
             status = StepStatus(stage=stage, state="skipped", reasons=(why_not,))
             done.append(StepOutcome(status, False, None))
             continue
+        if stage.name in before:
+            before[stage.name]()
         inputs = inputs_of(stage, chain, workspace, {**skipped, **failures})
         job = make_job(stage, chain.sections, inputs, chain.package, hashes, failures)
         watch.begin(job)

@@ -171,7 +171,35 @@ def _unused(reason: str) -> str:
     return "a run would not use {topics}: " + reason
 
 
+def _costs(
+    seconds: float, memory_mb: float, step: str, disk_mb: float, steps: Sequence[object]
+) -> str:
+    return (
+        f"a run takes about {_duration(seconds)} on two cores, {_amount(memory_mb)} of memory "
+        f"({step}) and {_amount(disk_mb)} of disk"
+    )
+
+
+def _over_memory(step: str, needed_gb: float, allowed_gb: float, least_gb: float) -> str:
+    parts = ", or map a part of the dive (dive.from, dive.to)" if least_gb < allowed_gb else ""
+    return (
+        f"{step} needs about {needed_gb:.2g} GB of memory, and a run may take {allowed_gb:.2g} GB: "
+        f"give it more with --memory{parts}"
+    )
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+
+
+def _amount(megabytes: float) -> str:
+    return f"{megabytes:.0f} MB" if megabytes < 950 else f"{megabytes / 1000:.1f} GB"
+
+
 ERRORS: dict[str, Words] = {
+    "memory-over-budget": _over_memory,
     "file-missing": "missing: {file} ({key})",
     "unusable": _unusable,
     "needs-attitude": "missing: an IMU with attitude, for the DVL's velocities",
@@ -202,6 +230,7 @@ WARNINGS: dict[str, Words] = {
     "what changed",
 }
 NOTES: dict[str, Words] = {
+    "run-costs": _costs,
     "sensor-absent": _absent,
     "mount-of-log": _mount,
     "bow": _bow,

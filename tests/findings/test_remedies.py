@@ -22,6 +22,7 @@ ADVICE = re.compile(
 )
 # By code: the test that applies it
 APPLIED = {
+    "memory-over-budget": "api/test_costs.py::test_a_dive_over_its_memory_is_refused_until_it_fits",
     "dvl-without-velocity": "dive/check/test_package_check.py::"
     "test_a_dvl_without_any_velocity_is_in_the_way_of_a_run",
     "hull-unmeasured": "steps/test_navigate.py::test_path_is_reckoned_without_any_range",

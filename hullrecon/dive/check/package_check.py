@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Set
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import msgspec
@@ -83,6 +83,7 @@ class PackageCheck:
     regions: list[Finding]  # how much hull each of dive.toml holds
     mounts: list[Finding]  # those that the log gave
     defaults: dict[str, object]  # keys left at their default, with the value used
+    costs: list[Finding] = field(default_factory=list)  # of a run: time, memory, disk
     suspects: list[dict[str, object]]  # what may be wrong with a sensor, and how much it explains
 
     @property
@@ -93,6 +94,7 @@ class PackageCheck:
             *(*found.spans, *self.start_offset, *found.hull_notes, *self.bow, *self.regions),
             *(*self.missing_files, *self.unusable, *self.needs, *found.lost, *found.notes),
             *(*self.mounts, *found.unused, *self.missing, *self.to_fill_in, *self.warnings),
+            *self.costs,
         ]
 
     @property
@@ -131,6 +133,7 @@ class PackageCheck:
             *(f"note: {line}" for line in sentences(notes)),
             *sentences((*self.missing, *self.to_fill_in)),
             *(f"warning: {line}" for line in sentences(self.warnings)),
+            *sentences(self.costs),
             f"defaults used: {defaults}",
             f"verdict: {self.verdict}",
         ]

@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What each step costs, from finished runs:
+
+    python -m benchmarks.step_costs RUN... [--json hullrecon/api/step_costs.json]
+
+RUN is the folder of a run (RUNS/<dive>) whose every step was made on this machine. For each step a
+fixed part and one that grows with the dive are fitted to its manifests: seconds, peak memory (of
+the process and of one worker a core) and disk. Prints the table by which `check` and `run` predict,
+with the worst ratio of prediction to measurement.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from hullrecon.api.costs import QUANTITIES, fit_line, size_of_run
+from hullrecon.steps.chain import NAMES
+
+PINGS = frozenset({"mosaic-sonar"})  # all others grow with the images
+
+
+def measured(folder: Path) -> dict[str, float] | None:
+    """Read what a step took. None if the run lacks it."""
+    path = folder / "manifest.json"
+    if not path.exists():
+        return None
+    manifest = json.loads(path.read_text(encoding="utf-8"))
+    run = manifest["run"]
+    workers = run["host"]["cores"] * run["workers_peak_rss_bytes"]
+    return {
+        "seconds": run["seconds"],
+        "memory_mb": (run["peak_rss_bytes"] + workers) / 1e6,
+        "disk_mb": sum(file["size"] for file in manifest["outputs"].values()) / 1e6,
+    }
+
+
+def table(runs: list[Path]) -> dict[str, object]:
+    """Fit the table of all steps."""
+    sizes = [size_of_run(run) for run in runs]
+    steps, worst = {}, dict.fromkeys(QUANTITIES, 1.0)
+    for name in NAMES:
+        grows_with = "pings" if name in PINGS else "megapixels"
+        spent = [measured(run / name) for run in runs]
+        known = [(getattr(z, grows_with), m) for z, m in zip(sizes, spent, strict=True) if m]
+        if not known:
+            continue
+        grown = [size for size, _ in known]
+        row: dict[str, object] = {"grows_with": grows_with}
+        for quantity in QUANTITIES:
+            values = [m[quantity] for _, m in known]
+            fixed, slope = fit_line(grown, values)
+            row[quantity] = [float(f"{fixed:.3g}"), float(f"{slope:.3g}")]
+            for size, value in zip(grown, values, strict=True):
+                ratio = (fixed + slope * size) / value
+                worst[quantity] = max(worst[quantity], ratio, 1 / ratio)
+        steps[name] = row
+    return {
+        "runs": [{"megapixels": s.megapixels, "pings": s.pings} for s in sizes],
+        "worst_ratio": {name: round(ratio, 2) for name, ratio in worst.items()},
+        "steps": steps,
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("runs", nargs="+", type=Path, metavar="RUN")
+    parser.add_argument("--json", type=Path, help="write the table to this file")
+    given = parser.parse_args()
+    text = json.dumps(table(given.runs), indent=1) + "\n"
+    print(text, end="")
+    if given.json is not None:
+        given.json.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

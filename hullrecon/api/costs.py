@@ -1,0 +1,146 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Predict what a run costs: time, memory and disk of each step, from the size of the dive.
+
+Each is a fixed part and one that grows with the dive, as measured on finished runs. The table is
+step_costs.json, which `python -m benchmarks.step_costs RUN... --json FILE` writes anew. It knows
+neither this machine's speed nor how much of the images overlaps, so what it says is "about".
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.findings.finding import Finding
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.records.sensors import ImageIndex, SonarPings
+from hullrecon.steps.artifacts import IngestArtifact
+
+TABLE = "step_costs.json"
+QUANTITIES = ("seconds", "memory_mb", "disk_mb")
+DEFAULT_SHARE = 0.5  # of the machine's memory, for a run
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiveSize:
+    """What the cost of a dive grows with."""
+
+    megapixels: float  # of all images of all cameras
+    pings: int  # of the imaging sonar
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepCost:
+    """About what a step takes."""
+
+    step: str
+    seconds: float
+    memory_mb: float  # peak of the process and its workers, one a core
+    disk_mb: float  # of its artifact
+
+
+def size_of(
+    images: Mapping[str, ImageIndex], cameras: Mapping[str, CameraModel], sonar: SonarPings | None
+) -> DiveSize:
+    """Measure the dive from what was read of the package, images and cameras by camera."""
+    pixels = [
+        len(index.t_ns) * cameras[name].width * cameras[name].height
+        for name, index in images.items()
+        if name in cameras
+    ]
+    return DiveSize(megapixels=sum(pixels) / 1e6, pings=0 if sonar is None else len(sonar.t_ns))
+
+
+def size_of_run(run: Path) -> DiveSize:
+    """Measure the dive of a run (RUNS/<dive>) whose package was read."""
+    artifact = IngestArtifact(run / "ingest")
+    models = artifact.camera_models
+    indices = {camera.key: artifact.image_index(camera) for camera in models}
+    images = {name: index for name, index in indices.items() if index is not None}
+    return size_of(images, {c.key: model for c, model in models.items()}, artifact.sonar)
+
+
+@cache
+def _table() -> Mapping[str, Mapping[str, object]]:
+    text = (resources.files("hullrecon.api") / TABLE).read_text(encoding="utf-8")
+    steps: Mapping[str, Mapping[str, object]] = json.loads(text)["steps"]
+    return steps
+
+
+def predict(size: DiveSize, steps: Iterable[str]) -> list[StepCost]:
+    """Predict the cost of those steps. Steps that the table does not know are left out."""
+    costs = []
+    for step in steps:
+        row = _table().get(step)
+        if row is None:
+            continue
+        grown = getattr(size, str(row["grows_with"]))
+        numbers = {name: _line(row[name], grown) for name in QUANTITIES}
+        costs.append(StepCost(step=step, **numbers))
+    return costs
+
+
+def _line(coefficients: object, grown: float) -> float:
+    fixed, slope = np.asarray(coefficients, float)
+    return float(fixed + slope * grown)
+
+
+def fit_line(grown: Sequence[float], measured: Sequence[float]) -> NDArray[np.float64]:
+    """Fit fixed part and slope, neither negative, by least squares of relative errors.
+
+    One measurement gives a slope alone.
+    """
+    from scipy.optimize import nnls
+
+    scale = np.maximum(np.asarray(measured, float), 1e-3)
+    columns = np.stack([np.ones(len(scale)), np.asarray(grown, float)], axis=1)
+    if len(scale) == 1:
+        columns[:, 0] = 0
+    found, _ = nnls(columns / scale[:, None], np.asarray(measured, float) / scale)
+    return np.asarray(found)
+
+
+def half_of_machine_gb() -> float:
+    """Half of the machine's memory, GB, the default of --memory."""
+    machine = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    return DEFAULT_SHARE * machine / 1e9
+
+
+def findings_of(costs: Sequence[StepCost], memory_gb: float | None) -> list[Finding]:
+    """Tell what a run costs, and refuse it where a step needs more memory than a run may take.
+
+    `memory_gb`: half of the machine's if None.
+    """
+    if not costs:
+        return []
+    most = max(costs, key=lambda cost: cost.memory_mb)
+    found = Finding(
+        "run-costs",
+        {
+            "seconds": sum(cost.seconds for cost in costs),
+            "memory_mb": most.memory_mb,
+            "step": most.step,
+            "disk_mb": sum(cost.disk_mb for cost in costs),
+            "steps": [asdict(cost) for cost in costs],
+        },
+    )
+    allowed_gb = half_of_machine_gb() if memory_gb is None else memory_gb
+    if most.memory_mb <= 1000 * allowed_gb:
+        return [found]
+    (least,) = predict(DiveSize(megapixels=0, pings=0), [most.step])
+    values = {
+        "step": most.step,
+        "needed_gb": most.memory_mb / 1000,
+        "allowed_gb": allowed_gb,
+        "least_gb": least.memory_mb / 1000,  # whatever the dive's length
+    }
+    return [found, Finding("memory-over-budget", values)]

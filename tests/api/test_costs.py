@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a run is predicted to cost, beside what it took, and dives that cost too much."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+import hullrecon
+from benchmarks.step_costs import measured
+from hullrecon.api import dive_run
+from hullrecon.api.costs import DiveSize, findings_of, fit_line, predict, size_of_run
+from hullrecon.errors import InputError, StorageError
+from hullrecon.steps.chain import NAMES
+
+SAMPLE = Path(__file__).parents[2] / "sample_data" / "demo"
+FACTOR = 2.0  # between prediction and measurement that is still "about"
+
+
+def test_a_line_is_fitted_by_relative_errors_and_never_negative() -> None:
+    assert fit_line([10, 30], [25.0, 65.0]) == pytest.approx([5, 2])
+    assert fit_line([10, 30], [10.0, 40.0]) == pytest.approx([0, 1.12], rel=0.02)
+    assert fit_line([20], [10.0]) == pytest.approx([0, 0.5])
+
+
+def test_the_demo_takes_about_the_predicted_memory_and_disk(demo_run: Path) -> None:
+    costs = {c.step: c for c in predict(size_of_run(demo_run), NAMES)}
+    took = {name: measured(demo_run / name) for name in costs}
+    spent = {name: row for name, row in took.items() if row is not None}
+    assert set(spent) == {*NAMES} - {"change"}
+    for name, row in spent.items():
+        assert 1 / FACTOR < costs[name].memory_mb / row["memory_mb"] < FACTOR, name
+    disk_mb = sum(costs[name].disk_mb for name in spent)
+    assert 1 / FACTOR < disk_mb / sum(row["disk_mb"] for row in spent.values()) < FACTOR
+
+
+def test_a_longer_dive_takes_more_of_everything() -> None:
+    short, long = (predict(DiveSize(megapixels=100.0 * k, pings=200 * k), NAMES) for k in (1, 10))
+    for name in ("seconds", "memory_mb", "disk_mb"):
+        one, ten = (sum(getattr(cost, name) for cost in costs) for costs in (short, long))
+        assert 2 < ten / one <= 10, name
+
+
+def test_the_sentence_names_the_step_and_says_about() -> None:
+    costs = predict(DiveSize(megapixels=4000.0, pings=4000), NAMES)
+    (said,) = findings_of(costs, memory_gb=1000)
+    assert said.severity == "note"
+    assert said.sentence.startswith("a run takes about ")
+    assert max(costs, key=lambda cost: cost.memory_mb).step in said.sentence
+
+
+def test_a_part_of_the_dive_is_advised_only_where_that_can_heal() -> None:
+    costs = predict(DiveSize(megapixels=4000.0, pings=4000), NAMES)
+    most = max(costs, key=lambda cost: cost.memory_mb)
+    _, heals = findings_of(costs, 0.9 * most.memory_mb / 1000)
+    assert "dive.from" in heals.sentence
+    assert (
+        len(
+            findings_of(
+                predict(DiveSize(megapixels=400.0, pings=400), NAMES), 0.0009 * most.memory_mb
+            )
+        )
+        == 1
+    )
+    _, hopeless = findings_of(costs, 0.01)
+    assert "dive.from" not in hopeless.sentence
+
+
+def test_a_dive_over_its_memory_is_refused_until_it_fits(tmp_path: Path) -> None:
+    from hullrecon.api.package import check_loaded
+    from hullrecon.dive.config.load import load_config
+    from hullrecon.steps.chain import stages
+
+    loaded = load_config(SAMPLE, {stage.name: stage.parameters for stage in stages()})
+    checked = check_loaded(loaded, memory_gb=0.2)
+    assert not checked.run_is_possible
+    (reason,) = checked.reasons
+    with pytest.raises(InputError) as refused:
+        hullrecon.run(SAMPLE, tmp_path, last_step="navigate", jobs=1, memory_gb=0.01)
+    assert "--memory" in str(refused.value)
+    assert "--memory" in reason
+    done = hullrecon.run(SAMPLE, tmp_path, last_step="navigate", jobs=1, memory_gb=2.0)
+    assert [outcome.made for outcome in done.outcomes] == [False, True]
+
+
+def test_a_disk_too_small_for_the_dive_is_refused_before_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dive_run.shutil, "disk_usage", lambda _: SimpleNamespace(free=50_000))
+    with pytest.raises(StorageError, match="0 MB are free"):
+        hullrecon.run(SAMPLE, tmp_path, last_step="navigate", jobs=1)
