@@ -13,6 +13,8 @@ import pytest
 from benchmarks import faults
 from benchmarks.lasting_bytes import different_files, flip_bit
 
+BLIND = "--cameras none --legs 1 --leg-length-m 2 --marks 0 --structures 0 --barnacles 0"
+
 
 def test_a_bit_flips_and_flips_back_unseen_by_size_and_time(tmp_path: Path) -> None:
     path = tmp_path / "file"
@@ -64,6 +66,8 @@ def test_a_small_dive_survives_every_fault(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "faults.json"
+    monkeypatch.setattr(faults, "DIVE", BLIND)
+    monkeypatch.setattr(faults, "LIMITS_GB", (0.5,))
     counts = ["--kills", "1", "--full", "2", "--interruptions", "1"]
     monkeypatch.setattr(
         "sys.argv",
