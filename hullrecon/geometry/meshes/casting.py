@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -26,8 +27,12 @@ class Scene:
     """Closest points and ray casts on one mesh, exact in double precision."""
 
     def __init__(self, mesh: Mesh) -> None:
-        self._index = mesh.index
-        self._normal = face_normals(mesh)
+        self._index, self._mesh = mesh.index, mesh
+
+    @cached_property
+    def _normal(self) -> Array:
+        """Normals (m, 3) of the faces, which rays do without."""
+        return face_normals(self._mesh)
 
     def closest(self, points: Array) -> ClosestPoints:
         """Find the closest point of the mesh for each of the points (n, 3).

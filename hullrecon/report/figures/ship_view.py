@@ -117,8 +117,9 @@ def _foot(side: Side, scale: float, height: float) -> str:
 
 def _render(ship: Mesh, patch: Mesh, side: Side, bounds: tuple[Array, Array]) -> bytes:
     """Draw the shaded ship with the patch as PNG, transparent around it, filling the bounds."""
-    from matplotlib.collections import PolyCollection
+    from matplotlib.collections import TriMesh
     from matplotlib.figure import Figure
+    from matplotlib.tri import Triangulation
 
     low, high = bounds
     wide, tall = np.maximum(high - low, 1e-3)
@@ -131,7 +132,11 @@ def _render(ship: Mesh, patch: Mesh, side: Side, bounds: tuple[Array, Array]) ->
     axis.axis("off")
     for mesh, tint in ((ship, STEEL), (patch, PATCH)):
         corners, colours = _shaded_faces(mesh, side, tint)
-        axis.add_collection(PolyCollection(list(corners), facecolors=colours, antialiaseds=False))
+        if len(corners):  # as arrays: a polygon of its own for each takes a kilobyte
+            places = corners.reshape(-1, 2)
+            drawn = TriMesh(Triangulation(*places.T, np.arange(len(places)).reshape(-1, 3)))
+            drawn.set_facecolor(np.repeat(colours, 3, axis=0))
+            axis.add_collection(drawn, autolim=False)
     return _halved(png_bytes(figure, transparent=True))
 
 
