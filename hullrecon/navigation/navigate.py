@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 
 from hullrecon.errors import StageError
+from hullrecon.navigation.clocks.comparisons import Sensor
 from hullrecon.navigation.clocks.synchronise import MeasureMotion, synchronise
 from hullrecon.navigation.dead_reckoning.dead_reckon import (
     REACH_S,
@@ -20,11 +21,14 @@ from hullrecon.navigation.dead_reckoning.dead_reckon import (
     usable_frames,
     usable_logs,
 )
+from hullrecon.navigation.dead_reckoning.error_propagation import DVL_LATE, PRESSURE_LATE
 from hullrecon.navigation.dead_reckoning.image_walk import GoesOn, ImageWalk
 from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples
 from hullrecon.rig import Rig
 
+# sigma of a clock, and what it does to the path, from which on it is said
+UNSURE_S, UNSURE_M = 0.08, 0.01
 # of the images: where the DVL reaches fewer of a stereo rig's, its path would leave out most of the
 # dive
 LEAST_HEARD = 0.5
@@ -124,9 +128,29 @@ def reckon_dive(
     walk = None
     if goes_on is not None:
         walk = ImageWalk(frames=usable_frames(clocks.logs.top), goes_on=goes_on, progress=progress)
+    dvl_s, pressure_s = (clocks.left_s.get(s, 0.0) for s in (Sensor.DVL, Sensor.PRESSURE))
+    sigmas = replace(sigmas, dvl_late_s=dvl_s, pressure_late_s=pressure_s)
     found = dead_reckon(clocks.logs, rig, sigmas, walk, clocks.heard)
     return replace(
         found,
-        remarks=[*clocks.remarks, *found.remarks],
+        remarks=[*clocks.remarks, *_describe_unsure(found, sigmas), *found.remarks],
         facts={"clocks": msgspec.to_builtins(clocks.offsets), **found.facts},
     )
+
+
+def _describe_unsure(found: Navigated, sigmas: NavigationSigmas) -> list[str]:
+    """Say how well the clocks could be compared, where that makes the path unsure."""
+    out = []
+    for sensor, late_s, column in (
+        (Sensor.DVL, sigmas.dvl_late_s, DVL_LATE),
+        (Sensor.PRESSURE, sigmas.pressure_late_s, PRESSURE_LATE),
+    ):
+        by_delay = found.error_model.by_error[:, :3, column]
+        shift_m = late_s * float(np.linalg.norm(by_delay, axis=1).max())
+        if late_s >= UNSURE_S and shift_m >= UNSURE_M:
+            out.append(
+                f"{sensor}: that its clock agrees with the IMU's is known to {late_s:.2f} s (one "
+                f"sigma), which moves the path by up to {1000 * shift_m:.0f} mm; the path's sigmas "
+                "hold it"
+            )
+    return out

@@ -31,7 +31,8 @@ SIGMA_KEYS = (
 class NavigationSigmas:
     """One sigma of each error of navigation's sensors.
 
-    Errors of the first group are one unknown each for the dive, the last three are white.
+    Errors of the first group are one unknown each for the dive, as are delays. The three of
+    roll and pitch, depth and range are white.
     """
 
     mount: Array  # (6,) of the DVL on the tray, m and rad
@@ -43,6 +44,10 @@ class NavigationSigmas:
     tilt_rad: float  # of roll and pitch
     depth_m: float
     range_m: float  # of a DVL beam
+    # of the clocks of DVL and pressure sensor relative to the IMU's, s: what their comparison
+    # leaves (navigation/clocks)
+    dvl_late_s: float = 0.0
+    pressure_late_s: float = 0.0
 
 
 def sigmas_from_settings(settings: Mapping[str, object]) -> NavigationSigmas:

@@ -11,7 +11,7 @@ from functools import cache, partial
 import numpy as np
 import pytest
 from navigation.conftest import START_NS
-from navigation.instruments import RIG
+from navigation.instruments import RIG, SIGMAS
 from navigation.wall_dive import STREAMS, AlongWall, late, logs_along_wall, unsteady
 
 from hullrecon.geometry import poses
@@ -24,8 +24,15 @@ from hullrecon.navigation.clocks.synchronise import (
     describe_offsets,
     synchronise,
 )
-from hullrecon.navigation.clocks.time_offsets import TimeOffset, explain, segments, weigh
+from hullrecon.navigation.clocks.time_offsets import (
+    UNCHECKED_S,
+    TimeOffset,
+    explain,
+    segments,
+    weigh,
+)
 from hullrecon.navigation.dead_reckoning.dead_reckon import NavigationLogs
+from hullrecon.navigation.navigate import reckon_dive
 
 
 @pytest.fixture(scope="module")
@@ -119,6 +126,42 @@ def test_wrong_clock_of_a_short_dive_is_found_by_accelerations(felt, sensor, sec
     found = put_right(late(felt, sensor, seconds))
     assert [offset.sensor for offset in found.offsets] == [sensor]
     assert off_s(found, felt, sensor) < 0.1
+
+
+def blind(logs: NavigationLogs) -> NavigationLogs:
+    """Nothing compares the clocks: a filtered attitude, no returns, no depth."""
+    silent = np.full_like(logs.imu.acceleration, np.nan)
+    return replace(without_ranges(logs), imu=replace(logs.imu, acceleration=silent), pressure=None)
+
+
+def test_what_is_left_of_a_delay_is_as_large_as_the_evidence_leaves_it(felt):
+    assert put_right(felt).left_s[Sensor.DVL] < 0.07
+    assert put_right(blind(felt)).left_s[Sensor.DVL] == pytest.approx(UNCHECKED_S)
+
+
+@pytest.mark.parametrize("seconds", [0.08, -0.08])
+def test_delay_too_small_to_put_right_is_held_by_what_is_left(felt, seconds):
+    found = put_right(late(felt, Sensor.DVL, seconds))
+    assert found.offsets or abs(seconds) < 3 * found.left_s[Sensor.DVL]
+
+
+def test_clock_that_runs_fast_is_held_by_what_is_left(felt):
+    since_s = (felt.dvl.t_ns - felt.dvl.t_ns[0]) * 1e-9
+    t_ns = felt.dvl.t_ns + np.round(0.01e9 * (since_s - since_s.mean())).astype(np.int64)
+    found = put_right(replace(felt, dvl=replace(felt.dvl, t_ns=t_ns)))
+    assert found.left_s[Sensor.DVL] > 0.5 * 0.01 * since_s[-1] / np.sqrt(12)
+
+
+def test_sigma_of_a_path_without_evidence_holds_a_late_dvl(felt):
+    """0.1 s late: nothing tells, and the path is as far off as its sigma says."""
+    right, off = (reckon_dive(blind(of), RIG, SIGMAS) for of in (felt, late(felt, Sensor.DVL, 0.1)))
+    at = right.trajectory.t_ns
+    moved = [np.interp(at, off.trajectory.t_ns, axis) for axis in off.trajectory.translation.T]
+    error = np.stack(moved, axis=1) - right.trajectory.translation
+    sigma = np.sqrt(right.trajectory.covariance[:, [0, 1, 2], [0, 1, 2]])
+    assert np.abs(error).max() > 0.02
+    assert np.abs(error - error[0])[:, :2].max() < 3 * sigma[:, :2].max()
+    assert any("known to 0.10 s" in remark for remark in right.remarks)
 
 
 def test_accelerations_do_not_accuse_clocks_that_agree(felt):

@@ -135,6 +135,40 @@ def test_heading_drift_covariance_equals_that_of_a_drifted_path(perfect, rig) ->
         )
 
 
+def delayed(logs: NavigationLogs, stream: str, late_s: float) -> NavigationLogs:
+    of = getattr(logs, stream)
+    return replace(logs, **{stream: replace(of, t_ns=of.t_ns + round(late_s * 1e9))})
+
+
+@pytest.mark.parametrize(
+    ("stream", "sigma"), [("dvl", "dvl_late_s"), ("pressure", "pressure_late_s")]
+)
+def test_delay_moves_the_path_by_what_its_sigma_says(noisy, rig, stream, sigma) -> None:
+    late_s = 0.05
+    off = certain(**{sigma: late_s, "depth_bias_m": 0.0})
+    base, other = (dead_reckon(logs, rig, off) for logs in (noisy, delayed(noisy, stream, late_s)))
+    t_ns, place = other.trajectory.t_ns, other.trajectory.translation
+    at = base.trajectory.t_ns
+    moved = np.stack([np.interp(at, t_ns, axis) for axis in place.T], axis=1)
+    moved -= base.trajectory.translation
+    model = base.error_model
+    column = error_propagation.DVL_LATE if stream == "dvl" else error_propagation.PRESSURE_LATE
+    said = np.linalg.inv(twist_by_pose_error(base.trajectory.poses())) @ model.by_error
+    said = late_s * said[:, :3, column]
+    # to the first ping, at which the path is zero, the others are relative
+    moved, said = ((of - of[5])[5:-5] for of in (moved, said))
+    assert np.abs(moved).max() > 0.004
+    assert np.abs(moved - said).max() < 0.3 * np.abs(moved).max()
+
+
+def test_delay_of_the_dvl_widens_the_edges_by_its_largest_shift(noisy, rig) -> None:
+    late_s = 0.05
+    sure, unsure = (dead_reckon(noisy, rig, certain(dvl_late_s=s)) for s in (0.0, late_s))
+    more = unsure.odometry.covariance - sure.odometry.covariance
+    speed = np.linalg.norm(unsure.error_model.by_error[:, :3, error_propagation.DVL_LATE], axis=1)
+    assert np.sqrt(more[:, 0, 0].sum()) == pytest.approx(late_s * speed.max(), rel=0.1)
+
+
 def relative_by_error(
     logs: NavigationLogs, rig: Rig, first: np.ndarray, second: np.ndarray, step: float = 1e-4
 ) -> np.ndarray:
@@ -155,7 +189,7 @@ def test_relative_covariance_equals_reckoned_disturbances(perfect, rig) -> None:
     """Scale, drift, mount, play, attitude bias and heading at once; of nodes far apart, near, and
     in the other order.
     """
-    sigma = np.array([0.005, 2e-4, 0.005, 0.005, 0.005, 0.01, 0.003, 0.003, 0.01, 0.0])
+    sigma = np.array([0.005, 2e-4, 0.005, 0.005, 0.005, 0.01, 0.003, 0.003, 0.01, 0, 0, 0])
     truth = path_of(perfect, rig, np.zeros(error_propagation.ERRORS)).at(nodes_of(perfect))
     by_error = twist_by_pose_error(truth.poses()) @ pose_by_error(truth)
     none = np.zeros((len(truth.t_ns), 6, 6))

@@ -134,7 +134,7 @@ def test_the_step_leaves_what_makes_its_poses_wrong(ingest: Path, tmp_path: Path
     out = run(ingest, tmp_path / "navigate")
     path = from_arrays(Trajectory, load_arrays(out / "trajectory.npz"))
     errors = from_arrays(TrajectoryErrorModel, load_arrays(out / "error_model.npz"))
-    assert errors.by_error.shape == (len(path.t_ns), 6, 10)
+    assert errors.by_error.shape == (len(path.t_ns), 6, 12)
     # by the DVL's scale: the way it has come
     assert np.allclose(errors.by_error[:, 0, 0], path.translation[:, 0])
     assert errors.error_covariance[0, 0] == pytest.approx(schema.Dvl().scale_sigma ** 2)

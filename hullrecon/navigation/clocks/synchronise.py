@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import TypeVar
 
@@ -29,6 +29,7 @@ from hullrecon.navigation.clocks.time_offsets import (
     Hypothesis,
     TimeOffset,
     assign,
+    delays_left,
     explain,
     segments,
     time_offsets,
@@ -67,6 +68,8 @@ class Synchronised:
     heard: Heard | None  # velocities and attitude of these logs; None where clocks were corrected
     offsets: list[TimeOffset]  # that were corrected
     remarks: list[str]  # corrections, and clocks that disagree without a known culprit
+    # sigma of what is left of each delay relative to the IMU, s; empty where images are compared
+    left_s: Mapping[Sensor, float]
 
 
 def synchronise(
@@ -127,6 +130,10 @@ def synchronise(
         elif not any(_same(found[0], other) for other in hypotheses):
             hypotheses.append(found[0])
     chosen = [hypotheses[k] for k in assign(evidence, spans, [h.corrections() for h in hypotheses])]
+    left = {}
+    if motions is None:
+        k = int(np.argmax([end - begin for begin, end in spans]))
+        left = delays_left(parts[k] if parts else evidence, chosen[k].corrections(), spans[k])
     compared = {sensor for c in known for sensor in (c.first, c.second)}
     offsets = time_offsets(spans, chosen, [sensor for sensor in Sensor if sensor in compared])
     remarks = [*describe_offsets(offsets), *([] if offsets else dict.fromkeys(unknown))]
@@ -135,6 +142,7 @@ def synchronise(
         heard=None if offsets else heard,
         offsets=offsets,
         remarks=remarks,
+        left_s=left,
     )
 
 

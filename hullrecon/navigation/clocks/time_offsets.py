@@ -13,13 +13,14 @@ if that lowers chi-square.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.navigation.clocks.comparisons import Comparison, Offsets, Sensor, Span
+from hullrecon.records.clock import NS
 from hullrecon.typing import Array
 
 SYNCHRONISED_S = 0.005  # sigma of a right clock
@@ -38,6 +39,12 @@ STEP_S = 0.2  # of the numeric derivative: over less, noise would look like slop
 TRUSTED, WILD = 2.0, 6.0  # sigmas beyond which a residual weighs less, and nothing
 LEAST_KNOWN = 0.5  # of the rows; an offset that leaves fewer does not tell their scatter
 ROUNDS, CONVERGED_S = 8, 1e-4
+# sigma of a clock that nothing compares: a driver that stamps messages as they arrive is late by
+# the instrument's own work and by the line
+UNCHECKED_S = 0.1
+# sigmas of a clock's rate: quartz is right to 1e-4, which no dive shows, and only one that is seen
+# counts
+SEEN_RATE = 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,16 +168,7 @@ def refine(evidence: Evidence, start: Offsets) -> Refined | None:
         return comparison.residuals({**start, comparison.first: first})
 
     for _ in range(ROUNDS):
-        found = residuals(moved)
-        slope = (residuals(moved + STEP_S) - residuals(moved - STEP_S)) / (2 * STEP_S)
-        known = np.isfinite(found) & np.isfinite(slope)
-        if not known.any():
-            return None
-        size = np.abs(np.where(known, found, np.inf))
-        sigma = robust_sigma(found[known], about=0.0)
-        trusted = np.minimum(1.0, TRUSTED * sigma / np.maximum(size, 1e-12))
-        weight = np.where(size < WILD * sigma, trusted, 0.0)
-        slope, found = np.where(known, slope, 0.0), np.where(known, found, 0.0)
+        slope, found, weight = _linearised(residuals, moved)
         curvature, pull = float((weight * slope**2).sum()), (weight * slope * found).sum(axis=1)
         if curvature <= 0:
             return None
@@ -187,6 +185,20 @@ def refine(evidence: Evidence, start: Offsets) -> Refined | None:
         max(by_row, by_block) / curvature**2,
         max(1.0, by_block / by_row),
     )
+
+
+def _linearised(residuals: Callable[[float], Array], at_s: float) -> tuple[Array, Array, Array]:
+    """Compute slopes, residuals and robust weights (n, k) of rows at an offset. 0: unknown."""
+    found = residuals(at_s)
+    slope = (residuals(at_s + STEP_S) - residuals(at_s - STEP_S)) / (2 * STEP_S)
+    known = np.isfinite(found) & np.isfinite(slope)
+    if not known.any():
+        return np.zeros_like(slope), np.zeros_like(found), np.zeros_like(found)
+    size = np.abs(np.where(known, found, np.inf))
+    sigma = robust_sigma(found[known], about=0.0)
+    trusted = np.minimum(1.0, TRUSTED * sigma / np.maximum(size, 1e-12))
+    weight = np.where(size < WILD * sigma, trusted, 0.0)
+    return np.where(known, slope, 0.0), np.where(known, found, 0.0), weight
 
 
 def explain(evidence: Sequence[Evidence]) -> list[Hypothesis]:
@@ -253,6 +265,69 @@ def solve(evidence: Sequence[Evidence], wrong: tuple[Sensor, ...], start: Offset
         sigma_s=dict(zip(sensors, np.sqrt(np.diag(covariance)).tolist(), strict=True)),
         chi2=cost + float(misfit.sum() + np.square(offsets / prior).sum()),
     )
+
+
+def delays_left(
+    evidence: Sequence[Evidence], corrected: Offsets, span: Span
+) -> dict[Sensor, float]:
+    """Estimate the sigma of each sensor's delay relative to the IMU, after a correction.
+
+    It holds the delay that is seen but was not corrected, and that of a clock that runs fast or
+    slow: where it is not known which of two does, both may.
+    """
+    middle_ns, lasts_s = (span[0] + span[1]) // 2, (span[1] - span[0]) / NS
+    sensors = [sensor for sensor in Sensor if sensor is not Sensor.IMU]
+    information, pull = np.eye(len(sensors)) / UNCHECKED_S**2, np.zeros(len(sensors))
+    rates = np.zeros(len(sensors))
+    for one in evidence:
+        fit, rate = refine(one, corrected), _relative_rate(one, corrected, middle_ns)
+        first, second = one.comparison.first, one.comparison.second
+        row = np.array([(sensor is first) - float(sensor is second) for sensor in sensors])
+        systematic = one.comparison.systematic_s
+        if fit is not None:
+            weight = 1 / (fit.variance + systematic**2)
+            information += weight * np.outer(row, row)
+            pull += weight * row * (fit.relative_s - one.relative(corrected))
+        # what is systematic may differ from one end of the dive to the other
+        if rate is not None and abs(rate[0]) > SEEN_RATE * np.hypot(rate[1], systematic / lasts_s):
+            rates = np.maximum(rates, np.abs(row) * abs(rate[0]))
+    covariance = np.linalg.inv(information)
+    offset = covariance @ pull
+    held = np.sqrt(np.diag(covariance) + offset**2 + (rates * lasts_s) ** 2 / 12)
+    return dict(zip(sensors, held.tolist(), strict=True))
+
+
+def _relative_rate(
+    evidence: Evidence, corrected: Offsets, middle_ns: int
+) -> tuple[float, float] | None:
+    """Estimate the relative rate of a comparison's clocks and its sigma, beside their offset.
+
+    None where the residuals do not depend on it.
+    """
+    comparison = evidence.comparison
+
+    def residuals(more_s: float) -> Array:
+        first = corrected.get(comparison.first, 0.0) + more_s
+        return comparison.residuals({**corrected, comparison.first: first})
+
+    fit = refine(evidence, corrected)
+    if fit is None:
+        return None
+    at_s = fit.relative_s - evidence.relative(corrected)
+    slope, found, weight = _linearised(residuals, at_s)
+    since_s = 0.5 * ((comparison.begin_ns - middle_ns) + (comparison.end_ns - middle_ns)) / NS
+    columns = np.stack([slope, slope * since_s[:, None]])
+    information = np.einsum("ank,bnk->ab", columns * weight, columns)
+    if not np.linalg.eigvalsh(information)[0] > 0:
+        return None
+    pull = (weight * columns * found).sum(axis=2)
+    step = -np.linalg.solve(information, pull.sum(axis=1))
+    by_unknown = np.linalg.inv(information)
+    left = (weight * columns * (found + np.tensordot(step, columns, 1))).sum(axis=2)
+    by_row = left @ left.T
+    blocks = np.stack([np.bincount(comparison.block, of) for of in left])
+    variance = max((by_unknown @ of @ by_unknown)[1, 1] for of in (by_row, blocks @ blocks.T))
+    return float(step[1]), float(np.sqrt(variance))
 
 
 def _unexplained(evidence: Sequence[Evidence], hypothesis: Hypothesis) -> float:

@@ -18,7 +18,11 @@ from hullrecon.navigation.dead_reckoning.error_propagation import (
 from hullrecon.navigation.dead_reckoning.exposures import CameraTiming, exposures_of
 from hullrecon.navigation.dead_reckoning.image_walk import ImageWalk
 from hullrecon.navigation.dead_reckoning.nodes import NODE_SPACING_S, Nodes, choose_nodes
-from hullrecon.navigation.dead_reckoning.odometry import odometry, widen_for_tray
+from hullrecon.navigation.dead_reckoning.odometry import (
+    odometry,
+    widen_for_delay,
+    widen_for_tray,
+)
 from hullrecon.navigation.dead_reckoning.reckoning import Instant, Reckoning, reckon
 from hullrecon.navigation.dead_reckoning.remarks import remarks_of
 from hullrecon.navigation.dead_reckoning.returns import flag_ranges, returns
@@ -123,10 +127,11 @@ def dead_reckon(
         return VehiclePath(poses=instant.poses(), tray=instant.tray)
 
     exposures = exposures_of(trajectory, beams, (logs.top, logs.bottom), logs.timing, path_at, rig)
+    edges = widen_for_delay(odometry(path, at), path, at, sigmas.dvl_late_s)
     return Navigated(
         trajectory=replace(trajectory, exposures=exposures),
         error_model=errors,
-        odometry=widen_for_tray(odometry(path, at), path.servo.unread_sigma(at.t_ns)),
+        odometry=widen_for_tray(edges, path.servo.unread_sigma(at.t_ns)),
         returns=beams,
         attitude=_attitude(path, at, depth, sigmas),
         remarks=notes,
@@ -290,12 +295,14 @@ def _attitude(
     measured = np.zeros(n) if depth is None else depth.measured
     shared = np.zeros(n) if depth is None else depth.shared
     tilt = np.hypot(sigmas.tilt_rad, path.attitude.unread_sigma(at.t_ns))
+    late_m = sigmas.pressure_late_s * np.abs(np.gradient(measured, at.t_s))
+    depth_m = np.hypot(depth_at_nodes_sigma(sigmas.depth_m, shared), late_m)
     return Attitude(
         node=np.arange(n),
         depth=measured,
         roll=roll,
         pitch=pitch,
-        sigma=np.stack([depth_at_nodes_sigma(sigmas.depth_m, shared), tilt, tilt], axis=1),
+        sigma=np.stack([depth_m, tilt, tilt], axis=1),
         nodes_per_reading=shared,
         tray_direction=at.direction.copy(),
         tray_sigma=path.servo.unread_sigma(at.t_ns),

@@ -29,7 +29,7 @@ from hullrecon.typing import Array, Ints
 UNKNOWN_DEPTH_M = 10.0  # sigma of the start's depth without a pressure sensor
 LEAST_SIGMA_M = 1e-4  # of a position: keeps the covariance at the start invertible
 # The errors that persist, in the order of the columns of `pose_by_error`.
-SCALE, DRIFT, MOUNT_TURN, TRAY_BACKLASH, ROLL_PITCH, HEADING, DEPTH_BIAS = (
+SCALE, DRIFT, MOUNT_TURN, TRAY_BACKLASH, ROLL_PITCH, HEADING, DVL_LATE, DEPTH_BIAS = (
     0,
     1,
     slice(2, 5),
@@ -37,8 +37,10 @@ SCALE, DRIFT, MOUNT_TURN, TRAY_BACKLASH, ROLL_PITCH, HEADING, DEPTH_BIAS = (
     slice(6, 8),
     8,
     9,
+    10,
 )
-ERRORS = 10
+PRESSURE_LATE = 11
+ERRORS = 12
 
 
 def dead_reckoning_errors(
@@ -50,9 +52,11 @@ def dead_reckoning_errors(
     like x and y, from the next node that was read where the sensor was silent for a while.
     """
     by_error = pose_by_error(at)
+    by_error[:, :3, DVL_LATE] = -path.sped_up(at.t_ns)
     # the path starts there
     by_error[:, :3] -= pose_by_error(path.at(np.array([path.start_ns])))[:, :3]
     by_error[:, 2, DEPTH_BIAS] = 1.0
+    by_error[:, 2, PRESSURE_LATE] = -np.gradient(poses.translation[:, 2], at.t_s)
     walk, white = np.zeros((2, len(at.t_ns), 6, 6))
     walk[:, [0, 1, 2], [0, 1, 2]] = _drift_since_start(path, at)[:, None]
     white[:, [0, 1, 2], [0, 1, 2]] = LEAST_SIGMA_M**2
@@ -164,8 +168,8 @@ def pose_by_error(at: Instant) -> Array:
 
     Poses are (translation in the global frame, rotation perturbed on the right in the vehicle's).
     The errors are the DVL's scale, the heading drift, the mount's rotation vector, the tray's
-    backlash, roll and pitch bias, the depth's bias (zero here: depth by the DVL) and the heading
-    at the start.
+    backlash, roll and pitch bias, and the heading at the start. Those of the depth's bias and of
+    delays are zero here.
 
     A drift c turns the velocity at the time s by c s: the path moves by c z x (integral of s v ds),
     the lever arm by c t z x (-R r).
@@ -208,4 +212,6 @@ def _error_sigma(sigmas: NavigationSigmas, depth_is_measured: bool) -> Array:
         sigmas.tilt_rad,
     )
     out[DEPTH_BIAS] = sigmas.depth_bias_m if depth_is_measured else UNKNOWN_DEPTH_M
+    out[DVL_LATE] = sigmas.dvl_late_s
+    out[PRESSURE_LATE] = sigmas.pressure_late_s if depth_is_measured else 0.0
     return out

@@ -59,6 +59,21 @@ def odometry(path: Reckoning, at: Instant) -> Odometry:
     )
 
 
+def widen_for_delay(found: Odometry, path: Reckoning, at: Instant, late_s: float) -> Odometry:
+    """Widen the edges by the delay of the DVL, whose sigma is late_s.
+
+    It is one error for the dive, and edges are independent: the variance of the largest shift that
+    it causes is shared out among them by how much the velocity changes.
+    """
+    speed = path.sped_up(at.t_ns)
+    largest = np.linalg.norm(speed - speed[0], axis=1).max()
+    change = np.linalg.norm(np.diff(speed, axis=0), axis=1)
+    share = change / max(change.sum(), 1e-12)
+    covariance = found.covariance.copy()
+    covariance[:, [0, 1, 2], [0, 1, 2]] += ((late_s * largest) ** 2 * share)[:, None]
+    return replace(found, covariance=covariance)
+
+
 def widen_for_tray(found: Odometry, tray_sigma: Array) -> Odometry:
     """Widen the edges by the second-order effect of a wrong tray angle.
 

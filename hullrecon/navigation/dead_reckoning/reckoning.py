@@ -21,6 +21,7 @@ from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.servo import Servo
+from hullrecon.navigation.sensors.smoothing import local_line
 from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.records.clock import seconds
 from hullrecon.rig import Rig
@@ -28,6 +29,8 @@ from hullrecon.typing import Array, Ints
 
 UP_DOWN = np.array([0.0, 0.0, 1.0])  # z of g
 TILT_AXIS = np.array([0.0, 1.0, 0.0])  # the tray turns about y of the vehicle
+
+SPEED_S = 0.3  # over which the velocity is smoothed to tell what a delay would do
 
 # Columns of the integrated derivatives: the path itself, the path weighted with time, and what each
 # error adds to it.
@@ -69,6 +72,21 @@ class Reckoning:
             lever=lever,
             lever_by_tray=by_tilt,
         )
+
+    def sped_up(self, t_ns: Ints) -> Array:
+        """Integrate the change of the DVL's own velocity, in g, up to times (n,): (n, 3) m/s.
+
+        A DVL that is late by a second shifts the path by as many metres the other way: its
+        velocities meet a later attitude.
+        """
+        own, at_ns = self.velocities.velocity, self.velocities.t_ns
+        tray = tray_poses(self.rig.tray_origin, self.servo.angle_at(at_ns)).rotation
+        turn = self.attitude.rotation(at_ns) * tray * self.rig.tray_from_dvl.rotation
+        step = np.diff(own, axis=0)
+        change = 0.5 * (turn[:-1].apply(step) + turn[1:].apply(step))
+        total = np.concatenate([np.zeros((1, 3)), np.cumsum(change, axis=0)])
+        at_s, t_s = (seconds(of, self.start_ns) for of in (at_ns, t_ns))
+        return local_line(at_s, total, t_s, SPEED_S)[0]
 
 
 @dataclass(frozen=True, kw_only=True)
