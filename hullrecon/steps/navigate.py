@@ -294,7 +294,7 @@ STAGE = Stage(
     summary="compute the dead-reckoned trajectory",
     inputs=("ingest",),
     parameters=NavigateOptions,
-    version=25,
+    version=26,
     run=run,
     uses=(
         *SENSOR_KEYS,
