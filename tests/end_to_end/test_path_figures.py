@@ -28,7 +28,7 @@ DIVE = (
     "--legs",
     2,
     "--leg-length-m",
-    2.5,
+    1.8,
     "--image-width",
     400,
     "--image-height",
