@@ -173,6 +173,11 @@ def lost_as_zero(start_s: float, seconds: float, covariance: float) -> Edit:
     return edit
 
 
+def along_axis(message: Message, t_s: float) -> None:
+    """Write distances along the DVL's axis for ranges along its beams."""
+    message.range = message.range * np.array([beam.z for beam in message.beam_unit_vec])
+
+
 def calibration(
     cameras: Sequence[str], change: Callable[[list[float], list[float]], None]
 ) -> Files:
@@ -265,7 +270,7 @@ def _dvl(random: Random) -> dict[str, Fault]:
         "dvl-axes": fault(turned(SWAPS[axes], "velocity"), axes),
         "dvl-lost-zero": fault(lost, f"{seconds:.1f} s of zeros"),
         "dvl-range-mm": fault(scaled(1000.0, "range"), "ranges in mm"),
-        "dvl-range-axis": fault(scaled(np.cos(np.radians(22.5)), "range"), "along the axis"),
+        "dvl-range-axis": fault(along_axis, "along the axis"),
     }
 
 
