@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What may be wrong with a sensor: each hypothesis holds the records with its fault taken off.
 
-All comparisons are made again with them. Nothing here judges.
+Comparisons are made again with them (suspects.py). Nothing here judges.
 """
 
 from __future__ import annotations
