@@ -169,7 +169,7 @@ def run(
         How long to wait for another run on this dive.
     memory_gb
         How much memory a run may take, half of the machine's if None. A dive that is predicted to
-        take more is refused once its package is read.
+        take more is warned of once its package is read, and refused if it is twice as much.
     progress
         Shows how far each step is, nothing if None.
     raise_failure
@@ -260,7 +260,8 @@ def _refuse_costs(dive: DiveRun, steps: Sequence[str], memory_gb: float | None) 
     for finding in findings_of(costs, memory_gb):
         if finding.severity == "error":
             raise InputError(finding.sentence)
-        log.info("%s: %s", dive.name, finding.sentence)
+        level = logging.WARNING if finding.severity == "warning" else logging.INFO
+        log.log(level, "%s: %s", dive.name, finding.sentence)
     _refuse_full_disk(dive, 1e6 * sum(cost.disk_mb for cost in costs), "the artifacts take about")
 
 

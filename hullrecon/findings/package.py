@@ -183,7 +183,7 @@ def _costs(
 def _over_memory(step: str, needed_gb: float, allowed_gb: float, least_gb: float) -> str:
     parts = ", or map a part of the dive (dive.from, dive.to)" if least_gb < allowed_gb else ""
     return (
-        f"{step} needs about {needed_gb:.2g} GB of memory, and a run may take {allowed_gb:.2g} GB: "
+        f"{step} needs about {needed_gb:.3g} GB of memory, and a run may take {allowed_gb:.3g} GB: "
         f"give it more with --memory{parts}"
     )
 
@@ -212,6 +212,7 @@ ERRORS: dict[str, Words] = {
     "images-not-logged": "no image of camera.top was logged: " + WITHOUT_CAMERAS,
 }
 WARNINGS: dict[str, Words] = {
+    "memory-tight": _over_memory,
     "key-open": _open_key,
     "calibration-open": _open_calibration,
     "question": "to fill in: {question}",

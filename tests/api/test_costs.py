@@ -53,19 +53,14 @@ def test_the_sentence_names_the_step_and_says_about() -> None:
 
 
 def test_a_part_of_the_dive_is_advised_only_where_that_can_heal() -> None:
-    costs = predict(DiveSize(megapixels=4000.0, pings=4000), NAMES)
-    most = max(costs, key=lambda cost: cost.memory_mb)
-    _, heals = findings_of(costs, 0.9 * most.memory_mb / 1000)
-    assert "dive.from" in heals.sentence
-    assert (
-        len(
-            findings_of(
-                predict(DiveSize(megapixels=400.0, pings=400), NAMES), 0.0009 * most.memory_mb
-            )
-        )
-        == 1
-    )
+    costs, part = (predict(DiveSize(megapixels=1000.0 * k, pings=1000 * k), NAMES) for k in (4, 1))
+    most_gb = max(cost.memory_mb for cost in costs) / 1000
+    _, tight = findings_of(costs, 0.9 * most_gb)
+    assert tight.severity == "warning"
+    assert "dive.from" in tight.sentence
+    assert len(findings_of(part, 0.9 * most_gb)) == 1
     _, hopeless = findings_of(costs, 0.01)
+    assert hopeless.severity == "error"
     assert "dive.from" not in hopeless.sentence
 
 

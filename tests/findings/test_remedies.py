@@ -22,6 +22,8 @@ ADVICE = re.compile(
 )
 # By code: the test that applies it
 APPLIED = {
+    "memory-tight": "api/test_costs.py::"
+    "test_a_part_of_the_dive_is_advised_only_where_that_can_heal",
     "memory-over-budget": "api/test_costs.py::test_a_dive_over_its_memory_is_refused_until_it_fits",
     "dvl-without-velocity": "dive/check/test_package_check.py::"
     "test_a_dvl_without_any_velocity_is_in_the_way_of_a_run",

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """PLY by plyfile, textured meshes by the Khronos validator."""
 
+import json
+
 import numpy as np
 import plyfile
 import pytest
@@ -28,3 +30,20 @@ def test_the_khronos_validator_finds_nothing_in_a_mesh(deliver, node, name):
     ]["messages"]
     assert found["info"]["totalTriangleCount"] > 10_000
     assert found["info"]["maxAttributes"] == 3  # position, normal, texture
+
+
+@pytest.mark.parametrize("kind", ["optical", "sonar"])
+def test_the_khronos_validator_finds_nothing_in_the_tiles(deliver, node, kind):
+    folder = deliver / "tiles" / kind
+    open_tiles = [json.loads((folder / "tileset.json").read_text())["root"]]
+    named = []
+    while open_tiles:
+        tile = open_tiles.pop()
+        named.append(tile["content"]["uri"])
+        open_tiles += tile.get("children", [])
+    assert sorted(named) == sorted(
+        path.relative_to(folder).as_posix() for path in folder.rglob("*.glb")
+    )
+    for name in named:
+        issues = node("validate_gltf.mjs", folder / name)["issues"]
+        assert (issues["numErrors"], issues["numWarnings"]) == (0, 0), issues["messages"]
