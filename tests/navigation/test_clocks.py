@@ -85,8 +85,9 @@ def test_clocks_that_agree_are_left_alone(logged, measure):
             )
 
 
-@pytest.mark.parametrize("seconds", [0.6, -1.5])
-@pytest.mark.parametrize("sensor", [Sensor.DVL, Sensor.IMU, Sensor.PRESSURE])
+@pytest.mark.parametrize(
+    ("sensor", "seconds"), [(Sensor.DVL, 0.6), (Sensor.IMU, -1.5), (Sensor.PRESSURE, 0.6)]
+)
 def test_wrong_clock_is_found_by_hull_and_depth(logged, sensor, seconds):
     found = put_right(late(logged, sensor, seconds))
     assert [offset.sensor for offset in found.offsets] == [sensor]
@@ -96,7 +97,13 @@ def test_wrong_clock_is_found_by_hull_and_depth(logged, sensor, seconds):
 
 @pytest.mark.parametrize(
     ("sensor", "seconds"),
-    [*((sensor, seconds) for sensor in Sensor for seconds in (0.6, -1.5)), (Sensor.IMAGES, 37.0)],
+    [
+        (Sensor.DVL, -1.5),
+        (Sensor.IMU, 0.6),
+        (Sensor.PRESSURE, -1.5),
+        (Sensor.IMAGES, 0.6),
+        (Sensor.IMAGES, 37.0),
+    ],
 )
 def test_wrong_clock_is_found_by_images(logged, measure, sensor, seconds):
     found = put_right(late(logged, sensor, seconds), measure)
@@ -120,8 +127,7 @@ def felt() -> NavigationLogs:
     return replace(logs, imu=replace(logs.imu, acceleration=felt))
 
 
-@pytest.mark.parametrize("seconds", [0.4, -3.0])
-@pytest.mark.parametrize("sensor", [Sensor.DVL, Sensor.IMU])
+@pytest.mark.parametrize(("sensor", "seconds"), [(Sensor.DVL, 0.4), (Sensor.IMU, -3.0)])
 def test_wrong_clock_of_a_short_dive_is_found_by_accelerations(felt, sensor, seconds):
     found = put_right(late(felt, sensor, seconds))
     assert [offset.sensor for offset in found.offsets] == [sensor]
@@ -171,7 +177,7 @@ def test_accelerations_do_not_accuse_clocks_that_agree(felt):
         assert put_right(logs).offsets == []
 
 
-@pytest.mark.parametrize("seconds", [-6.0, 8.0, 37.0])
+@pytest.mark.parametrize("seconds", [-6.0, 37.0])
 def test_imu_off_by_many_seconds_is_found_without_images(logged, seconds):
     found = put_right(late(logged, Sensor.IMU, seconds))
     assert [offset.sensor for offset in found.offsets] == [Sensor.IMU]
