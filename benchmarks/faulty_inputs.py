@@ -57,7 +57,10 @@ NAMES = {
     "cad": r"\bcad\b|\bmesh\b|hull\.|faces",
 }
 # of sentences on how well something is known, and on readings that any log has
-NEUTRAL = r"is uncertain by|too plain to tell|rejected as outliers|fall into \d+ parts|^to fill in"
+NEUTRAL = (
+    r"is uncertain by|too plain to tell|for a model that is to scale|rejected as outliers"
+    r"|fall into \d+ parts|^to fill in"
+)
 # what was compared is no accusation
 EVIDENCE = r"\([^()]*\)|(?<=is not known): .*"
 
