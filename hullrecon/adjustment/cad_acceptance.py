@@ -338,8 +338,7 @@ def estimate_hull_pose(last: RoundResult, placed: Stage, solver: RoundSolver) ->
     """Estimate the hull's pose and form from the points of the last round that lie on it.
 
     Where the hull deviates from the CAD model by more than the package states, the stated error is
-    widened to what the points show. Where its form does not tell that it is this ship's and to
-    scale, its place is no surer than hull.pose.
+    widened to what the points show.
     """
     ready, placement = last.after, placed.placement
     hull = ready.state.hull
@@ -354,13 +353,11 @@ def estimate_hull_pose(last: RoundResult, placed: Stage, solver: RoundSolver) ->
     form = compare_form(evidence, best)
     if form.contradicts:
         sigma = hull.cad_model.deviation_sigma * float(np.sqrt(form.deviation))
-        wider = replace(hull.cad_model, deviation_sigma=sigma, doubted=True)
+        wider = replace(hull.cad_model, deviation_sigma=sigma, contradicted=True)
         hull = replace(hull, cad_model=wider)
         evidence, best = estimate.fit_hull_pose(
             points.xyz, best, wider, hull.survey_center, points.loose
         )
-    elif not form.tells_place:
-        evidence = replace(evidence, cad_model=replace(hull.cad_model, doubted=True))
     hull = replace(hull, global_from_hull=estimate.profile_mean_pose(evidence, best))
     return replace(
         placed,

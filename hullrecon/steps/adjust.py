@@ -166,6 +166,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=33,
+    version=32,
     run=run,
 )

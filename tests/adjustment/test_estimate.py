@@ -249,8 +249,8 @@ def test_a_hull_pose_turned_in_g_turns_its_covariance_with_it():
 def test_sigma_of_doubted_model_reaches_from_fit_to_guess():
     evidence, best, _ = placed(CURVED)
     agreed = estimate.hull_pose_covariance(evidence, best)
-    doubted = replace(evidence, cad_model=replace(evidence.cad_model, doubted=True))
-    added = hull_axes(estimate.hull_pose_covariance(doubted, best) - agreed, best)
+    contradicted = replace(evidence, cad_model=replace(evidence.cad_model, contradicted=True))
+    added = hull_axes(estimate.hull_pose_covariance(contradicted, best) - agreed, best)
     guess = apart(evidence.cad_model.guess, evidence.center) - apart(best, evidence.center)
     np.testing.assert_allclose(np.sqrt(np.diag(added)[:3]), np.abs(guess[:3]), rtol=0.05, atol=0.01)
     # along the line between them, and nowhere else

@@ -309,10 +309,6 @@ def test_the_last_problem_stands_at_the_solution():
             "too plain to tell",
         ),
         (
-            Form(patterns=20, deviation=0.8, plane=90.0, scale_sigma=(0.5, 0.1, 0.2)),
-            "too plain to tell",
-        ),
-        (
             Form(patterns=40, deviation=3.0, plane=900.0, scale_sigma=(0.02, 0.01, 0.03)),
             "by 1.7 times hull.deviation_sigma",
         ),

@@ -230,7 +230,7 @@ def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
         out = profile_likelihood.inflate_covariance(
             out, replace(found, sigma=float(np.hypot(found.sigma, found.mean))), pose
         )
-    return np.asarray(out + _doubt(evidence, pose))
+    return np.asarray(out + _contradiction(evidence, pose))
 
 
 def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid) -> Array:
@@ -249,13 +249,13 @@ def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid
     return np.asarray(by_motion.T @ cho_solve(_factor(evidence, pose), by_node))
 
 
-def _doubt(evidence: HullPoseEvidence, pose: Poses) -> Array:
-    """Compute the covariance (6, 6) that a doubted guess or CAD model adds, else zero.
+def _contradiction(evidence: HullPoseEvidence, pose: Poses) -> Array:
+    """Compute the covariance (6, 6) that a contradicted guess or CAD model adds, else zero.
 
     Either of them may be wrong, so the sigma along the line between guess and fit is at least that
     line's length (docs/methods.md 20).
     """
-    if not evidence.cad_model.doubted:
+    if not evidence.cad_model.contradicted:
         return np.zeros((6, 6))
     step = registration.prior_step(pose, evidence.cad_model, evidence.center)
     apart = np.r_[evidence.cad_model.guess.rotation.as_matrix()[0] @ step[:3], step[3:]]

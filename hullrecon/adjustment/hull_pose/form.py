@@ -65,15 +65,6 @@ class Form:
         return self.scale_chi2 > float(chdtri(min(3, self.patterns) or 1, CHANCE))
 
     @property
-    def tells_place(self) -> bool:
-        """Whether the CAD model's form, and not the package's guess alone, tells where it lies.
-
-        It does where it is this hull's form, and of the variance of its scales less is open than
-        the survey took away.
-        """
-        return self.confirms and max(self.scale_sigma) < SCALE_PRIOR / np.sqrt(2)
-
-    @property
     def log_odds(self) -> float:
         """Log odds that the points have the CAD model's form rather than a plane's.
 

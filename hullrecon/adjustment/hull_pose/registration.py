@@ -133,7 +133,7 @@ def _with_wider_guess(
         return found
     if off <= GUESS_SIGMAS:
         return fit_correlated(points, found.global_from_hull, cad_model, found.center, sigma_range)
-    wider = replace(cad_model, guess_sigma=cad_model.guess_sigma * off, doubted=True)
+    wider = replace(cad_model, guess_sigma=cad_model.guess_sigma * off, contradicted=True)
     again = fit_correlated(points, found.global_from_hull, wider, found.center, sigma_range)
     return replace(again, sigmas_off=off)
 

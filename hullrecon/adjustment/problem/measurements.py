@@ -37,9 +37,8 @@ class CadModel:
     deviation_sigma: float  # m, of the hull's deviation from the CAD model
     deviation_length: tuple[float, float]  # m, correlation length of that along and in girth
     units: str = "m"  # in which the file was read, for what is said where it does not fit
-    # the hull lies farther from the guess than its sigmas say, leaves the model by more, or is too
-    # plain to tell whether the model is of this ship and scale
-    doubted: bool = False
+    # sigmas were widened: the hull lies farther from the guess, or leaves the model by more
+    contradicted: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

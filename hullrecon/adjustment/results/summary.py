@@ -313,11 +313,12 @@ def _form_warnings(placement: Placement) -> list[str]:
             "known of the hull, the CAD model may be another ship's: the sigmas of position reach "
             "to where hull.pose has it."
         ]
-    if not form.tells_place:
+    if not form.confirms:
         return [
             "The surveyed part of the hull is too plain to tell whether the CAD model is of this "
             "ship and scale: another hull's would fit as well, and where on the hull the dive was "
-            "is what hull.pose says. The sigmas of the position reach to where it has the hull."
+            "is what hull.pose says. The sigmas of the position hold for a model that is right "
+            "and to scale."
         ]
     if max(form.scale_sigma) > TRUSTED_SCALE:
         return [
