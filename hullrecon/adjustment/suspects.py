@@ -138,11 +138,13 @@ def _try_readout(
 
 
 def _try_depths(problem: native.Problem, settings: native.Options, before: float) -> list[Trial]:
-    """Solve without depths, and with depths that a line makes of them.
+    """Solve without depths, and with depths that a line makes of them. Nothing without any.
 
     Readings that follow no depth stand still but for their noise, which costs them as much.
     """
     depth, sigma_m = problem.attitude.measured[:, 0], problem.attitude.sigma[:, 0]
+    if not np.isfinite(sigma_m).any():
+        return []
     squares, unknowns = _solved(_without_attitude(problem, [0]), settings)
     weight = 1 / sigma_m**2
     still = float(weight @ (depth - np.average(depth, weights=weight)) ** 2) + 1
@@ -170,9 +172,10 @@ def _depths_of_path(problem: native.Problem, settings: native.Options) -> Array:
 
 
 def _slope(x: Array, y: Array, weight: Array) -> float:
-    """Fit y (n,) = slope * x + constant by weighted least squares."""
+    """Fit y (n,) = slope * x + constant by weighted least squares; 0 where x stands still."""
     from_mean = x - np.average(x, weights=weight)
-    return float((weight * from_mean) @ y / (weight @ from_mean**2))
+    spread = weight @ from_mean**2
+    return float((weight * from_mean) @ y / spread) if spread > 0 else 0.0
 
 
 def _with_depths(problem: native.Problem, factor: float) -> native.Problem:

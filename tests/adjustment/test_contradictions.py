@@ -125,6 +125,14 @@ def test_a_mount_that_is_turned_by_15_degrees_is_named():
     assert "dvl.mount" not in said
 
 
+def test_a_dive_without_imu_and_depths_suspects_others():
+    measured = with_turned(simulate(**CAMERA_ONLY).measured, "tray_from_top", 15.0)
+    attitude = measured.attitude
+    read = ("node", "depth", "roll", "pitch", "sigma", "nodes_per_reading")
+    none = replace(attitude, **{name: getattr(attitude, name)[:0] for name in read})
+    assert "depth" not in refused(replace(measured, attitude=none))
+
+
 def test_a_package_that_allows_a_large_error_is_believed():
     measured = with_turned(simulate(**CAMERA_ONLY).measured, "tray_from_top", 6.0)
     rough = np.diag(1 / np.r_[np.full(3, 0.01), np.radians(np.full(3, 3.0))])

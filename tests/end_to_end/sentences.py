@@ -498,6 +498,14 @@ def _ranges_rejected(dive, _, rejected, of):
     )
 
 
+def _unsure_clock(dive, _, sensor, late_s, shift_mm):
+    """The simulated clocks agree; the shift is that of the true way, of its depth alone for one."""
+    way = dive.way_within(value(late_s))
+    way = way[:, 2:] if sensor == "pressure" else way - way[0]
+    true = 1000 * np.linalg.norm(way, axis=1).max()
+    return unlike(f"shift by the {sensor}'s clock", shift_mm, true, 0.3 * true)
+
+
 def _pairs_failed(dive, _, reason, count):
     """The page's table of compared pairs says how many failed in all."""
     return (
@@ -733,6 +741,11 @@ TABLE = (
     (rf"^Time and memory by step: {TIME} for (\d+) steps", _time),
     (r"(\d+) warnings? (?:was|were) raised", _warnings),
     (rf"{N} of {N} DVL ranges rejected as outliers", _ranges_rejected),
+    (
+        rf"(pressure|DVL): that its clock agrees with the IMU's is known to {N} s \(one sigma\), "
+        rf"which moves the path by up to {N} mm",
+        _unsure_clock,
+    ),
     (r"^report/report\.pdf: Pango is not installed .*$", _no_pdf),
     (r"^([a-z ]+): (\d+) pairs?$", _pairs_failed),
     (rf"{N} of {N} image observations rejected as outliers", _observations),

@@ -63,7 +63,8 @@ def test_pdf_names_all_objects_deliverables_and_parameters(deliver, pages):
         assert text.count(joined(f"{found['id']} · ")) >= 1
         assert text.count(joined(found["address"])) >= 2  # its card and the annex
     for name, entry in summary["deliverables"].items():
-        if not name.startswith("report/"):
+        # the tileset stands for its tiles, of which there are thousands on a large hull
+        if not name.startswith("report/") and not re.match(r"tiles/\w+/\d+/", name):
             assert name in text
             assert entry["sha256"] in text
     page = (deliver / "report" / "index.html").read_text()

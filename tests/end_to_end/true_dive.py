@@ -109,6 +109,12 @@ class TrueDive:
     def true_path_m(self):
         return np.linalg.norm(np.diff(self.path.true_position, axis=0), axis=1).sum()
 
+    def way_within(self, seconds):
+        """The true way (n, 3) from each pose to where the vehicle is so many seconds later."""
+        t, position = self.path.t, self.path.true_position
+        later = [np.interp(t + seconds, t, axis) for axis in position.T]
+        return np.column_stack(later) - position
+
     @property
     def path_sigma(self):
         return self.path.sigma
