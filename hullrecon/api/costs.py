@@ -28,8 +28,8 @@ from hullrecon.steps.artifacts import IngestArtifact
 TABLE = "step_costs.json"
 QUANTITIES = ("seconds", "memory_mb", "disk_mb")
 DEFAULT_SHARE = 0.5  # of the machine's memory, for a run
-# Factor that a prediction may be off: six legs with 956 pairs took 2.2 GB where a line through two
-# shorter dives says 3.6. A dive is refused where half of what is predicted is too much.
+# Factor that a prediction may be off: a line through two short dives is no measurement of a long
+# one. A dive is refused where half of what is predicted is too much.
 DOUBT = 2.0
 
 

@@ -139,7 +139,7 @@ def reckon_dive(
 
 
 def _describe_unsure(found: Navigated, sigmas: NavigationSigmas) -> list[str]:
-    """Say how well the clocks could be compared, where that makes the path unsure."""
+    """Describe how well the clocks could be compared, where that makes the path unsure."""
     out = []
     for sensor, late_s, column in (
         (Sensor.DVL, sigmas.dvl_late_s, DVL_LATE),

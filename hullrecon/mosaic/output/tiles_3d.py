@@ -61,7 +61,7 @@ class Pyramid:
         return next(level for level, one in enumerate(fits) if one)
 
     def texel_m(self, level: int) -> float:
-        """Return the side of a texel of a level."""
+        """Compute how long a texel of a level is on the hull."""
         return float(self.layout.grid.step_m * 2**level)
 
 
