@@ -13,7 +13,8 @@ from hullrecon.artifacts.progress import Progress
 from hullrecon.artifacts.runner import RunContext
 from hullrecon.artifacts.workspace import COMPARE_FOLDER
 from hullrecon.artifacts.writer import ArtifactWriter
-from hullrecon.studies.registry import FIGURES, StudyDive, StudyResult, find_study
+from hullrecon.studies.registry import FIGURES, find_study
+from hullrecon.studies.study import DiveStudy, StudyDive, StudyResult
 
 if TYPE_CHECKING:
     from hullrecon.api.dive_run import DiveRun
@@ -31,7 +32,7 @@ def run_studies(
     with choose_executor(jobs) as executor:
         context = RunContext(dive.workspace.hashes(), executor, progress or Progress())
         given = StudyDive(dive, context)
-        return [study.run(given) for study in studies]
+        return [s.run(given) if isinstance(s, DiveStudy) else s.run() for s in studies]
 
 
 def compare_methods(
