@@ -54,7 +54,7 @@ AROUND = {
         "results", "export", "results in forms for other programs: undistorted images for COLMAP"
     ),
     "study": Entry(
-        "study", "study", "the published methods in one table, the published figures as pictures"
+        "study", "study", "the published methods, tables and figures, print and ours side by side"
     ),
     "completion": Entry("completion", "completion", "the shell's completion script"),
 }

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""study: reproduce the published variants of the method and the published figures."""
+"""study: reproduce the sources' methods, tables and figures, print and ours side by side."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from hullrecon.artifacts.progress import choose_progress
+from hullrecon.errors import UsageError
 
 from ..dives import FOLDER, allow_outside_option, open_dive, runs_option, set_option
 from ..state import add_common_options, state_of
@@ -33,11 +34,88 @@ def study(context: click.Context) -> None:
 
 @study.command("list")
 def list_studies() -> None:
-    """List the studies: their ids, what each shows, and its source."""
+    """List the studies: id, dive or scene of its own, what it shows, source."""
     from hullrecon.studies import STUDIES
 
-    document = {s.id: {"source": s.source, "shows": s.shows} for s in STUDIES}
-    state_of().emit(document, (f"{s.id:15} {s.shows} {s.source}" for s in STUDIES))
+    document = {
+        s.id: {"source": s.source, "shows": s.shows, "needs_dive": s.needs_dive} for s in STUDIES
+    }
+    width = max(len(s.id) for s in STUDIES)
+    state_of().emit(
+        document,
+        (
+            f"{s.id:{width}}  {'dive ' if s.needs_dive else 'scene'}  {s.shows} {s.source}"
+            for s in STUDIES
+        ),
+    )
+
+
+@study.command("run")
+@click.argument("ids", nargs=-1, required=True, metavar="ID...|all")
+@click.option("--out", type=FOLDER, required=True, help="folder of the results and their page")
+@click.option(
+    "--dive",
+    "package",
+    type=FOLDER,
+    help="package of a simulated dive  [default: the sample dive of a checkout]",
+)
+@_JOBS
+@set_option
+@runs_option
+@allow_outside_option
+def run_command(
+    ids: tuple[str, ...],
+    out: Path,
+    package: Path | None,
+    runs: Path,
+    overrides: tuple[str, ...],
+    jobs: int,
+    allow_outside: bool,
+) -> None:
+    """Run studies and set them beside the sources on one page, OUT/index.html.
+
+    Each leaves pictures, tables and its result as JSON in OUT/<id>. The page shows all that the
+    folder holds, from this run and earlier ones. A study that fails costs itself.
+    """
+    from hullrecon.studies import STUDIES, failure_of, run_and_keep
+    from hullrecon.studies.page.page import write_page
+    from hullrecon.studies.registry import find_study
+
+    chosen = [s.id for s in STUDIES] if "all" in ids else list(dict.fromkeys(ids))
+    studies = [find_study(name) for name in chosen]
+    dive = None
+    if any(s.needs_dive for s in studies):
+        first = next(s.id for s in studies if s.needs_dive)
+        dive = open_dive(package or _sample(first), runs, overrides, allow_outside=allow_outside)
+    progress = choose_progress(quiet=state_of().quiet)
+    outcomes = []
+    try:
+        for outcome in run_and_keep(chosen, out, dive, jobs=jobs, progress=progress):
+            outcomes.append(outcome)
+    finally:
+        page = write_page(out) if outcomes else None
+    document = {
+        "page": str(page),
+        "studies": {o.kept.id: o.kept.failure or "done" for o in outcomes},
+    }
+    lines = [f"{o.kept.id}: {o.kept.failure or 'done'}, {o.kept.seconds:g} s" for o in outcomes]
+    state_of().emit(document, [*lines, f"page: {page}"])
+    failure = failure_of(outcomes, out)
+    if failure is not None:
+        raise failure
+
+
+def _sample(study_id: str) -> Path:
+    """Find the sample dive of a checkout. Raises UsageError where there is none."""
+    from hullrecon.synthetic.sample import FOLDER as SAMPLE_DIVE
+
+    if not SAMPLE_DIVE.is_dir():
+        raise UsageError(
+            f"{study_id} runs on a simulated dive, and the sample dive is not here",
+            where=str(SAMPLE_DIVE),
+            remedy="give one with --dive, `hullrecon simulate` makes it",
+        )
+    return SAMPLE_DIVE
 
 
 def _table_command(name: str, about: str) -> click.Command:
@@ -119,7 +197,7 @@ def figures(
     state_of().emit({"folder": str(folder), "figures": {f.name: f.caption for f in drawn}}, lines)
 
 
-for _command in (list_studies, methods, surfaces, links, figures):
+for _command in (list_studies, run_command, methods, surfaces, links, figures):
     add_common_options(_command)
 
 

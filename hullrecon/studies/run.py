@@ -4,7 +4,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import logging
+import time
+import traceback
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,12 +17,24 @@ from hullrecon.artifacts.progress import Progress
 from hullrecon.artifacts.runner import RunContext
 from hullrecon.artifacts.workspace import COMPARE_FOLDER
 from hullrecon.artifacts.writer import ArtifactWriter
+from hullrecon.errors import HullreconError, LockedError, StorageError
 from hullrecon.studies.registry import FIGURES, find_study
-from hullrecon.studies.study import DiveStudy, StudyDive, StudyResult
+from hullrecon.studies.results import TRACEBACK, KeptStudy, keep_failure, keep_result
+from hullrecon.studies.study import DiveStudy, SceneStudy, StudyDive, StudyResult
 
 if TYPE_CHECKING:
     from hullrecon.api.dive_run import DiveRun
     from hullrecon.studies.figure_style import PublishedFigure
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyOutcome:
+    """A study that was run, and the error if it failed."""
+
+    kept: KeptStudy
+    error: Exception | None = None
 
 
 def run_studies(
@@ -33,6 +49,82 @@ def run_studies(
         context = RunContext(dive.workspace.hashes(), executor, progress or Progress())
         given = StudyDive(dive, context)
         return [s.run(given) if isinstance(s, DiveStudy) else s.run() for s in studies]
+
+
+def run_and_keep(
+    names: Sequence[str],
+    out: Path,
+    dive: DiveRun | None,
+    *,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> Iterator[StudyOutcome]:
+    """Run studies in order, writing each into OUT/<id> when it ends.
+
+    A study that fails costs itself: its reason is written in place of its result.
+
+    Parameters
+    ----------
+    dive
+        A simulated dive. None if no study named needs one.
+
+    Raises
+    ------
+    UsageError
+        A study is unknown.
+    LockedError, StorageError
+        What concerns all studies: another run holds the dive, or nothing can be written.
+    """
+    studies = [find_study(name) for name in names]
+    with choose_executor(jobs) as executor:
+        given = None
+        if dive is not None:
+            context = RunContext(dive.workspace.hashes(), executor, progress or Progress())
+            given = StudyDive(dive, context)
+        for left, study in zip(range(len(studies) - 1, -1, -1), studies, strict=True):
+            outcome = _run_and_keep(study, given, out)
+            ended = "failed" if outcome.error is not None else "done"
+            log.info("%s: %s in %.0f s, %d left", study.id, ended, outcome.kept.seconds, left)
+            yield outcome
+
+
+def _run_and_keep(
+    study: DiveStudy | SceneStudy, given: StudyDive | None, out: Path
+) -> StudyOutcome:
+    """Run a study and write its result, or why it has none."""
+    start = time.monotonic()
+    try:
+        if isinstance(study, SceneStudy):
+            result = study.run()
+        else:
+            assert given is not None  # the caller names a dive for those that need one
+            result = study.run(given)
+        return StudyOutcome(kept=keep_result(study, result, time.monotonic() - start, out))
+    except (LockedError, StorageError, MemoryError):
+        raise
+    except HullreconError as error:
+        kept = keep_failure(study, error.line(), "", time.monotonic() - start, out)
+        return StudyOutcome(kept=kept, error=error)
+    except Exception as error:
+        reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
+        trace = "".join(traceback.format_exception(error))
+        kept = keep_failure(study, reason, trace, time.monotonic() - start, out)
+        return StudyOutcome(kept=kept, error=error)
+
+
+def failure_of(outcomes: Sequence[StudyOutcome], out: Path) -> HullreconError | None:
+    """Build the error for studies that failed, with the exit code of the first. None if none."""
+    failed = [outcome for outcome in outcomes if outcome.error is not None]
+    if not failed:
+        return None
+    first, error = failed[0].kept, failed[0].error
+    which = f"study {first.id}" + (f" and {len(failed) - 1} more" if len(failed) > 1 else "")
+    what = f"{which} failed: {first.failure}; all else is kept"
+    if isinstance(error, HullreconError):
+        return type(error)(what, where=str(out))
+    return HullreconError(
+        f"internal error: {what}", remedy=f"traceback in {out / first.id / TRACEBACK}"
+    )
 
 
 def compare_methods(

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from hullrecon.studies.methods import variants as method_variants
 
@@ -53,7 +53,7 @@ class ComparedValue:
     what: str  # of what, in a few words
     unit: str  # empty for a pure number
     printed: float | None  # None where the source tells it in words alone
-    ours: float
+    ours: float | None  # None where the run gives none
     note: str = ""  # what the source says in words, or why ours differs
 
 
@@ -72,6 +72,7 @@ class StudyResult:
 class Study:
     """A reproducible result of the sources."""
 
+    needs_dive: ClassVar[bool]
     id: str  # as `hullrecon study run` takes it
     source: str  # figures and equations, as docs/references.md keys their papers
     shows: str  # one line
@@ -81,6 +82,7 @@ class Study:
 class DiveStudy(Study):
     """A study of a simulated dive."""
 
+    needs_dive = True
     run: Callable[[StudyDive], StudyResult]
 
 
@@ -88,4 +90,5 @@ class DiveStudy(Study):
 class SceneStudy(Study):
     """A study of scenes that it makes itself, the same at every run."""
 
+    needs_dive = False
     run: Callable[[], StudyResult]

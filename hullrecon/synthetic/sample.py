@@ -13,6 +13,7 @@ from pathlib import Path
 from hullrecon.synthetic.options import Cameras, DiveSpec, InitialHullPose, Items, Survey
 from hullrecon.synthetic.package import write_package
 
+FOLDER = Path(__file__).resolve().parents[2] / "sample_data" / "demo"  # in a checkout
 # From the side into the bilge where the bow begins to narrow: curvature both ways, so that the CAD
 # model holds the dive.
 SAMPLE = DiveSpec(
@@ -29,11 +30,7 @@ SAMPLE = DiveSpec(
 
 def main() -> None:
     """Write the sample dive into the folder given, or into sample_data."""
-    folder = (
-        Path(sys.argv[1])
-        if len(sys.argv) > 1
-        else Path(__file__).resolve().parents[2] / "sample_data" / "demo"
-    )
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER
     write_package(folder, SAMPLE)
     print(folder)
 
