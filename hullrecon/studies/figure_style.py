@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure as Canvas
 
+    from hullrecon.studies.study import ComparedValue
+
 Share = Literal["none", "all", "row", "col"]
 
 COLOURS = {"naive": "#7b8794", "geva": "#c8541b", "maxmix": "#1f5f99"}
@@ -27,6 +29,7 @@ class PublishedFigure:
     png: bytes  # the picture
     csv: str  # the numbers in it
     caption: str  # what it shows, in a sentence
+    compared: tuple[ComparedValue, ...] = ()  # numbers that the source prints, with ours
 
 
 def new_canvas(
@@ -70,7 +73,13 @@ def label_log_axis(axis: Axis) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def finish_figure(name: str, canvas: Canvas, table: list[str], caption: str) -> PublishedFigure:
+def finish_figure(
+    name: str,
+    canvas: Canvas,
+    table: list[str],
+    caption: str,
+    compared: tuple[ComparedValue, ...] = (),
+) -> PublishedFigure:
     """Render PNG bytes without date or version, and the table's lines as CSV."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
@@ -78,5 +87,9 @@ def finish_figure(name: str, canvas: Canvas, table: list[str], caption: str) -> 
     buffer = io.BytesIO()
     canvas.savefig(buffer, format="png", metadata={"Software": None})
     return PublishedFigure(
-        name=name, png=buffer.getvalue(), csv="\n".join(table) + "\n", caption=caption
+        name=name,
+        png=buffer.getvalue(),
+        csv="\n".join(table) + "\n",
+        caption=caption,
+        compared=compared,
     )

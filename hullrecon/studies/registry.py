@@ -6,10 +6,11 @@ from __future__ import annotations
 
 from hullrecon.errors import UsageError
 from hullrecon.studies.hull_studies import HULL_STUDIES
+from hullrecon.studies.ozog_studies import OZOG_STUDIES
 from hullrecon.studies.study import DiveStudy, SceneStudy
 
 # each folder of studies lists its own
-STUDIES: tuple[DiveStudy | SceneStudy, ...] = HULL_STUDIES
+STUDIES: tuple[DiveStudy | SceneStudy, ...] = (*HULL_STUDIES, *OZOG_STUDIES)
 FIGURES = ("method-figures", "path-figures", "scene-figures")  # those that draw
 
 

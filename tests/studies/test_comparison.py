@@ -108,7 +108,8 @@ def test_lengths_are_in_millimetres_and_missing_figures_a_dash(
     assert float(rows[0][gap]) == pytest.approx(30, abs=1)
     assert rows[2][cameras] == "-"
     assert all(len(row) == len(heads) for row in rows)
-    assert rows[0][-1] == "2"  # the starts of two rounds are no iterations
+    # of the round with the CAD model, as the source counts; its start is no iteration
+    assert rows[0][-1] == "1"
 
 
 def test_all_of_the_sources_figures_are_drawn(

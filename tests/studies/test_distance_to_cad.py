@@ -41,3 +41,14 @@ def test_there_is_a_panel_a_path_and_one_for_the_histogram() -> None:
 
 def test_returns_that_all_lie_on_the_cad_model_break_nothing() -> None:
     assert "0 mm" in distance_to_cad_model({"planes": on_hull(np.zeros(5))}).caption
+
+
+def test_the_printed_distances_stand_beside_ours() -> None:
+    laid = {
+        "without planes": on_hull(np.array([0.0, 2.0])),
+        "with planes": on_hull(np.full(4, 0.2)),
+    }
+    compared = distance_to_cad_model(laid).compared
+    assert [(v.printed, round(v.ours or 0.0, 6)) for v in compared] == [
+        (1.31, 1.0), (1.38, 1.0), (20.0, 50.0), (0.45, 0.2), (0.19, 0.0), (0.0, 0.0),
+    ]  # fmt: skip

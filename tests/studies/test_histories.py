@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -33,18 +35,42 @@ def picture(figure: PublishedFigure) -> np.ndarray:
     return cv2.imdecode(np.frombuffer(figure.png, np.uint8), cv2.IMREAD_COLOR)
 
 
-def test_labels_are_counted_by_round_and_iteration() -> None:
+def test_labels_are_counted_from_the_round_that_has_them() -> None:
+    """The path is solved before, without the CAD model: there all labels are 0."""
     table = rows(label_frequency([solve(False)]))
     assert table[0] == ["method", "round", "iteration", "landmarks", "on_surface", "label_changes"]
-    assert table[4][1:] == ["2", "3", "2000", "1900", "0"]
+    assert table[1][1:] == ["2", "0", "2000", "1900", "0"]
+    assert len(table) == 4
+
+
+def test_as_published_is_the_round_with_the_cad_model() -> None:
+    whole = solve(False)
+    published = replace(whole, method="maxmix as published", as_published=True)
+    figure = label_frequency([published])
+    assert "95.0 % to 95.1 %" in figure.caption
+    assert figure.compared[0].printed == 0.82
+    assert figure.compared[0].ours == pytest.approx(0.95)
+    costs = cost_history([published])
+    assert "maxmix as published 2 iterations, 2.0 s" in costs.caption
+    assert [row[2:4] for row in rows(costs)[1:]] == [["0", "0.000"], ["1", "1.000"], ["2", "2.000"]]
+    assert [value.ours for value in costs.compared] == [2.0]
 
 
 def test_labels_have_settled_when_fewer_than_a_thousandth_change() -> None:
     assert (
-        "50.0 % to 95.1 %, converged after 1 iteration of the last round"
-        in label_frequency([solve(False)]).caption
+        "95.0 % to 95.1 %, converged after 1 iteration" in label_frequency([solve(False)]).caption
     )
     assert label_frequency([solve(True)]).caption.endswith("converged after 4 iterations.")
+
+
+def test_time_is_set_beside_the_naive_methods() -> None:
+    found = {
+        name: replace(solve(True), method=f"{name} as published", seconds=np.linspace(0, s, 6))
+        for name, s in (("naive", 2.0), ("geva", 3.0))
+    }
+    compared = {value.what: value for value in cost_history(list(found.values())).compared}
+    extra = compared["time of the solve over naive's, geva"]
+    assert (extra.printed, extra.ours) == (50.0, pytest.approx(50.0))
 
 
 def test_costs_stand_with_their_round_and_their_time() -> None:

@@ -119,3 +119,13 @@ def test_they_do_not_tell_where_on_the_sphere_the_vehicle_is(tables) -> None:
         for name in ("dead reckoning", "with planes")
     ]
     assert errors[1].min() > 0.5 * errors[0][0]
+
+
+def test_the_sigma_of_planes_is_too_small_along_closed_turns(tables, scene_figures) -> None:
+    """A limit that is said: in the caption, and in docs/methods.md 18."""
+    error, sigma = columns(tables["sphere"], "path", "with planes", "end_error_m", "end_sigma_m")
+    assert (error > 3 * sigma).all()
+    before = columns(tables["sphere"], "path", "dead reckoning", "end_error_m", "end_sigma_m")
+    assert (before[0] < 2 * before[1]).all()
+    caption = next(figure.caption for figure in scene_figures if figure.name == "sphere")
+    assert "along closed turns their sigma is too small" in caption

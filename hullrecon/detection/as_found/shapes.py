@@ -93,7 +93,12 @@ def alpha_shape(points: Array, alpha_m: float) -> Ints32:
 
 
 def find_shape_hits(
-    views: CameraViews, features: Array, deviation: Array, vertices: Array, options: DetectOptions
+    views: CameraViews,
+    features: Array,
+    deviation: Array,
+    vertices: Array,
+    options: DetectOptions,
+    threshold_m: float = MIN_OFFSET_M,
 ) -> Iterator[tuple[Ints, Array]]:
     """Find where the rays to vertices meet the shapes that each view's features make.
 
@@ -103,13 +108,15 @@ def find_shape_hits(
         landmarks (m, 3) and how far they stand off the hull (m,) m.
     vertices
         of the mesh (n, 3).
+    threshold_m
+        that features of a shape stand off the hull by more than.
 
     Yields
     ------
     rows, points
         for each view with shapes, the vertices whose rays meet one and where (k, 3).
     """
-    off = np.flatnonzero(np.abs(deviation) > MIN_OFFSET_M)
+    off = np.flatnonzero(np.abs(deviation) > threshold_m)
     near = _near(vertices, features[off], 3 * ALPHA_RADIUS_M)
     nearby = dict(iterate_views(views, vertices[near])) if len(near) and len(off) else {}
     for view, rows in iterate_views(views, features[off]) if nearby else ():
@@ -119,7 +126,7 @@ def find_shape_hits(
         shapes = detect_shapes(
             camera_from_result.apply(features[off[rows]]),
             deviation[off[rows]],
-            MIN_OFFSET_M,
+            threshold_m,
             options.cluster_reach_m,
             MIN_CLUSTER_POINTS,
             ALPHA_RADIUS_M,

@@ -22,6 +22,7 @@ from hullrecon.studies.methods.method_figures import (
     MethodFigures,
     method_figures,
 )
+from hullrecon.studies.study import ComparedValue
 from hullrecon.typing import Array, Arrays
 
 
@@ -66,13 +67,19 @@ def compare_solutions(
         v.name: {
             **method_figures(v.solution, start.returns, start.rig, truth),
             "solve": {
-                "iterations": count(np.asarray(v.iterations["round"], np.int64)),
+                "iterations": _iterations(v),
                 "seconds": v.seconds,
                 "landmarks": len(v.solution.landmarks),
             },
         }
         for v in variants
     }
+
+
+def _iterations(v: SolvedVariant) -> int:
+    """Count iterations: of all rounds, or as published of the solve with the CAD model alone."""
+    rounds = np.asarray(v.iterations["round"], np.int64)
+    return count(rounds[rounds == rounds.max()] if v.as_published else rounds)
 
 
 def comparison_table(figures: Mapping[str, MethodFigures]) -> tuple[list[str], list[list[str]]]:
@@ -87,6 +94,26 @@ def comparison_table(figures: Mapping[str, MethodFigures]) -> tuple[list[str], l
         for method, parts in figures.items()
     ]
     return heads, rows
+
+
+def compare_heights(figures: Mapping[str, MethodFigures]) -> tuple[ComparedValue, ...]:
+    """Set what the source says of structures beside the share of their height that is kept."""
+    said = {
+        "naive as published": "the features do not lie on the surface of the DVL's ranges",
+        "geva as published": 'growth is "squished" onto the surface',
+        "maxmix as published": "structures are preserved",
+    }
+    kept = {name: figures.get(name, {}).get("heights", {}).get("ratio_median") for name in said}
+    return tuple(
+        ComparedValue(
+            what=f"height of structures kept, {name}",
+            unit="%",
+            printed=None,
+            ours=100 * ratio if isinstance(ratio, float) else None,
+            note=f"Figs 4.10, 4.11: {said[name]}",
+        )
+        for name, ratio in kept.items()
+    )
 
 
 def _unit(name: str) -> str:

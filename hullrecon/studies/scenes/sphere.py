@@ -21,6 +21,7 @@ from hullrecon.studies.figure_style import (
     new_canvas,
 )
 from hullrecon.studies.paths.link_plots import path_length
+from hullrecon.studies.study import ComparedValue
 from hullrecon.typing import Array
 
 if TYPE_CHECKING:
@@ -99,7 +100,30 @@ def sphere(survey: SphereSurvey) -> PublishedFigure:
     table += [
         _row(PLANES, f"{radius:g}", found, survey.truth) for radius, found in survey.planes.items()
     ]
-    return finish_figure("sphere", figure, table, _caption(survey))
+    return finish_figure("sphere", figure, table, _caption(survey), _compare(survey))
+
+
+def _compare(survey: SphereSurvey) -> tuple[ComparedValue, ...]:
+    """Set what [Ozog2016 C] says of characteristic radii beside ours."""
+    off = [1e3 * _rms(found.off_sphere_m()) for found in survey.planes.values()]
+    ends = survey.drawn[PLANES]
+    return (
+        ComparedValue(
+            what=f"path off its sphere, characteristic radii {min(survey.planes):g} to "
+            f"{max(survey.planes):g} m: worst over best",
+            unit="",
+            printed=None,
+            ours=max(off) / max(min(off), 1e-9),
+            note=f'printed "very similar", of a sphere of 8 m; ours has {survey.radius_m:g} m',
+        ),
+        ComparedValue(
+            what="error of the path's end over its sigma, with planes",
+            unit="",
+            printed=None,
+            ours=float(ends.error_m(survey.truth)[-1] / ends.sigma[-1]),
+            note="along closed turns the sigma with planes is too small",
+        ),
+    )
 
 
 def _draw_from_above(axis: Axes, survey: SphereSurvey) -> None:
@@ -230,7 +254,7 @@ def _caption(survey: SphereSurvey) -> str:
         f"characteristic radii of {min(radii):g} to {max(radii):g} m; the radius of the map is "
         f"{min(maps):.3f} to {max(maps):.3f} m, by dead reckoning {map_before:.3f} m. Planes do "
         f"not tell where on the sphere the vehicle is: the path ends {ends[0]} from the truth by "
-        f"dead reckoning, {ends[1]} with planes."
+        f"dead reckoning, {ends[1]} with planes: along closed turns their sigma is too small."
     )
 
 

@@ -12,7 +12,7 @@ from scipy import sparse
 
 from hullrecon.detection.as_found.hull_as_found import Unfused
 from hullrecon.detection.as_found.shapes import find_shape_hits
-from hullrecon.detection.options import DetectOptions
+from hullrecon.detection.options import MIN_OFFSET_M, DetectOptions
 from hullrecon.detection.views import CameraViews
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.chart import Chart
@@ -151,7 +151,12 @@ class FusedShapes:
 
 
 def fuse_shapes(
-    views: CameraViews, features: Array, deviation: Array, vertices: Array, options: DetectOptions
+    views: CameraViews,
+    features: Array,
+    deviation: Array,
+    vertices: Array,
+    options: DetectOptions,
+    threshold_m: float = MIN_OFFSET_M,
 ) -> FusedShapes:
     """Move vertices (n, 3) to the shapes that features (m, 3) with deviations (m,) make.
 
@@ -159,7 +164,7 @@ def fuse_shapes(
     mean of all intersections.
     """
     total, count = np.zeros_like(vertices), np.zeros(len(vertices), np.int64)
-    for rows, points in find_shape_hits(views, features, deviation, vertices, options):
+    for rows, points in find_shape_hits(views, features, deviation, vertices, options, threshold_m):
         total[rows] += points
         count[rows] += 1
     vertex = np.where(count[:, None] > 0, total / np.maximum(count, 1)[:, None], vertices)

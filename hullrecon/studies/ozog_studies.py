@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The data figures of [Ozog2016] that are not of its methods, links or scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+
+from hullrecon.studies.study import DiveStudy, SceneStudy, StudyResult
+
+
+def _study(module: str) -> Callable[..., StudyResult]:
+    """Import a study's module when it is run: most commands run none."""
+
+    def run(*given: object) -> StudyResult:
+        found: StudyResult = import_module(f"hullrecon.studies.{module}").study(*given)
+        return found
+
+    return run
+
+
+OZOG_STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
+    SceneStudy(
+        id="toy-graph",
+        source="[Ozog2016 Fig. 1.10]",
+        shows="three poses on a line with a loop closure, by the normal equations",
+        run=_study("estimates.toy_graph"),
+    ),
+    SceneStudy(
+        id="label-boundary",
+        source="[Ozog2016 Fig. 4.4]",
+        shows="the distance from which a feature is off the hull",
+        run=_study("estimates.label_boundary"),
+    ),
+    SceneStudy(
+        id="joint-predictions",
+        source="[Ozog2016 E.3]",
+        shows="the sigma of a patch's mean offset by the joint covariance of its vertices",
+        run=_study("estimates.joint_predictions"),
+    ),
+    DiveStudy(
+        id="shapes",
+        source="[Ozog2016 Figs 4.8, 4.9; Algorithms 4, 5]",
+        shows="one image's shapes and one vertex moved to them, step by step",
+        run=_study("structures.steps"),
+    ),
+    DiveStudy(
+        id="thresholds",
+        source="[Ozog2016 Figs 4.17, 4.18]",
+        shows="structures found, missed and false by the threshold on features' heights",
+        run=_study("structures.thresholds"),
+    ),
+)
