@@ -1,0 +1,615 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Every part of [Aulinas2011], and where it is here."""
+
+from __future__ import annotations
+
+from hullrecon.studies.catalogue.part import Absence, Chapter, Misprint, Part, Source, Survey
+
+_ONE_PROBLEM = (
+    "a dive is one problem: no information between parts is dropped, and none is counted twice"
+)
+_NO_SONAR_OBJECTS = "objects are found by images; sonar is blended, not searched"
+
+_NO_LASER = "no laser and no land vehicle in the product"
+
+_INTRODUCTION = Chapter(
+    title="1, 2. Introduction, state of the art",
+    parts=(
+        Part("Figs 1.1 to 1.6", "structures, vehicles, laboratories", absent=Absence.PICTURE),
+        Part("Fig. 2.1", "what SLAM is", absent=Absence.PICTURE),
+        Part("Table 2.1", "filters: strengths and weaknesses", absent=Absence.LITERATURE),
+        Part(
+            "Fig. 2.2",
+            "consistency index of EKF and of submaps over a loop",
+            printed="EKF rises above 1, submaps stay below; curves alone",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_PROBLEM,
+        ),
+        Part(
+            "Fig. 2.3",
+            "tree of joins (divide and conquer)",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_PROBLEM,
+        ),
+        Part(
+            "Fig. 2.4",
+            "graph of submaps (hierarchical)",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_PROBLEM,
+        ),
+        Part(
+            "Fig. 2.5",
+            "submaps that share variables (conditionally independent)",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_PROBLEM,
+        ),
+        Part(
+            "Table 2.2",
+            "submapping methods: memory and time",
+            absent=Absence.LITERATURE,
+            differs="below, with ours as a row",
+        ),
+        Part("Figs 2.6 to 2.9", "results of other groups", absent=Absence.PICTURE),
+        Part(
+            "Table 2.3",
+            "underwater SLAM: sensor, map, filter",
+            absent=Absence.LITERATURE,
+            differs="below, with ours as a row",
+        ),
+        Part(
+            "Table 2.4",
+            "detection in side-scan sonar",
+            absent=Absence.LITERATURE,
+            differs="below, with ours as a row",
+        ),
+        Part(
+            "Fig. 2.10",
+            "artefacts of underwater images: scatter, blur, uneven light",
+            code=("hullrecon/synthetic/texture.py", "hullrecon/synthetic/rendering.py"),
+            tests=("tests/synthetic/sensors/test_photographs.py",),
+            differs="lamp and attenuation are simulated, sun flicker is not",
+        ),
+        Part(
+            "Table 2.5",
+            "features of optical images",
+            absent=Absence.LITERATURE,
+            differs="below, with ours as a row",
+        ),
+        Part(
+            "2.3, positioning",
+            "long, short and ultra-short baselines, GPS, smoothing",
+            code=("hullrecon/estimation/position_tables.py", "hullrecon/dive/logs/positions.py"),
+            tests=(
+                "tests/navigation/test_positions.py::test_fixes_bound_the_drift_of_a_dive_without_a_camera",
+            ),
+            differs="positions of USBL or GPS; no ranges to beacons; a batch solve smooths",
+        ),
+    ),
+)
+_FILTERS = Chapter(
+    title="3.2. Filters",
+    parts=(
+        Part("Table 3.1", "notation", absent=Absence.LITERATURE, code=("docs/conventions.md",)),
+        Part(
+            "3.2.2 to 3.2.4, Algorithm 1",
+            "Kalman filter",
+            absent=Absence.NOT_BUILT,
+            differs=(
+                "the product solves in one batch, to which an information filter is equal "
+                "(tests/native/test_information_filter.py)"
+            ),
+        ),
+        Part(
+            "3.2.5 to 3.2.7, Algorithm 2, eqs (3.7) to (3.11)",
+            "extended Kalman filter",
+            absent=Absence.NOT_BUILT,
+            differs="the product solves in one batch, linearised anew at every step",
+        ),
+    ),
+)
+_SUBMAPS = Chapter(
+    title="3.3. Selective submap joining",
+    parts=(
+        Part(
+            "Algorithm 3",
+            "selective submap joining: main loop",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_PROBLEM,
+        ),
+        Part(
+            "3.3.1, Algorithm 4",
+            "a submap by EKF-SLAM",
+            printed="at most 15 landmarks",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_PROBLEM,
+        ),
+        Part(
+            "3.3.2, eq (3.12), Fig. 3.1",
+            "global map of transforms between submaps",
+            absent=Absence.NOT_BUILT,
+            code=("hullrecon/navigation/pose_graph/graph.py:relative_covariance",),
+            differs=(
+                "relative poses with joint covariance by the pose graph, for nodes instead of "
+                "submaps"
+            ),
+        ),
+        Part(
+            "3.3.3, eqs (3.13) to (3.15)",
+            "two submaps joined and fused",
+            absent=Absence.NOT_BUILT,
+            code=("native/solve/joined_problem.cpp", "hullrecon/change/offset.py:estimate_offset"),
+            tests=("tests/native/test_parts.py",),
+            differs=(
+                "a problem solved in parts gives the whole one's numbers; two dives are laid on "
+                "each other by one offset"
+            ),
+        ),
+        Part(
+            "3.3.4, Fig. 3.2",
+            "a loop is closed where submaps share enough; time by threshold",
+            printed="least at 40 to 50 % of the landmarks of a submap",
+            absent=Absence.NOT_BUILT,
+            code=("hullrecon/vision/pairs/selection.py:propose_revisits",),
+            differs=(
+                "images are compared where they probably overlap; every link that stands counts"
+            ),
+        ),
+    ),
+)
+_EXPERIMENTS = Chapter(
+    title="3.4. Experiments",
+    parts=(
+        Part(
+            "Fig. 3.3, eqs (3.17) to (3.20)",
+            "car with steering wheel, laser range and bearing",
+            absent=Absence.NOT_BUILT,
+            differs="no land vehicle in the product",
+        ),
+        Part(
+            "3.4.1, Fig. 3.4",
+            "441 landmarks, surveyed in lines",
+            printed="dead reckoning off by 25 %, joined below 2.5 %",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_PROBLEM,
+        ),
+        Part(
+            "Fig. 3.5",
+            "two submaps before and after fusion",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_PROBLEM,
+        ),
+        Part(
+            "Fig. 3.6, eq (3.21)",
+            "normalised error against truth",
+            printed="inside the bound throughout",
+            benchmarks=("benchmarks/dives.py",),
+            tests=(
+                "tests/benchmarks/test_dives.py::test_errors_of_three_and_four_sigma_are_a_nees_of_25",
+            ),
+            differs="of poses of simulated dives",
+        ),
+        Part(
+            "Table 3.2",
+            "time of six methods",
+            printed="EKF 2,028 s; LMJ 92.48, DCS 83.73, HS 78.37, CIS 85.26, SSJS 78.88 s",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_PROBLEM,
+        ),
+        Part(
+            "Table 3.3",
+            "error of map and localisation of six methods",
+            printed="SSJS mean 0.196 m and 0.537 m, EKF 0.589 m and 0.727 m",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_PROBLEM,
+        ),
+        Part(
+            "3.4.2, Fig. 3.7",
+            "Victoria Park: track and trees beside GPS",
+            printed="197 x 93 m, 4 km, 26 min",
+            absent=Absence.NOT_BUILT,
+            differs=_NO_LASER,
+        ),
+        Part("Fig. 3.8", "the car", absent=Absence.PICTURE),
+        Part(
+            "Fig. 3.9, eq (3.22)",
+            "normalised innovation without truth",
+            printed="EKF leaves the bound, submaps do not",
+            code=("hullrecon/adjustment/results/summary.py:residuals_by_factor",),
+            delivered=("summary.json", "plots/"),
+            tests=(
+                "tests/native/test_pair_covariance.py::test_the_innovation_of_a_true_candidate_is_chi_square",
+            ),
+            differs="residuals in sigmas by sensor, for the whole dive",
+        ),
+        Part(
+            "Fig. 3.10",
+            "time over the mission by method",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_PROBLEM,
+        ),
+    ),
+)
+_FEATURES = Chapter(
+    title="4. Features and association",
+    parts=(
+        Part("Figs 4.1 to 4.3", "maps of points and of lines; a laser", absent=Absence.PICTURE),
+        Part(
+            "4.2.1, Figs 4.4, 4.5, 4.7",
+            "centre of a tree trunk from a laser scan",
+            printed="returns from 3 to 40 m",
+            absent=Absence.NOT_BUILT,
+            differs=_NO_LASER,
+        ),
+        Part(
+            "4.2.2, Fig. 4.6",
+            "association: nearest neighbour, joint compatibility, randomised",
+            absent=Absence.NOT_BUILT,
+            code=(
+                "hullrecon/change/objects.py:match_objects",
+                "hullrecon/vision/appearance/consistency.py:largest_group",
+            ),
+            differs=(
+                "objects of two dives by best pairs inside a gate; links of one place by the "
+                "largest group that agrees"
+            ),
+        ),
+        Part(
+            "4.3.1, Fig. 4.9",
+            "objects in side-scan sonar by two thresholds: bright spot and shadow",
+            absent=Absence.NOT_BUILT,
+            differs=_NO_SONAR_OBJECTS,
+        ),
+        Part("Figs 4.8, 4.17, 4.18", "a side-scan image; how sensors look", absent=Absence.PICTURE),
+        Part(
+            "Figs 4.10 to 4.13",
+            "Haar features and the integral image",
+            absent=Absence.NOT_BUILT,
+            differs=_NO_SONAR_OBJECTS,
+        ),
+        Part(
+            "Figs 4.14, 4.15",
+            "which features tell objects from ground",
+            printed="8 dark to 1 bright is best",
+            absent=Absence.NOT_BUILT,
+            differs=_NO_SONAR_OBJECTS,
+        ),
+        Part(
+            "4.3.2, 4.3.3, Fig. 4.16, Table 4.1",
+            "cascade of classifiers: what each layer has to reach",
+            printed="99.9 % at 50 % to 99 % at 0.05 %, with 1 to 30 features",
+            absent=Absence.NOT_BUILT,
+            differs=_NO_SONAR_OBJECTS,
+        ),
+        Part(
+            "4.3.4, Table 4.2",
+            "cascade: what was reached",
+            printed="99.5 and 53 %, 99.3 and 6 %, 99.2 and 1 % with 1, 2, 4 features",
+            absent=Absence.NOT_BUILT,
+            differs=_NO_SONAR_OBJECTS,
+        ),
+        Part(
+            "4.4.1, Figs 4.19, 4.20",
+            "images evened out, undistorted",
+            code=(
+                "hullrecon/vision/features/extraction.py:_level",
+                "hullrecon/mosaic/imagery/radiometry.py:solve_light",
+            ),
+            tests=(
+                "tests/mosaic/test_radiometry.py::test_a_corrected_image_of_an_even_plate_is_even",
+            ),
+            differs="the lamp's field is solved for from overlaps; sun flicker is not taken out",
+        ),
+        Part(
+            "4.4.1, Fig. 4.21",
+            "regions of interest by edges and by hue",
+            printed="627 of 3,199 frames have one",
+            absent=Absence.NOT_BUILT,
+            differs=(
+                "objects are found by their height; paint and rust without relief are no objects"
+            ),
+        ),
+        Part(
+            "4.4.2, Fig. 4.22",
+            "features matched over a quarter turn, gated by the map's uncertainty",
+            code=(
+                "hullrecon/vision/pairs/matching.py:_within_ellipses",
+                "hullrecon/vision/features/descriptors.py:best_of_pairs",
+            ),
+            tests=("tests/vision/pairs/test_gating.py::test_ellipse_is_that_of_many_random_draws",),
+            differs="SIFT in place of SURF",
+        ),
+        Part(
+            "Fig. 4.23",
+            "calibration from images of a board",
+            printed="principal point known to some 10 px",
+            absent=Absence.NOT_BUILT,
+            code=(
+                "hullrecon/adjustment/problem/intrinsics.py:free_intrinsics",
+                "hullrecon/dive/config/calibration.py",
+            ),
+            differs="calibrations are read; the adjustment corrects them",
+        ),
+    ),
+)
+_VEHICLES = Chapter(
+    title="5. Underwater vehicles",
+    parts=(
+        Part(
+            "Figs 5.1 to 5.4, 5.8 to 5.12",
+            "mosaics of others, vehicles, frames, sensor drawings",
+            absent=Absence.PICTURE,
+        ),
+        Part(
+            "5.2.1, 5.3.1, eqs (5.1), (5.2), (5.15)",
+            "constant velocity in six or four degrees of freedom",
+            code=("hullrecon/estimation/navigation_tables.py:velocity_table",),
+            tests=(
+                "tests/native/test_planes.py::test_a_vehicle_that_speeds_up_shows_its_change_of_velocity",
+            ),
+            differs="six; odometry by DVL and gyro wherever there is a DVL",
+        ),
+        Part(
+            "5.2.2, eqs (5.4) to (5.14)",
+            "IMU, DVL, pressure, altitude, side-scan point",
+            code=("native/factors/navigation_residuals.h", "native/factors/hull_residuals.h"),
+            tests=("tests/native/test_factors.py", "tests/native/test_residual_twins.py"),
+            differs=(
+                "altitude is four ranges to the hull; no side-scan point; a compass is of no use "
+                "beside steel"
+            ),
+        ),
+        Part(
+            "5.3.2, eqs (5.16) to (5.24)",
+            "pinhole, landmarks by inverse depth",
+            code=(
+                "native/factors/image_residuals.h",
+                "hullrecon/adjustment/problem/triangulation.py:triangulate",
+            ),
+            tests=("tests/adjustment/test_triangulation.py",),
+            differs=(
+                "landmarks are points: at 1 m from a hull parallax is large, and what has less "
+                "than 0.3° is left out"
+            ),
+        ),
+        Part(
+            "5.2.3, Fig. 5.5",
+            "REMUS-100: sonar image, map, views from above and from the side",
+            printed="300 x 400 m, 4 h",
+            absent=Absence.DATA,
+            differs="the mission's sonar and its acoustic reference were never published",
+        ),
+        Part(
+            "Figs 5.6, 5.7",
+            "track beside the acoustic reference, with its bound",
+            absent=Absence.DATA,
+            differs="the mission's sonar and its acoustic reference were never published",
+        ),
+        Part(
+            "5.3.3, Fig. 5.13",
+            "SPARUS: dead-reckoned and corrected track",
+            printed="20 x 20 m, 3,199 frames",
+            benchmarks=("benchmarks/mono_survey.py",),
+            differs="a simulated survey with one camera: the images of SPARUS are not public",
+        ),
+        Part(
+            "Figs 5.14, 5.15",
+            "texture on the map; a mosaic",
+            code=("hullrecon/mosaic/optical.py:optical_mosaic",),
+            delivered=("ortho_optical.tif", "mosaic_optical.glb"),
+        ),
+        Part(
+            "Fig. 5.16",
+            "ellipses of landmarks seen again shrink",
+            code=("hullrecon/estimation/landmark_variance.py",),
+            delivered=("landmarks.ply",),
+            tests=("tests/estimation/test_landmark_variance.py",),
+            differs="sigma of each landmark after the batch",
+        ),
+        Part(
+            "Figs 5.17, 5.18",
+            "map and track in three views",
+            code=("hullrecon/report/figures/plan_view.py", "hullrecon/report/scene_view.py"),
+            delivered=("report/",),
+        ),
+    ),
+)
+_APPENDIX = Chapter(
+    title="6, A. Conclusions, transformations",
+    parts=(
+        Part("6", "conclusions and future work", absent=Absence.LITERATURE),
+        Part(
+            "A.1 to A.3",
+            "composition and inverse of poses with derivatives",
+            code=(
+                "hullrecon/geometry/poses.py",
+                "hullrecon/vision/pairs/gating.py:Motion",
+                "native/factors/motion.h",
+            ),
+            tests=(
+                "tests/geometry/test_poses.py",
+                "tests/vision/pairs/test_gating.py::test_inverse_carries_covariance_as_random_draws_do",
+            ),
+            differs="in space alone, quaternions",
+        ),
+    ),
+)
+
+_MISPRINTS = (
+    Misprint(where="Algorithms 1, 2, eq (3.11)", printed="P = P - W S P", right="P = P - W S W'"),
+    Misprint(
+        where="eq (3.10)",
+        printed="innovation from f and P of the step before",
+        right="from h and the predicted P",
+    ),
+    Misprint(
+        where="eq (3.13)",
+        printed="covariance of the chain of transforms left out",
+        right="J_T P_T J_T' added",
+    ),
+    Misprint(
+        where="eq (3.17)",
+        printed="tan(phi) in the first two rows",
+        right="tan(alpha), the steering angle",
+    ),
+    Misprint(where="eq (3.20)", printed="range falls by the landmark's x: -dx/D", right="+dx/D"),
+    Misprint(
+        where="eq (3.22)",
+        printed="S without saying of which state",
+        right="S = H P H' + R with the predicted P",
+    ),
+    Misprint(
+        where="3.4.1",
+        printed="441 landmarks on 100 m²",
+        right="100 m x 100 m: 21 x 21 landmarks at 5 m",
+        checked="counting",
+    ),
+    Misprint(
+        where="3.4.1",
+        printed="selective joining is the fastest",
+        right="hierarchical takes 78.37 s, selective 78.88 s, by Table 3.2",
+        checked="reading Table 3.2",
+    ),
+    Misprint(
+        where="Table 3.3",
+        printed="mean and deviation of the hierarchical map both 0.5761 m",
+        right="one of them is a copy",
+        checked="reading",
+    ),
+    Misprint(
+        where="3.4.2, 4.2",
+        printed="a laser scan of 360°; 360 values over 180°",
+        right="180° in steps of 0.5°",
+        checked="reading",
+    ),
+    Misprint(
+        where="2.4",
+        printed="Leonard 2001 is divide and conquer",
+        right="decoupled stochastic mapping, as in Table 2.3",
+        checked="reading",
+    ),
+    Misprint(
+        where="4.3.4, Table 4.2",
+        printed="twice as many negatives as positives; useful until its fourth layer",
+        right="2,000 and 5,000 were used; the fourth has more false positives than the third",
+        checked="reading",
+    ),
+    Misprint(where="eq (5.12)", printed="labelled R_v", right="R_s", checked="reading"),
+    Misprint(
+        where="eq (5.13)",
+        printed="d_ss is the distance of vehicle and floor",
+        right="H reads d_ss - z: it is the floor's depth",
+        checked="reading",
+    ),
+    Misprint(
+        where="eq (5.20)",
+        printed="direction m by alpha, beta",
+        right="m = (cos b sin a, -sin b, cos b cos a)",
+    ),
+    Misprint(
+        where="eq (5.21)", printed="bracket of the inverse depth", right="R (rho (c - r) + m)"
+    ),
+    Misprint(where="eq (5.23)", printed="ray of a pixel without K^-1", right="R K^-1 (u, v, 1)"),
+    Misprint(
+        where="A.2",
+        printed="derivative of the inverse, row 1, by phi: -x sin phi - y cos phi",
+        right="x sin phi - y cos phi",
+    ),
+    Misprint(
+        where="A.3",
+        printed="a stray Delta in the inverse; rotz(phi) with two equal cosines as last factor",
+        right="-R' t; rotx(phi)",
+    ),
+)
+
+_SURVEYS = (
+    Survey(
+        number="Table 2.2",
+        about="Submapping: order of memory, of time inside a map and at a loop, in landmarks n",
+        heads=("method", "memory", "time inside", "time at a loop"),
+        rows=(
+            ("EKF (Smith 1986)", "n²", "n²", "n²"),
+            ("CEKF (Guivant 2001)", "n²", "n", "n²"),
+            ("CLSF (Williams 2002)", "n²", "1", "n²"),
+            ("LMJ (Tardós 2002)", "n²", "1", "n²"),
+            ("CTS (Newman 2003)", "n", "1", "–"),
+            ("Atlas (Bosse 2004)", "n", "1", "–"),
+            ("HS (Estrada 2005)", "n", "1", "n"),
+            ("DCS (Paz 2008)", "n²", "1", "n"),
+            ("CIS (Piniés 2009)", "n", "1", "n"),
+        ),
+        ours=("hullrecon", "n (sparse factor)", "– (batch)", "one sparse solve of the dive"),
+    ),
+    Survey(
+        number="Table 2.3",
+        about="Underwater SLAM",
+        heads=("work", "vehicle", "sensor", "map", "estimator"),
+        rows=(
+            ("Leonard 2001", "–", "imaging sonar", "points", "DSM"),
+            ("Williams 2001", "Oberon", "imaging sonar", "points", "EKF"),
+            ("Newman 2003", "Caribou", "imaging sonar", "points", "CTS"),
+            ("Tena-Ruiz 2004", "REMUS", "side-scan", "points", "EKF, smoothed backward"),
+            ("Williams 2004", "Oberon", "camera, sonar", "points", "EKF"),
+            ("Fairfield 2007", "DEPTHX", "sonar beams", "evidence grid", "PF"),
+            ("Roman 2007", "JASON", "multibeam", "bathymetry", "EKF"),
+            ("Eustice 2008", "SeaBED", "camera", "vehicle poses", "EIF"),
+            ("Fairfield 2008", "MBAUV", "sonar beams", "evidence grid", "PF"),
+            ("Ribas 2008", "Ictineu", "imaging sonar", "lines", "EKF"),
+            ("Walter 2008", "HAUV", "imaging sonar", "points", "SEIF"),
+            ("Barkby 2009", "Sirius", "multibeam", "bathymetry", "PF"),
+            ("Mallios 2009", "Ictineu", "imaging sonar", "vehicle poses", "EKF"),
+        ),
+        ours=(
+            "hullrecon",
+            "hovering, on a servoed tray",
+            "one or two cameras, DVL",
+            "poses, points, planes, the hull",
+            "batch least squares",
+        ),
+    ),
+    Survey(
+        number="Table 2.4",
+        about="Objects in side-scan sonar",
+        heads=("work", "features", "matching"),
+        rows=(
+            ("Ciany 2000", "threshold", "–"),
+            ("Ruiz 2001", "threshold", "multiple hypothesis tracking"),
+            ("Bell 2002", "cooperating snakes", "Markov chain Monte Carlo"),
+            ("Reed 2003", "Markov random field", "–"),
+            ("Perry 2004", "geometry, moments", "neural network"),
+            ("Reed 2006", "texture", "Markov random field, voting"),
+            ("Coiras 2007", "shape, texture", "–"),
+            ("Lianantonakis 2007", "texture, active contour", "–"),
+            ("Saisan 2008", "texture", "eigenanalysis"),
+        ),
+        ours=("hullrecon", "none in the product: sonar is blended", "–"),
+    ),
+    Survey(
+        number="Table 2.5",
+        about="Features of underwater images",
+        heads=("work", "cameras", "features", "matching"),
+        rows=(
+            ("Balasuriya 2002", "one", "lines", "Hough transform"),
+            ("Cufi 2002", "one", "corners", "correlation, texture"),
+            ("Ortiz 2002", "one", "contours", "correlation"),
+            ("Gracias 2003", "one", "Harris corners", "correlation, Lucas and Kanade"),
+            ("Pizarro 2003", "one", "Harris at scales, Zernike moments", "distance of descriptors"),
+            ("Gracias 2005", "one", "Harris, texture", "cross-correlation"),
+            ("Sáez 2006", "three", "disparity, texture", "correlation"),
+            ("Nicosevici 2007", "one", "geometric features, SIFT", "distance of descriptors"),
+            ("Eustice 2008", "one", "Harris, SIFT", "pose, epipolar geometry"),
+            ("Ortiz 2008", "one", "lines", "correlation in time"),
+            ("Salvi 2008", "two", "SIFT, SURF, structure", "distance of descriptors"),
+            ("Wirth 2008", "one", "lines", "particle filter"),
+        ),
+        ours=("hullrecon", "one or two", "SIFT", "pose's ellipse, then E, H or three points"),
+    ),
+)
+
+AULINAS = Source(
+    key="Aulinas2011",
+    title="Selective submap joining SLAM for autonomous vehicles",
+    chapters=(_INTRODUCTION, _FILTERS, _SUBMAPS, _EXPERIMENTS, _FEATURES, _VEHICLES, _APPENDIX),
+    misprints=_MISPRINTS,
+    surveys=_SURVEYS,
+)

@@ -1,0 +1,342 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Every part of [KimEustice2009], and where it is here."""
+
+from __future__ import annotations
+
+from hullrecon.studies.catalogue.part import Absence, Chapter, Misprint, Part, Source
+
+_STATE = Chapter(
+    title="II. State, camera constraint, inference",
+    parts=(
+        Part(
+            "II-A, state",
+            "six numbers of the vehicle relative to the hull, moved by a constant velocity",
+            code=(
+                "hullrecon/native/problem.py:Unknowns",
+                "hullrecon/estimation/navigation_tables.py:velocity_table",
+            ),
+            tests=(
+                "tests/native/test_planes.py::test_a_vehicle_that_speeds_up_shows_its_change_of_velocity",
+            ),
+            differs=(
+                "a batch estimate with odometry by DVL and gyro between poses; constant velocity "
+                "only where the DVL is lost; the hull's pose is one more unknown"
+            ),
+        ),
+        Part(
+            "II-A, key frames",
+            "poses kept at regular distances",
+            code=("hullrecon/vision/pairs/selection.py:select_keyframes",),
+            tests=(
+                "tests/vision/pairs/test_selection.py::test_hovering_vehicle_leaves_few_keyframes",
+            ),
+            differs=(
+                "chosen by how little their images overlap, not by metres; every node stays in "
+                "the state"
+            ),
+        ),
+        Part(
+            "II-A, information form",
+            "mean and covariance as information vector and matrix",
+            code=("native/schur/schur.cpp", "hullrecon/navigation/pose_graph/graph.py:PoseGraph"),
+            tests=(
+                "tests/native/test_information_filter.py::test_its_covariances_are_those_of_the_batch",
+            ),
+            differs=(
+                "the normal equations of the batch solve are this matrix, linearised anew at "
+                "every step"
+            ),
+        ),
+        Part(
+            "II-B",
+            "camera constraint of five numbers: direction of the baseline, relative attitude",
+            code=("native/factors/link_residuals.h:BearingLink",),
+            tests=(
+                "tests/native/test_links.py::test_bearing_residual_is_the_angle_whatever_the_length",
+            ),
+            differs=(
+                "angle between directions and rotation vector in place of azimuth, elevation and "
+                "Euler angles: no singularity, and a reversed baseline counts"
+            ),
+        ),
+        Part(
+            "II-C",
+            "extended information filter: sparse, nearly linear in the poses",
+            code=("native/sparse/fronts.cpp",),
+            benchmarks=("benchmarks/pose_graph.py",),
+            tests=(
+                "tests/native/test_information_filter.py::test_the_filter_ends_at_the_step_of_the_batch",
+                "tests/native/test_information_filter.py::test_each_link_touches_four_blocks_only",
+            ),
+            differs=(
+                "a dive is processed after it: one batch solve, to which the filter in the tests "
+                "is equal"
+            ),
+        ),
+    ),
+)
+_REGISTRATION = Chapter(
+    title="III. Registration of two images",
+    parts=(
+        Part(
+            "Fig. 1",
+            "one pair of images from features to the five numbers, stage by stage",
+            code=("hullrecon/vision/pairs/match_worker.py", "hullrecon/vision/link_images.py"),
+            delivered=(),
+            differs="every pair is gated by the joint covariance of its two poses, in rounds",
+        ),
+        Part(
+            "Fig. 1, pose-constrained search",
+            "correspondences inside the ellipse that the relative pose predicts",
+            code=("hullrecon/vision/pairs/gating.py:transfer", "native/matching/feature_pairs.cpp"),
+            studies=("scene-figures",),
+            tests=("tests/vision/pairs/test_gating.py::test_ellipse_is_that_of_many_random_draws",),
+            differs="unscented transform of nine numbers, from the first image to the second only",
+        ),
+        Part(
+            "Fig. 1, Horn's method",
+            "first relative pose from the inliers and the prior",
+            code=(
+                "hullrecon/vision/pairs/two_view.py:motions_of",
+                "hullrecon/vision/pairs/mono_inliers.py:most_likely_motion",
+            ),
+            tests=(
+                "tests/vision/pairs/test_mono_motion.py::test_surface_normal_settles_motion_of_plane_over_navigation",
+            ),
+            differs=(
+                "the matrix is decomposed, and the normal by DVL, then navigation, choose among "
+                "its motions"
+            ),
+        ),
+        Part(
+            "III-A",
+            "SIFT, helped by Harris corners with Zernike moments; their share by a threshold",
+            code=(
+                "hullrecon/studies/matching/corners.py:find_corners",
+                "hullrecon/studies/matching/corners.py:describe_corners",
+            ),
+            studies=("links",),
+            tests=(
+                "tests/studies/matching/test_match_with_corners.py::test_corners_are_share_asked_for",
+                "tests/studies/matching/test_zernike.py",
+            ),
+            differs="the product takes SIFT alone: corners joined no more pairs on the dives tried",
+        ),
+        Part(
+            "III-B, robust fit",
+            "essential matrix and homography by random samples of one set of matches",
+            code=("hullrecon/vision/pairs/two_view.py:fit_both",),
+            tests=("tests/vision/pairs/test_two_view.py::test_wrong_matches_are_no_inliers",),
+            differs=(
+                "OpenCV's estimators with a fixed seed; navigation helps to choose inliers "
+                "afterwards"
+            ),
+        ),
+        Part(
+            "III-B, criterion",
+            "Torr's geometric information criterion: d 2 or 3, P 8 or 5, weights 2 and 4",
+            printed="smaller one wins",
+            code=("hullrecon/vision/pairs/two_view.py:criterion",),
+            studies=("scene-figures",),
+            tests=(
+                "tests/vision/pairs/test_two_view.py::test_penalties_are_those_of_source",
+                "tests/vision/pairs/test_two_view.py::test_one_outlier_cannot_decide",
+            ),
+            differs=(
+                "an outlier counts at most 2 (4 - d), so that one of them cannot decide; the "
+                "choice "
+                "therefore turns at a larger relief than as published"
+            ),
+        ),
+        Part(
+            "Fig. 2(a)",
+            "criterion of either model against the relief of a surface",
+            printed="homography below, essential matrix above a relief that is drawn, not printed",
+            code=("hullrecon/studies/scenes/gic_by_relief.py",),
+            studies=("scene-figures",),
+            tests=(
+                "tests/studies/test_scene_figures.py::test_published_criteria_cross_once_between_2_and_10_cm",
+            ),
+        ),
+        Part(
+            "Fig. 2(b)",
+            "inliers of either model on real pairs: false ones along epipolar lines outside "
+            "the overlap",
+            code=("hullrecon/vision/pairs/two_view.py:fit_both",),
+        ),
+        Part(
+            "III-C-1",
+            "two-view adjustment of a general scene, 3N + 5 unknowns",
+            code=(
+                "hullrecon/vision/pairs/stereo_adjustment.py:adjust_stereo_motion",
+                "hullrecon/vision/pairs/mono_motion.py:refine",
+            ),
+            tests=(
+                "tests/vision/pairs/test_stereo_adjustment.py::test_motions_of_noisy_pairs_scatter_as_covariance_says",
+                "tests/vision/pairs/test_mono_motion.py::test_five_numbers_scatter_as_their_covariance_says",
+            ),
+            differs=(
+                "points are eliminated (stereo) or left out to first order by Sampson's distance "
+                "(one camera)"
+            ),
+        ),
+        Part(
+            "III-C-2",
+            "two-view adjustment by a homography, 2N + 8 unknowns",
+            absent=Absence.NOT_BUILT,
+            code=("hullrecon/vision/pairs/two_view.py:motions_of",),
+            differs=(
+                "a homography chooses inliers and motion, which is then refined on epipolar "
+                "lines: on "
+                "a hull that bends, a plane turned the motion by 12.6 mrad where lines gave 0.5 "
+                "(docs/methods.md 4)"
+            ),
+        ),
+    ),
+)
+_RESULTS = Chapter(
+    title="IV, V. Results and discussion",
+    parts=(
+        Part(
+            "IV, vehicle",
+            "camera and DVL on servos that keep them normal to the hull; 12-bit images, one lamp",
+            code=(
+                "native/factors/link_residuals.h:CameraPose",
+                "hullrecon/adjustment/problem/weighting.py:estimate_sides",
+                "hullrecon/mosaic/imagery/radiometry.py:solve_light",
+            ),
+            tests=(
+                "tests/native/test_tray_and_intrinsics.py::test_images_separate_tray_angle_from_backlash",
+                "tests/dive/images/test_deep.py",
+                "tests/mosaic/test_radiometry.py::test_the_lamp_is_told_from_the_scene",
+            ),
+            differs="tray angle at every node, two-sided backlash and mounts are unknowns",
+        ),
+        Part(
+            "IV, survey",
+            "seven legs of 30 m, 1,300 images, a blank in leg 2, a stern without texture",
+            printed="offset of some 2 m without choice of model",
+            code=("hullrecon/vision/appearance/recognition.py",),
+            benchmarks=("benchmarks/mono_survey.py", "benchmarks/outage.py"),
+            differs="simulated: the images of the survey are not public",
+        ),
+        Part(
+            "IV, links",
+            "between neighbours (green) and across legs (red)",
+            code=(
+                "hullrecon/vision/link_images.py",
+                "hullrecon/vision/pairs/selection.py:propose_revisits",
+            ),
+            benchmarks=("benchmarks/false_links.py",),
+            studies=("path-figures",),
+            differs=(
+                "proposed by the probability that the images overlap, guarded by cycles and "
+                "scaled links"
+            ),
+        ),
+        Part(
+            "Fig. 3",
+            "the dead-reckoned trajectory beside the ship",
+            code=("hullrecon/navigation/dead_reckoning/reckoning.py:reckon",),
+            studies=("path-figures",),
+        ),
+        Part(
+            "Fig. 4",
+            "uncertainty along the path, dead reckoned and with links",
+            printed="grows without bound against bounded; curves alone, no number",
+            code=("hullrecon/studies/paths/link_plots.py:sigma_along_path",),
+            studies=("path-figures",),
+            differs="horizontal position alone, adjusted path as third curve",
+        ),
+        Part(
+            "Fig. 5(a)",
+            "the graph over the hull, ellipsoids of three sigma, pictures of feature richness",
+            code=("hullrecon/studies/paths/link_plots.py:links_on_hull",),
+            studies=("path-figures",),
+            differs=(
+                "ellipses in two views; richness decides which images are compared and is not drawn"
+            ),
+        ),
+        Part(
+            "Fig. 5(b)",
+            "trajectory without and with choice of model",
+            printed="some 2 m apart",
+            code=("hullrecon/studies/paths/link_plots.py:two_view_models",),
+            studies=("path-figures",),
+            tests=(
+                "tests/end_to_end/test_path_figures.py::test_path_of_chosen_models_is_the_runs_with_its_true_error",
+            ),
+        ),
+        Part(
+            "Fig. 6",
+            "triangulated points, smooth surface, photomosaic; six targets seen in it",
+            printed="6 of 6",
+            code=(
+                "hullrecon/detection/as_found/hull_as_found.py",
+                "hullrecon/mosaic/optical.py:optical_mosaic",
+            ),
+            delivered=("landmarks.ply", "as_found.ply", "mosaic_optical.glb", "objects.json"),
+            tests=(
+                "tests/end_to_end/test_demo_accuracy.py::test_every_object_is_found_once_and_paint_is_none",
+            ),
+            differs="targets are found by their height over the hull, not by eye",
+        ),
+        Part(
+            "IV, film",
+            "flight over the photomosaic",
+            code=("hullrecon/mosaic/output/textured_mesh.py:build_textured_mesh",),
+        ),
+        Part(
+            "V, coverage",
+            "share of the hull that was seen, as a number",
+            printed="100 % is the goal",
+            code=("hullrecon/detection/coverage.py:summarise_coverage",),
+            delivered=("coverage.json",),
+            tests=("tests/detection/test_coverage.py",),
+            differs=(
+                "with sigma and holes; no ceiling on uncertainty that would say where to drive "
+                "again"
+            ),
+        ),
+        Part(
+            "V, richness",
+            "texture of the hull decides where the path can be tied",
+            code=("hullrecon/vision/features/extraction.py:local_saliency",),
+            tests=("tests/vision/features/test_saliency.py",),
+            differs="images without texture are not compared; no map of it is delivered",
+        ),
+        Part(
+            "V, consistency",
+            "no truth at sea: a smooth surface argues for a consistent path",
+            code=("hullrecon/adjustment/results/summary.py", "hullrecon/vision/pairs/cycles.py"),
+            delivered=("summary.json", "plots/"),
+            differs="residuals by sensor in sigmas, cycles of links, contradictions named",
+        ),
+    ),
+)
+
+KIM = Source(
+    key="KimEustice2009",
+    title="Pose-graph visual SLAM with geometric model selection for ship hull inspection",
+    chapters=(_STATE, _REGISTRATION, _RESULTS),
+    misprints=(
+        Misprint(
+            where="II-B",
+            printed="poses are x_v in the measurement and x_p in its Jacobian",
+            right="both are the poses of the two key frames",
+            checked="reading",
+        ),
+        Misprint(
+            where="III-B",
+            printed="what an outlier counts, and sigma, are not said",
+            right="a bound of 2 (4 - d) for each match, sigma of the features as found",
+            tests=("tests/vision/pairs/test_two_view.py::test_one_outlier_cannot_decide",),
+        ),
+        Misprint(
+            where="III-C-2",
+            printed="homography with t n' / d, without the convention of its sign",
+            right="H = K (R - t n' / d) K^-1 where n' X + d = 0",
+        ),
+    ),
+)

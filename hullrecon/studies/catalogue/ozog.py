@@ -1,0 +1,892 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Every part of [Ozog2016], and where it is here."""
+
+from __future__ import annotations
+
+from hullrecon.studies.catalogue.part import Absence, Chapter, Misprint, Part, Source
+
+_ONE_DIVE = "hullrecon estimates one dive at a time: sessions share no state"
+_NO_PERISCOPE = "no camera above water: the frames of hullrecon/geometry/frames.py end at the tray"
+_SONAR_BLENDS = (
+    "sonar is blended on a hull that other sensors measured; nothing is estimated from it"
+)
+
+_INTRODUCTION = Chapter(
+    title="1. Introduction",
+    parts=(
+        Part(
+            "Figs 1.1 to 1.6",
+            "imagery, vehicle, sensors, contributions, ships",
+            absent=Absence.PICTURE,
+        ),
+        Part(
+            "1.1.2, Table 1.1",
+            "sensors on a servoed tray: DVL, IMU, depth, one or two cameras, DIDSON; a periscope",
+            printed="sigma of depth 10 cm",
+            code=("hullrecon/rig.py:Rig", "hullrecon/geometry/frames.py:Camera"),
+            tests=("tests/dive/readers/test_didson.py",),
+            differs=f"{_NO_PERISCOPE}; sigmas are keys of dive.toml",
+        ),
+        Part(
+            "1.2.1, Fig. 1.7, eq (1.1)",
+            "four Janus beams: velocity of the sensor, and points that the ranges meet",
+            code=(
+                "hullrecon/dive/logs/formats/pd0_ensemble.py",
+                "hullrecon/dive/logs/dvl_beams.py:tilted_beams",
+                "hullrecon/rig.py:dvl_points",
+                "hullrecon/navigation/dead_reckoning/reckoning.py:reckon",
+            ),
+            tests=(
+                "tests/dive/readers/test_pd0.py::test_beam_velocities_are_inverted_also_with_one_beam_lost",
+            ),
+            differs="any beam angle, three beams where one is lost, lever arm and covariance",
+        ),
+        Part("Figs 1.8, 1.9", "beacons; SLAM as a factor graph", absent=Absence.PICTURE),
+        Part(
+            "1.3.1, Fig. 1.10",
+            "toy graph of three poses and a closure",
+            printed="0, 2/3, 4/3",
+            code=("native/solve/solve.cpp",),
+            tests=("tests/native/test_solve.py::test_the_toy_graph_of_the_source_gives_thirds",),
+        ),
+        Part(
+            "1.3.2, Figs 1.11, 1.12",
+            "sessions in one graph, by global poses or anchors",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_DIVE,
+        ),
+        Part(
+            "1.3.3, Fig. 1.13",
+            "robust graphs: switches, dynamic covariance scaling, max-mixtures",
+            code=("native/factors/mixture.h:ScalingLoss", "hullrecon/native/links.py:LinkKernel"),
+            studies=("links",),
+            benchmarks=("benchmarks/false_links.py",),
+            tests=(
+                "tests/native/test_links.py::test_dynamic_scaling_weighs_links_as_published",
+                "tests/native/test_links.py::test_a_switch_multiplies_its_link_and_is_drawn_to_one",
+            ),
+            differs="max-mixtures for labels of landmarks alone, not for links",
+        ),
+        Part(
+            "1.3.2, incremental solve",
+            "smoothing while the vehicle dives",
+            absent=Absence.NOT_BUILT,
+            differs="dives are processed afterwards, in one batch",
+        ),
+        Part(
+            "1.4, Fig. 1.14",
+            "a tank as points, as planes, as an implicit surface",
+            code=("hullrecon/navigation/planes/patches.py:find_patches",),
+            delivered=("landmarks.ply", "surface.ply"),
+            differs="no implicit surface: nothing here is dense stereo",
+        ),
+        Part(
+            "Figs 1.15 to 1.17",
+            "implicit surfaces, bundle adjustment, CAD models",
+            absent=Absence.PICTURE,
+        ),
+    ),
+)
+_SINGLE = Chapter(
+    title="2.3, 2.5.6. Planes and cameras in one session",
+    parts=(
+        Part(
+            "2.3.1, Figs 2.2 to 2.4",
+            "poses of six numbers, composed head to tail",
+            code=("hullrecon/geometry/poses.py",),
+            tests=("tests/geometry/test_poses.py",),
+            differs="quaternions, perturbed on the right",
+        ),
+        Part(
+            "2.3.2",
+            "covariances of single poses and of pairs from the square root",
+            code=("native/sparse/selected_inversion.cpp", "native/solve/pair_covariance.cpp"),
+            tests=(
+                "tests/native/test_pair_covariance.py::test_every_pair_equals_the_dense_inverse",
+                "tests/native/test_pair_covariance.py::test_the_innovation_of_a_true_candidate_is_chi_square",
+            ),
+        ),
+        Part(
+            "2.3.3, saliency",
+            "only images whose words vary are compared",
+            code=("hullrecon/vision/features/extraction.py:local_saliency",),
+            tests=(
+                "tests/vision/features/test_saliency.py::test_varied_texture_scores_high_and_few_features_low",
+            ),
+            differs="a vocabulary of 256 random cells, not learnt words",
+        ),
+        Part(
+            "2.3.3, eq (2.1)",
+            "camera link of five numbers with dynamic covariance scaling, Phi = 5",
+            code=(
+                "native/factors/link_residuals.h:BearingLink",
+                "hullrecon/navigation/pose_graph/graph.py:link_table",
+            ),
+            tests=(
+                "tests/native/test_links.py::test_noisy_links_restore_the_path_despite_wrong_ones",
+            ),
+        ),
+        Part(
+            "2.3.4.1, App. B",
+            "a plane in three numbers, and its composition with poses",
+            code=("native/factors/plane_residuals.h:SeenPlane",),
+            tests=(
+                "tests/native/test_planes.py::test_two_parallel_walls_differ_by_the_step_between_them",
+            ),
+            differs=(
+                "planes are held in the vehicle frame of an anchor node, so that none passes "
+                "through its origin"
+            ),
+        ),
+        Part(
+            "2.3.4.1, eq (2.2)",
+            "plane fitted to the DVL's points of a window, tied to its pose",
+            code=(
+                "hullrecon/navigation/planes/patch_fit.py:fit_patch",
+                "native/factors/plane_residuals.h:PlaneSighting",
+            ),
+            tests=(
+                "tests/native/test_planes.py::test_a_sighting_from_the_anchor_compares_the_three_numbers",
+            ),
+            differs=(
+                "patches have curvature and twist; the window's ranges measure the plane one by one"
+            ),
+        ),
+        Part(
+            "2.3.4.2, eq (2.3), Fig. 2.5",
+            "planes that do not overlap, weighed by the hull's characteristic curvature",
+            code=(
+                "native/factors/plane_residuals.h:PlanePair",
+                "hullrecon/navigation/planes/comparison.py:compare_patches",
+                "hullrecon/native/curvature.py",
+            ),
+            benchmarks=("benchmarks/planes.py",),
+            tests=(
+                "tests/native/test_planes.py::test_the_weight_counts_the_curvature_the_poses_and_the_floor",
+                "tests/navigation/test_planar_graph.py::test_planes_take_a_heading_drift_out_of_the_path",
+            ),
+            differs="each patch's own curvature, with the characteristic one as prior",
+        ),
+        Part(
+            "2.3.4.3, eqs (2.4), (2.5), Figs 2.6, 2.7",
+            "range of a single beam to a plane that is known",
+            code=("native/factors/plane_residuals.h:PlaneRange",),
+            tests=(
+                "tests/native/test_planes.py::test_a_beam_meets_a_wall_where_the_corrected_formula_says",
+            ),
+            differs=(
+                "windows whose beams give no patch are left out; with a CAD model every beam counts"
+            ),
+        ),
+        Part(
+            "2.5.6, Figs 2.22, 2.23",
+            "the DVL's points on the CAD model without and with planes",
+            printed="1.31 ± 1.38 m, 20 % above 1.5 m; 0.45 ± 0.19 m, 0 %",
+            code=("hullrecon/studies/paths/path_figures.py",),
+            studies=("path-figures",),
+            benchmarks=("benchmarks/planes.py",),
+            tests=("tests/studies/test_distance_to_cad.py",),
+            differs="distance to the surface, not to vertices; hours at sea are minutes here",
+        ),
+    ),
+)
+_SESSIONS = Chapter(
+    title="2.4, 2.5. Many sessions",
+    parts=(
+        Part(
+            "Figs 2.1, 2.8, 2.9, eqs (2.7) to (2.9)",
+            "sessions aligned by anchors and merged",
+            absent=Absence.NOT_BUILT,
+            differs=(
+                f"{_ONE_DIVE}; `hullrecon diff` lays two finished dives on one CAD model "
+                "(hullrecon/change/offset.py)"
+            ),
+        ),
+        Part(
+            "2.4.2, eq (2.6)",
+            "nodes removed by generic linear constraints, sparse by a Chow-Liu tree",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_DIVE,
+        ),
+        Part(
+            "2.4.3.1, Fig. 2.10",
+            "particle filter that finds the vehicle in an old graph by planes",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_DIVE,
+        ),
+        Part(
+            "2.4.3.2, Algorithm 1",
+            "key frames of candidates are matched until one has 12 inliers",
+            code=("hullrecon/vision/appearance/recognition.py:recognise_places",),
+            benchmarks=("benchmarks/outage.py",),
+            tests=("tests/vision/appearance/test_recognition.py",),
+            differs="places are found again inside one dive, with a control for what looks alike",
+        ),
+        Part(
+            "2.4.3.3, Fig. 2.11, eq (D.12)",
+            "periscope pairs, gated by a plane above water",
+            absent=Absence.NOT_BUILT,
+            differs=_NO_PERISCOPE,
+        ),
+        Part(
+            "Algorithm 2, Figs 2.12 to 2.14",
+            "at most three views kept of a place",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_DIVE,
+        ),
+        Part(
+            "Table 2.1, Figs 2.15, 2.18",
+            "8 and 12 surveys of two ships in one frame",
+            printed="2,619 m and 7,540 m",
+            absent=Absence.DATA,
+            differs=_ONE_DIVE,
+        ),
+        Part(
+            "Fig. 2.16",
+            "size of the graph by session with and without removal",
+            printed="no real time after session 3 without",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_DIVE,
+        ),
+        Part(
+            "Fig. 2.17, Table 2.2, Algorithm 3",
+            "FAB-MAP beside the particle filter",
+            printed=(
+                "7.1, 143.2 s, none; 5.2, 20.6, 15.3 s; recall 27.7 and 100 %, precision 12.1 and "
+                "3.0 %"
+            ),
+            benchmarks=("benchmarks/appearance.py", "benchmarks/fabmap.py"),
+            tests=("tests/benchmarks/test_appearance.py",),
+            differs="inside one dive, FAB-MAP beside our words: no particle filter, no past graph",
+        ),
+        Part(
+            "Figs 2.19 to 2.21",
+            "sparsified graph beside the full one",
+            printed="well within a metre, 95 % of the nodes removed",
+            absent=Absence.NOT_BUILT,
+            differs=_ONE_DIVE,
+        ),
+    ),
+)
+_SONAR = Chapter(
+    title="3. Sonar mosaics",
+    parts=(
+        Part(
+            "Figs 3.1, 3.4 to 3.6",
+            "coverage by camera and sonar; the sonar's geometry",
+            absent=Absence.PICTURE,
+        ),
+        Part(
+            "3.2.1",
+            "poses of the sonar from SLAM without a camera",
+            code=(
+                "hullrecon/steps/sonar.py:sonar_poses",
+                "hullrecon/navigation/planes/planar_graph.py:PlanarGraph",
+            ),
+            delivered=("ortho_sonar.tif",),
+            tests=("tests/end_to_end/test_no_camera.py",),
+        ),
+        Part(
+            "3.2.2.1, outliers",
+            "returns far from their 30 neighbours are left out",
+            printed="one sigma",
+            code=("hullrecon/surface/from_returns.py:statistical_inliers",),
+            tests=(
+                "tests/surface/test_from_returns.py::test_a_return_far_from_its_neighbours_is_an_outlier",
+            ),
+            differs="three sigmas: one cuts what is right",
+        ),
+        Part(
+            "3.2.2.1, Fig. 3.2",
+            "surface by linear interpolation, faces halved down to 0.1 m",
+            code=(
+                "hullrecon/studies/surfaces/regression.py",
+                "hullrecon/geometry/meshes/refinement.py:refine",
+            ),
+            studies=("surfaces",),
+            tests=(
+                "tests/studies/test_surface_variants.py::test_linear_interpolation_runs_on_the_same_input",
+                "tests/geometry/test_refinement.py::test_no_edge_stays_longer_than_wanted_and_the_area_is_kept",
+            ),
+            differs="on the hull's chart, sides included; the product regresses",
+        ),
+        Part(
+            "3.2.2.2, Fig. 3.3, eqs (3.1) to (3.3), E.1, E.2",
+            "surface by Gaussian process with a sparse kernel",
+            printed="lengths 3 and 15 m",
+            code=("hullrecon/surface/gaussian.py", "hullrecon/studies/surfaces/regression.py"),
+            studies=("surfaces",),
+            delivered=("surface.ply",),
+            tests=(
+                "tests/surface/test_gaussian.py::test_mean_and_variance_equal_the_textbook_formulas",
+                "tests/studies/test_surface_variants.py::test_product_and_wendland_are_covariances",
+            ),
+            differs=(
+                "offsets from the CAD model; a product of kernels, as the printed radial one is "
+                "no covariance"
+            ),
+        ),
+        Part(
+            "3.2.3",
+            "pixel to range and beam, and back by a table of voxels",
+            code=("hullrecon/mosaic/sonar.py:SonarFan",),
+            tests=("tests/mosaic/test_sonar_fan.py::test_bins_and_beams_are_those_of_the_image",),
+            differs="computed, so that no table is needed",
+        ),
+        Part(
+            "3.2.4",
+            "the four best pings of a face, blended in three bands",
+            code=(
+                "hullrecon/mosaic/blend.py:choose_views",
+                "hullrecon/mosaic/blend.py:band_weight",
+            ),
+            tests=("tests/mosaic/test_blend.py",),
+        ),
+        Part(
+            "Fig. 3.7",
+            "the mosaic on the CAD model and on the DVL's surface",
+            delivered=("mosaic_sonar.glb", "ortho_sonar.tif"),
+            code=("hullrecon/mosaic/output/textured_mesh.py",),
+            differs="on the hull as found, else on the DVL's surface",
+        ),
+        Part("3.3.1", "eight surveys in one mosaic", absent=Absence.DATA, differs=_ONE_DIVE),
+        Part(
+            "Fig. 3.8",
+            "the DVL's points laid on the CAD model",
+            code=("hullrecon/adjustment/hull_pose/registration.py:register",),
+            delivered=("alignment.json",),
+        ),
+        Part(
+            "3.3.3, Figs 3.9, 3.10",
+            "distance of either surface to the CAD model, by source of poses",
+            printed="colours from 0 to 70 cm",
+            code=("hullrecon/evaluation/surfaces.py:score_surface",),
+            delivered=("deviation.tif",),
+        ),
+        Part(
+            "Figs 3.11, 3.12",
+            "variance of the blended intensities by source of poses",
+            printed="tails above 20 heavier without bundle adjustment",
+            code=("hullrecon/studies/paths/path_figures.py",),
+            studies=("path-figures",),
+            delivered=("variance_sonar.tif",),
+        ),
+        Part(
+            "E.3",
+            "joint covariance of predictions",
+            absent=Absence.NOT_BUILT,
+            code=("hullrecon/surface/gaussian.py",),
+            differs="sigmas of single vertices",
+        ),
+    ),
+)
+_MODEL = Chapter(
+    title="4.2. Bundle adjustment with a CAD model",
+    parts=(
+        Part(
+            "Figs 4.1, 4.2, 4.5 to 4.7",
+            "overviews and drawings of the factors",
+            absent=Absence.PICTURE,
+        ),
+        Part(
+            "4.2.1",
+            "poses, hull, landmarks, mounts and hidden labels in one problem",
+            code=("hullrecon/native/problem.py", "hullrecon/adjustment/problem/assembly.py"),
+            tests=("tests/adjustment/test_assembly.py",),
+            differs=(
+                "and mounts, lenses, clocks of the navigation and a field of the CAD model's error"
+            ),
+        ),
+        Part(
+            "4.2.2",
+            "labels by expectation and maximisation in turns",
+            code=("hullrecon/studies/methods/hard_em.py",),
+            tests=("tests/studies/test_hard_em.py::test_both_ways_reach_the_same_cost_and_labels",),
+            differs="the product decides labels inside the solve: same cost, one solve",
+        ),
+        Part(
+            "4.2.3, Fig. 4.3, eqs (4.4), (4.5)",
+            "signed distance of a landmark to the hull with one of two sigmas",
+            code=("native/factors/hull_residuals.h:Surface", "native/mesh/mesh_index.cpp"),
+            tests=(
+                "tests/native/test_factors.py::test_surface_residual_is_distance_less_deviation_field",
+            ),
+            differs="to the nearest point of the mesh, beside edges too",
+        ),
+        Part(
+            "4.2.4, Fig. 4.4, eqs (4.6), (4.7)",
+            "the likelier of two labels inside the solve",
+            printed="sigmas 1 and 0.02 m",
+            code=("native/factors/mixture.h:MixtureLoss",),
+            tests=(
+                "tests/native/test_factors.py::test_label_changes_at_56_mm_and_cost_is_the_winners",
+            ),
+            differs="equal weights of both labels",
+        ),
+        Part(
+            "4.2.5",
+            "the DVL's points registered to the CAD model as first guess",
+            code=("hullrecon/adjustment/hull_pose/registration.py:register",),
+            tests=(
+                "tests/adjustment/test_registration.py::test_a_curved_side_is_found_from_a_wrong_guess",
+            ),
+            differs="from nine starts; refused where it does not fit",
+        ),
+        Part(
+            "4.2.6, eqs (4.8) to (4.11)",
+            "priors, depth, attitude, servo, odometry",
+            code=("native/factors/navigation_residuals.h",),
+            tests=(
+                "tests/native/test_factors.py::test_odometry_is_in_the_first_vehicle_less_systematic_part",
+            ),
+            differs=(
+                "and backlash of the servo on both sides, scale and mount of the DVL, drift of "
+                "the heading"
+            ),
+        ),
+        Part(
+            "4.2.6, eqs (4.12), (4.13)",
+            "reprojection in two cameras, or one, through the servo",
+            code=(
+                "native/factors/image_residuals.h:Stereo",
+                "native/factors/image_residuals.h:Mono",
+            ),
+            tests=(
+                "tests/native/test_factors.py::test_stereo_pixels_are_those_of_the_distorted_pinhole",
+            ),
+        ),
+        Part(
+            "4.2.6, eq (4.14), Fig. 4.7",
+            "range of a beam cast to the CAD model, Huber's loss",
+            code=("native/factors/hull_residuals.h:Range", "native/model/association.cpp"),
+            tests=(
+                "tests/native/test_solve.py::test_a_beam_that_misses_the_hull_is_switched_off_and_counted",
+            ),
+        ),
+        Part(
+            "4.2.7",
+            "features, essential matrix, Sampson's distance for one camera",
+            code=("hullrecon/vision/pairs/two_view.py", "hullrecon/vision/pairs/mono_motion.py"),
+            tests=(
+                "tests/vision/pairs/test_two_view.py::test_sampson_error_is_distance_to_nearest_pair_that_fits",
+            ),
+            differs="no graphics card",
+        ),
+    ),
+)
+_SHAPES = Chapter(
+    title="4.3, 4.4. Shapes and experiments",
+    parts=(
+        Part(
+            "Algorithm 4, Fig. 4.8",
+            "features off the hull, clustered, as an alpha shape",
+            code=("hullrecon/detection/as_found/shapes.py:detect_shapes",),
+            tests=("tests/detection/test_shapes.py",),
+            differs="bumps and recesses apart",
+        ),
+        Part(
+            "Algorithm 5, eq (4.15), Fig. 4.9",
+            "shapes move vertices along rays, running mean",
+            code=("hullrecon/studies/surfaces/regression.py:fuse_shapes",),
+            studies=("surfaces",),
+            tests=(
+                "tests/studies/test_ray_fusion.py::test_the_first_observation_replaces_the_prior",
+            ),
+            differs="the product regresses heights robustly, with sigma and p-value",
+        ),
+        Part(
+            "Table 4.1",
+            "size of the two datasets",
+            printed="9,249 and 44,868 images, 100,597 and 243,536 features",
+            benchmarks=("benchmarks/adjustment.py", "benchmarks/problems.py"),
+            tests=("tests/benchmarks/test_problems.py",),
+            differs="simulated in the same numbers: the field data are not public",
+        ),
+        Part(
+            "4.4.1, Fig. 4.10",
+            "cross-sections by naive, Geva's and the proposed method, two cameras",
+            printed="growth squeezed by Geva's",
+            code=("hullrecon/studies/methods/sections.py",),
+            studies=("methods", "method-figures"),
+        ),
+        Part(
+            "Fig. 4.11",
+            "the same with one camera",
+            code=("hullrecon/studies/methods/sections.py",),
+            studies=("method-figures",),
+            differs="on a dive with one camera: --dive",
+        ),
+        Part(
+            "Fig. 4.12",
+            "share of landmarks on the hull by iteration",
+            printed="begins at 0.82 and 0.34, settles after some 20",
+            code=("hullrecon/studies/methods/histories.py:label_frequency",),
+            studies=("method-figures",),
+            delivered=("plots/",),
+        ),
+        Part(
+            "Fig. 4.13",
+            "iterations and time of the methods",
+            printed="26, 38, 29 iterations, +50.0 and +22.3 %; 47, 46, 51, +36.8 and +8.9 %",
+            code=("hullrecon/studies/methods/histories.py",),
+            studies=("method-figures",),
+            benchmarks=("benchmarks/adjustment.py",),
+        ),
+        Part(
+            "Fig. 4.14",
+            "residuals of the DVL's ranges before and after",
+            printed="narrower; no number",
+            code=("hullrecon/studies/methods/sections.py:range_residuals",),
+            studies=("method-figures",),
+            tests=("tests/studies/test_dvl_residuals.py",),
+        ),
+        Part(
+            "Fig. 4.15",
+            "growth beside dense stereo",
+            printed="0.06 to 0.18 m, 0.10 to 0.20 m",
+            absent=Absence.NOT_BUILT,
+            differs=(
+                "no dense stereo: heights are of landmarks; `export colmap` hands images to "
+                "programs that have it"
+            ),
+        ),
+        Part(
+            "Fig. 4.16",
+            "height of a cylinder that is known",
+            printed="0.10 m for 0.11 m",
+            code=("hullrecon/studies/methods/plots.py:structure_heights",),
+            studies=("method-figures",),
+            delivered=("objects.json",),
+        ),
+        Part(
+            "Figs 4.17, 4.18",
+            "the remeshed hull at two thresholds",
+            printed="0 and 0.06 m",
+            code=("hullrecon/detection/as_found/hull_as_found.py",),
+            delivered=("as_found.ply", "form.tif"),
+        ),
+        Part(
+            "Fig. 4.19",
+            "photomosaic on the remeshed hull and on the CAD model",
+            code=("hullrecon/mosaic/optical.py:optical_mosaic",),
+            delivered=("mosaic_optical.glb",),
+            differs="on the hull as found; the page's 3-D view slides between both",
+        ),
+    ),
+)
+_FUTURE = Chapter(
+    title="5. Future work",
+    parts=(
+        Part(
+            "5.2, active SLAM",
+            "where to drive, by planes",
+            absent=Absence.NOT_BUILT,
+            differs="dives are processed afterwards; coverage.json names holes",
+        ),
+        Part(
+            "5.2, sonar features",
+            "structure from motion by sonar, its servo as an unknown, registered to the CAD model",
+            absent=Absence.NOT_BUILT,
+            differs=_SONAR_BLENDS,
+        ),
+        Part(
+            "5.2, learning",
+            "registered data to learn features from",
+            absent=Absence.NOT_BUILT,
+            code=("hullrecon/api/export.py",),
+            differs="`export colmap` for images; pings are not exported",
+        ),
+    ),
+)
+_APPENDICES = Chapter(
+    title="Appendices",
+    parts=(
+        Part(
+            "A, Fig. A.1",
+            "frames and their composition",
+            code=("hullrecon/geometry/poses.py",),
+            tests=("tests/geometry/test_poses.py::test_composition_is_one_after_the_other",),
+        ),
+        Part(
+            "B, Figs B.1, B.2",
+            "forms of a plane",
+            absent=Absence.PICTURE,
+            code=("native/factors/plane_residuals.h",),
+        ),
+        Part(
+            "C, Figs C.1, C.2",
+            "a sphere mapped by planes, for several characteristic radii",
+            printed="r = 8 m, alike from 4 to 20 m",
+            code=(
+                "hullrecon/studies/scenes/ellipsoid_dive.py",
+                "hullrecon/studies/scenes/sphere.py",
+            ),
+            studies=("scene-figures",),
+            tests=(
+                "tests/navigation/test_planar_graph.py::test_sphere_is_mapped_alike_for_characteristic_radii",
+            ),
+            differs=(
+                "r = 10 m; planes do not say where on the sphere the vehicle is, and the end of "
+                "the path shows it"
+            ),
+        ),
+        Part(
+            "D.1, Fig. D.1",
+            "pinhole with radial distortion",
+            code=("native/factors/camera.h", "hullrecon/geometry/cameras.py:CameraModel"),
+            tests=("tests/geometry/test_cameras.py",),
+        ),
+        Part(
+            "D.1.1, eqs (D.3) to (D.5)",
+            "covariance of a two-view pose",
+            code=(
+                "hullrecon/vision/pairs/stereo_adjustment.py",
+                "hullrecon/vision/pairs/mono_motion.py:covariance_of",
+            ),
+            tests=(
+                "tests/vision/pairs/test_mono_motion.py::test_five_numbers_scatter_as_their_covariance_says",
+            ),
+            differs="and what neighbouring features share",
+        ),
+        Part(
+            "D.1.2, eqs (D.6) to (D.8)",
+            "calibration's share of it, to first order",
+            code=("hullrecon/vision/pairs/stereo_adjustment.py:CalibrationEvidence",),
+            tests=(
+                "tests/vision/pairs/test_stereo_adjustment.py::test_error_of_rig_moves_motion_as_its_derivative_says",
+            ),
+            differs="two cameras, one unknown for the dive; lenses are unknowns of the adjustment",
+        ),
+        Part(
+            "D.1.3, Algorithm 6, eq (D.9)",
+            "the same by unscented transform",
+            absent=Absence.NOT_BUILT,
+            differs="the lens is an unknown of the adjustment, to first order",
+        ),
+        Part(
+            "D.2.1, D.2.2, Fig. D.2, eqs (D.10), (D.11)",
+            "rectified pairs, triangulation",
+            printed="baseline 77.6 mm",
+            code=("hullrecon/vision/stereo/matching.py:match_stereo",),
+            tests=(
+                "tests/vision/stereo/test_rectification.py::test_point_lies_on_one_column_whatever_way_rig_is_built",
+            ),
+        ),
+        Part(
+            "D.2.3",
+            "motion between two stereo pairs from three points",
+            code=("hullrecon/vision/pairs/pose_from_points.py:ransac",),
+            tests=("tests/vision/pairs/test_pose_from_points.py",),
+            differs="in pixels, not metres",
+        ),
+        Part(
+            "D.2.2, Fig. D.3",
+            "disparity and range images",
+            absent=Absence.NOT_BUILT,
+            differs="no dense stereo",
+        ),
+        Part(
+            "D.3, Fig. D.4",
+            "is a transferred point Gaussian?",
+            printed="fairly, except where uncertainty is large",
+            code=("hullrecon/vision/pairs/gating.py:transfer",),
+            studies=("scene-figures",),
+            tests=(
+                "tests/studies/test_scene_figures.py::test_transfer_is_gaussian_unless_the_pose_is_hardly_known",
+            ),
+            differs="a depth with sigma in place of a plane with covariance",
+        ),
+    ),
+)
+
+_MISPRINTS = (
+    Misprint(
+        where="1.2.1",
+        printed="b = 1 / cos 30° = 0.2887",
+        right="1 / (4 cos 30°); and the velocity is the sensor's with its sign changed",
+        tests=(
+            "tests/dive/readers/test_pd0.py::test_velocity_is_opposite_to_bottom_with_z_into_housing",
+        ),
+    ),
+    Misprint(
+        where="(2.1)",
+        printed="cost scaled by s² alone",
+        right="and Phi (1 - s)², else s = 0 costs nothing",
+        tests=("tests/native/test_links.py::test_dynamic_scaling_weighs_links_as_published",),
+    ),
+    Misprint(
+        where="(2.3)",
+        printed="norm without square; W called a weight",
+        right="squared; W is a covariance",
+    ),
+    Misprint(
+        where="2.3.4.2",
+        printed="the misfit to the curved surface stands in W",
+        right="what curvature explains: a misfit would widen its own covariance",
+        tests=(
+            "tests/native/test_planes.py::test_the_weight_counts_the_curvature_the_poses_and_the_floor",
+        ),
+    ),
+    Misprint(
+        where="2.3.4.2",
+        printed="t_y / r_a and t_z / r_e whatever the normal",
+        right="signs by the normal's direction",
+        tests=(
+            "tests/native/test_planes.py::test_curvature_radii_by_azimuth_and_elevation_have_signs",
+        ),
+    ),
+    Misprint(
+        where="(2.4)",
+        printed="|x ⊖ pi| / (r' (x ⊖ pi))",
+        right="-|pi|² / (r' pi) with pi = x ⊟ pi",
+        tests=(
+            "tests/native/test_planes.py::test_a_beam_meets_a_wall_where_the_corrected_formula_says",
+        ),
+    ),
+    Misprint(
+        where="(2.5)",
+        printed="sigma called a variance inside the square",
+        right="standard deviation",
+    ),
+    Misprint(
+        where="2.4.3.1",
+        printed="w = d²(z, x_gi ⊟ x_gi')",
+        right="pi_gi', and exp(-d²/2): else the worst fit weighs most",
+    ),
+    Misprint(
+        where="2.4.3.1, Fig. 2.10",
+        printed="cells outside the nearest plane are free; cells within 3 m of a plane",
+        right="both together",
+        checked="reading",
+    ),
+    Misprint(
+        where="Fig. 2.16",
+        printed="SS Curtiss, sessions 5 to 12 three years after 1 to 4",
+        right="by Table 2.1 sessions 9 to 12 are of 2011, three years before",
+        checked="counting",
+    ),
+    Misprint(
+        where="Figs 2.19, 2.20",
+        printed="2014 USS Saratoga, USS Curtiss",
+        right="2013, SS Curtiss",
+        checked="reading",
+    ),
+    Misprint(where="2.5.6", printed="range factors from (2.4)", right="(2.5)", checked="reading"),
+    Misprint(
+        where="(3.3)",
+        printed="variance with 1/beta always added",
+        right="that is the next return's; the surface's is without it",
+        tests=(
+            "tests/surface/test_gaussian.py::test_the_next_return_is_less_certain_than_the_surface",
+        ),
+    ),
+    Misprint(
+        where="3.2.2.2, kernel",
+        printed="compact kernel of the distance in the plane",
+        right="no covariance there: product of two, or Wendland's",
+        tests=(
+            "tests/studies/test_surface_variants.py::test_radial_kernel_that_is_no_covariance_is_refused",
+        ),
+    ),
+    Misprint(
+        where="3.2.2.2",
+        printed="training pairs (x_i, y_i); r without transpose",
+        right="(x_i, z_i); (x - x')'",
+        checked="reading",
+    ),
+    Misprint(
+        where="3.2.3",
+        printed="n_b from range, n_r from bearing; M_4 of fourth degree",
+        right="the other way about; third degree",
+        tests=("tests/mosaic/test_sonar_fan.py::test_bins_and_beams_are_those_of_the_image",),
+    ),
+    Misprint(
+        where="3.3.2.1",
+        printed="this deviation measures the orthogonal distance",
+        right="belongs to 3.3.3",
+        checked="reading",
+    ),
+    Misprint(
+        where="(4.5)",
+        printed="plane of the closest triangle",
+        right="nearest point: the plane is wrong beside edges",
+    ),
+    Misprint(
+        where="(4.6)",
+        printed="log p proportional to the log of a product",
+        right="equal up to a constant",
+        checked="reading",
+    ),
+    Misprint(
+        where="Fig. 4.8",
+        printed="deviation along a ray",
+        right="Algorithm 4 and 4.1.1: orthogonal distance",
+        checked="reading",
+    ),
+    Misprint(
+        where="Algorithm 5, line 4", printed="Algorithm 1", right="Algorithm 4", checked="reading"
+    ),
+    Misprint(
+        where="(4.15)",
+        printed="v_0 = prior with n = 0",
+        right="so the first observation replaces the prior",
+        tests=("tests/studies/test_ray_fusion.py::test_the_first_observation_replaces_the_prior",),
+    ),
+    Misprint(
+        where="4.4.1",
+        printed="Geva's is slower by more iterations",
+        right="one camera: 46 against 47 iterations, yet +36.8 %",
+        checked="reading Fig. 4.13",
+    ),
+    Misprint(
+        where="App. A",
+        printed="X_j = R X_i + t",
+        right="X_i = R X_j + t",
+        tests=("tests/geometry/test_poses.py::test_composition_is_one_after_the_other",),
+    ),
+    Misprint(
+        where="App. B",
+        printed="with respect to frame j: pi_ik = x_ij ⊞ pi_jk",
+        right="frame i; ⊟ for the way back",
+        tests=("tests/native/test_planes.py::test_a_wall_seen_from_the_side_is_turned_and_nearer",),
+    ),
+    Misprint(
+        where="D.1",
+        printed="depth -|pi|² / (v' pi) for a camera anywhere",
+        right="-(|pi|² + pi' t_gc) / (v' pi)",
+    ),
+    Misprint(
+        where="D.1.1",
+        printed="Theta has P_1 to P_(M-5); S_X in the third line",
+        right="(M - 5) / 3 points; its inverse",
+        checked="counting",
+    ),
+    Misprint(
+        where="D.2.1",
+        printed="u' F u is a squared distance to the epipolar line",
+        right="algebraic: neither squared nor normalised",
+        tests=(
+            "tests/vision/pairs/test_two_view.py::test_sampson_error_is_distance_to_nearest_pair_that_fits",
+        ),
+    ),
+    Misprint(
+        where="D.2.2",
+        printed="q14, q24 are the camera centre",
+        right="minus the principal point; q43 is 1 / baseline",
+    ),
+    Misprint(
+        where="D.3",
+        printed="<u_i, v_j>; Sigma_0 for two things",
+        right="u_i, v_i; Sigma_x",
+        checked="reading",
+    ),
+    Misprint(where="E.3", printed="p(y, z_t)", right="p(z, z_t)", checked="reading"),
+)
+
+OZOG = Source(
+    key="Ozog2016",
+    title="Advances in SLAM in confined underwater environments using sonar and optical imaging",
+    chapters=(_INTRODUCTION, _SINGLE, _SESSIONS, _SONAR, _MODEL, _SHAPES, _FUTURE, _APPENDICES),
+    misprints=_MISPRINTS,
+)
