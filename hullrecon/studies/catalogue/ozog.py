@@ -47,7 +47,8 @@ _INTRODUCTION = Chapter(
             "1.3.1, Fig. 1.10",
             "toy graph of three poses and a closure",
             printed="0, 2/3, 4/3",
-            code=("native/solve/solve.cpp",),
+            code=("native/solve/solve.cpp", "hullrecon/studies/estimates/toy_graph.py"),
+            studies=("toy-graph",),
             tests=("tests/native/test_solve.py::test_the_toy_graph_of_the_source_gives_thirds",),
         ),
         Part(
@@ -375,9 +376,12 @@ _SONAR = Chapter(
         Part(
             "E.3",
             "joint covariance of predictions",
-            absent=Absence.NOT_BUILT,
-            code=("hullrecon/surface/gaussian.py",),
-            differs="sigmas of single vertices",
+            studies=("joint-predictions",),
+            code=(
+                "hullrecon/studies/estimates/joint_predictions.py",
+                "hullrecon/surface/gaussian.py",
+            ),
+            differs="the product gives sigmas of single vertices",
         ),
     ),
 )
@@ -418,6 +422,7 @@ _MODEL = Chapter(
             "4.2.4, Fig. 4.4, eqs (4.6), (4.7)",
             "the likelier of two labels inside the solve",
             printed="sigmas 1 and 0.02 m",
+            studies=("label-boundary",),
             code=("native/factors/mixture.h:MixtureLoss",),
             tests=(
                 "tests/native/test_factors.py::test_label_changes_at_56_mm_and_cost_is_the_winners",
@@ -481,6 +486,7 @@ _SHAPES = Chapter(
         Part(
             "Algorithm 4, Fig. 4.8",
             "features off the hull, clustered, as an alpha shape",
+            studies=("shapes",),
             code=("hullrecon/detection/as_found/shapes.py:detect_shapes",),
             tests=("tests/detection/test_shapes.py",),
             differs="bumps and recesses apart",
@@ -489,7 +495,7 @@ _SHAPES = Chapter(
             "Algorithm 5, eq (4.15), Fig. 4.9",
             "shapes move vertices along rays, running mean",
             code=("hullrecon/studies/surfaces/regression.py:fuse_shapes",),
-            studies=("surfaces",),
+            studies=("shapes", "surfaces"),
             tests=(
                 "tests/studies/test_ray_fusion.py::test_the_first_observation_replaces_the_prior",
             ),
@@ -564,6 +570,7 @@ _SHAPES = Chapter(
             "the remeshed hull at two thresholds",
             printed="0 and 0.06 m",
             code=("hullrecon/detection/as_found/hull_as_found.py",),
+            studies=("thresholds",),
             delivered=("as_found.ply", "form.tif"),
         ),
         Part(
