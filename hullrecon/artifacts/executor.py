@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from multiprocessing.connection import wait
 from typing import Any, Self, TypeVar
 from urllib.parse import urlsplit
@@ -44,7 +44,8 @@ class Executor:
     def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
         """Yield results in the order of the items.
 
-        Raises StageError when a worker dies. An error of the function passes as it is.
+        Raises StageError when a worker dies and its work, done again, kills one too. An error of
+        the function passes as it is.
         """
         return map(function, items)
 
@@ -68,19 +69,49 @@ class Processes(Executor):
         if len(items) < 2:
             yield from map(function, items)
             return
-        pool = self._start_pool()
-        chunk = max(1, len(items) // (self._jobs * _CHUNKS_PER_WORKER))
+        done = 0
         try:
-            with one_thread_each():
-                results = pool.map(function, items, chunksize=chunk)
-            yield from results
+            for result in self._map_once(function, items):
+                yield result
+                done += 1
+            return
+        except BrokenProcessPool:
+            self._lose_pool()
+        log.warning(
+            "a worker process was killed: from item %d of %d on, the work is done again by %d"
+            " worker%s",
+            done + 1,
+            len(items),
+            self._jobs,
+            "s" * (self._jobs > 1),
+        )
+        try:
+            for result in self._map_once(function, items[done:]):
+                yield result
+                done += 1
         except BrokenProcessPool as error:
-            self._pool = None
+            self._lose_pool()
             raise StageError(
-                "a worker process was killed",
+                f"a worker process was killed, and again at item {done + 1} of {len(items)} or soon"
+                " after it",
                 remedy="most likely the memory ran out: run again with a smaller --jobs, what is"
                 " finished is kept",
             ) from error
+
+    def _map_once(
+        self, function: Callable[[Item], Result], items: Sequence[Item]
+    ) -> Iterator[Result]:
+        pool = self._start_pool()
+        chunk = max(1, len(items) // (self._jobs * _CHUNKS_PER_WORKER))
+        with one_thread_each():
+            return pool.map(function, items, chunksize=chunk)
+
+    def _lose_pool(self) -> None:
+        """Forget a pool that has lost a worker, and go on with half of its workers.
+
+        What kills workers is most often that they need more memory together than there is.
+        """
+        self._pool, self._jobs = None, max(1, self._jobs // 2)
 
     def _start_pool(self) -> ProcessPoolExecutor:
         if self._pool is None:
@@ -130,10 +161,12 @@ class Cluster(Executor):
     """
 
     def __init__(self, address: str) -> None:
+        self._address = address
         self._client: Any = _connect(address)
 
     def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
-        from distributed import KilledWorker
+        from distributed import CancelledError, KilledWorker
+        from distributed.comm import CommClosedError
 
         futures = self._client.map(function, items, pure=False)
         try:
@@ -144,8 +177,16 @@ class Cluster(Executor):
                 "a Dask worker was killed",
                 remedy="look at the worker's log: most likely its memory ran out",
             ) from error
+        except (CancelledError, CommClosedError) as error:
+            raise StageError(
+                "the Dask scheduler has gone",
+                where=self._address,
+                remedy="start one with pipelines/dask-launch and run again: what is finished is"
+                " kept",
+            ) from error
         finally:
-            self._client.cancel(futures)
+            with suppress(CommClosedError):
+                self._client.cancel(futures)
 
     def close(self) -> None:
         self._client.close()

@@ -9,6 +9,7 @@ import os
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -30,9 +31,17 @@ def _free_port() -> int:
         return port
 
 
+@pytest.fixture(autouse=True)
+def _wait_for_a_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a scheduler of these tests take a minute to start, beside other tests."""
+    monkeypatch.setattr("hullrecon.artifacts.executor._CONNECT_S", 60)
+
+
 @contextmanager
-def cluster(folder: Path, scheme: str, **environment: str) -> Iterator[str]:
-    """A scheduler and one worker in processes of their own."""
+def cluster(
+    folder: Path, scheme: str, **environment: str
+) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+    """A scheduler, its process, and one worker in processes of their own."""
     address = f"{scheme}://127.0.0.1:{_free_port()}"
     environment = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"} | environment
     commands = [
@@ -46,15 +55,17 @@ def cluster(folder: Path, scheme: str, **environment: str) -> Iterator[str]:
         )
         for command in commands
     ]
-    yield address
-    for process in running:
-        process.kill()
-        process.wait()
+    try:
+        yield address, running[0]
+    finally:
+        for process in running:
+            process.kill()
+            process.wait()
 
 
 @pytest.fixture(scope="module")
 def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    with cluster(tmp_path_factory.mktemp("dask"), "tcp") as address:
+    with cluster(tmp_path_factory.mktemp("dask"), "tcp") as (address, _):
         yield address
 
 
@@ -94,7 +105,7 @@ def test_tls_cluster_gives_serial_results_without_warning(
         for key, value in certificates.items()
     }
     with (
-        cluster(tmp_path, "tls", **names) as address,
+        cluster(tmp_path, "tls", **names) as (address, _),
         dask.config.set(certificates),
         choose_executor(scheduler=address) as executor,
     ):
@@ -145,6 +156,19 @@ def test_a_killed_worker_is_a_stage_error(scheduler: str) -> None:
         pytest.raises(StageError, match="a Dask worker was killed"),
     ):
         list(executor.map(os._exit, [9]))
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_scheduler_that_vanishes_is_a_stage_error(tmp_path: Path) -> None:
+    timeouts = {"distributed.comm.timeouts.connect": "1s"}
+    with cluster(tmp_path, "tcp") as (address, process), dask.config.set(timeouts):
+        with choose_executor(scheduler=address) as executor:
+            results = executor.map(time.sleep, [0.2] * 100)
+            next(results)
+            process.kill()
+            with pytest.raises(StageError, match="the Dask scheduler has gone") as caught:
+                list(results)
+        assert "what is finished is kept" in (caught.value.remedy or "")
 
 
 @pytest.mark.filterwarnings("ignore")

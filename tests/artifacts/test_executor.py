@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -69,9 +70,33 @@ def test_a_functions_own_error_passes() -> None:
         list(executor.map(math.sqrt, [1.0, -1.0]))
 
 
-def test_a_killed_worker_is_a_stage_error_and_the_next_map_works() -> None:
+def _die_once(marked: tuple[str, int]) -> int:
+    """Kill this process at the first call for item 7, as a lack of memory would."""
+    marker, item = marked
+    if item == 7 and not os.path.exists(marker):
+        Path(marker).touch()
+        os._exit(9)
+    return item * item
+
+
+def test_work_of_a_killed_worker_is_done_again_by_fewer(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    items = [(str(tmp_path / "died"), k) for k in range(40)]
+    with Processes(4) as executor:
+        assert list(executor.map(_die_once, items)) == [k * k for k in range(40)]
+        assert len(executor._start_pool()._processes) <= 2
+    (said,) = [r.getMessage() for r in caplog.records if "killed" in r.getMessage()]
+    assert re.fullmatch(
+        r"a worker process was killed: from item [1-8] of 40 on, the work is done again by 2"
+        r" workers",
+        said,
+    )
+
+
+def test_work_that_kills_two_workers_is_a_stage_error_and_the_next_map_works() -> None:
     with Processes(2) as executor:
-        with pytest.raises(StageError, match="a worker process was killed") as caught:
+        with pytest.raises(StageError, match="killed, and again at item 1 of 2") as caught:
             list(executor.map(os._exit, [9, 9]))
         assert "memory" in caught.value.remedy
         assert list(executor.map(math.sqrt, [1.0, 4.0])) == [1.0, 2.0]
