@@ -219,7 +219,7 @@ def test_stamps_that_are_late_are_left_to_the_clocks(late_s):
 @pytest.mark.parametrize(
     ("turn", "fault"),
     [
-        (1.333 * np.eye(2), "medium"),
+        (1.3 * np.eye(2), "medium"),  # one of the steps fits a hair better
         (0.8 * np.eye(2), "focal"),
         (-np.eye(2), "picture"),
         (np.diag([-1.0, 1.0]), "picture"),
