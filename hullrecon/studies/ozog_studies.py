@@ -51,4 +51,10 @@ OZOG_STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
         shows="structures found, missed and false by the threshold on features' heights",
         run=_study("structures.thresholds"),
     ),
+    SceneStudy(
+        id="uncertain-calibration",
+        source="[Ozog2016 D.1.2, D.1.3, Algorithm 6]",
+        shows="sigma of a two-view motion, its calibration unsure: first order, sigma points, draws",
+        run=_study("calibration.wall"),
+    ),
 )

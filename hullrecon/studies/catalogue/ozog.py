@@ -668,8 +668,12 @@ _APPENDICES = Chapter(
         Part(
             "D.1.3, Algorithm 6, eq (D.9)",
             "the same by unscented transform",
-            absent=Absence.NOT_BUILT,
-            differs="the lens is an unknown of the adjustment, to first order",
+            code=("hullrecon/studies/calibration/two_views.py:unscented",),
+            studies=("uncertain-calibration",),
+            tests=(
+                "tests/studies/calibration/test_two_views.py::test_sigma_points_tell_large_errors_better",
+            ),
+            differs="in the product the lens is an unknown of the adjustment, to first order",
         ),
         Part(
             "D.2.1, D.2.2, Fig. D.2, eqs (D.10), (D.11)",
