@@ -54,7 +54,7 @@ OZOG_STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
     SceneStudy(
         id="uncertain-calibration",
         source="[Ozog2016 D.1.2, D.1.3, Algorithm 6]",
-        shows="sigma of a two-view motion, its calibration unsure: first order, sigma points, draws",
+        shows="sigma of a two-view motion, calibration unsure: first order, sigma points, draws",
         run=_study("calibration.wall"),
     ),
 )
