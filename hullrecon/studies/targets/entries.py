@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The studies of targets."""
+
+from __future__ import annotations
+
+from hullrecon.studies.study import SceneStudy, StudyResult
+
+
+def _thresholds() -> StudyResult:
+    from hullrecon.studies.targets.side_scan_study import detect_by_two_thresholds
+
+    return detect_by_two_thresholds()
+
+
+def _cascade() -> StudyResult:
+    from hullrecon.studies.targets.side_scan_study import detect_by_cascade
+
+    return detect_by_cascade()
+
+
+def _regions() -> StudyResult:
+    from hullrecon.studies.targets.region_study import find_rocks
+
+    return find_rocks()
+
+
+TARGET_STUDIES: tuple[SceneStudy, ...] = (
+    SceneStudy(
+        id="side-scan-thresholds",
+        source="[Aulinas2011 4.3.1, Fig. 4.9]",
+        shows="targets in side-scan sonar by two thresholds: bright spot with a shadow behind it",
+        run=_thresholds,
+    ),
+    SceneStudy(
+        id="side-scan-cascade",
+        source="[Aulinas2011 4.3.2 to 4.3.4, Figs 4.13 to 4.15, Tables 4.1, 4.2]",
+        shows="targets in side-scan sonar by boosted rectangle features in a cascade",
+        run=_cascade,
+    ),
+    SceneStudy(
+        id="regions-of-interest",
+        source="[Aulinas2011 4.4, Figs 4.20 to 4.22]",
+        shows="rocks in images by edges and hue together, their features over a quarter turn",
+        run=_regions,
+    ),
+)
