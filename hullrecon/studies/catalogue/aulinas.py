@@ -9,7 +9,7 @@ from hullrecon.studies.catalogue.part import Absence, Chapter, Misprint, Part, S
 _ONE_PROBLEM = (
     "a dive is one problem: no information between parts is dropped, and none is counted twice"
 )
-_NO_SONAR_OBJECTS = "objects are found by images; sonar is blended, not searched"
+_NO_SONAR_OBJECTS = "in the product objects are found by images; sonar is blended, not searched"
 
 _NO_LASER = "no laser and no land vehicle in the product"
 
@@ -257,40 +257,55 @@ _FEATURES = Chapter(
         Part(
             "4.3.1, Fig. 4.9",
             "objects in side-scan sonar by two thresholds: bright spot and shadow",
-            absent=Absence.NOT_BUILT,
+            studies=("side-scan-thresholds",),
+            code=("hullrecon/studies/targets/thresholds.py:detect_by_thresholds",),
+            tests=("tests/studies/targets/test_side_scan.py",),
             differs=_NO_SONAR_OBJECTS,
         ),
         Part("Figs 4.8, 4.17, 4.18", "a side-scan image; how sensors look", absent=Absence.PICTURE),
         Part(
             "Figs 4.10 to 4.13",
             "Haar features and the integral image",
-            absent=Absence.NOT_BUILT,
+            studies=("side-scan-cascade",),
+            code=("hullrecon/studies/targets/haar.py:Rectangles",),
+            tests=("tests/studies/targets/test_side_scan.py::test_four_look_ups_sum_a_rectangle",),
             differs=_NO_SONAR_OBJECTS,
         ),
         Part(
             "Figs 4.14, 4.15",
             "which features tell objects from ground",
             printed="8 dark to 1 bright is best",
-            absent=Absence.NOT_BUILT,
+            studies=("side-scan-cascade",),
+            code=("hullrecon/studies/targets/haar.py:separation",),
+            tests=(
+                "tests/studies/targets/test_side_scan.py::test_first_feature_is_some_8_to_1_dark_to_bright",
+            ),
             differs=_NO_SONAR_OBJECTS,
         ),
         Part(
             "4.3.2, 4.3.3, Fig. 4.16, Table 4.1",
             "cascade of classifiers: what each layer has to reach",
             printed="99.9 % at 50 % to 99 % at 0.05 %, with 1 to 30 features",
-            absent=Absence.NOT_BUILT,
+            studies=("side-scan-cascade",),
+            code=("hullrecon/studies/targets/cascade.py:train_cascade",),
+            tests=("tests/studies/targets/test_side_scan.py",),
             differs=_NO_SONAR_OBJECTS,
         ),
         Part(
             "4.3.4, Table 4.2",
             "cascade: what was reached",
             printed="99.5 and 53 %, 99.3 and 6 %, 99.2 and 1 % with 1, 2, 4 features",
-            absent=Absence.NOT_BUILT,
+            studies=("side-scan-cascade",),
+            code=("hullrecon/studies/targets/detector_trials.py:try_cascade",),
+            tests=(
+                "tests/studies/targets/test_side_scan.py::test_cascade_detects_99_percent_at_few_percent_false",
+            ),
             differs=_NO_SONAR_OBJECTS,
         ),
         Part(
             "4.4.1, Figs 4.19, 4.20",
             "images evened out, undistorted",
+            studies=("regions-of-interest",),
             code=(
                 "hullrecon/vision/features/extraction.py:_level",
                 "hullrecon/mosaic/imagery/radiometry.py:solve_light",
@@ -304,7 +319,9 @@ _FEATURES = Chapter(
             "4.4.1, Fig. 4.21",
             "regions of interest by edges and by hue",
             printed="627 of 3,199 frames have one",
-            absent=Absence.NOT_BUILT,
+            studies=("regions-of-interest",),
+            code=("hullrecon/studies/targets/regions.py:find_regions",),
+            tests=("tests/studies/targets/test_regions.py",),
             differs=(
                 "objects are found by their height; paint and rust without relief are no objects"
             ),
@@ -312,6 +329,7 @@ _FEATURES = Chapter(
         Part(
             "4.4.2, Fig. 4.22",
             "features matched over a quarter turn, gated by the map's uncertainty",
+            studies=("regions-of-interest",),
             code=(
                 "hullrecon/vision/pairs/matching.py:_within_ellipses",
                 "hullrecon/vision/features/descriptors.py:best_of_pairs",
