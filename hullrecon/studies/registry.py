@@ -5,13 +5,19 @@
 from __future__ import annotations
 
 from hullrecon.errors import UsageError
+from hullrecon.studies.engine_studies import ENGINE_STUDIES
 from hullrecon.studies.hull_studies import HULL_STUDIES
 from hullrecon.studies.ozog_studies import OZOG_STUDIES
 from hullrecon.studies.study import DiveStudy, SceneStudy
 from hullrecon.studies.targets.entries import TARGET_STUDIES
 
 # each folder of studies lists its own
-STUDIES: tuple[DiveStudy | SceneStudy, ...] = (*HULL_STUDIES, *OZOG_STUDIES, *TARGET_STUDIES)
+STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
+    *HULL_STUDIES,
+    *OZOG_STUDIES,
+    *TARGET_STUDIES,
+    *ENGINE_STUDIES,
+)
 FIGURES = ("method-figures", "path-figures", "scene-figures")  # those that draw
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from importlib import import_module
 from typing import TYPE_CHECKING, ClassVar
 
 from hullrecon.studies.methods import variants as method_variants
@@ -92,3 +93,13 @@ class SceneStudy(Study):
 
     needs_dive = False
     run: Callable[[], StudyResult]
+
+
+def study_of(module: str) -> Callable[..., StudyResult]:
+    """Import a study's module, below hullrecon.studies, when it is run: most commands run none."""
+
+    def run(*given: object) -> StudyResult:
+        found: StudyResult = import_module(f"hullrecon.studies.{module}").study(*given)
+        return found
+
+    return run

@@ -82,6 +82,7 @@ _REGISTRATION = Chapter(
         Part(
             "Fig. 1",
             "one pair of images from features to the five numbers, stage by stage",
+            studies=("pair-stages",),
             code=("hullrecon/vision/pairs/match_worker.py", "hullrecon/vision/link_images.py"),
             delivered=(),
             differs="every pair is gated by the joint covariance of its two poses, in rounds",
@@ -154,7 +155,7 @@ _REGISTRATION = Chapter(
             "criterion of either model against the relief of a surface",
             printed="homography below, essential matrix above a relief that is drawn, not printed",
             code=("hullrecon/studies/scenes/gic_by_relief.py",),
-            studies=("scene-figures",),
+            studies=("scene-figures", "relief-views"),
             tests=(
                 "tests/studies/test_scene_figures.py::test_published_criteria_cross_once_between_2_and_10_cm",
             ),
@@ -163,7 +164,11 @@ _REGISTRATION = Chapter(
             "Fig. 2(b)",
             "inliers of either model on real pairs: false ones along epipolar lines outside "
             "the overlap",
-            code=("hullrecon/vision/pairs/two_view.py:fit_both",),
+            studies=("pair-overlap",),
+            code=(
+                "hullrecon/studies/engine/pair_overlap.py",
+                "hullrecon/vision/pairs/two_view.py:fit_both",
+            ),
         ),
         Part(
             "III-C-1",

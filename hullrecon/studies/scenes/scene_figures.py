@@ -68,7 +68,7 @@ def criterion_trials() -> dict[str, CriterionTrials]:
     full, capped = np.empty((2, 2, len(PEAKS_M), PEAKS_TRIALS))
     for k, peak_m in enumerate(PEAKS_M):
         for trial in range(PEAKS_TRIALS):
-            both = two_view.fit_both(*_views_of_peaks(rng, float(peak_m)), 2 * PIXEL_IDEAL)
+            both = two_view.fit_both(*views_of_peaks(rng, float(peak_m)), 2 * PIXEL_IDEAL)
             assert both is not None  # a hundred matches without outliers
             for of, (found, size) in enumerate(
                 ((both.homography, two_view.HOMOGRAPHY), (both.essential, two_view.ESSENTIAL))
@@ -84,7 +84,7 @@ def criterion_trials() -> dict[str, CriterionTrials]:
     }
 
 
-def _views_of_peaks(rng: np.random.Generator, peak_m: float) -> tuple[Array, Array]:
+def views_of_peaks(rng: np.random.Generator, peak_m: float) -> tuple[Array, Array]:
     """Project points of the surface (n, 2) into two cameras, with pixel noise.
 
     The middle of the surface lies DISTANCE_M ahead of the middle of both cameras. Its peaks rise

@@ -1,0 +1,28 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The figures of [KimEustice2009] that are not of paths over the hull."""
+
+from __future__ import annotations
+
+from hullrecon.studies.study import DiveStudy, SceneStudy, study_of
+
+ENGINE_STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
+    DiveStudy(
+        id="pair-stages",
+        source="[KimEustice2009 Fig. 1]",
+        shows="two images of two legs registered stage by stage, counts beside the truth",
+        run=study_of("engine.pair_stages"),
+    ),
+    SceneStudy(
+        id="relief-views",
+        source="[KimEustice2009 Fig. 2(a)]",
+        shows="a surface with relief in two views, and the relief at which the choice turns",
+        run=study_of("engine.relief_views"),
+    ),
+    DiveStudy(
+        id="pair-overlap",
+        source="[KimEustice2009 Fig. 2(b)]",
+        shows="matches that either two-view model accepts outside what two images share",
+        run=study_of("engine.pair_overlap"),
+    ),
+)
