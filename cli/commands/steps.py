@@ -84,9 +84,18 @@ def _option(field: types.Field) -> click.Option:
         )
     return click.Option(
         [f"--{dashed}", field.name],
-        metavar=type(inner).__name__.removesuffix("Type").upper(),
+        metavar=_metavar(inner),
         help=text,
     )
+
+
+def _metavar(kind: types.Type) -> str:
+    kind, _ = unwrap_type(kind)
+    if isinstance(kind, types.UnionType):
+        return "|".join(_metavar(member) for member in kind.types)
+    if isinstance(kind, types.LiteralType):
+        return "|".join(str(value) for value in kind.values)
+    return type(kind).__name__.removesuffix("Type").upper()
 
 
 def unwrap_type(kind: types.Type) -> tuple[types.Type, str]:

@@ -19,6 +19,7 @@ from hullrecon.adjustment.cad_acceptance import Placement, place_cad_model
 from hullrecon.adjustment.contradictions import explain_refusal, hold_within_belief, is_sheared
 from hullrecon.adjustment.exceeded_priors import contradicts_priors, widen_exceeded_priors
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions, Strategy
+from hullrecon.adjustment.partition.plan import Plan
 from hullrecon.adjustment.problem import iteration_history, selection, weighting
 from hullrecon.adjustment.problem.assembly import Selection
 from hullrecon.adjustment.problem.measurements import Measurements
@@ -50,6 +51,7 @@ class Adjusted:
     state: State
     weights: Weights
     chosen: Selection  # the measurements of the last round
+    plan: Plan  # of the parts in which it was solved
     start: native.Problem  # of the first round, as it began
     problem: native.Problem  # of the last round, at its solution
     result: native.Result
@@ -182,6 +184,7 @@ def _adjusted(settled: Stage, last: RoundResult, solver: RoundSolver) -> Adjuste
     Those were pushed behind their cameras or metres off the hull, and nothing determines them.
     """
     state, chosen, problem, result = last.after.state, last.chosen, last.problem, last.result
+    assert last.plan is not None  # of a last round
     sound = selection.select_measurements(last.after.measured, state, LOST_PX).landmarks
     keep = np.isin(chosen.landmarks, sound)
     if not keep.all():
@@ -197,6 +200,7 @@ def _adjusted(settled: Stage, last: RoundResult, solver: RoundSolver) -> Adjuste
         state=state,
         weights=last.weights,
         chosen=chosen,
+        plan=last.plan,
         start=settled.start or last.start,
         problem=problem,
         result=result,

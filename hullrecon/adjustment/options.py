@@ -6,13 +6,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 from msgspec import Meta, Struct
 
 from hullrecon import native
 
+MOST_PARTS = 64
 Positive = Annotated[float, Meta(gt=0)]
 
 
@@ -40,6 +41,14 @@ class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     threads: Annotated[
         int, Meta(ge=1, le=64, description="threads of the solve; any number gives the same bytes")
     ] = 2
+    parts: Annotated[
+        Annotated[int, Meta(ge=1, le=MOST_PARTS)] | Literal["auto"],
+        Meta(
+            description="stripes across the hull in which the last round is solved, for memory; "
+            "auto: as few as keep the solver below 1 GB for each. The result is the same but for "
+            "rounding"
+        ),
+    ] = "auto"
 
 
 @dataclass(frozen=True, kw_only=True)

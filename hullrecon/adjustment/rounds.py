@@ -14,6 +14,8 @@ import numpy as np
 
 from hullrecon import native
 from hullrecon.adjustment.options import AdjustOptions, Strategy
+from hullrecon.adjustment.partition import join
+from hullrecon.adjustment.partition.plan import Plan, plan_parts, whole
 from hullrecon.adjustment.problem import intrinsics, iteration_history, lens, selection, weighting
 from hullrecon.adjustment.problem.assembly import Selection, assemble, state_from_unknowns
 from hullrecon.adjustment.problem.measurements import Measurements
@@ -60,6 +62,7 @@ class RoundResult:
 
     chosen: Selection  # the measurements that entered
     weights: Weights  # that it used
+    plan: Plan | None  # of the parts in which the last round was solved; None: before it
     start: native.Problem  # at its start values
     problem: native.Problem  # at its solution
     result: native.Result
@@ -200,7 +203,8 @@ class RoundSolver:
         problem = intrinsics.free_intrinsics(problem, self.calibrated, self.options)
         problem = lens.free_lenses(problem, measured, weights.lens)
         began_s = time.perf_counter() - self.begun_s
-        result = self._solve(problem, final)
+        plan = self._plan(problem, state) if final else None
+        result = self._solve(problem, plan)
         history = self._record(measured, result, weights, chosen, began_s)
 
         # Sigmas and outlier limit of the next round follow from the residuals.
@@ -212,6 +216,7 @@ class RoundSolver:
         return RoundResult(
             chosen=chosen,
             weights=weights,
+            plan=plan,
             start=problem,
             problem=problem.started_from(result.unknowns),
             result=result,
@@ -246,13 +251,24 @@ class RoundSolver:
             )
         return chosen
 
-    def _solve(self, problem: native.Problem, final: bool) -> native.Result:
+    def _plan(self, problem: native.Problem, state: State) -> Plan:
+        """Plan the parts of the last round. Coarse rounds are small, and solved whole."""
+        if self.strategy.solve is not native.solve:
+            return whole(problem, "this variant of the method is solved whole")
+        plan = plan_parts(problem, state, self.options.parts)
+        if plan.parts > 1:
+            self.report(f"solving in {plan.parts} parts: {plan.reason}")
+        return plan
+
+    def _solve(self, problem: native.Problem, plan: Plan | None) -> native.Result:
         settings = replace(
             self.settings,
             max_iterations=self.options.max_iterations,
-            function_tolerance=FUNCTION_TOLERANCE if final else COARSE_TOLERANCE,
+            function_tolerance=FUNCTION_TOLERANCE if plan is not None else COARSE_TOLERANCE,
             initial_radius=INITIAL_RADIUS,
         )
+        if plan is not None and plan.parts > 1:
+            return join.solve(problem, plan, settings)
         return self.strategy.solve(problem, settings)
 
     def _record(

@@ -24,7 +24,7 @@ class PlaneTable(Rows):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlaneSightingTable:
+class PlaneSightingTable(Rows):
     """Planes seen from poses [Ozog2016 eq. 2.2].
 
     sqrt_information @ (plane in the vehicle frame of the node - measured). A sighting from the

@@ -166,6 +166,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=32,
+    version=33,
     run=run,
 )

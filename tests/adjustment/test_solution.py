@@ -44,6 +44,7 @@ KEYS = {
     "residuals_after",
     "cad_model_refused",
     "legs",
+    "parts",
 }
 
 

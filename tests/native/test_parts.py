@@ -8,10 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from native.splitting import Split
+from native.test_cores import problem as of_case
 
 from benchmarks.problems import make
 from benchmarks.survey import Size
+from hullrecon.adjustment.partition.sub_problem import SubProblems
 from hullrecon.errors import InputError, StageError
 from hullrecon.native import Options, RangeTable, SparseRows, SurfaceTable, covariance, solve
 from hullrecon.native.parts import Part, PartsResult, covariance_parts, solve_parts
@@ -19,7 +20,7 @@ from hullrecon.native.parts import Part, PartsResult, covariance_parts, solve_pa
 FREE = ("T_ct_cb", "T_s_d", "navigation", "intrinsics_top", "intrinsics_bottom")
 
 
-def place(split: Split, found: PartsResult, name: str) -> np.ndarray:
+def place(split: SubProblems, found: PartsResult, name: str) -> np.ndarray:
     """Unknowns of the parts, where they stand in the whole."""
     rows = {"pose": split.poses, "landmark": split.landmarks, "deviation": split.nodes}[name]
     out = np.full_like(getattr(split.problem.unknowns, name), np.nan)
@@ -30,8 +31,8 @@ def place(split: Split, found: PartsResult, name: str) -> np.ndarray:
 
 def expect_the_same(problem, owner, options: Options) -> PartsResult:
     whole = solve(problem, options)
-    split = Split(problem, owner)
-    found = solve_parts(split.parts(), options)
+    split = SubProblems(problem, owner)
+    found = solve_parts(list(split.parts()), options)
     record, one = found.iterations, whole.iterations
     assert len(record.cost) == len(one.cost)
     assert (found.message, found.converged) == (whole.message, whole.converged)
@@ -84,11 +85,18 @@ def test_parts_with_a_deviation_field_take_the_steps_of_the_whole(make_survey, h
     expect_the_same(replace(draft.build(), constant=held), owner, Options())
 
 
+@pytest.mark.parametrize("case", ["everything free, positions", "planes, tray held"])
+def test_parts_of_any_tables_take_the_steps_of_the_whole(case, make_survey, shaken):
+    survey = of_case(case, make_survey, shaken).build()
+    owner = np.arange(len(survey.unknowns.pose)) * 3 // len(survey.unknowns.pose)
+    expect_the_same(survey, owner, Options(max_iterations=8))
+
+
 def test_the_order_of_parts_changes_nothing_that_matters(side):
     problem, stripe = side
-    one = Split(problem, stripe)
-    other = Split(problem, np.random.default_rng(4).permutation(8)[stripe])
-    first, second = (solve_parts(split.parts(), Options()) for split in (one, other))
+    one = SubProblems(problem, stripe)
+    other = SubProblems(problem, np.random.default_rng(4).permutation(8)[stripe])
+    first, second = (solve_parts(list(split.parts()), Options()) for split in (one, other))
     assert len(first.iterations.cost) == len(second.iterations.cost)
     np.testing.assert_allclose(
         place(one, first, "pose"), place(other, second, "pose"), rtol=0, atol=1e-9
@@ -97,7 +105,7 @@ def test_the_order_of_parts_changes_nothing_that_matters(side):
 
 def test_parts_repeat_their_bytes_on_any_number_of_threads(side):
     problem, stripe = side
-    parts = Split(problem, stripe // 2).parts()
+    parts = list(SubProblems(problem, stripe // 2).parts())
     one, two = (
         solve_parts(parts, Options(threads=threads, max_iterations=4)) for threads in (1, 3)
     )
@@ -116,8 +124,8 @@ def test_marginals_of_parts_are_those_of_the_whole(side, parts):
     near = replace(guess, sqrt_information=50 * guess.sqrt_information)
     problem = replace(problem, priors=replace(problem.priors, T_g_M=near))
     problem = problem.started_from(solve(problem).unknowns)
-    whole, split = covariance(problem), Split(problem, stripe * parts // 8)
-    found = covariance_parts(split.parts())
+    whole, split = covariance(problem), SubProblems(problem, stripe * parts // 8)
+    found = covariance_parts(list(split.parts()))
     hull = sigmas(whole.T_g_M)
     for part, poses, landmarks in zip(found, split.poses, split.landmarks, strict=True):
         for name, rows in (("pose", poses), ("landmark", landmarks)):
@@ -146,7 +154,7 @@ def test_what_no_part_determines_is_refused(side):
     free = replace(problem, priors=replace(problem.priors, T_g_M=None), ranges=RangeTable())
     free = replace(free, surface=SurfaceTable())
     with pytest.raises(StageError, match="undetermined"):
-        covariance_parts(Split(free, stripe // 4).parts())
+        covariance_parts(list(SubProblems(free, stripe // 4).parts()))
 
 
 @pytest.mark.parametrize(

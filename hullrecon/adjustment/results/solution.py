@@ -11,6 +11,7 @@ import numpy as np
 from hullrecon import native
 from hullrecon.adjustment.bundle_adjustment import Adjusted
 from hullrecon.adjustment.hull_pose import estimate
+from hullrecon.adjustment.partition import join
 from hullrecon.adjustment.problem.deviation_field import know_combinations
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import HullState, State
@@ -32,14 +33,15 @@ def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covarian
     """
     hull = adjusted.state.hull
     if hull is None:
-        return native.covariance(adjusted.problem, adjusted.settings)
+        return join.covariance(adjusted.problem, adjusted.plan, adjusted.settings)
     # The last round holds the hull where its profile put it; here it is free again.
-    free = native.covariance(adjusted.problem.free("T_g_M"), adjusted.settings)
+    free = join.covariance(adjusted.problem.free("T_g_M"), adjusted.plan, adjusted.settings)
     if not adjusted.strategy.deviation_field:
         return free
     evidence = adjusted.placement.evidence if adjusted.placement is not None else None
     evidence = evidence or _evidence_afterwards(m, adjusted, hull)
-    placed = native.covariance(_placed(adjusted.problem, evidence, hull), adjusted.settings)
+    held = _placed(adjusted.problem, evidence, hull)
+    placed = join.covariance(held, adjusted.plan, adjusted.settings)
     return replace(
         placed,
         navigation=free.navigation,

@@ -75,6 +75,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
     stereo = _stereo_sentence(m, adjusted, marginals)
     summary = {
         **_figures(m, adjusted),
+        "parts": adjusted.plan.facts(),
         "navigation_sigma": _navigation_sigma(marginals),
         "weak_directions": weak,
         "residuals_before": residuals_by_factor(

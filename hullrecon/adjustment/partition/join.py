@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Solve a problem in the parts of a plan, and put together what they find."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import fields, replace
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon import native
+from hullrecon.adjustment.partition.plan import Plan
+from hullrecon.adjustment.partition.sub_problem import SubProblems
+from hullrecon.native.parts import covariance_parts, solve_parts
+from hullrecon.typing import Ints
+
+Number = TypeVar("Number", bound=np.generic)
+
+
+def solve(problem: native.Problem, plan: Plan, options: native.Options) -> native.Result:
+    """Solve a problem as `native.solve` does, to rounding, by the parts of a plan."""
+    if plan.parts == 1:
+        return native.solve(problem, options)
+    parts = SubProblems(problem, plan.owner)
+    found = solve_parts(list(parts.parts()), options)
+    unknowns = replace(
+        found.parts[0].unknowns,
+        **{
+            name: _rows(rows, [getattr(part.unknowns, name) for part in found.parts])
+            for name, rows in _unknowns_of(parts).items()
+        },
+    )
+    surface, ranges = (_rows_of(parts, name) for name in ("surface", "ranges"))
+    return native.Result(
+        unknowns=unknowns,
+        label=_rows(surface, [part.label for part in found.parts]),
+        distance=_rows(surface, [part.distance for part in found.parts]),
+        ray_hit=_rows(ranges, [part.ray_hit for part in found.parts]),
+        iterations=found.iterations,
+        converged=found.converged,
+        message=found.message,
+        seconds=found.seconds,
+    )
+
+
+def covariance(problem: native.Problem, plan: Plan, options: native.Options) -> native.Covariance:
+    """Compute what `native.covariance` does, by the parts of a plan."""
+    if plan.parts == 1:
+        return native.covariance(problem, options)
+    parts = SubProblems(problem, plan.owner)
+    found = covariance_parts(list(parts.parts()), options)
+    by_row = {
+        field.name: rows
+        for field in fields(native.Covariance)
+        for name, rows in _unknowns_of(parts).items()
+        if field.name in (name, f"{name}_T_g_M")
+    }
+    gathered = {
+        name: _rows(rows, [getattr(part, name) for part in found]) for name, rows in by_row.items()
+    }
+    leverage = {
+        kind: sum(part.leverage_by_factor[kind] for part in found)
+        for kind in found[0].leverage_by_factor
+    }
+    return replace(found[0], leverage_by_factor=leverage, **gathered)
+
+
+def _unknowns_of(parts: SubProblems) -> dict[str, Sequence[Ints]]:
+    """List where the rows of the parts' unknowns stand in the whole, by name."""
+    return {
+        "pose": parts.poses,
+        "landmark": parts.landmarks,
+        "deviation": parts.nodes,
+        "plane": parts.planes,
+    }
+
+
+def _rows_of(parts: SubProblems, table: str) -> list[Ints]:
+    return [np.flatnonzero(parts.row_owner[table] == k) for k in range(parts.count)]
+
+
+def _rows(rows: Sequence[Ints], of_parts: Sequence[NDArray[Number]]) -> NDArray[Number]:
+    """Put rows of parts where they stand in the whole. Of what is shared the first part's stays."""
+    count = 1 + max((int(of_part[-1]) for of_part in rows if len(of_part)), default=-1)
+    out = np.zeros((count, *of_parts[0].shape[1:]), of_parts[0].dtype)
+    for of_part, values in zip(reversed(rows), reversed(of_parts), strict=True):
+        out[of_part] = values
+    return out

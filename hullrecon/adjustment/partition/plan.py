@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Plan the parts of a long dive's adjustment: stripes across the hull, cut by place.
+
+Legs that run along the hull are cut by every stripe's border, and only the poses near one are
+shared. Cut by time, half of all landmarks would be seen from two parts (docs/adr/0013).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from hullrecon import native
+from hullrecon.adjustment.options import MOST_PARTS
+from hullrecon.adjustment.problem.state import State
+from hullrecon.typing import Array, Ints
+
+Wanted = int | Literal["auto"]
+PART_MB = 1000.0  # of the solver, for one part under "auto"; no machine's own, so no other bytes
+# Memory of a solve at its peak, bytes, from dive-a's last one (57,060 landmarks, 420,967 rows of
+# images, 72 columns of lenses: 205 MB) and from the same without lenses
+BYTES_A_ROW = 160.0  # of stereo and mono, its table and the views
+BYTES_A_LANDMARK = 700.0
+BYTES_A_LENS_COLUMN = 24.0  # of each landmark, for each free number of the lenses and intrinsics
+BYTES_A_POSE = 40_000.0  # with some 36 neighbours
+SHARED_BY_ALL = ("T_ct_cb", "intrinsics_top", "intrinsics_bottom", "lens_top", "lens_bottom")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """Who owns each pose, and why."""
+
+    owner: Ints  # (n,) part of each pose, from 0 on
+    cuts_m: Array  # (parts - 1,) where the stripes meet, along `axis`
+    axis: str  # "along" or "girth" of the chart, "path" where there is none
+    predicted_mb: Array  # (parts,) peak of the solver with one part at work
+    reason: str
+
+    @property
+    def parts(self) -> int:
+        """Count the parts."""
+        return len(self.predicted_mb)
+
+    def facts(self) -> dict[str, object]:
+        """Collect what adjust.json says of the plan."""
+        return {
+            "count": self.parts,
+            "axis": self.axis,
+            "cuts_m": self.cuts_m.tolist(),
+            "poses": np.bincount(self.owner, minlength=self.parts).tolist(),
+            "predicted_mb": self.predicted_mb.tolist(),
+            "reason": self.reason,
+        }
+
+
+def plan_parts(problem: native.Problem, state: State, wanted: Wanted) -> Plan:
+    """Plan the parts of a problem.
+
+    Parameters
+    ----------
+    problem
+        The whole problem.
+    state
+        Of the same poses; its chart, where it has one.
+    wanted
+        So many, or "auto": as few as keep the solver of each below PART_MB.
+    """
+    place_m, axis = _places(state)
+    bytes_of_pose = _bytes_of_poses(problem)
+    whole_mb = float(bytes_of_pose.sum()) / 1e6
+    most = min(MOST_PARTS, max(1, len(place_m)))
+    if wanted == "auto":
+        count = min(most, max(1, int(np.ceil(whole_mb / PART_MB))))
+        reason = f"the solver takes about {whole_mb:.0f} MB, and {PART_MB:.0f} are for one part"
+    else:
+        count, reason = min(most, wanted), f"adjust.parts asks for {wanted}"
+    order = np.argsort(place_m, kind="stable")
+    share = np.cumsum(bytes_of_pose[order]) - 0.5 * bytes_of_pose[order]
+    owner = np.empty(len(order), np.int64)
+    owner[order] = np.minimum(count - 1, (count * share / share[-1:].sum()).astype(np.int64))
+    _, owner = np.unique(owner, return_inverse=True)
+    mb = np.bincount(owner, bytes_of_pose) / 1e6
+    first = [float(place_m[owner == k].min()) for k in range(1, len(mb))]
+    return Plan(owner=owner, cuts_m=np.array(first), axis=axis, predicted_mb=mb, reason=reason)
+
+
+def whole(problem: native.Problem, reason: str) -> Plan:
+    """Plan one part, for that reason."""
+    bytes_of_pose = _bytes_of_poses(problem)
+    return Plan(
+        owner=np.zeros(len(bytes_of_pose), np.int64),
+        cuts_m=np.zeros(0),
+        axis="",
+        predicted_mb=np.array([bytes_of_pose.sum() / 1e6]),
+        reason=reason,
+    )
+
+
+def _places(state: State) -> tuple[Array, str]:
+    """Find where each pose (n,) m stands on the axis that is cut, the longer one."""
+    if state.hull is not None:
+        at = state.hull.to_chart(state.nodes.translation)
+        axis = int(np.argmax(np.ptp(at, axis=0)))
+        return at[:, axis], ("along", "girth")[axis]
+    centred = state.nodes.translation - state.nodes.translation.mean(axis=0)
+    _, _, axes = np.linalg.svd(centred, full_matrices=False)
+    return centred @ axes[0], "path"
+
+
+def _bytes_of_poses(problem: native.Problem) -> Array:
+    """Predict the solver's memory (n,) by pose: landmarks count where they are seen from."""
+    count = len(problem.unknowns.pose)
+    rows = np.bincount(problem.stereo.node, minlength=count) + np.bincount(
+        problem.mono.node, minlength=count
+    )
+    landmarks = len(problem.unknowns.landmark) * rows / max(1, rows.sum())
+    columns = sum(_width(problem, name) for name in SHARED_BY_ALL if name not in problem.constant)
+    of_landmark = BYTES_A_LANDMARK + columns * BYTES_A_LENS_COLUMN
+    return np.asarray(BYTES_A_POSE + BYTES_A_ROW * rows + of_landmark * landmarks)
+
+
+def _width(problem: native.Problem, name: str) -> int:
+    if name.startswith("lens") and not len(problem.lenses.image_size):
+        return 0
+    return 6 if name == "T_ct_cb" else len(getattr(problem.unknowns, name))

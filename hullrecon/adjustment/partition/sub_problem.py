@@ -1,0 +1,264 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The parts of a problem as problems of their own, by the owners of its poses.
+
+Each row goes to the first part of the poses that it meets, each landmark with all its rows to the
+first part that sees it. What rows of several parts meet is shared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from hullrecon import native
+from hullrecon.native.parts import Part
+from hullrecon.typing import Array, Ints, Ints32
+
+AS_GOOD_AS_NONE = 1e150  # sigma of a prior that another part has
+# Columns of the tables that number poses
+NODES = {
+    "attitude": ("node",),
+    "tray": ("node",),
+    "odometry": ("first", "second"),
+    "velocities": ("first", "second", "third"),
+    "positions": ("node",),
+    "ranges": ("node",),
+    "stereo": ("node",),
+    "mono": ("node",),
+    "plane_ranges": ("node",),
+    "plane_pairs": (),
+    "plane_sightings": ("node",),
+}
+PLANES = {
+    "plane_ranges": ("plane",),
+    "plane_pairs": ("first", "second"),
+    "plane_sightings": ("plane",),
+}
+OF_LANDMARKS = ("stereo", "mono", "surface")
+IN_FIELD = ("ranges", "surface")
+TABLES = (*NODES, "surface")
+
+
+class SubProblems:
+    """The parts of a problem, and where their rows stand in it.
+
+    Links are the pose graph's, which is solved whole.
+    """
+
+    def __init__(self, problem: native.Problem, owner: Ints) -> None:
+        """Tell whose each row is.
+
+        Parameters
+        ----------
+        problem
+            The whole problem.
+        owner
+            (n,) part of each pose. Parts are numbered from 0 on, and each has a pose.
+        """
+        if len(problem.links.first):
+            raise ValueError("links are not cut into parts")
+        self.problem, self.owner = problem, owner
+        self.count = int(owner.max(initial=0)) + 1
+        self.landmark_owner = self._owner_of_landmarks()
+        self.row_owner = {name: self._owner_of_rows(name) for name in TABLES}
+        self.node_owner, self.field_row_owner = self._owners_of_field()
+        parts = range(self.count)
+        self.poses, self.planes = zip(*(self._poses_and_planes(k) for k in parts), strict=True)
+        self.nodes = tuple(self._nodes(k) for k in parts)
+        self.landmarks = tuple(np.flatnonzero(self.landmark_owner == k) for k in parts)
+
+    def parts(self) -> Iterator[Part]:
+        """Build the parts, one at a time."""
+        return (self.part(k) for k in range(self.count))
+
+    def part(self, k: int) -> Part:
+        """Build a part, its tables copied."""
+        whole = self.problem
+        number = {
+            "pose": _numbers(self.poses[k], len(whole.unknowns.pose)),
+            "landmark": _numbers(self.landmarks[k], len(whole.unknowns.landmark)),
+            "node": _numbers(self.nodes[k], len(whole.unknowns.deviation)),
+            "plane": _numbers(self.planes[k], len(whole.unknowns.plane)),
+        }
+        unknowns = replace(
+            whole.unknowns,
+            pose=whole.unknowns.pose[self.poses[k]],
+            landmark=whole.unknowns.landmark[self.landmarks[k]],
+            deviation=whole.unknowns.deviation[self.nodes[k]],
+            plane=whole.unknowns.plane[self.planes[k]],
+        )
+        tables: dict[str, Any] = {name: self._table(name, k, number) for name in TABLES}
+        problem = replace(
+            whole,
+            unknowns=unknowns,
+            priors=self._priors(k, number),
+            lenses=whole.lenses if k == 0 else _without_prior(whole.lenses),
+            planes=native.PlaneTable(anchor=number["pose"][whole.planes.anchor[self.planes[k]]]),
+            **tables,
+        )
+        shared = [self.shared_poses, self.shared_nodes, self.shared_planes]
+        first = np.cumsum([0, *(len(rows) for rows in shared)])
+        rows = [
+            _shared(kept, number[kind], int(begin))
+            for kept, kind, begin in zip(shared, ("pose", "node", "plane"), first, strict=False)
+        ]
+        return Part(
+            problem=problem, shared_poses=rows[0], shared_nodes=rows[1], shared_planes=rows[2]
+        )
+
+    @cached_property
+    def shared_poses(self) -> Ints:
+        """List the poses that several parts meet."""
+        return _in_several(self.poses, len(self.owner))
+
+    @cached_property
+    def shared_nodes(self) -> Ints:
+        """List the nodes of the deviation field that several parts meet."""
+        return _in_several(self.nodes, len(self.problem.unknowns.deviation))
+
+    @cached_property
+    def shared_planes(self) -> Ints:
+        """List the planes that several parts meet."""
+        return _in_several(self.planes, len(self.problem.unknowns.plane))
+
+    def _owner_of_landmarks(self) -> Ints:
+        owner = np.full(len(self.problem.unknowns.landmark), self.count)
+        for table in (self.problem.stereo, self.problem.mono):
+            np.minimum.at(owner, table.landmark, self.owner[table.node])
+        return np.where(owner == self.count, 0, owner)
+
+    def _owner_of_rows(self, name: str) -> Ints:
+        table = getattr(self.problem, name)
+        if name in OF_LANDMARKS:
+            return np.asarray(self.landmark_owner[table.landmark])
+        met = [getattr(table, column) for column in NODES[name]]
+        met += [self.problem.planes.anchor[getattr(table, c)] for c in PLANES.get(name, ())]
+        return np.asarray(self.owner[np.stack(met)].min(axis=0))
+
+    def _owners_of_field(self) -> tuple[Ints, Ints]:
+        """Find the owner of each node of the deviation field, and of each row of its prior.
+
+        A node goes to the first part whose rows meet it, one that none meets to its neighbours'.
+        """
+        prior, last = self.problem.priors.deviation, self.count
+        owner = np.full(len(self.problem.unknowns.deviation), last)
+        for name in IN_FIELD:
+            field = getattr(self.problem, name).field
+            if len(field.index):
+                np.minimum.at(owner, field.index, self.row_owner[name][:, None])
+        if len(prior.start) < 2:
+            return np.where(owner == last, 0, owner), np.zeros(0, np.int64)
+        row_of = np.repeat(np.arange(len(prior.start) - 1), np.diff(prior.start))
+        while True:
+            of_row = np.full(len(prior.start) - 1, last)
+            np.minimum.at(of_row, row_of, owner[prior.index])
+            near = np.full_like(owner, last)
+            np.minimum.at(near, prior.index, of_row[row_of])
+            spread = np.where(owner == last, near, owner)
+            if np.array_equal(spread, owner):
+                break
+            owner = spread
+        owner = np.where(owner == last, 0, owner)
+        return owner, np.where(of_row == last, 0, of_row)
+
+    def _poses_and_planes(self, k: int) -> tuple[Ints, Ints]:
+        """List poses and planes that part k meets or owns."""
+        anchor = self.problem.planes.anchor
+        planes, poses = (
+            [np.flatnonzero(self.owner[anchor] == k)],
+            [np.flatnonzero(self.owner == k)],
+        )
+        for name in NODES:
+            table, rows = getattr(self.problem, name), self.row_owner[name] == k
+            planes += [getattr(table, column)[rows] for column in PLANES.get(name, ())]
+            poses += [getattr(table, column)[rows] for column in NODES[name]]
+        met = np.unique(np.concatenate(planes))
+        return np.unique(np.concatenate([*poses, anchor[met]])), met
+
+    def _nodes(self, k: int) -> Ints:
+        """List the nodes of the deviation field that part k meets or owns."""
+        prior, met = self.problem.priors.deviation, [np.flatnonzero(self.node_owner == k)]
+        for name in IN_FIELD:
+            field = getattr(self.problem, name).field
+            if len(field.index):
+                met.append(field.index[self.row_owner[name] == k].ravel())
+        of_entry = np.repeat(self.field_row_owner, np.diff(prior.start))
+        return np.unique(np.concatenate([*met, prior.index[of_entry == k]]))
+
+    def _table(self, name: str, k: int, number: dict[str, Ints32]) -> object:
+        """Take the rows of a table that part k has, in its own numbers."""
+        table = getattr(self.problem, name).take(np.flatnonzero(self.row_owner[name] == k))
+        columns = {c: number["pose"][getattr(table, c)] for c in NODES.get(name, ())}
+        columns |= {c: number["plane"][getattr(table, c)] for c in PLANES.get(name, ())}
+        if name in OF_LANDMARKS:
+            columns["landmark"] = number["landmark"][table.landmark]
+        if name in IN_FIELD and len(table.field.index):
+            columns["field"] = replace(table.field, index=number["node"][table.field.index])
+        return replace(table, **columns)
+
+    def _priors(self, k: int, number: dict[str, Ints32]) -> native.Priors:
+        """Take the priors of part k: those of globals are the first's alone."""
+        whole = self.problem.priors
+        kept = np.flatnonzero(self.owner[whole.pose.node] == k)
+        poses = native.PosePriors(
+            node=number["pose"][whole.pose.node[kept]],
+            value=whole.pose.value[kept],
+            sqrt_information=whole.pose.sqrt_information[kept],
+        )
+        priors = replace(whole, pose=poses, deviation=self._field_prior(k, number["node"]))
+        if k == 0:
+            return priors
+        return replace(
+            priors,
+            T_g_M=None,
+            T_s_ct=None,
+            T_ct_cb=None,
+            T_s_d=None,
+            navigation_sigma=_no_prior(whole.navigation_sigma),
+            intrinsics_sigma=_no_prior(whole.intrinsics_sigma),
+            world_sigma=_no_prior(whole.world_sigma),
+        )
+
+    def _field_prior(self, k: int, number: Ints32) -> native.SparseRows:
+        prior = self.problem.priors.deviation
+        if len(prior.start) < 2:
+            return prior
+        long = np.diff(prior.start)
+        entries = np.repeat(self.field_row_owner == k, long)
+        start = np.cumsum(np.r_[0, long[self.field_row_owner == k]])
+        return native.SparseRows(
+            start=start.astype(np.int32),
+            index=number[prior.index[entries]],
+            value=prior.value[entries],
+        )
+
+
+def _numbers(kept: Ints, count: int) -> Ints32:
+    """Give what is kept of `count` numbers from 0 on, and the rest -1."""
+    number = np.full(count, -1, np.int32)
+    number[kept] = np.arange(len(kept), dtype=np.int32)
+    return number
+
+
+def _in_several(of_parts: tuple[Ints, ...], count: int) -> Ints:
+    return np.flatnonzero(np.bincount(np.concatenate(of_parts), minlength=count) > 1)
+
+
+def _shared(rows: Ints, number: Ints32, first: int) -> Ints32:
+    """Pair the rows of a part with their numbers among all that are shared, from `first` on."""
+    here = number[rows]
+    pairs = np.stack([here, np.arange(first, first + len(rows))], axis=1)
+    return np.asarray(pairs[here >= 0], np.int32)
+
+
+def _no_prior(sigma: Array) -> Array:
+    return np.full_like(sigma, AS_GOOD_AS_NONE)
+
+
+def _without_prior(lenses: native.LensTable) -> native.LensTable:
+    return replace(lenses, sigma_px=_no_prior(lenses.sigma_px))
