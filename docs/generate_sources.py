@@ -89,7 +89,7 @@ def _shown(part: Part) -> Iterator[str]:
         yield part.absent
         return
     if part.studies:
-        yield "study " + ", ".join(f"`{name}`" for name in part.studies)
+        yield "study " + ", ".join(f"`{name}`" for name in sorted(part.study_ids))
     if part.delivered:
         yield "a run: " + ", ".join(f"`{name}`" for name in part.delivered)
     yield from (_place(file) for file in part.benchmarks)

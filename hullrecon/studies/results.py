@@ -27,6 +27,7 @@ class KeptFigure(Struct, frozen=True, kw_only=True):
 
     name: str
     caption: str
+    compared: tuple[ComparedValue, ...] = ()
 
 
 class KeptStudy(Struct, frozen=True, kw_only=True):
@@ -41,7 +42,7 @@ class KeptStudy(Struct, frozen=True, kw_only=True):
     figures: tuple[KeptFigure, ...] = ()
     heads: tuple[str, ...] = ()
     rows: tuple[tuple[str, ...], ...] = ()
-    compared: tuple[ComparedValue, ...] = ()
+    compared: tuple[ComparedValue, ...] = ()  # besides those of its figures
     values: dict[str, object] = {}
 
 
@@ -54,16 +55,20 @@ def keep_result(study: Study, result: StudyResult, seconds: float, out: Path) ->
         writer.text(f"{figure.name}.csv", figure.csv)
     if result.heads:
         writer.text(TABLE, _csv([result.heads, *result.rows]))
+    of_figures = [value for figure in result.figures for value in figure.compared]
     kept = KeptStudy(
         id=study.id,
         source=study.source,
         shows=study.shows,
         needs_dive=study.needs_dive,
         seconds=round(seconds, 1),
-        figures=tuple(KeptFigure(name=f.name, caption=f.caption) for f in result.figures),
+        figures=tuple(
+            KeptFigure(name=f.name, caption=f.caption, compared=_without_nan(f.compared))
+            for f in result.figures
+        ),
         heads=result.heads,
         rows=result.rows,
-        compared=tuple(replace(value, ours=_finite(value.ours)) for value in result.compared),
+        compared=_without_nan([v for v in result.compared if v not in of_figures]),
         values=without_nan(result.values),
     )
     writer.json(RESULT, kept)
@@ -113,5 +118,10 @@ def _csv(rows: Sequence[Sequence[str]]) -> str:
     return text.getvalue()
 
 
-def _finite(value: float | None) -> float | None:
-    return None if value is None or not math.isfinite(value) else float(value)
+def _without_nan(compared: Sequence[ComparedValue]) -> tuple[ComparedValue, ...]:
+    return tuple(
+        value
+        if value.ours is None
+        else replace(value, ours=float(value.ours) if math.isfinite(value.ours) else None)
+        for value in compared
+    )

@@ -77,7 +77,7 @@ def test_the_page_holds_pictures_and_printed_beside_ours(listed, tmp_path: Path)
     main(["study", "run", "curves", "--out", str(tmp_path)])
     text = (tmp_path / "index.html").read_text()
     assert "data:image/png;base64,iVBORw0K" in text
-    assert '<td class="number">25.7</td><td class="number">20</td>' in text
+    assert '<td class="number">25.7</td><td class="number ours">20</td>' in text
     assert "A &lt;curve&gt;." in text
 
 
@@ -88,7 +88,7 @@ def test_a_failure_costs_itself_and_gives_the_exit_code(
     assert main(["study", "run", "all", "--out", str(tmp_path)]) == 3
     assert (tmp_path / "curves" / "result.json").is_file()
     text = (tmp_path / "index.html").read_text()
-    assert "No result: the park is not here (park.csv)" in text
+    assert "has no result: the park is not here (park.csv)" in text
     assert "iVBORw0K" in text
     lines = capsys.readouterr().err.splitlines()
     assert re.fullmatch(r"park: failed in \d+ s, 1 left", lines[0])

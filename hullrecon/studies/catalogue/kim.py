@@ -91,7 +91,7 @@ _REGISTRATION = Chapter(
             "Fig. 1, pose-constrained search",
             "correspondences inside the ellipse that the relative pose predicts",
             code=("hullrecon/vision/pairs/gating.py:transfer", "native/matching/feature_pairs.cpp"),
-            studies=("scene-figures",),
+            studies=("scene-figures/search_ellipses",),
             tests=("tests/vision/pairs/test_gating.py::test_ellipse_is_that_of_many_random_draws",),
             differs="unscented transform of nine numbers, from the first image to the second only",
         ),
@@ -139,7 +139,6 @@ _REGISTRATION = Chapter(
             "Torr's geometric information criterion: d 2 or 3, P 8 or 5, weights 2 and 4",
             printed="smaller one wins",
             code=("hullrecon/vision/pairs/two_view.py:criterion",),
-            studies=("scene-figures",),
             tests=(
                 "tests/vision/pairs/test_two_view.py::test_penalties_are_those_of_source",
                 "tests/vision/pairs/test_two_view.py::test_one_outlier_cannot_decide",
@@ -155,7 +154,7 @@ _REGISTRATION = Chapter(
             "criterion of either model against the relief of a surface",
             printed="homography below, essential matrix above a relief that is drawn, not printed",
             code=("hullrecon/studies/scenes/gic_by_relief.py",),
-            studies=("scene-figures", "relief-views"),
+            studies=("scene-figures/gic_by_relief", "relief-views"),
             tests=(
                 "tests/studies/test_scene_figures.py::test_published_criteria_cross_once_between_2_and_10_cm",
             ),
@@ -234,7 +233,7 @@ _RESULTS = Chapter(
                 "hullrecon/vision/pairs/selection.py:propose_revisits",
             ),
             benchmarks=("benchmarks/false_links.py",),
-            studies=("path-figures",),
+            studies=("path-figures/links_on_hull",),
             differs=(
                 "proposed by the probability that the images overlap, guarded by cycles and "
                 "scaled links"
@@ -244,21 +243,21 @@ _RESULTS = Chapter(
             "Fig. 3",
             "the dead-reckoned trajectory beside the ship",
             code=("hullrecon/navigation/dead_reckoning/reckoning.py:reckon",),
-            studies=("path-figures",),
+            studies=("path-figures/links_on_hull",),
         ),
         Part(
             "Fig. 4",
             "uncertainty along the path, dead reckoned and with links",
             printed="grows without bound against bounded; curves alone, no number",
             code=("hullrecon/studies/paths/link_plots.py:sigma_along_path",),
-            studies=("path-figures",),
+            studies=("path-figures/sigma_along_path",),
             differs="horizontal position alone, adjusted path as third curve",
         ),
         Part(
             "Fig. 5(a)",
             "the graph over the hull, ellipsoids of three sigma, pictures of feature richness",
             code=("hullrecon/studies/paths/link_plots.py:links_on_hull",),
-            studies=("path-figures",),
+            studies=("path-figures/links_on_hull",),
             differs=(
                 "ellipses in two views; richness decides which images are compared and is not drawn"
             ),
@@ -268,7 +267,7 @@ _RESULTS = Chapter(
             "trajectory without and with choice of model",
             printed="some 2 m apart",
             code=("hullrecon/studies/paths/link_plots.py:two_view_models",),
-            studies=("path-figures",),
+            studies=("path-figures/two_view_models",),
             tests=(
                 "tests/end_to_end/test_path_figures.py::test_path_of_chosen_models_is_the_runs_with_its_true_error",
             ),

@@ -185,7 +185,7 @@ _SINGLE = Chapter(
             "the DVL's points on the CAD model without and with planes",
             printed="1.31 ± 1.38 m, 20 % above 1.5 m; 0.45 ± 0.19 m, 0 %",
             code=("hullrecon/studies/paths/path_figures.py",),
-            studies=("path-figures",),
+            studies=("path-figures/distance_to_cad_model",),
             benchmarks=("benchmarks/planes.py",),
             tests=("tests/studies/test_distance_to_cad.py",),
             differs="distance to the surface, not to vertices; hours at sea are minutes here",
@@ -370,7 +370,7 @@ _SONAR = Chapter(
             "variance of the blended intensities by source of poses",
             printed="tails above 20 heavier without bundle adjustment",
             code=("hullrecon/studies/paths/path_figures.py",),
-            studies=("path-figures",),
+            studies=("path-figures/sonar_variance",),
             delivered=("variance_sonar.tif",),
         ),
         Part(
@@ -486,7 +486,7 @@ _SHAPES = Chapter(
         Part(
             "Algorithm 4, Fig. 4.8",
             "features off the hull, clustered, as an alpha shape",
-            studies=("shapes",),
+            studies=("shapes/shapes_of_view",),
             code=("hullrecon/detection/as_found/shapes.py:detect_shapes",),
             tests=("tests/detection/test_shapes.py",),
             differs="bumps and recesses apart",
@@ -495,7 +495,7 @@ _SHAPES = Chapter(
             "Algorithm 5, eq (4.15), Fig. 4.9",
             "shapes move vertices along rays, running mean",
             code=("hullrecon/studies/surfaces/regression.py:fuse_shapes",),
-            studies=("shapes", "surfaces"),
+            studies=("shapes/fused_vertex", "surfaces"),
             tests=(
                 "tests/studies/test_ray_fusion.py::test_the_first_observation_replaces_the_prior",
             ),
@@ -514,13 +514,13 @@ _SHAPES = Chapter(
             "cross-sections by naive, Geva's and the proposed method, two cameras",
             printed="growth squeezed by Geva's",
             code=("hullrecon/studies/methods/sections.py",),
-            studies=("methods", "method-figures"),
+            studies=("methods", "method-figures/cross_sections"),
         ),
         Part(
             "Fig. 4.11",
             "the same with one camera",
             code=("hullrecon/studies/methods/sections.py",),
-            studies=("method-figures",),
+            studies=("method-figures/cross_sections",),
             differs="on a dive with one camera: --dive",
         ),
         Part(
@@ -528,7 +528,7 @@ _SHAPES = Chapter(
             "share of landmarks on the hull by iteration",
             printed="begins at 0.82 and 0.34, settles after some 20",
             code=("hullrecon/studies/methods/histories.py:label_frequency",),
-            studies=("method-figures",),
+            studies=("method-figures/label_frequency",),
             delivered=("plots/",),
         ),
         Part(
@@ -536,7 +536,7 @@ _SHAPES = Chapter(
             "iterations and time of the methods",
             printed="26, 38, 29 iterations, +50.0 and +22.3 %; 47, 46, 51, +36.8 and +8.9 %",
             code=("hullrecon/studies/methods/histories.py",),
-            studies=("method-figures",),
+            studies=("method-figures/cost_history",),
             benchmarks=("benchmarks/adjustment.py",),
         ),
         Part(
@@ -544,7 +544,7 @@ _SHAPES = Chapter(
             "residuals of the DVL's ranges before and after",
             printed="narrower; no number",
             code=("hullrecon/studies/methods/sections.py:range_residuals",),
-            studies=("method-figures",),
+            studies=("method-figures/range_residuals",),
             tests=("tests/studies/test_dvl_residuals.py",),
         ),
         Part(
@@ -562,7 +562,7 @@ _SHAPES = Chapter(
             "height of a cylinder that is known",
             printed="0.10 m for 0.11 m",
             code=("hullrecon/studies/methods/plots.py:structure_heights",),
-            studies=("method-figures",),
+            studies=("method-figures/structure_height",),
             delivered=("objects.json",),
         ),
         Part(
@@ -629,7 +629,7 @@ _APPENDICES = Chapter(
                 "hullrecon/studies/scenes/ellipsoid_dive.py",
                 "hullrecon/studies/scenes/sphere.py",
             ),
-            studies=("scene-figures",),
+            studies=("scene-figures/sphere",),
             tests=(
                 "tests/navigation/test_planar_graph.py::test_sphere_is_mapped_alike_for_characteristic_radii",
             ),
@@ -702,7 +702,7 @@ _APPENDICES = Chapter(
             "is a transferred point Gaussian?",
             printed="fairly, except where uncertainty is large",
             code=("hullrecon/vision/pairs/gating.py:transfer",),
-            studies=("scene-figures",),
+            studies=("scene-figures/search_ellipses",),
             tests=(
                 "tests/studies/test_scene_figures.py::test_transfer_is_gaussian_unless_the_pose_is_hardly_known",
             ),

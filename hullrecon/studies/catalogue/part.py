@@ -35,13 +35,18 @@ class Part:
     number: str  # as the source numbers it
     what: str  # in our words
     printed: str = field(default="", kw_only=True)  # value that the source prints
-    studies: tuple[str, ...] = field(default=(), kw_only=True)  # ids
+    studies: tuple[str, ...] = field(default=(), kw_only=True)  # id, or id/figure
     delivered: tuple[str, ...] = field(default=(), kw_only=True)  # files of deliver/
     benchmarks: tuple[str, ...] = field(default=(), kw_only=True)  # modules of benchmarks/
     tests: tuple[str, ...] = field(default=(), kw_only=True)  # file, or file::function
     code: tuple[str, ...] = field(default=(), kw_only=True)  # file, or file:name in it
     differs: str = field(default="", kw_only=True)  # from the source, and why
     absent: Absence | None = field(default=None, kw_only=True)
+
+    @property
+    def study_ids(self) -> frozenset[str]:
+        """Ids of the studies that reproduce it."""
+        return frozenset(name.partition("/")[0] for name in self.studies)
 
     @property
     def status(self) -> Status:

@@ -5,19 +5,53 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
 
 from hullrecon.artifacts.disk import write_file
+from hullrecon.studies.catalogue import SOURCES, Part, Source
 from hullrecon.studies.registry import STUDIES
-from hullrecon.studies.results import KeptStudy, read_results
+from hullrecon.studies.results import KeptFigure, KeptStudy, read_results
 
 PAGE = "index.html"
 
 
+@dataclass(frozen=True, kw_only=True)
+class Shown:
+    """What a part of a source shows of a study."""
+
+    study: KeptStudy
+    figures: Sequence[KeptFigure] = ()
+    whole: bool = False  # its numbers and its table too
+    before: str = ""  # anchor of the part that shows it already
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """A part of a source on the page."""
+
+    anchor: str
+    part: Part
+    status: str
+    shown: Sequence[Shown]
+    missing: Sequence[str]  # studies that were not run in this folder
+
+
+@dataclass
+class _Placed:
+    """Where figures and studies stand on the page, as each is shown once."""
+
+    anchors: dict[str, str] = field(default_factory=dict)  # by id, or id/figure
+
+    def is_first(self, name: str, anchor: str) -> bool:
+        return self.anchors.setdefault(name, anchor) == anchor
+
+
 def write_page(out: Path) -> Path:
-    """Write the page of all studies whose results the folder holds."""
+    """Write the page of the sources with all that the folder holds."""
     kept = read_results(out, [study.id for study in STUDIES])
     page = out / PAGE
     write_file(page, render_page(kept, out).encode())
@@ -25,16 +59,65 @@ def write_page(out: Path) -> Path:
 
 
 def render_page(kept: Mapping[str, KeptStudy], out: Path) -> str:
-    """Render the page of finished and failed studies, with the pictures of the folder."""
+    """Render the sources part by part, with the results of studies and their pictures."""
+    placed = _Placed()
+    sources = [(source, list(_chapters(source, kept, placed))) for source in SOURCES]
+    counts = Counter(row.status for _, parts in sources for _, rows in parts for row in rows)
+    named = {name for source in SOURCES for part in source.parts for name in part.study_ids}
     return _render(
         {
+            "sources": sources,
+            "counts": dict(sorted(counts.items(), key=lambda item: -item[1])),
+            "parts": counts.total(),
             "studies": list(kept.values()),
+            "unplaced": [study for study in kept.values() if study.id not in named],
             "finished": sum(not study.failure for study in kept.values()),
             "seconds": sum(study.seconds for study in kept.values()),
             "known": len(STUDIES),
+            "anchors": placed.anchors,
             "picture": lambda study, name: _data_uri(out / study / f"{name}.png"),
             "number": show_number,
         }
+    )
+
+
+def _chapters(
+    source: Source, kept: Mapping[str, KeptStudy], placed: _Placed
+) -> Iterator[tuple[str, list[Row]]]:
+    """Yield each chapter's title with its rows."""
+    number = 0
+    for chapter in source.chapters:
+        rows = []
+        for part in chapter.parts:
+            number += 1
+            rows.append(_row(part, f"{source.key}-{number}", kept, placed))
+        yield chapter.title, rows
+
+
+def _row(part: Part, anchor: str, kept: Mapping[str, KeptStudy], placed: _Placed) -> Row:
+    shown = []
+    for name in part.studies:
+        study_id, _, figure = name.partition("/")
+        study = kept.get(study_id)
+        if study is None:
+            continue
+        if not placed.is_first(name, anchor):
+            shown.append(Shown(study=study, before=placed.anchors[name]))
+            continue
+        placed.is_first(study_id, anchor)
+        figures = [
+            f
+            for f in study.figures
+            if (not figure or f.name == figure)
+            and (figure or placed.is_first(f"{study_id}/{f.name}", anchor))
+        ]
+        shown.append(Shown(study=study, figures=figures, whole=not figure))
+    return Row(
+        anchor=anchor,
+        part=part,
+        status=str(part.absent or part.status),
+        shown=shown,
+        missing=sorted(part.study_ids - set(kept)),
     )
 
 

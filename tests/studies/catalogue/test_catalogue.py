@@ -61,8 +61,14 @@ def test_files_and_benchmarks_that_are_named_are_there() -> None:
 
 
 def test_every_study_stands_in_the_catalogue_and_no_other() -> None:
-    named = {name for _, part in PARTS for name in part.studies}
+    named = {name for _, part in PARTS for name in part.study_ids}
     assert named == {study.id for study in STUDIES}
+
+
+def test_figures_that_are_named_are_drawn() -> None:
+    code = "".join(path.read_text() for path in (ROOT / "hullrecon/studies").rglob("*.py"))
+    named = {name.partition("/")[2] for _, part in PARTS for name in part.studies if "/" in name}
+    assert [name for name in named if f'"{name}"' not in code] == []
 
 
 @pytest.mark.parametrize("source", SOURCES, ids=lambda source: source.key)
