@@ -1,0 +1,160 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Two sets of uncertain points in one frame, and whether a list of pairs can be true.
+
+The points may be landmarks of two maps, a map and a scan, or the objects of two dives: what the
+sets share, such as an unknown offset between them, stands in the covariances.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+
+import numpy as np
+
+from hullrecon.typing import Array, Ints, Mask
+
+Pair = tuple[int, int]  # of the first set, of the second
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointSets:
+    """Two sets of points of dimension d = 2 or 3."""
+
+    first: Array  # (n, d) m
+    second: Array  # (m, d) m
+    first_covariance: Array  # (nd, nd)
+    second_covariance: Array  # (md, md)
+    cross_covariance: Array | None = None  # (nd, md), where the sets depend on each other
+
+    @property
+    def dimension(self) -> int:
+        """Dimension of a point."""
+        return int(self.first.shape[1])
+
+    def difference(self, pair: Pair) -> Array:
+        """Compute how far (d,) the second point of a pair lies from the first."""
+        return np.asarray(self.second[pair[1]] - self.first[pair[0]])
+
+    def covariance(self, pair: Pair, other: Pair) -> Array:
+        """Compute the covariance (d, d) between two pairs' differences."""
+        (i, j), (k, m), d = pair, other, self.dimension
+        block = _block(self.first_covariance, i, k, d) + _block(self.second_covariance, j, m, d)
+        if self.cross_covariance is not None:
+            block = block - _block(self.cross_covariance, i, m, d)
+            block = block - _block(self.cross_covariance, k, j, d).T
+        return block
+
+    @cached_property
+    def squared_distances(self) -> Array:
+        """Compute the squared Mahalanobis distance (n, m) of each pair by itself."""
+        n, m, d = len(self.first), len(self.second), self.dimension
+        if n == 0 or m == 0:
+            return np.zeros((n, m))
+        off = self.second[None, :] - self.first[:, None]
+        spread = _diagonal_blocks(self.first_covariance, d)[:, None]
+        spread = spread + _diagonal_blocks(self.second_covariance, d)[None, :]
+        if self.cross_covariance is not None:
+            cross = self.cross_covariance.reshape(n, d, m, d).transpose(0, 2, 1, 3)
+            spread = spread - cross - cross.swapaxes(2, 3)
+        return np.asarray(
+            np.einsum("nmi,nmi->nm", off, np.linalg.solve(spread, off[..., None])[..., 0])
+        )
+
+    def joint_distance(self, pairs: Sequence[Pair]) -> float:
+        """Compute the squared Mahalanobis distance of all pairs together."""
+        if not pairs:
+            return 0.0
+        d = self.dimension
+        firsts, seconds = (rows_of(list(side), d) for side in zip(*pairs, strict=True))
+        spread = self.first_covariance[np.ix_(firsts, firsts)]
+        spread = spread + self.second_covariance[np.ix_(seconds, seconds)]
+        if self.cross_covariance is not None:
+            cross = self.cross_covariance[np.ix_(firsts, seconds)]
+            spread = spread - cross - cross.T
+        off = self.second.ravel()[seconds] - self.first.ravel()[firsts]
+        return float(off @ np.linalg.solve(spread, off))
+
+    def compatible(self, confidence: float) -> Mask:
+        """Tell which pairs (n, m) pass the gate by themselves."""
+        return np.asarray(self.squared_distances < chi_square(confidence, self.dimension))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Association:
+    """Points held for the same."""
+
+    pairs: tuple[Pair, ...]  # by the second point
+    squared_distance: float  # joint, of all pairs
+    tests: int  # joint tests that it took
+    complete: bool = True  # False where the search was cut short
+
+
+@cache
+def chi_square(confidence: float, degrees: int) -> float:
+    """Compute the bound that chi-square stays below with this probability."""
+    from scipy.special import chdtri
+
+    return float(chdtri(degrees, 1.0 - confidence))
+
+
+class Hypothesis:
+    """Pairs with the triangular factor of their joint covariance, grown pair by pair."""
+
+    def __init__(self, sets: PointSets) -> None:
+        self._sets = sets
+        self.pairs: list[Pair] = []
+        size = min(len(sets.first), len(sets.second)) * sets.dimension
+        self._whitening = np.zeros((size, size))  # inverse of the factor
+        self._whitened = np.zeros(size)
+        self._squares = [0.0]  # joint squared distance by number of pairs
+
+    @property
+    def squared_distance(self) -> float:
+        """Joint squared Mahalanobis distance of all pairs."""
+        return self._squares[-1]
+
+    def add(self, pair: Pair) -> None:
+        """Add a pair and bring the joint distance up to date."""
+        d, have = self._sets.dimension, len(self.pairs) * self._sets.dimension
+        whitening = self._whitening[:have, :have]
+        across = np.zeros((have, d))
+        for number, other in enumerate(self.pairs):
+            across[number * d : (number + 1) * d] = self._sets.covariance(other, pair)
+        gain = whitening @ across
+        rest = self._sets.covariance(pair, pair) - gain.T @ gain
+        inverse = np.linalg.inv(np.linalg.cholesky(rest))
+        new = slice(have, have + d)
+        self._whitening[new, :have] = -inverse @ gain.T @ whitening
+        self._whitening[new, new] = inverse
+        innovation = self._sets.difference(pair) - gain.T @ self._whitened[:have]
+        self._whitened[new] = inverse @ innovation
+        self._squares.append(self._squares[-1] + float(self._whitened[new] @ self._whitened[new]))
+        self.pairs.append(pair)
+
+    def drop(self) -> None:
+        """Take the last pair back."""
+        self.pairs.pop()
+        self._squares.pop()
+
+    def holds(self, confidence: float) -> bool:
+        """Tell whether the pairs are jointly compatible."""
+        degrees = len(self.pairs) * self._sets.dimension
+        return degrees == 0 or self.squared_distance < chi_square(confidence, degrees)
+
+
+def rows_of(points: list[int], dimension: int) -> Ints:
+    """Find the rows of points in a covariance."""
+    return np.asarray((np.array(points)[:, None] * dimension + np.arange(dimension)).ravel())
+
+
+def _block(matrix: Array, row: int, column: int, size: int) -> Array:
+    return matrix[row * size : (row + 1) * size, column * size : (column + 1) * size]
+
+
+def _diagonal_blocks(matrix: Array, size: int) -> Array:
+    count = len(matrix) // size
+    index = np.arange(count)
+    return np.asarray(matrix.reshape(count, size, count, size)[index, :, index])

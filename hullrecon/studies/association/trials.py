@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which method finds which points of two fields are the same, when one is off by an offset."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.studies.association.methods import (
+    joint_compatibility,
+    nearest_neighbours,
+    randomised_compatibility,
+)
+from hullrecon.studies.association.point_sets import Association, Pair, PointSets
+from hullrecon.typing import Array
+
+NN, JCBB, RJC = "NN", "JCBB", "RJC"
+SPACING_M = 1.0  # of the field, all else is relative to it
+
+
+@dataclass(frozen=True, kw_only=True)
+class Field:
+    """Two surveys of one field of points."""
+
+    sets: PointSets
+    true_pairs: frozenset[Pair]
+
+
+def simulate_field(
+    points: int,
+    rng: np.random.Generator,
+    dimension: int = 2,
+    offset: float = 0.4,
+    strangers: float = 0.0,
+    sigma: float = 0.03,
+) -> Field:
+    """Simulate an irregular field seen twice, the second time moved as a whole.
+
+    Parameters
+    ----------
+    points
+        Points that both surveys hold.
+    rng
+        Source of draws.
+    dimension
+        2 or 3.
+    offset
+        Length of the move, in the spacing of the field. Its sigma is taken to be as large.
+    strangers
+        Points of either survey that the other does not hold, as a share of those it does.
+    sigma
+        Of a point's place, in the spacing.
+    """
+    extra = round(strangers * points)
+    places = _irregular(points + 2 * extra, dimension, rng)
+    common, own, other = np.split(places, [points, points + extra])
+    move = rng.standard_normal(dimension)
+    move *= offset * SPACING_M / np.linalg.norm(move)
+    order = rng.permutation(points + extra)
+    first = np.concatenate([common, own])
+    second = (np.concatenate([common, other]) + move)[order]
+    size = (points + extra) * dimension
+    noise = sigma * rng.standard_normal((2, points + extra, dimension))
+    shared = np.tile(
+        np.eye(dimension) * (offset * SPACING_M) ** 2 / dimension, (points + extra,) * 2
+    )
+    sets = PointSets(
+        first=first + noise[0],
+        second=second + noise[1],
+        first_covariance=sigma**2 * np.eye(size),
+        second_covariance=sigma**2 * np.eye(size) + shared,
+    )
+    pairs = frozenset((int(o), j) for j, o in enumerate(order) if o < points)
+    return Field(sets=sets, true_pairs=pairs)
+
+
+def _irregular(count: int, dimension: int, rng: np.random.Generator) -> Array:
+    """Draw points (count, d), a grid whose points are moved by up to 0.3 of its spacing."""
+    side = int(np.ceil(count ** (1 / dimension)))
+    grid = np.stack(np.meshgrid(*[np.arange(side)] * dimension), axis=-1).reshape(-1, dimension)
+    chosen = rng.permutation(len(grid))[:count]
+    return np.asarray(SPACING_M * (grid[chosen] + rng.uniform(-0.3, 0.3, (count, dimension))))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Score:
+    """A method over many fields."""
+
+    recall: float  # share of the true pairs that it found
+    false: float  # share of its pairs that are not true
+    tests: float  # joint tests a field
+
+
+def score(fields: list[Field], method: str, seed: int = 0) -> Score:
+    """Run a method on fields."""
+    rng = np.random.default_rng(seed)
+    found = [associate(field.sets, method, rng) for field in fields]
+    right = [len(field.true_pairs & {*f.pairs}) for field, f in zip(fields, found, strict=True)]
+    true = sum(len(field.true_pairs) for field in fields)
+    made = sum(len(f.pairs) for f in found)
+    return Score(
+        recall=sum(right) / true,
+        false=1.0 - sum(right) / max(made, 1),
+        tests=float(np.mean([f.tests for f in found])),
+    )
+
+
+def associate(sets: PointSets, method: str, rng: np.random.Generator) -> Association:
+    """Pair points by a method, given by its abbreviation in the thesis."""
+    if method == NN:
+        return nearest_neighbours(sets)
+    if method == JCBB:
+        return joint_compatibility(sets)
+    return randomised_compatibility(sets, rng)

@@ -1,0 +1,185 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""How well the middle of a trunk is found in a scan [Aulinas2011 Figs 4.4, 4.5, 4.7]."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hullrecon.studies.association.trunks import (
+    BEARINGS,
+    FARTHEST_M,
+    Trunk,
+    find_trunks,
+    scan_trees,
+)
+from hullrecon.studies.figure_style import (
+    COLOURS,
+    GREEN,
+    INK,
+    LIGHT,
+    RED,
+    PublishedFigure,
+    finish_figure,
+    new_canvas,
+)
+from hullrecon.studies.study import ComparedValue, StudyResult
+from hullrecon.typing import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+RANGE_SIGMA_M = 0.01  # the public files of Victoria Park count centimetres
+RADII_M = (0.15, 0.5)
+DISTANCES_M = (5.0, 10.0, 15.0, 20.0, 30.0, 38.0)
+TRUNKS = 300  # a distance
+HEADS = ("distance m", "found %", "as printed: median mm", "95 % mm", "widened: median mm", "95 %")
+
+
+def study_trunks() -> StudyResult:
+    """Find single trunks at many distances, by both rules, and draw some."""
+    rows: list[tuple[str, ...]] = []
+    errors: dict[float, dict[bool, list[float]]] = {}
+    rng = np.random.default_rng(2)
+    for distance in DISTANCES_M:
+        off: dict[bool, list[float]] = {False: [], True: []}
+        found = 0
+        for _ in range(TRUNKS):
+            tree = _tree(distance, rng)
+            ranges = scan_trees(np.zeros(3), tree, RANGE_SIGMA_M, rng)
+            found += bool(find_trunks(ranges))
+            for widened, values in off.items():
+                values += [error_m(trunk, tree[0]) for trunk in find_trunks(ranges, widened)[:1]]
+        errors[distance] = off
+        numbers = [
+            f"{1e3 * np.quantile(values, q):.0f}" for values in off.values() for q in (0.5, 0.95)
+        ]
+        rows.append((f"{distance:.0f}", f"{100 * found / TRUNKS:.0f}", *numbers))
+    return StudyResult(
+        figures=(draw_scan(), draw_trunks()),
+        values={f"{d:.0f} m": float(np.median(errors[d][True])) for d in DISTANCES_M},
+        heads=HEADS,
+        rows=tuple(rows),
+        compared=_compare(errors),
+    )
+
+
+def _compare(errors: dict[float, dict[bool, list[float]]]) -> tuple[ComparedValue, ...]:
+    near = {w: [e for d in DISTANCES_M if d <= 20 for e in errors[d][w]] for w in (False, True)}
+    return (
+        ComparedValue(
+            what="error of a trunk's middle up to 20 m, median",
+            unit="mm",
+            printed=None,
+            ours=1e3 * float(np.median(near[True])),
+            note="no number in the thesis. Trunks of 0.15 to 0.5 m radius, ranges to 1 cm; with "
+            f"the outer beams taken for tangents, as printed: {1e3 * np.median(near[False]):.0f} mm",
+        ),
+        ComparedValue(
+            what="the same at 38 m",
+            unit="mm",
+            printed=None,
+            ours=1e3 * float(np.median(errors[38.0][True])),
+            note="there a beam is 0.33 m from the next: a trunk is hit by one to three",
+        ),
+    )
+
+
+def _tree(distance: float, rng: np.random.Generator) -> Array:
+    angle = rng.uniform(0.2, np.pi - 0.2) - np.pi / 2
+    radius = rng.uniform(*RADII_M)
+    return np.array([[distance * np.cos(angle), distance * np.sin(angle), radius]])
+
+
+def error_m(trunk: Trunk, tree: Array) -> float:
+    """Measure how far a trunk's middle is from the true one, seen from the origin."""
+    return float(np.linalg.norm(_middle(trunk) - tree[:2]))
+
+
+def _middle(trunk: Trunk) -> Array:
+    angle = trunk.bearing_rad - np.pi / 2
+    return np.asarray(trunk.range_m * np.array([np.cos(angle), np.sin(angle)]))
+
+
+def _ends(ranges: Array) -> Array:
+    angle = BEARINGS - np.pi / 2
+    return np.asarray(ranges[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]))
+
+
+def draw_scan() -> PublishedFigure:
+    """Draw a scan among trees, with the trunks that are found [Aulinas2011 Fig. 4.4]."""
+    rng = np.random.default_rng(1)
+    trees = np.column_stack(
+        [rng.uniform(-5, 45, 45), rng.uniform(-45, 45, 45), rng.uniform(*RADII_M, 45)]
+    )
+    trees = trees[np.hypot(trees[:, 0], trees[:, 1]) > 4.0]
+    ranges = scan_trees(np.zeros(3), trees, RANGE_SIGMA_M, rng)
+    trunks = find_trunks(ranges)
+    canvas, rows = new_canvas(6.2, 6.0)
+    axis = rows[0][0]
+    ends = _ends(np.minimum(ranges, FARTHEST_M))
+    for end in ends:
+        axis.plot([0, end[0]], [0, end[1]], color=LIGHT, lw=0.4)
+    _circles(axis, trees, INK, "tree")
+    middles = np.array([_middle(trunk) for trunk in trunks])
+    axis.plot(*middles.T, "x", color=RED, ms=6, label="trunk as found")
+    axis.set_xlim(-5, 45)
+    axis.set_ylim(-42, 42)
+    axis.set_aspect("equal")
+    axis.set_xlabel("ahead (m)")
+    axis.set_ylabel("to the left (m)")
+    axis.legend(frameon=False, fontsize=8, loc="upper right")
+    table = ["beam,range_m", *(f"{n},{r:.3f}" for n, r in enumerate(ranges))]
+    caption = f"A laser's half circle among trees, cut at 40 m: {len(trunks)} trunks are found."
+    return finish_figure("trunk-scan", canvas, table, caption)
+
+
+def draw_trunks() -> PublishedFigure:
+    """Draw how a trunk's middle is found, at three distances [Aulinas2011 Figs 4.5, 4.7]."""
+    rng = np.random.default_rng(3)
+    canvas, rows = new_canvas(10.5, 3.9, 1, 3)
+    table = ["distance_m,true_radius_m,found_radius_m,error_m"]
+    for axis, distance in zip(rows[0], (6.0, 12.0, 25.0), strict=True):
+        tree = np.array([[distance, 0.3, 0.35]])
+        ranges = scan_trees(np.zeros(3), tree, RANGE_SIGMA_M, rng)
+        trunk = find_trunks(ranges)[0]
+        first, last = trunk.beams
+        ends = _ends(ranges)[first : last + 1]
+        for number, end in enumerate(ends):
+            outer = number in (0, len(ends) - 1)
+            axis.plot([0, end[0]], [0, end[1]], color=RED if outer else LIGHT, lw=0.9)
+        axis.plot(*ends.T, ".", color=INK, ms=5, label="end of a beam")
+        axis.plot(*ends[[0, -1]].T, ":", color=INK, lw=1, label="chord")
+        _circles(axis, tree, GREEN, "trunk")
+        middle = _middle(trunk)
+        _circles(axis, np.array([[*middle, trunk.radius_m]]), COLOURS["maxmix"], "as found")
+        axis.plot([0, middle[0]], [0, middle[1]], "--", color=INK, lw=0.8, label="bisector")
+        error = error_m(trunk, tree[0])
+        axis.set_title(f"{distance:.0f} m: off by {1e3 * error:.0f} mm", fontsize=9, loc="left")
+        axis.set_xlim(distance - 0.8, distance + 0.8)
+        axis.set_ylim(-0.5, 1.1)
+        axis.set_aspect("equal")
+        axis.set_xlabel("ahead (m)")
+        table.append(f"{distance:.1f},0.350,{trunk.radius_m:.3f},{error:.4f}")
+    rows[0][0].set_ylabel("to the left (m)")
+    rows[0][0].legend(frameon=False, fontsize=7, loc="upper left")
+    return finish_figure(
+        "trunk-middles",
+        canvas,
+        table,
+        "The middle of a trunk from the beams that hit it: outer beams in red, at three distances.",
+    )
+
+
+def _circles(axis: Axes, trees: Array, colour: str, label: str) -> None:
+    angle = np.linspace(0, 2 * np.pi, 73)
+    for number, (x, y, radius) in enumerate(trees):
+        axis.plot(
+            x + radius * np.cos(angle),
+            y + radius * np.sin(angle),
+            color=colour,
+            lw=1.2,
+            label=label if number == 0 else None,
+        )

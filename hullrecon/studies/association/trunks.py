@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Trunks of trees in a laser's half circle [Aulinas2011 4.2.1]."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.typing import Array
+
+BEAMS = 361  # over half a circle, every half degree, from the right to the left
+STEP_RAD = np.pi / (BEAMS - 1)
+REACH_M = 80.0
+NEAREST_M, FARTHEST_M = 3.0, 40.0  # as printed, p. 62
+GAP_M = 0.7  # between neighbouring beams of two things
+WIDEST_M = 1.5  # of a trunk; wider is a wall or a car
+
+BEARINGS = np.arange(BEAMS) * STEP_RAD
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trunk:
+    """A trunk as it was found."""
+
+    range_m: float  # of its middle
+    bearing_rad: float  # from the car's right
+    radius_m: float
+    beams: tuple[int, int]  # the first and the last that hit it
+
+
+def scan_trees(pose: Array, trees: Array, range_sigma_m: float, rng: np.random.Generator) -> Array:
+    """Simulate the ranges (BEAMS,) of a laser among trees (n, 3): x, y, radius."""
+    off = trees[:, :2] - pose[:2]
+    middle = np.hypot(off[:, 0], off[:, 1])
+    bearing = np.arctan2(off[:, 1], off[:, 0]) - pose[2] + np.pi / 2
+    turn = np.mod(BEARINGS[:, None] - bearing[None, :] + np.pi, 2 * np.pi) - np.pi
+    across = middle * np.sin(turn)  # how far a beam passes from the trunk's middle
+    half_chord = np.sqrt(np.maximum(trees[:, 2] ** 2 - across**2, 0.0))
+    hits = (np.abs(across) < trees[:, 2]) & (np.abs(turn) < np.pi / 2)
+    ranges = np.where(hits, middle * np.cos(turn) - half_chord, REACH_M).min(axis=1)
+    noisy = ranges + range_sigma_m * rng.standard_normal(BEAMS)
+    return np.where(ranges < REACH_M, noisy, REACH_M)
+
+
+def find_trunks(ranges: Array, widened: bool = True) -> list[Trunk]:
+    """Find trunks in a scan.
+
+    The outer two beams that hit are taken for tangents: the middle lies on their bisector,
+    their ends are a diameter apart, and the middle's range is that of the middle beam plus the
+    radius. On average the tangents lie half a beam's distance outside of those that still hit.
+
+    Parameters
+    ----------
+    ranges
+        Of the beams (BEAMS,), m.
+    widened
+        Whether the trunk is taken half a beam wider on each side; the thesis does not.
+    """
+    trunks = []
+    for first, last in _groups(ranges):
+        middle = (first + last) / 2
+        nearest = float(ranges[int(np.floor(middle)) : int(np.ceil(middle)) + 1].min())
+        width = _chord(ranges[first], ranges[last], (last - first) * STEP_RAD)
+        if widened:
+            width = width + nearest * STEP_RAD
+        if width < WIDEST_M and NEAREST_M < nearest < FARTHEST_M:
+            trunks.append(
+                Trunk(
+                    range_m=nearest + width / 2,
+                    bearing_rad=middle * STEP_RAD,
+                    radius_m=width / 2,
+                    beams=(first, last),
+                )
+            )
+    return trunks
+
+
+def _groups(ranges: Array) -> list[tuple[int, int]]:
+    """Group neighbouring beams that stop at about the same range."""
+    stops = ranges < FARTHEST_M + GAP_M
+    starts = stops & ~np.concatenate([[False], stops[:-1] & (np.abs(np.diff(ranges)) < GAP_M)])
+    ends = stops & ~np.concatenate([stops[1:] & (np.abs(np.diff(ranges)) < GAP_M), [False]])
+    return list(zip(np.flatnonzero(starts).tolist(), np.flatnonzero(ends).tolist(), strict=True))
+
+
+def _chord(first_m: float, last_m: float, angle: float) -> float:
+    square = first_m**2 + last_m**2 - 2 * first_m * last_m * np.cos(angle)
+    return float(np.sqrt(max(square, 0.0)))
+
+
+def trunk_readings(trunks: list[Trunk]) -> Array:
+    """Give trunks as ranges and bearings (n, 2), as the filter takes them."""
+    return np.array([[t.range_m, t.bearing_rad] for t in trunks]).reshape(-1, 2)

@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Is one filter as sure as it says, and are submaps? [Aulinas2011 Fig. 2.2, eq (3.21)]."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.studies.association.point_sets import chi_square
+from hullrecon.studies.figure_style import (
+    COLOURS,
+    GREEN,
+    INK,
+    RED,
+    PublishedFigure,
+    finish_figure,
+    new_canvas,
+)
+from hullrecon.studies.study import ComparedValue, StudyResult
+from hullrecon.studies.submaps.effort import Effort
+from hullrecon.studies.submaps.ekf_slam import Limits
+from hullrecon.studies.submaps.missions import (
+    Track,
+    build_submaps,
+    run_filter,
+    run_strategy,
+)
+from hullrecon.studies.submaps.models import compose, invert, wrap
+from hullrecon.studies.submaps.selective import SelectiveJoining
+from hullrecon.studies.submaps.world_study import EKF, SELECTIVE, THRESHOLD
+from hullrecon.studies.submaps.worlds import Noise, Survey, World, simulate_loop
+from hullrecon.typing import Array
+
+SQUARE = Survey(leg_m=40.0, leg_spacing_m=10.0, steps_a_scan=10)
+LAPS, RUNS = 2.0, 8
+SUBMAPS = "submaps, each in its own frame"
+LINES = {EKF: INK, SELECTIVE: COLOURS["maxmix"], SUBMAPS: GREEN}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lap:
+    """One run around the square."""
+
+    world: World
+    tracks: dict[str, Track]
+    submaps: Array  # (n,) NEES of where each submap ended, in its own frame
+
+
+def run_lap(seed: int, survey: Survey = SQUARE, laps: float = LAPS) -> Lap:
+    """Run the filter and selective joining around the square."""
+    world = simulate_loop(survey, laps, Noise(), seed)
+    limits = Limits()
+    submaps = build_submaps(world.log, limits, Effort())
+    selective = SelectiveJoining(THRESHOLD, limits.landmarks, Effort())
+    ends = []
+    base = world.track[0]
+    for built in submaps:
+        end = world.track[built.path[-1].step + 1]
+        off = built.mean[:3] - compose(invert(base), end)
+        off[2] = wrap(off[2])
+        ends.append(float(off @ np.linalg.solve(built.covariance[:3, :3], off)))
+        base = end
+    return Lap(
+        world=world,
+        tracks={
+            EKF: run_filter(world.log, Effort())[1],
+            SELECTIVE: run_strategy(submaps, selective),
+        },
+        submaps=np.array(ends),
+    )
+
+
+def study_consistency() -> StudyResult:
+    """Average the normalised errors of many runs."""
+    laps = [run_lap(seed) for seed in range(RUNS)]
+    index = {
+        name: np.mean([lap.tracks[name].nees(lap.world) for lap in laps], axis=0) / bound(RUNS)
+        for name in (EKF, SELECTIVE)
+    }
+    ends = np.concatenate([lap.submaps for lap in laps])
+    own = float(ends.mean()) / bound(len(ends))
+    half = {name: float(values[len(values) // 2 :].mean()) for name, values in index.items()}
+    rows = [
+        (name, f"{values.mean():.2f}", f"{half[name]:.2f}", f"{100 * np.mean(values > 1):.0f}")
+        for name, values in index.items()
+    ]
+    rows.append((SUBMAPS, f"{own:.2f}", "", ""))
+    return StudyResult(
+        figures=(_draw(laps, index, own),),
+        values={**half, SUBMAPS: own},
+        heads=("method", "index, all", "index, second lap", "scans above 1, %"),
+        rows=tuple(rows),
+        compared=(
+            ComparedValue(
+                what="consistency index of one filter, second lap",
+                unit="",
+                printed=None,
+                ours=half[EKF],
+                note="printed as a curve that rises above 1; 1 is the 95 % bound of the mean "
+                f"of {RUNS} runs",
+            ),
+            ComparedValue(
+                what="consistency index of selective joining, second lap",
+                unit="",
+                printed=None,
+                ours=half[SELECTIVE],
+                note="printed as a curve that stays below 1",
+            ),
+            ComparedValue(
+                what="consistency index of submaps, in their own frames",
+                unit="",
+                printed=1.0,
+                ours=own,
+                note="printed: below. Of where each ended",
+            ),
+        ),
+    )
+
+
+def bound(runs: int) -> float:
+    """Compute what the mean NEES of consistent runs stays below in 95 of 100."""
+    return chi_square(0.95, 3 * runs) / runs
+
+
+def _draw(laps: list[Lap], index: dict[str, Array], own: float) -> PublishedFigure:
+    canvas, rows = new_canvas(10.0, 4.2, 1, 2)
+    world, tracks = laps[0].world, laps[0].tracks
+    axis = rows[0][0]
+    axis.plot(*world.landmarks.T, ".", color="#cdd5dd", ms=3)
+    axis.plot(*world.track[:, :2].T, color=RED, lw=1, label="truth")
+    axis.plot(*tracks[EKF].poses[:, :2].T, color=INK, lw=1, label="one filter")
+    axis.plot(*tracks[SELECTIVE].poses[:, :2].T, color=LINES[SELECTIVE], lw=1, label=SELECTIVE)
+    axis.set_aspect("equal")
+    axis.set_xlabel("x (m)")
+    axis.set_ylabel("y (m)")
+    axis.legend(frameon=False, fontsize=8, loc="center")
+    axis = rows[0][1]
+    times = (tracks[EKF].steps + 1) * world.log.step_s[0]
+    for name, values in index.items():
+        axis.plot(times, values, color=LINES[name], lw=1.2, label=name)
+    axis.axhline(own, color=LINES[SUBMAPS], lw=1.2, label=SUBMAPS)
+    axis.axhline(1.0, color=RED, ls="--", lw=1, label="bound, 95 %")
+    axis.set_xlabel("time (s)")
+    axis.set_ylabel("consistency index")
+    axis.legend(frameon=False, fontsize=8)
+    table = [f"time_s,{','.join(index)}"]
+    for number, time in enumerate(times):
+        table.append(",".join(f"{v:.3f}" for v in (time, *(i[number] for i in index.values()))))
+    caption = f"Two laps, and the mean of {len(laps)} runs' normalised errors by its 95 % bound."
+    return finish_figure("submap-consistency", canvas, table, caption)

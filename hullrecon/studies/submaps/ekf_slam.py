@@ -1,0 +1,254 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""SLAM by one extended Kalman filter: a submap, or a whole mission [Aulinas2011 Alg. 4]."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.studies.association.methods import joint_compatibility, nearest_neighbours
+from hullrecon.studies.association.point_sets import Association, PointSets, chi_square
+from hullrecon.studies.submaps.effort import Effort
+from hullrecon.studies.submaps.models import (
+    Car,
+    invert,
+    invert_jacobian,
+    observe,
+    observe_jacobians,
+    place,
+    place_by_pose,
+    rotation,
+    sighted_covariance,
+    sighted_points,
+    wrap,
+)
+from hullrecon.studies.submaps.worlds import Log, Scan
+from hullrecon.typing import Array, Ints
+
+CONFIDENCE = 0.99  # of a pair, and of all pairs of a scan
+NEW_CONFIDENCE = 0.9999  # what no landmark explains at this is a new one; between: left out
+MARGIN_M = 4.0  # landmarks farther than the farthest reading by this are not tried
+LINE_ENDS = 1e-9  # m^2 and rad^2 that the start of a map is unsure by
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """When a submap is full."""
+
+    landmarks: int = 15  # as printed, p. 50
+    sigma_m: float = 1.0  # of the car's position; the thesis names such a bound, not its value
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathPoint:
+    """The filter at a scan."""
+
+    step: int
+    pose: Array  # (3,) in the map's frame
+    covariance: Array  # (3, 3)
+    nis: float  # normalised innovation squared (3.22)
+    degrees: int  # of freedom, of nis
+
+
+class EkfMap:
+    """A car and landmarks in the frame of the first pose, in one state (3.16)."""
+
+    def __init__(self, effort: Effort) -> None:
+        self.mean = np.zeros(3)
+        self.covariance = np.eye(3) * LINE_ENDS
+        self.truth: list[int] = []  # true number of each landmark, only for judging
+        self.path: list[PathPoint] = []
+        self.wrong_pairs = 0  # against the truth
+        self._moved = np.eye(3)  # Jacobian of the motion since the last scan
+        self._effort = effort
+
+    @property
+    def landmarks(self) -> Array:
+        """Places of the landmarks (n, 2)."""
+        return self.mean[3:].reshape(-1, 2)
+
+    def predict(self, car: Car, odometry: Array, step_s: float, noise: Array) -> None:
+        """Move the car (3.7); landmarks stay."""
+        speed, steering = odometry
+        by_pose, by_odometry = car.move_jacobians(self.mean[:3], speed, steering, step_s)
+        self.mean[:3] = car.move(self.mean[:3], speed, steering, step_s)
+        own = by_pose @ self.covariance[:3, :3] @ by_pose.T
+        self.covariance[:3, :3] = own + by_odometry @ noise @ by_odometry.T
+        self._moved = by_pose @ self._moved
+
+    def settle(self) -> None:
+        """Carry the car's motion into its correlation with the landmarks, once for many steps."""
+        cross = self._moved @ self.covariance[:3, 3:]
+        self.covariance[:3, 3:], self.covariance[3:, :3] = cross, cross.T
+        self._moved = np.eye(3)
+        self._effort.count(3, 3, len(self.mean))
+
+    def observe(self, step: int, scan: Scan, noise: Array) -> None:
+        """Pair a scan's readings with landmarks, update by them, add the new ones."""
+        self.settle()
+        found, near, distance = self._associate(scan.readings, noise)
+        landmarks = [int(near[i]) for i, _ in found.pairs]
+        readings = [j for _, j in found.pairs]
+        nis = self._update(landmarks, scan.readings[readings], noise) if found.pairs else 0.0
+        self._judge(scan, landmarks, readings)
+        best = distance.min(axis=0, initial=np.inf)
+        new = np.setdiff1d(np.flatnonzero(best > chi_square(NEW_CONFIDENCE, 2)), readings)
+        self._add([int(j) for j in new], scan, noise)
+        self.path.append(
+            PathPoint(
+                step=step,
+                pose=self.mean[:3].copy(),
+                covariance=self.covariance[:3, :3].copy(),
+                nis=nis,
+                degrees=2 * len(readings),
+            )
+        )
+
+    def _associate(self, readings: Array, noise: Array) -> tuple[Association, Ints, Array]:
+        """Pair landmarks near the car with readings, both in the car's frame."""
+        farthest = readings[:, 0].max(initial=0.0) + MARGIN_M
+        off = self.landmarks - self.mean[:2]
+        near = np.asarray(np.flatnonzero((np.abs(off) < farthest).all(axis=1)), dtype=np.int64)
+        pose_from_map = invert(self.mean[:3])
+        by_pose = place_by_pose(pose_from_map, self.landmarks[near])
+        jacobian = np.zeros((2 * len(near), 3 + 2 * len(near)))
+        jacobian[:, :3] = by_pose @ invert_jacobian(self.mean[:3])
+        jacobian[:, 3:] = np.kron(np.eye(len(near)), rotation(pose_from_map[2]))
+        rows = np.r_[:3, self.rows(near)]
+        part = self.covariance[np.ix_(rows, rows)]
+        spread = _block_diagonal(sighted_covariance(readings, noise))
+        sets = PointSets(
+            first=place(pose_from_map, self.landmarks[near]),
+            second=sighted_points(readings),
+            first_covariance=jacobian @ part @ jacobian.T,
+            second_covariance=spread,
+        )
+        return pair_points(sets), near, sets.squared_distances
+
+    def _update(self, landmarks: list[int], readings: Array, noise: Array) -> float:
+        """Update by readings (m, 2) of landmarks (m), and return the innovation squared."""
+        points = self.landmarks[landmarks]
+        by_pose, by_point = observe_jacobians(self.mean[:3], points)
+        rows = self.rows(np.array(landmarks))
+        # P H', by the few columns that H has
+        by_landmark = self.covariance[:, rows].reshape(-1, len(landmarks), 2)
+        carried = np.einsum("nka,kba->nkb", by_landmark, by_point).reshape(len(self.mean), -1)
+        carried += self.covariance[:, :3] @ by_pose.reshape(-1, 3).T
+        spread = by_pose.reshape(-1, 3) @ carried[:3]
+        spread += np.einsum(
+            "kba,kam->kbm", by_point, carried[rows].reshape(len(landmarks), 2, -1)
+        ).reshape(spread.shape)
+        spread += np.kron(np.eye(len(landmarks)), noise)
+        innovation = readings - observe(self.mean[:3], points)
+        innovation[:, 1] = wrap(innovation[:, 1])
+        nis = update_state(self.mean, self.covariance, carried, spread, innovation.ravel())
+        self.mean[2] = wrap(self.mean[2])
+        self._effort.count(len(self.mean), len(self.mean), 2 * len(landmarks))
+        return nis
+
+    def _add(self, new: list[int], scan: Scan, noise: Array) -> None:
+        """Add readings as landmarks, with the covariance that the car and the laser give them."""
+        if not new:
+            return
+        readings = scan.readings[new]
+        points, pose = sighted_points(readings), self.mean[:3]
+        by_pose = place_by_pose(pose, points)
+        turn = rotation(pose[2])
+        spread = turn @ sighted_covariance(readings, noise) @ turn.T
+        across = by_pose @ self.covariance[:3]
+        own = by_pose @ self.covariance[:3, :3] @ by_pose.T + _block_diagonal(spread)
+        self.mean = np.concatenate([self.mean, place(pose, points).ravel()])
+        self.covariance = np.block([[self.covariance, across.T], [across, own]])
+        self.truth += [scan.truth[j] if scan.truth else -1 for j in new]
+
+    def _judge(self, scan: Scan, landmarks: list[int], readings: list[int]) -> None:
+        if scan.truth:
+            pairs = zip(landmarks, readings, strict=True)
+            self.wrong_pairs += sum(self.truth[i] != scan.truth[j] for i, j in pairs)
+
+    @staticmethod
+    def rows(landmarks: Ints) -> Ints:
+        """Find the rows (2n) of landmarks (n) in the state."""
+        return np.asarray((3 + 2 * landmarks[:, None] + np.arange(2)).ravel(), dtype=np.int64)
+
+
+def update_state(
+    mean: Array, covariance: Array, carried: Array, spread: Array, innovation: Array
+) -> float:
+    """Update a state in place, and return the normalised innovation squared (3.22).
+
+    Joseph's form multiplied out, with W = P H' S^-1: P - (P H' L^-T) (P H' L^-T)', where
+    L L' = S. It stays symmetric, and costs n n k where the product of matrices costs n n n.
+
+    Parameters
+    ----------
+    mean, covariance
+        As predicted, (n,) and (n, n).
+    carried
+        P H' (n, k).
+    spread
+        S = H P H' + R (k, k).
+    innovation
+        z - h(x) (k,).
+    """
+    whitening = np.linalg.inv(np.linalg.cholesky(spread))
+    half = carried @ whitening.T
+    white = whitening @ innovation
+    mean += half @ white
+    covariance -= half @ half.T
+    return float(white @ white)
+
+
+def pair_points(sets: PointSets) -> Association:
+    """Pair points by joint compatibility, by nearest neighbour where that leaves no doubt.
+
+    Nearest neighbours that are jointly compatible, with every point paired that has a
+    candidate, are as many pairs as joint compatibility can find.
+    """
+    nearest = nearest_neighbours(sets, CONFIDENCE)
+    paired = int(sets.compatible(CONFIDENCE).any(axis=0).sum())
+    bound = chi_square(CONFIDENCE, max(1, 2 * len(nearest.pairs)))
+    if len(nearest.pairs) == paired and nearest.squared_distance < bound:
+        return nearest
+    return joint_compatibility(sets, CONFIDENCE, most_tests=2000)
+
+
+def build_map(
+    log: Log, first_step: int, limits: Limits | None, effort: Effort
+) -> tuple[EkfMap, int]:
+    """Build one map from a step on, until it is full, or to the end where there are no limits.
+
+    Returns
+    -------
+    EkfMap
+        In the frame of the car before `first_step`.
+    int
+        The step after its last.
+    """
+    built, step = EkfMap(effort), first_step
+    noise = log.noise.odometry
+    while step < len(log.odometry):
+        built.predict(log.car, log.odometry[step], float(log.step_s[step]), noise)
+        scan = log.scans.get(step)
+        if scan is not None:
+            built.observe(step, scan, log.noise.laser)
+        step += 1
+        if scan is not None and limits is not None and _full(built, limits):
+            break
+    built.settle()
+    return built, step
+
+
+def _full(built: EkfMap, limits: Limits) -> bool:
+    position = float(np.trace(built.covariance[:2, :2]))
+    return len(built.landmarks) >= limits.landmarks or position > limits.sigma_m**2
+
+
+def _block_diagonal(blocks: Array) -> Array:
+    count, size = len(blocks), blocks.shape[-1]
+    matrix = np.zeros((count, size, count, size))
+    index = np.arange(count)
+    matrix[index, :, index] = blocks
+    return matrix.reshape(count * size, count * size)

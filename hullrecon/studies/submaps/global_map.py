@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The map of submaps: their relative transforms, with joint covariance (3.12)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.studies.submaps.ekf_slam import EkfMap
+from hullrecon.studies.submaps.models import (
+    invert,
+    invert_jacobian,
+    wrap,
+)
+from hullrecon.typing import Array
+
+
+class GlobalMap:
+    """Transforms of each frame in the frame before it. Frame 0 is the mission's start.
+
+    Frame k + 1 is where submap k ended: transform k is the last pose of the car in submap k.
+    """
+
+    def __init__(self) -> None:
+        self.mean = np.zeros(0)
+        self.covariance = np.zeros((0, 0))
+
+    def __len__(self) -> int:
+        return len(self.mean) // 3
+
+    def append(self, transform: Array, covariance: Array) -> None:
+        """Add the transform of a new frame, independent of all others."""
+        size = len(self.mean)
+        grown = np.zeros((size + 3, size + 3))
+        grown[:size, :size], grown[size:, size:] = self.covariance, covariance
+        self.mean, self.covariance = np.concatenate([self.mean, transform]), grown
+
+    def relative(self, first: int, second: int) -> tuple[Array, Array]:
+        """Chain the transforms to the pose of frame `second` in frame `first`.
+
+        Returns
+        -------
+        Array
+            The pose (3,).
+        Array
+            Its Jacobian (3, n) by all transforms.
+        """
+        if second < first:
+            pose, jacobian = self.relative(second, first)
+            return invert(pose), invert_jacobian(pose) @ jacobian
+        poses = chain(self.mean[3 * first : 3 * second].reshape(-1, 3))
+        jacobian = np.zeros((3, len(self), 3))
+        links = slice(first, second)
+        # a transform is moved in the frame before it, and turns all that comes after it
+        cos, sin = np.cos(poses[:-1, 2]), np.sin(poses[:-1, 2])
+        jacobian[0, links] = np.column_stack([cos, -sin, poses[1:, 1] - poses[-1, 1]])
+        jacobian[1, links] = np.column_stack([sin, cos, poses[-1, 0] - poses[1:, 0]])
+        jacobian[2, links, 2] = 1.0
+        return poses[-1], jacobian.reshape(3, -1)
+
+    def frames(self) -> Array:
+        """Chain all transforms to the poses (n + 1, 3) of all frames in frame 0."""
+        return chain(self.mean.reshape(-1, 3))
+
+    def last_frame(self) -> tuple[Array, Array]:
+        """Compute pose and covariance of the last frame in frame 0."""
+        pose, jacobian = self.relative(0, len(self))
+        return pose, jacobian @ self.covariance @ jacobian.T
+
+
+def chain(links: Array) -> Array:
+    """Compose transforms (n, 3) to the poses (n + 1, 3) of all frames in the first one."""
+    heading = np.concatenate([[0.0], np.cumsum(links[:, 2])])
+    cos, sin = np.cos(heading[:-1]), np.sin(heading[:-1])
+    steps = np.column_stack(
+        [cos * links[:, 0] - sin * links[:, 1], sin * links[:, 0] + cos * links[:, 1]]
+    )
+    places = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
+    return np.column_stack([places, wrap(heading)])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Submap:
+    """Landmarks in one frame, as they are given the transforms of the global map.
+
+    A landmark's place depends on where its map ended, which is a transform of the global map.
+    Kept in this form, a submap follows the global map by itself, what both tell is used once,
+    and of all other submaps it is independent.
+    """
+
+    base: int  # frame of its coordinates
+    frames: tuple[int, ...]  # all frames that it was built from
+    mean: Array  # (2n,) m
+    gain: Array  # (2n, g) by the transforms that existed when it was made
+    given: Array  # (g,) those transforms
+    rest: Array  # (2n, 2n) covariance that is left when the transforms are known
+    truth: tuple[int, ...]  # only for judging
+
+    @property
+    def count(self) -> int:
+        """Number of its landmarks."""
+        return len(self.truth)
+
+    def now(self, world: GlobalMap) -> Array:
+        """Compute the landmarks (2n,) by the transforms of now."""
+        change = world.mean[: len(self.given)] - self.given
+        change[2::3] = wrap(change[2::3])
+        return np.asarray(self.mean + self.gain @ change)
+
+    def with_transforms(self, world: GlobalMap) -> Array:
+        """Compute the covariance (2n, g) between the landmarks and all transforms of now."""
+        return np.asarray(self.gain @ world.covariance[: len(self.given)])
+
+    def covariance(self, world: GlobalMap) -> Array:
+        """Compute the landmarks' covariance (2n, 2n)."""
+        size = len(self.given)
+        return np.asarray(self.rest + self.gain @ world.covariance[:size, :size] @ self.gain.T)
+
+
+def append_submap(world: GlobalMap, built: EkfMap) -> Submap:
+    """Add the last pose of a finished map to the global map, and keep its landmarks given it."""
+    frame = len(world)
+    world.append(built.mean[:3], built.covariance[:3, :3])
+    own = np.linalg.solve(built.covariance[:3, :3], built.covariance[:3, 3:]).T
+    gain = np.zeros((len(own), len(world.mean)))
+    gain[:, -3:] = own
+    return Submap(
+        base=frame,
+        frames=(frame,),
+        mean=built.mean[3:].copy(),
+        gain=gain,
+        given=world.mean.copy(),
+        rest=built.covariance[3:, 3:] - own @ built.covariance[:3, 3:],
+        truth=tuple(built.truth),
+    )

@@ -1,0 +1,176 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A car with a laser in the plane: motion, observation, and poses composed [Aulinas2011 A, 3.4.1].
+
+A pose is (x, y, heading): m, m, rad. Of every model the Jacobians stand beside it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.typing import Array
+
+
+def wrap(angle: Array | float) -> Array:
+    """Bring angles into (-pi, pi]."""
+    return np.asarray(np.pi - np.mod(np.pi - angle, 2 * np.pi))
+
+
+def compose(first: Array, second: Array) -> Array:
+    """Compose two poses: `second`, given in the frame of `first`, in first's own frame."""
+    cos, sin = np.cos(first[2]), np.sin(first[2])
+    return np.array(
+        [
+            first[0] + second[0] * cos - second[1] * sin,
+            first[1] + second[0] * sin + second[1] * cos,
+            float(wrap(first[2] + second[2])),
+        ]
+    )
+
+
+def compose_jacobians(first: Array, second: Array) -> tuple[Array, Array]:
+    """Differentiate `compose` by its first and by its second pose, (3, 3) each."""
+    cos, sin = np.cos(first[2]), np.sin(first[2])
+    by_first, by_second = np.eye(3), np.eye(3)
+    by_first[0, 2] = -second[0] * sin - second[1] * cos
+    by_first[1, 2] = second[0] * cos - second[1] * sin
+    by_second[:2, :2] = rotation(first[2])
+    return by_first, by_second
+
+
+def invert(pose: Array) -> Array:
+    """Invert a pose."""
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    return np.array(
+        [-pose[0] * cos - pose[1] * sin, pose[0] * sin - pose[1] * cos, float(wrap(-pose[2]))]
+    )
+
+
+def invert_jacobian(pose: Array) -> Array:
+    """Differentiate `invert` (3, 3). The thesis prints -x sin - y cos in its upper right corner."""
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    return np.array(
+        [
+            [-cos, -sin, pose[0] * sin - pose[1] * cos],
+            [sin, -cos, pose[0] * cos + pose[1] * sin],
+            [0.0, 0.0, -1.0],
+        ]
+    )
+
+
+def rotation(heading: float) -> Array:
+    """Build the rotation matrix (2, 2) of a heading."""
+    cos, sin = np.cos(heading), np.sin(heading)
+    return np.array([[cos, -sin], [sin, cos]])
+
+
+def place(pose: Array, points: Array) -> Array:
+    """Move points (n, 2) of the frame `pose` into the frame that the pose is given in."""
+    return np.asarray(pose[:2] + points @ rotation(pose[2]).T)
+
+
+def place_by_pose(pose: Array, points: Array) -> Array:
+    """Differentiate `place` by the pose (2n, 3)."""
+    turned = points @ rotation(pose[2]).T
+    jacobian = np.zeros((2 * len(points), 3))
+    jacobian[0::2, 0] = 1.0
+    jacobian[1::2, 1] = 1.0
+    jacobian[0::2, 2] = -turned[:, 1]
+    jacobian[1::2, 2] = turned[:, 0]
+    return jacobian
+
+
+@dataclass(frozen=True, kw_only=True)
+class Car:
+    """A car steered by its front wheels [Aulinas2011 Fig. 3.3].
+
+    The thesis gives no sizes. These are of the vehicle of Victoria Park, by its public files.
+    """
+
+    wheelbase_m: float = 2.83  # L
+    encoder_m: float = 0.76  # H, from the axle's middle to the wheel that counts
+    laser_ahead_m: float = 3.78  # a, of the rear axle
+    laser_left_m: float = 0.5  # b
+
+    def axle_speed(self, wheel_speed: Array, steering: Array) -> Array:
+        """Compute the speed of the axle's middle from that of the left wheel, m/s."""
+        lever = self.encoder_m / self.wheelbase_m
+        return np.asarray(wheel_speed / (1.0 - lever * np.tan(steering)))
+
+    def move(self, pose: Array, speed: float, steering: float, step_s: float) -> Array:
+        """Move the laser by a step (3.17). The thesis prints tan(phi) for tan(alpha)."""
+        cos, sin = np.cos(pose[2]), np.sin(pose[2])
+        turn = speed / self.wheelbase_m * np.tan(steering)
+        a, b = self.laser_ahead_m, self.laser_left_m
+        rate = [
+            speed * cos - turn * (a * sin + b * cos),
+            speed * sin + turn * (a * cos - b * sin),
+            turn,
+        ]
+        moved = pose + step_s * np.array(rate)
+        moved[2] = wrap(moved[2])
+        return moved
+
+    def move_jacobians(
+        self, pose: Array, speed: float, steering: float, step_s: float
+    ) -> tuple[Array, Array]:
+        """Differentiate `move` by the pose (3, 3), as (3.18), and by speed and steering (3, 2)."""
+        cos, sin = np.cos(pose[2]), np.sin(pose[2])
+        a, b = self.laser_ahead_m, self.laser_left_m
+        turn = speed / self.wheelbase_m * np.tan(steering)
+        swing = -(a * sin + b * cos), a * cos - b * sin  # of the laser, by the turn
+        by_pose = np.eye(3)
+        by_pose[0, 2] = -step_s * (speed * sin + turn * swing[1])
+        by_pose[1, 2] = step_s * (speed * cos + turn * swing[0])
+        more = np.tan(steering) / self.wheelbase_m  # turn, by the speed
+        sharper = speed / self.wheelbase_m / np.cos(steering) ** 2  # turn, by the steering
+        by_odometry = np.array(
+            [
+                [cos + swing[0] * more, swing[0] * sharper],
+                [sin + swing[1] * more, swing[1] * sharper],
+                [more, sharper],
+            ]
+        )
+        return by_pose, step_s * by_odometry
+
+
+def observe(pose: Array, points: Array) -> Array:
+    """Predict ranges and bearings (n, 2) of points (n, 2), the bearing from the car's right (3.19).
+
+    The thesis prints the arc tangent of a quotient, which folds what lies behind the car.
+    """
+    off = points - pose[:2]
+    bearing = np.arctan2(off[:, 1], off[:, 0]) - pose[2] + np.pi / 2
+    return np.column_stack([np.hypot(off[:, 0], off[:, 1]), wrap(bearing)])
+
+
+def observe_jacobians(pose: Array, points: Array) -> tuple[Array, Array]:
+    """Differentiate `observe` by the pose (n, 2, 3) and by the point (n, 2, 2), as (3.20).
+
+    The thesis prints -dx/D for the range by the point's x.
+    """
+    off = points - pose[:2]
+    range_m = np.hypot(off[:, 0], off[:, 1])
+    by_point = np.empty((len(points), 2, 2))
+    by_point[:, 0] = off / range_m[:, None]
+    by_point[:, 1] = np.column_stack([-off[:, 1], off[:, 0]]) / range_m[:, None] ** 2
+    by_pose = np.concatenate([-by_point, np.zeros((len(points), 2, 1))], axis=2)
+    by_pose[:, 1, 2] = -1.0
+    return by_pose, by_point
+
+
+def sighted_points(readings: Array) -> Array:
+    """Place ranges and bearings (n, 2) in the car's frame (n, 2)."""
+    angle = readings[:, 1] - np.pi / 2
+    return np.asarray(readings[:, :1] * np.column_stack([np.cos(angle), np.sin(angle)]))
+
+
+def sighted_covariance(readings: Array, noise: Array) -> Array:
+    """Compute the covariance (n, 2, 2) of `sighted_points`, given range's and bearing's (2, 2)."""
+    angle, range_m = readings[:, 1] - np.pi / 2, readings[:, 0]
+    cos, sin = np.cos(angle), np.sin(angle)
+    jacobian = np.stack([cos, -range_m * sin, sin, range_m * cos], axis=1).reshape(-1, 2, 2)
+    return np.asarray(jacobian @ noise @ jacobian.transpose(0, 2, 1))

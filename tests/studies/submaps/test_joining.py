@@ -1,0 +1,197 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Submaps on a small survey: how sure they are, how they are joined, what that costs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from hullrecon.studies.association.point_sets import chi_square
+from hullrecon.studies.submaps.effort import Effort
+from hullrecon.studies.submaps.ekf_slam import EkfMap, Limits
+from hullrecon.studies.submaps.global_map import GlobalMap, chain
+from hullrecon.studies.submaps.hierarchy import Hierarchy
+from hullrecon.studies.submaps.join import refer_to_base
+from hullrecon.studies.submaps.missions import (
+    Strategy,
+    Track,
+    build_submaps,
+    map_errors,
+    run_filter,
+    run_strategy,
+)
+from hullrecon.studies.submaps.models import compose, invert, place, wrap
+from hullrecon.studies.submaps.selective import SelectiveJoining
+from hullrecon.studies.submaps.sequence import JoinedSequence
+from hullrecon.studies.submaps.worlds import Noise, Survey, World, dead_reckon, simulate_survey
+from hullrecon.typing import Array
+
+SMALL = Survey(cells=6, leg_m=28.0, legs=3, steps_a_scan=10)
+
+
+@dataclass(frozen=True)
+class Survey3:
+    """A survey of three legs with its submaps."""
+
+    world: World
+    submaps: list[EkfMap]
+    effort: Effort
+
+
+@pytest.fixture(scope="module")
+def survey() -> Survey3:
+    world, effort = simulate_survey(SMALL, Noise(), seed=1), Effort()
+    return Survey3(world, build_submaps(world.log, Limits(), effort), effort)
+
+
+@pytest.fixture(scope="module")
+def selective(survey: Survey3) -> tuple[SelectiveJoining, Track, Effort]:
+    effort = Effort()
+    strategy = SelectiveJoining(0.4, Limits().landmarks, effort)
+    return strategy, run_strategy(survey.submaps, strategy), effort
+
+
+def true_links(survey: Survey3) -> Array:
+    ends = [0, *(m.path[-1].step + 1 for m in survey.submaps)]
+    poses = survey.world.track[ends]
+    return np.array([compose(invert(a), b) for a, b in pairwise(poses)])
+
+
+def test_submaps_hold_no_more_than_a_scan_above_their_limit(survey: Survey3) -> None:
+    for built in survey.submaps[:-1]:
+        assert 15 <= len(built.landmarks) < 15 + 13
+
+
+def test_no_reading_is_paired_with_a_wrong_landmark(survey: Survey3) -> None:
+    assert sum(built.wrong_pairs for built in survey.submaps) == 0
+
+
+def test_submaps_end_as_surely_as_they_say(survey: Survey3) -> None:
+    off = np.array([built.mean[:3] for built in survey.submaps]) - true_links(survey)
+    off[:, 2] = wrap(off[:, 2])
+    spread = np.array([built.covariance[:3, :3] for built in survey.submaps])
+    nees = np.einsum("ni,ni->n", off, np.linalg.solve(spread, off[..., None])[..., 0])
+    count = 3 * len(nees)
+    assert chi_square(0.005, count) < nees.sum() < chi_square(0.995, count)
+
+
+def test_chained_transforms_have_their_derivatives() -> None:
+    rng = np.random.default_rng(0)
+    world = GlobalMap()
+    for link in rng.standard_normal((5, 3)):
+        world.append(link, 0.01 * np.eye(3))
+    for first, second in ((1, 4), (4, 1), (0, 5), (2, 2)):
+        pose, jacobian = world.relative(first, second)
+        frames = chain(world.mean.reshape(-1, 3))
+        np.testing.assert_allclose(pose, compose(invert(frames[first]), frames[second]), atol=1e-9)
+        for column in range(15):
+            changed = GlobalMap()
+            changed.mean = world.mean + 1e-6 * np.eye(15)[column]
+            off = changed.relative(first, second)[0] - pose
+            np.testing.assert_allclose(jacobian[:, column], off / 1e-6, atol=1e-4)
+
+
+def test_landmarks_behind_an_unsure_chain_are_unsure_not_as_printed() -> None:
+    rng = np.random.default_rng(0)
+    points = np.array([[5.0, 1.0], [2.0, -4.0]])
+    transform, spread = np.array([20.0, 3.0, 0.8]), np.diag([0.2, 0.1, 0.02]) ** 2
+    own = 0.01 * np.eye(4)
+    moved, covariance = refer_to_base(points, own, transform, spread)
+    poses = rng.multivariate_normal(transform, spread, 4000)
+    drawn = rng.multivariate_normal(points.ravel(), own, 4000).reshape(-1, 2, 2)
+    truth = np.array([place(p, d).ravel() for p, d in zip(poses, drawn, strict=True)])
+    off = truth - moved.ravel()
+    nees = np.einsum("ni,ni->n", off, np.linalg.solve(covariance, off.T).T)
+    assert nees.mean() == pytest.approx(4.0, abs=0.25)
+    _, printed = refer_to_base(points, own, transform, np.zeros((3, 3)))
+    assert np.einsum("ni,ni->n", off, np.linalg.solve(printed, off.T).T).mean() > 8.0
+
+
+def test_fusions_are_of_true_pairs_of_enough_landmarks(
+    selective: tuple[SelectiveJoining, Track, Effort],
+) -> None:
+    fusions = selective[0].fusions
+    assert fusions
+    assert sum(fusion.wrong for fusion in fusions) == 0
+    assert min(fusion.shared for fusion in fusions) >= 6  # 40 % of 15
+
+
+def test_fused_maps_are_as_sure_as_they_say(
+    survey: Survey3, selective: tuple[SelectiveJoining, Track, Effort]
+) -> None:
+    world = selective[0].world
+    off = world.mean - true_links(survey).ravel()
+    off[2::3] = wrap(off[2::3])
+    nees = off @ np.linalg.solve(world.covariance, off)
+    assert chi_square(0.001, len(off)) < nees < chi_square(0.999, len(off))
+
+
+def test_fusion_leaves_each_common_landmark_once(
+    selective: tuple[SelectiveJoining, Track, Effort],
+) -> None:
+    for submap in selective[0].submaps:
+        if len(submap.frames) > 1:
+            assert len(set(submap.truth)) == len(submap.truth)
+
+
+def test_selective_joining_drifts_less_than_dead_reckoning(
+    survey: Survey3, selective: tuple[SelectiveJoining, Track, Effort]
+) -> None:
+    world = survey.world
+    reckoned = np.linalg.norm((dead_reckon(world.log) - world.track)[-1, :2])
+    assert selective[1].distances(world)[-1] < 0.25 * reckoned
+
+
+def test_no_two_maps_are_fused_that_share_too_little(survey: Survey3) -> None:
+    strategy = SelectiveJoining(3.0, Limits().landmarks, Effort())
+    run_strategy(survey.submaps, strategy)
+    assert len(strategy.submaps) == len(survey.submaps)
+
+
+@pytest.mark.parametrize("name", ["LMJ", "DCS", "HS"])
+def test_every_way_of_joining_maps_the_landmarks(survey: Survey3, name: str) -> None:
+    ways: dict[str, Strategy] = {
+        "LMJ": JoinedSequence(Effort(), tree=False),
+        "DCS": JoinedSequence(Effort(), tree=True),
+        "HS": Hierarchy(Effort()),
+    }
+    strategy = ways[name]
+    run_strategy(survey.submaps, strategy)
+    if isinstance(strategy, JoinedSequence):
+        strategy.finish()
+    errors = map_errors(strategy.landmarks(), survey.world)
+    assert errors.mean() < 0.6
+    seen = {number for built in survey.submaps for number in built.truth}
+    assert {number for number, _ in strategy.landmarks()} == seen
+
+
+def test_tree_and_sequence_make_the_same_map_of_fine_readings() -> None:
+    """They differ in where they linearise, by the square of the noise: here a twentieth."""
+    fine = Noise(speed_m_s=0.05, steering_rad=0.006, range_m=0.005, bearing_rad=0.001)
+    world = simulate_survey(SMALL, fine, seed=1)
+    submaps, places = build_submaps(world.log, Limits(), Effort()), []
+    for tree in (False, True):
+        strategy = JoinedSequence(Effort(), tree=tree)
+        run_strategy(submaps, strategy)
+        strategy.finish()
+        places.append(dict(strategy.landmarks()))
+    off = [np.linalg.norm(places[0][n] - places[1][n]) for n in places[0]]
+    assert max(off) < 0.003
+
+
+def test_one_filter_multiplies_ten_times_as_often_on_more_landmarks() -> None:
+    wide = Survey(cells=8, leg_m=36.0, legs=4, steps_a_scan=10)
+    world = simulate_survey(wide, Noise(), seed=2)
+    filter_effort, submap_effort = Effort(), Effort()
+    built, track = run_filter(world.log, filter_effort)
+    submaps = build_submaps(world.log, Limits(), submap_effort)
+    assert built.wrong_pairs == 0
+    assert track.distances(world).mean() < 0.7
+    most = max(len(m.mean) for m in submaps)
+    assert most < 3 + 2 * (15 + 13)
+    ratio = filter_effort.total_multiplications / submap_effort.total_multiplications
+    assert ratio > 10.0
