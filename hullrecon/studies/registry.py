@@ -5,16 +5,20 @@
 from __future__ import annotations
 
 from hullrecon.errors import UsageError
+from hullrecon.studies.association.entries import ASSOCIATION_STUDIES
 from hullrecon.studies.engine_studies import ENGINE_STUDIES
 from hullrecon.studies.hull_studies import HULL_STUDIES
 from hullrecon.studies.ozog_studies import OZOG_STUDIES
 from hullrecon.studies.study import DiveStudy, SceneStudy
+from hullrecon.studies.submaps.entries import SUBMAP_STUDIES
 from hullrecon.studies.targets.entries import TARGET_STUDIES
 
 # each folder of studies lists its own
 STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
     *HULL_STUDIES,
     *OZOG_STUDIES,
+    *SUBMAP_STUDIES,
+    *ASSOCIATION_STUDIES,
     *TARGET_STUDIES,
     *ENGINE_STUDIES,
 )

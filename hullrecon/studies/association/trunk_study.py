@@ -75,7 +75,7 @@ def _compare(errors: dict[float, dict[bool, list[float]]]) -> tuple[ComparedValu
             printed=None,
             ours=1e3 * float(np.median(near[True])),
             note="no number in the thesis. Trunks of 0.15 to 0.5 m radius, ranges to 1 cm; with "
-            f"the outer beams taken for tangents, as printed: {1e3 * np.median(near[False]):.0f} mm",
+            f"outer beams taken for tangents, as printed: {1e3 * np.median(near[False]):.0f} mm",
         ),
         ComparedValue(
             what="the same at 38 m",

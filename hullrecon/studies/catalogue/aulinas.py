@@ -23,7 +23,8 @@ _INTRODUCTION = Chapter(
             "Fig. 2.2",
             "consistency index of EKF and of submaps over a loop",
             printed="EKF rises above 1, submaps stay below; curves alone",
-            absent=Absence.NOT_BUILT,
+            studies=("submap-consistency",),
+            code=("hullrecon/studies/submaps/consistency_study.py:study_consistency",),
             differs=_ONE_PROBLEM,
         ),
         Part(
@@ -94,7 +95,9 @@ _FILTERS = Chapter(
         Part(
             "3.2.2 to 3.2.4, Algorithm 1",
             "Kalman filter",
-            absent=Absence.NOT_BUILT,
+            studies=("filters",),
+            code=("hullrecon/studies/submaps/filters.py:filter_steps",),
+            tests=("tests/studies/submaps/test_filters.py",),
             differs=(
                 "the product solves in one batch, to which an information filter is equal "
                 "(tests/native/test_information_filter.py)"
@@ -103,7 +106,9 @@ _FILTERS = Chapter(
         Part(
             "3.2.5 to 3.2.7, Algorithm 2, eqs (3.7) to (3.11)",
             "extended Kalman filter",
-            absent=Absence.NOT_BUILT,
+            studies=("filters",),
+            code=("hullrecon/studies/submaps/filters.py:update",),
+            tests=("tests/studies/submaps/test_filters.py",),
             differs="the product solves in one batch, linearised anew at every step",
         ),
     ),
@@ -114,21 +119,33 @@ _SUBMAPS = Chapter(
         Part(
             "Algorithm 3",
             "selective submap joining: main loop",
-            absent=Absence.NOT_BUILT,
+            studies=("submap-world",),
+            code=("hullrecon/studies/submaps/selective.py:SelectiveJoining",),
+            tests=("tests/studies/submaps/test_joining.py",),
             differs=_ONE_PROBLEM,
         ),
         Part(
             "3.3.1, Algorithm 4",
             "a submap by EKF-SLAM",
             printed="at most 15 landmarks",
-            absent=Absence.NOT_BUILT,
+            studies=("submap-world",),
+            code=("hullrecon/studies/submaps/ekf_slam.py:build_map",),
+            tests=(
+                "tests/studies/submaps/test_joining.py::test_submaps_end_as_surely_as_they_say",
+            ),
             differs=_ONE_PROBLEM,
         ),
         Part(
             "3.3.2, eq (3.12), Fig. 3.1",
             "global map of transforms between submaps",
-            absent=Absence.NOT_BUILT,
-            code=("hullrecon/navigation/pose_graph/graph.py:relative_covariance",),
+            code=(
+                "hullrecon/studies/submaps/global_map.py:GlobalMap",
+                "hullrecon/navigation/pose_graph/graph.py:relative_covariance",
+            ),
+            studies=("submap-world",),
+            tests=(
+                "tests/studies/submaps/test_joining.py::test_chained_transforms_have_their_derivatives",
+            ),
             differs=(
                 "relative poses with joint covariance by the pose graph, for nodes instead of "
                 "submaps"
@@ -137,9 +154,16 @@ _SUBMAPS = Chapter(
         Part(
             "3.3.3, eqs (3.13) to (3.15)",
             "two submaps joined and fused",
-            absent=Absence.NOT_BUILT,
-            code=("native/solve/joined_problem.cpp", "hullrecon/change/offset.py:estimate_offset"),
-            tests=("tests/native/test_parts.py",),
+            code=(
+                "hullrecon/studies/submaps/join.py:fuse",
+                "native/solve/joined_problem.cpp",
+                "hullrecon/change/offset.py:estimate_offset",
+            ),
+            tests=(
+                "tests/studies/submaps/test_joining.py::test_fused_maps_are_as_sure_as_they_say",
+                "tests/native/test_parts.py",
+            ),
+            studies=("submap-world",),
             differs=(
                 "a problem solved in parts gives the whole one's numbers; two dives are laid on "
                 "each other by one offset"
@@ -149,8 +173,14 @@ _SUBMAPS = Chapter(
             "3.3.4, Fig. 3.2",
             "a loop is closed where submaps share enough; time by threshold",
             printed="least at 40 to 50 % of the landmarks of a submap",
-            absent=Absence.NOT_BUILT,
-            code=("hullrecon/vision/pairs/selection.py:propose_revisits",),
+            code=(
+                "hullrecon/studies/submaps/loops.py:possible_loops",
+                "hullrecon/vision/pairs/selection.py:propose_revisits",
+            ),
+            studies=("submap-threshold",),
+            tests=(
+                "tests/studies/submaps/test_joining.py::test_no_two_maps_are_fused_that_share_too_little",
+            ),
             differs=(
                 "images are compared where they probably overlap; every link that stands counts"
             ),
@@ -163,20 +193,24 @@ _EXPERIMENTS = Chapter(
         Part(
             "Fig. 3.3, eqs (3.17) to (3.20)",
             "car with steering wheel, laser range and bearing",
-            absent=Absence.NOT_BUILT,
+            studies=("submap-world",),
+            code=("hullrecon/studies/submaps/models.py:Car",),
+            tests=("tests/studies/submaps/test_models.py",),
             differs="no land vehicle in the product",
         ),
         Part(
             "3.4.1, Fig. 3.4",
             "441 landmarks, surveyed in lines",
             printed="dead reckoning off by 25 %, joined below 2.5 %",
-            absent=Absence.NOT_BUILT,
+            studies=("submap-world",),
+            code=("hullrecon/studies/submaps/worlds.py:simulate_survey",),
             differs=_ONE_PROBLEM,
         ),
         Part(
             "Fig. 3.5",
             "two submaps before and after fusion",
-            absent=Absence.NOT_BUILT,
+            studies=("submap-world",),
+            code=("hullrecon/studies/submaps/world_figures.py:draw_fusion",),
             differs=_ONE_PROBLEM,
         ),
         Part(
@@ -187,20 +221,27 @@ _EXPERIMENTS = Chapter(
             tests=(
                 "tests/benchmarks/test_dives.py::test_errors_of_three_and_four_sigma_are_a_nees_of_25",
             ),
+            studies=("submap-world",),
+            code=("hullrecon/studies/submaps/missions.py:nees",),
             differs="of poses of simulated dives",
         ),
         Part(
             "Table 3.2",
             "time of six methods",
             printed="EKF 2,028 s; LMJ 92.48, DCS 83.73, HS 78.37, CIS 85.26, SSJS 78.88 s",
-            absent=Absence.NOT_BUILT,
+            studies=("submap-world",),
+            code=("hullrecon/studies/submaps/world_study.py:table",),
+            tests=(
+                "tests/studies/submaps/test_joining.py::test_one_filter_multiplies_ten_times_as_often_on_more_landmarks",
+            ),
             differs=_ONE_PROBLEM,
         ),
         Part(
             "Table 3.3",
             "error of map and localisation of six methods",
             printed="SSJS mean 0.196 m and 0.537 m, EKF 0.589 m and 0.727 m",
-            absent=Absence.NOT_BUILT,
+            studies=("submap-world",),
+            code=("hullrecon/studies/submaps/world_study.py:table",),
             differs=_ONE_PROBLEM,
         ),
         Part(
@@ -238,17 +279,21 @@ _FEATURES = Chapter(
             "4.2.1, Figs 4.4, 4.5, 4.7",
             "centre of a tree trunk from a laser scan",
             printed="returns from 3 to 40 m",
-            absent=Absence.NOT_BUILT,
+            studies=("tree-trunks",),
+            code=("hullrecon/studies/association/trunks.py:find_trunks",),
+            tests=("tests/studies/association/test_trunks.py",),
             differs=_NO_LASER,
         ),
         Part(
             "4.2.2, Fig. 4.6",
             "association: nearest neighbour, joint compatibility, randomised",
-            absent=Absence.NOT_BUILT,
             code=(
+                "hullrecon/studies/association/methods.py:joint_compatibility",
                 "hullrecon/change/objects.py:match_objects",
                 "hullrecon/vision/appearance/consistency.py:largest_group",
             ),
+            studies=("association",),
+            tests=("tests/studies/association/test_methods.py",),
             differs=(
                 "objects of two dives by best pairs inside a gate; links of one place by the "
                 "largest group that agrees"
@@ -454,23 +499,54 @@ _APPENDIX = Chapter(
 )
 
 _MISPRINTS = (
-    Misprint(where="Algorithms 1, 2, eq (3.11)", printed="P = P - W S P", right="P = P - W S W'"),
+    Misprint(
+        where="Algorithms 1, 2, eq (3.11)",
+        printed="P = P - W S P",
+        right="P = P - W S W'",
+        tests=(
+            "tests/studies/submaps/test_filters.py::test_update_is_least_squares_and_not_as_printed",
+        ),
+    ),
     Misprint(
         where="eq (3.10)",
         printed="innovation from f and P of the step before",
         right="from h and the predicted P",
+        tests=(
+            "tests/studies/submaps/test_filters.py::test_innovation_needs_the_predicted_covariance_not_as_printed",
+        ),
     ),
     Misprint(
         where="eq (3.13)",
         printed="covariance of the chain of transforms left out",
         right="J_T P_T J_T' added",
+        tests=(
+            "tests/studies/submaps/test_joining.py::test_landmarks_behind_an_unsure_chain_are_unsure_not_as_printed",
+        ),
     ),
     Misprint(
         where="eq (3.17)",
         printed="tan(phi) in the first two rows",
         right="tan(alpha), the steering angle",
+        tests=(
+            "tests/studies/submaps/test_models.py::test_car_moves_by_its_steering_not_by_its_heading_as_printed",
+        ),
     ),
-    Misprint(where="eq (3.20)", printed="range falls by the landmark's x: -dx/D", right="+dx/D"),
+    Misprint(
+        where="eq (3.19)",
+        printed="bearing by the arc tangent of a quotient, which folds what is behind",
+        right="atan2(dy, dx)",
+        tests=(
+            "tests/studies/submaps/test_models.py::test_what_lies_behind_the_car_is_not_folded_as_printed",
+        ),
+    ),
+    Misprint(
+        where="eq (3.20)",
+        printed="range falls by the landmark's x: -dx/D",
+        right="+dx/D",
+        tests=(
+            "tests/studies/submaps/test_models.py::test_range_grows_with_the_landmarks_x_ahead_not_as_printed",
+        ),
+    ),
     Misprint(
         where="eq (3.22)",
         printed="S without saying of which state",
@@ -532,6 +608,9 @@ _MISPRINTS = (
         where="A.2",
         printed="derivative of the inverse, row 1, by phi: -x sin phi - y cos phi",
         right="x sin phi - y cos phi",
+        tests=(
+            "tests/studies/submaps/test_models.py::test_inverse_has_x_sin_minus_y_cos_not_as_printed",
+        ),
     ),
     Misprint(
         where="A.3",
