@@ -65,6 +65,7 @@ class Strategy:
     deviation_field: bool = True
     estimate_sigmas: bool = True  # from the residuals of each round
     max_off_hull_m: float = np.inf  # landmarks farther off the hull are left out
+    hull: bool = True  # the hull enters: its CAD model, and patches of it that two passes saw
 
     def native_options(self, options: AdjustOptions) -> native.Options:
         """Build the solver's options. Those not named here have their defaults."""

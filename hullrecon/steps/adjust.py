@@ -44,6 +44,8 @@ def run_adjustment(context: Context[Options], strategy: Strategy) -> None:
     """Adjust the dive by a strategy, and write the step's files."""
     refuse_small_address_space(context.parameters.threads)
     measured = _measurements(context)
+    if not strategy.hull:
+        measured = replace(measured, cad_model=None, planes=None)
     adjusted = adjust(measured, context.parameters, logging.getLogger(__name__).info, strategy)
     outcome = summarise_adjustment(measured, adjusted, context.parameters)
     for sentence in [

@@ -40,10 +40,34 @@ OZOG_STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
         run=_study("estimates.joint_predictions"),
     ),
     DiveStudy(
+        id="surfaces-by-source",
+        source="[Ozog2016 Figs 3.8, 3.9, 3.10]",
+        shows="the DVL's surface by source of poses and by interpolation, against the CAD model",
+        run=_study("surfaces.by_source"),
+    ),
+    DiveStudy(
+        id="sonar-variance",
+        source="[Ozog2016 Figs 3.11, 3.12]",
+        shows="the sonar mosaic's variance by source of poses, of a hull painted in blocks",
+        run=_study("surfaces.sonar_scene"),
+    ),
+    DiveStudy(
+        id="mosaics",
+        source="[Ozog2016 Figs 3.7, 4.19]",
+        shows="mosaics on the CAD model beside those on the hull as surveyed, shaded by height",
+        run=_study("surfaces.mosaics"),
+    ),
+    DiveStudy(
         id="shapes",
         source="[Ozog2016 Figs 4.8, 4.9; Algorithms 4, 5]",
         shows="one image's shapes and one vertex moved to them, step by step",
         run=_study("structures.steps"),
+    ),
+    DiveStudy(
+        id="dense-stereo",
+        source="[Ozog2016 Figs 4.15, D.2, D.3]",
+        shows="a rectified pair, its range image, and heights by dense stereo beside landmarks'",
+        run=_study("structures.dense_stereo"),
     ),
     DiveStudy(
         id="thresholds",

@@ -38,6 +38,7 @@ from hullrecon.studies.figure_style import (
     COLOURS,
     GREEN,
     INK,
+    RED,
     PublishedFigure,
     finish_figure,
     new_canvas,
@@ -96,7 +97,7 @@ def sonar_variance(maps: Mapping[str, VarianceMap]) -> PublishedFigure:
     beyond = {
         name: 1 - np.searchsorted(np.sort(v), edges) / max(len(v), 1) for name, v in blended.items()
     }
-    for (name, share), ink in zip(beyond.items(), (*INKS, INK), strict=False):
+    for (name, share), ink in zip(beyond.items(), (*INKS, INK, RED), strict=False):
         for axis in axes[-1]:
             axis.plot(edges, 100 * share, color=ink, linewidth=1.6, label=name)
     axes[-1][0].set(xlabel="variance of at least", ylabel="pixels (%)", xlim=(0, most))
@@ -213,7 +214,7 @@ def draw_path_figures(
         return []
     links = LinksArtifact(dive.workspace.artifact("links"))
     tracks = {"dead reckoned": start.trajectory.track()}
-    planar = _path_by_planes(dive)
+    planar = path_by_planes(dive)
     if planar is not None:
         tracks["with planes"] = linked_track(start.trajectory, planar)
     figures, compared = [], links.compared
@@ -256,6 +257,12 @@ def lay_onto_cad_model(
     """Register the returns on a path to the CAD model, from where it truly lies."""
     assert start.returns is not None
     points = start.rig.dvl_points(start.returns, path).points[~start.returns.flagged]
+    in_hull = place_on_cad_model(points, mesh, global_from_hull).inverse().apply(points)
+    return ReturnsOnHull(points=in_hull, distance=Scene(mesh).closest(in_hull).distance)
+
+
+def place_on_cad_model(points: Array, mesh: Mesh, global_from_hull: Poses) -> Poses:
+    """Register the CAD model to returns (n, 3) in g, from where it truly lies."""
     model = CadModel(
         mesh,
         chart_for_hull(mesh),
@@ -264,13 +271,12 @@ def lay_onto_cad_model(
         DEVIATION_SIGMA_M,
         DEVIATION_LENGTH_M,
     )
-    in_hull = register(points, model, RANGE_SIGMA_M).global_from_hull.inverse().apply(points)
-    return ReturnsOnHull(points=in_hull, distance=Scene(mesh).closest(in_hull).distance)
+    return register(points, model, RANGE_SIGMA_M).global_from_hull
 
 
-def _path_by_planes(dive: DiveRun) -> LinkedPath | None:
+def path_by_planes(dive: DiveRun) -> LinkedPath | None:
     """Solve the path with the hull's planes, without images. None if none tie it."""
-    inputs = _inputs(dive, "links")
+    inputs = inputs_of_step(dive, "links")
     returns = inputs.navigate.returns
     if returns is None:
         return None
@@ -329,7 +335,7 @@ def _variances(dive: DiveRun, tracks: Mapping[str, VehicleTrack]) -> dict[str, V
 
     The tracks, in g, are moved rigidly onto the delivered path, so that what differs is their form.
     """
-    inputs = _inputs(dive, "mosaic-sonar")
+    inputs = inputs_of_step(dive, "mosaic-sonar")
     settings = inputs.mounted(settings_for(dive.chain.stage("mosaic-sonar"), dive.chain.sections))
     surface = read_mosaic_inputs(inputs)
     pings = inputs.ingest.sonar
@@ -345,11 +351,11 @@ def _variances(dive: DiveRun, tracks: Mapping[str, VehicleTrack]) -> dict[str, V
             mosaic = blend_pings(
                 surface.surface, pings, poses, settings, lambda tiles, _: tiles, scratch
             )
-            found[name] = _variance_map(mosaic.store)
+            found[name] = variance_map(mosaic.store)
     return found
 
 
-def _variance_map(store: TileStore) -> VarianceMap:
+def variance_map(store: TileStore) -> VarianceMap:
     """Map the variance of the pixels in which more than one view was blended."""
     grid = store.grid
     variance = np.full((grid.height, grid.width), np.nan)
@@ -364,7 +370,7 @@ def _variance_map(store: TileStore) -> VarianceMap:
     return VarianceMap(variance=variance, extent=(grid.west, right, bottom, grid.north))
 
 
-def _inputs(dive: DiveRun, name: str) -> InputArtifacts:
+def inputs_of_step(dive: DiveRun, name: str) -> InputArtifacts:
     """Read the input artifacts of a step."""
     return InputArtifacts(
         inputs_of(dive.chain.stage(name), dive.chain, dive.workspace, dive.chain.skip_reasons())
