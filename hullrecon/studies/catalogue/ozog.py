@@ -348,29 +348,54 @@ _SONAR = Chapter(
             "Fig. 3.7",
             "the mosaic on the CAD model and on the DVL's surface",
             delivered=("mosaic_sonar.glb", "ortho_sonar.tif"),
-            code=("hullrecon/mosaic/output/textured_mesh.py",),
-            differs="on the hull as found, else on the DVL's surface",
+            studies=("mosaics/sonar_mosaics",),
+            code=(
+                "hullrecon/mosaic/output/textured_mesh.py",
+                "hullrecon/studies/surfaces/mosaics.py",
+            ),
+            differs="delivered on the hull as found, else on the DVL's surface",
         ),
         Part("3.3.1", "eight surveys in one mosaic", absent=Absence.DATA, differs=_ONE_DIVE),
         Part(
             "Fig. 3.8",
             "the DVL's points laid on the CAD model",
-            code=("hullrecon/adjustment/hull_pose/registration.py:register",),
+            code=(
+                "hullrecon/adjustment/hull_pose/registration.py:register",
+                "hullrecon/studies/surfaces/pose_sources.py:place_paths",
+            ),
+            studies=("surfaces-by-source/registration",),
             delivered=("alignment.json",),
         ),
         Part(
             "3.3.3, Figs 3.9, 3.10",
             "distance of either surface to the CAD model, by source of poses",
             printed="colours from 0 to 70 cm",
-            code=("hullrecon/evaluation/surfaces.py:score_surface",),
+            code=(
+                "hullrecon/studies/surfaces/by_source.py",
+                "hullrecon/studies/surfaces/pose_sources.py:place_paths",
+            ),
+            studies=("surfaces-by-source/deviation_by_source",),
             delivered=("deviation.tif",),
+            tests=("tests/studies/surfaces/test_by_source.py",),
+            differs=(
+                "heights over a plane, so that the CAD model does not enter; on metres of hull "
+                "images hold the form, and linear interpolation is worst at its rim"
+            ),
         ),
         Part(
             "Figs 3.11, 3.12",
             "variance of the blended intensities by source of poses",
             printed="tails above 20 heavier without bundle adjustment",
-            code=("hullrecon/studies/paths/path_figures.py",),
-            studies=("path-figures/sonar_variance",),
+            code=(
+                "hullrecon/studies/surfaces/sonar_scene.py",
+                "hullrecon/studies/paths/path_figures.py",
+            ),
+            studies=("sonar-variance", "path-figures/sonar_variance"),
+            tests=("tests/studies/surfaces/test_sonar_scene.py",),
+            differs=(
+                "of a dive's own pings speckle outweighs poses; the study paints the hull so that "
+                "poses show"
+            ),
             delivered=("variance_sonar.tif",),
         ),
         Part(
@@ -551,10 +576,14 @@ _SHAPES = Chapter(
             "Fig. 4.15",
             "growth beside dense stereo",
             printed="0.06 to 0.18 m, 0.10 to 0.20 m",
-            absent=Absence.NOT_BUILT,
+            code=("hullrecon/studies/structures/dense_stereo.py",),
+            studies=("dense-stereo/dense_heights",),
+            tests=(
+                "tests/studies/structures/test_dense_stereo.py::test_plate_and_wall_lie_at_their_distances",
+            ),
             differs=(
-                "no dense stereo: heights are of landmarks; `export colmap` hands images to "
-                "programs that have it"
+                "OpenCV's semi-global matching on single pairs, in the study alone: the product's "
+                "heights are of landmarks"
             ),
         ),
         Part(
@@ -569,16 +598,24 @@ _SHAPES = Chapter(
             "Figs 4.17, 4.18",
             "the remeshed hull at two thresholds",
             printed="0 and 0.06 m",
-            code=("hullrecon/detection/as_found/hull_as_found.py",),
+            code=(
+                "hullrecon/studies/structures/thresholds.py",
+                "hullrecon/detection/as_found/hull_as_found.py",
+            ),
             studies=("thresholds",),
+            tests=("tests/studies/structures/test_thresholds.py",),
             delivered=("as_found.ply", "form.tif"),
         ),
         Part(
             "Fig. 4.19",
             "photomosaic on the remeshed hull and on the CAD model",
-            code=("hullrecon/mosaic/optical.py:optical_mosaic",),
+            code=(
+                "hullrecon/studies/surfaces/mosaics.py:close_up",
+                "hullrecon/mosaic/optical.py:optical_mosaic",
+            ),
+            studies=("mosaics/mosaic_relief",),
             delivered=("mosaic_optical.glb",),
-            differs="on the hull as found; the page's 3-D view slides between both",
+            differs="delivered on the hull as found; the page's 3-D view slides between both",
         ),
     ),
 )
@@ -679,7 +716,11 @@ _APPENDICES = Chapter(
             "D.2.1, D.2.2, Fig. D.2, eqs (D.10), (D.11)",
             "rectified pairs, triangulation",
             printed="baseline 77.6 mm",
-            code=("hullrecon/vision/stereo/matching.py:match_stereo",),
+            studies=("dense-stereo/rectified_pair",),
+            code=(
+                "hullrecon/vision/stereo/matching.py:match_stereo",
+                "hullrecon/studies/structures/dense_stereo.py:rectified_pair",
+            ),
             tests=(
                 "tests/vision/stereo/test_rectification.py::test_point_lies_on_one_column_whatever_way_rig_is_built",
             ),
@@ -694,8 +735,12 @@ _APPENDICES = Chapter(
         Part(
             "D.2.2, Fig. D.3",
             "disparity and range images",
-            absent=Absence.NOT_BUILT,
-            differs="no dense stereo",
+            code=("hullrecon/studies/structures/dense_stereo.py:disparities",),
+            studies=("dense-stereo/range_image",),
+            tests=(
+                "tests/studies/structures/test_dense_stereo.py::test_plate_and_wall_lie_at_their_distances",
+            ),
+            differs="in a study alone",
         ),
         Part(
             "D.3, Fig. D.4",
@@ -827,7 +872,9 @@ _MISPRINTS = (
         where="(4.6)",
         printed="log p proportional to the log of a product",
         right="equal up to a constant",
-        checked="reading",
+        tests=(
+            "tests/studies/estimates/test_toy_graph.py::test_the_posterior_is_its_product_up_to_a_constant_not_a_factor",
+        ),
     ),
     Misprint(
         where="Fig. 4.8",
@@ -885,6 +932,9 @@ _MISPRINTS = (
         where="D.2.2",
         printed="q14, q24 are the camera centre",
         right="minus the principal point; q43 is 1 / baseline",
+        tests=(
+            "tests/studies/structures/test_dense_stereo.py::test_depth_by_q_takes_one_over_the_baseline",
+        ),
     ),
     Misprint(
         where="D.3",
@@ -892,7 +942,14 @@ _MISPRINTS = (
         right="u_i, v_i; Sigma_x",
         checked="reading",
     ),
-    Misprint(where="E.3", printed="p(y, z_t)", right="p(z, z_t)", checked="reading"),
+    Misprint(
+        where="E.3",
+        printed="p(y, z_t), with the returns' noise on test values too",
+        right="p(z, z_t), noise on the returns alone",
+        tests=(
+            "tests/studies/estimates/test_joint_predictions.py::test_it_is_the_conditional_of_the_joint_normal",
+        ),
+    ),
 )
 
 OZOG = Source(
