@@ -44,19 +44,33 @@ class CameraModel:
 
     def project(self, points: ArrayLike) -> Array:
         """Project points (n, 3) in the camera frame to pixels (n, 2). NaN behind the camera."""
-        p = np.atleast_2d(np.asarray(points, float))
-        xy = np.full((len(p), 2), np.nan)
-        np.divide(p[:, :2], p[:, 2:], out=xy, where=p[:, 2:] > 1e-9)
-        return self.distort(xy)
+        x, y, z = np.atleast_2d(np.asarray(points, float)).T
+        depth = np.where(z > 1e-9, z, np.nan)
+        return np.stack(self._distorted(x / depth, y / depth), axis=1)
 
     def distort(self, xy: ArrayLike) -> Array:
         """Map ideal coordinates x/z, y/z (n, 2) to pixels (n, 2)."""
         x, y = np.asarray(xy, float).T
+        return np.stack(self._distorted(x, y), axis=1)
+
+    def _distorted(self, x: Array, y: Array) -> tuple[Array, Array]:
         r2 = x * x + y * y
         radial = 1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
         u = x * radial + 2 * self.p1 * x * y + self.p2 * (r2 + 2 * x * x)
         v = y * radial + self.p1 * (r2 + 2 * y * y) + 2 * self.p2 * x * y
-        return np.stack([self.fx * u + self.cx, self.fy * v + self.cy], axis=1)
+        return self.fx * u + self.cx, self.fy * v + self.cy
+
+    def steepest(self, radius: Array) -> Array:
+        """Bound how fast pixels move with ideal coordinates, as far as a radius (n,) from the axis.
+
+        In px. Along the radius they move by the derivative of r + k1 r^3 + k2 r^5 + k3 r^7, across
+        it by less.
+        """
+        r2 = np.square(radius)
+        terms = [3 * self.k1 * r2, 5 * self.k2 * r2**2, 7 * self.k3 * r2**3]
+        more, less = (sum(np.maximum(way * term, 0) for term in terms) for way in (1, -1))
+        tangential = 6 * (abs(self.p1) + abs(self.p2)) * radius
+        return np.asarray(max(self.fx, self.fy) * (np.maximum(1 + more, less - 1) + tangential))
 
     def undistort(self, pixels: ArrayLike, iterations: int = 12) -> Array:
         """Map pixels (n, 2) to ideal coordinates x/z, y/z (n, 2), by fixed-point iteration."""

@@ -4,22 +4,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.imagery.camera_views import ImageView
+from hullrecon.mosaic.imagery.radiometry import Part
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface, seen
-from hullrecon.typing import Array, Floats32, Ints32, Mask
+from hullrecon.typing import Array, Floats32, Ints, Ints32, Mask
 
 STEEPNESS = (5.0, 10.0, 50.0)  # k of B_k, from the coarsest band to the finest
 BLUR_PX = (10.0, 2.5)  # sigma of the low-pass below the middle and the finest band
 # the coarsest band is made at a quarter of the size: six times faster, and the sum stays exact
 REDUCED = 4
+# around a sampled pixel, from which the coarsest band is made: four sigmas of both blurs and what
+# reducing and enlarging reach
+MARGIN_PX = 64
+ALIGN_PX = 32  # corners of a part of an image, a multiple of REDUCED
+SAMPLES = 256  # pixels a line of the raster in which OpenCV samples
 VIEWS = 4  # at most so many a texel [Ozog2016 3.2.4]
+BLOCK = 64  # texels, side of the squares for which views are left out together
 
 
 def split_bands(picture: Floats32) -> tuple[Floats32, Floats32, Floats32]:
@@ -43,9 +50,6 @@ def band_weight(ratio: NDArray[np.floating], steepness: float) -> Floats32:
     """Weigh by B_k(r) = exp(-k r/R) / (1 + exp(-2 k r/R)). Zero where r/R is NaN."""
     fall = np.exp(-steepness * np.nan_to_num(ratio, nan=0.0))
     return np.where(np.isfinite(ratio), fall / (1 + fall * fall), 0).astype(np.float32)
-
-
-Part = tuple[slice, slice]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,7 +107,7 @@ def blend_tile(
         {k: windows[k] for k in near},
         limits,
     )
-    tile = blend(patch, choice, part, image_views, windows, channels)
+    tile = blend(patch, choice, image_views, channels)
     return tile.padded(window.shape)
 
 
@@ -115,37 +119,134 @@ def choose_views(
     windows: dict[int, Window],
     limits: ViewLimits,
 ) -> BestViews:
-    """Choose the best views of each texel.
+    """Choose the best views of each texel, block by block.
 
     The best are nearest to their image's best place, with a cost for slant. Whether something
     stands in the way is asked of the views that would be the best, and of all only where it does:
-    most of the time goes into these rays.
+    much of the time goes into these rays.
     """
-    parts = {k: w.meet(window).within(window) for k, w in windows.items()}
-    best = _rank(None, patch, parts, image_views, limits)
-    hidden = _find_hidden(surface, patch, best, parts, image_views, limits)
-    if hidden.any():
-        again = _rank(surface, patch.only(hidden), parts, image_views, limits)
-        best.view[:, hidden], best.cost[:, hidden] = again.view[:, hidden], again.cost[:, hidden]
+    blocks = [block for w in window.parts(BLOCK) if (block := _block(patch, w, window)) is not None]
+    best = _no_views(window.shape)
+    for block, near in zip(blocks, _nearest_first(blocks, image_views, windows), strict=True):
+        chosen = _rank(None, block, near, image_views, limits)
+        hidden = _find_hidden(surface, block.patch, chosen, image_views, limits)
+        if len(hidden):
+            again = _rank(surface, block.only(hidden), near, image_views, limits)
+            chosen.view[:, hidden], chosen.cost[:, hidden] = again.view, again.cost
+        best.view.reshape(VIEWS, -1)[:, block.texel] = chosen.view
+        best.cost.reshape(VIEWS, -1)[:, block.texel] = chosen.cost
     return best
+
+
+def _no_views(shape: tuple[int, ...]) -> BestViews:
+    return BestViews(
+        view=np.full((VIEWS, *shape), -1, np.int32),
+        cost=np.full((VIEWS, *shape), np.inf, np.float32),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Block:
+    """Texels (m) of a square that lie on the surface."""
+
+    window: Window
+    row: Ints  # (m,) of the raster
+    column: Ints  # (m,)
+    texel: Ints  # (m,) flat, of the tile
+    patch: SurfacePatch  # (m, 1)
+
+    def only(self, rows: Ints) -> _Block:
+        """Keep some of the texels."""
+        return replace(
+            self,
+            row=self.row[rows],
+            column=self.column[rows],
+            texel=self.texel[rows],
+            patch=_column_major(self.patch, rows),
+        )
+
+    def within(self, window: Window) -> Mask:
+        """Mark the texels (m,) in a window."""
+        rows = (self.row >= window.top) & (self.row < window.bottom)
+        return np.asarray(rows & (self.column >= window.left) & (self.column < window.right))
+
+
+def _block(patch: SurfacePatch, window: Window, tile: Window) -> _Block | None:
+    """Cut a block out of a tile. None where there is no surface."""
+    place = window.within(tile)
+    row, column = np.nonzero(np.isfinite(patch.point[place][..., 0]))
+    if not len(row):
+        return None
+    row, column = row + window.top, column + window.left
+    texel = (row - tile.top) * tile.shape[1] + column - tile.left
+    return _Block(
+        window=window, row=row, column=column, texel=texel, patch=_column_major(patch, texel)
+    )
+
+
+def _column_major(patch: SurfacePatch, rows: Ints) -> SurfacePatch:
+    """Take flat rows, coordinate after coordinate: NumPy is several times faster on these."""
+    point, normal = (
+        np.asfortranarray(field.reshape(-1, 3)[rows])[:, None]
+        for field in (patch.point, patch.normal)
+    )
+    return SurfacePatch(
+        point=point,
+        normal=normal,
+        face=patch.face.ravel()[rows][:, None],
+        hidden_from=patch.hidden_from.ravel()[rows][:, None],
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Candidate:
+    """A view that may see texels of a block."""
+
+    view: int
+    window: Window  # of the raster, the texels that it may see
+    least: float  # no texel of the block costs less
+
+
+def _nearest_first(
+    blocks: Sequence[_Block], image_views: dict[int, ImageView], windows: dict[int, Window]
+) -> Iterator[list[_Candidate]]:
+    """List the views that may see each block, by the least that a texel of it can cost."""
+    points = [block.patch.point[:, 0] for block in blocks]
+    center = np.array([0.5 * (p.min(axis=0) + p.max(axis=0)) for p in points]).reshape(-1, 3)
+    radius = np.array(
+        [np.sqrt(np.square(p - c).sum(axis=1).max()) for p, c in zip(points, center, strict=True)]
+    )
+    least = {k: image_view.least_ratio(center, radius) for k, image_view in image_views.items()}
+    for place, block in enumerate(blocks):
+        near = [
+            (float(least[k][place]), k)
+            for k in image_views
+            if least[k][place] < np.inf and not windows[k].meet(block.window).empty
+        ]
+        yield [_Candidate(view=k, window=windows[k], least=low) for low, k in sorted(near)]
 
 
 def _rank(
     surface: MosaicSurface | None,
-    patch: SurfacePatch,
-    parts: dict[int, Part],
+    block: _Block,
+    near: Sequence[_Candidate],
     image_views: dict[int, ImageView],
     limits: ViewLimits,
 ) -> BestViews:
-    """Rank the best views of each texel of the patch."""
-    shape = patch.point.shape[:2]
-    best = BestViews(
-        view=np.full((VIEWS, *shape), -1, np.int32),
-        cost=np.full((VIEWS, *shape), np.inf, np.float32),
-    )
-    for k, image_view in image_views.items():
-        if np.isfinite(patch.point[parts[k]][..., 0]).any():
-            _insert(best, parts[k], k, view_cost(surface, patch, parts[k], image_view, limits))
+    """Rank the best views (4, m) of each texel of a block.
+
+    Ends at the first view that cannot be among the best anywhere. `surface`: what may stand in
+    their way, None to ask of nothing.
+    """
+    best = _no_views(block.texel.shape)
+    for candidate in near:
+        # costs are in single precision
+        if candidate.least > float(best.cost[-1].max()) + 1e-5:
+            break
+        cost = view_cost(surface, block.patch, image_views[candidate.view], limits)
+        if candidate.window.meet(block.window) != block.window:
+            cost[~block.within(candidate.window)] = np.inf
+        _insert(best, candidate.view, cost)
     return best
 
 
@@ -153,119 +254,138 @@ def _find_hidden(
     surface: MosaicSurface,
     patch: SurfacePatch,
     best: BestViews,
-    parts: dict[int, Part],
     image_views: dict[int, ImageView],
     limits: ViewLimits,
-) -> Mask:
-    """Find texels (h, w) where something stands in the way of one of the best views."""
-    hidden = np.zeros(best.view.shape[1:], bool)
-    for k in np.unique(best.view[best.view >= 0]).tolist():
-        rows = patch.rows(parts[k])[(best.view[(slice(None), *parts[k])] == k).any(axis=0)]
-        free, _ = seen(surface, patch, rows, image_views[k].center, limits.min_cosine)
-        hidden.ravel()[rows[~free]] = True
-    return hidden
+) -> Ints:
+    """List the texels where something stands in the way of one of the best views (4, m)."""
+    doubtful = np.isfinite(patch.hidden_from[:, 0])
+    hidden = np.zeros(len(doubtful), bool)
+    for k in np.unique(best.view[:, doubtful]).tolist():
+        if k >= 0:
+            rows = np.flatnonzero((best.view == k).any(axis=0) & doubtful)
+            free, _ = seen(surface, patch, rows, image_views[k].center, limits.min_cosine)
+            hidden[rows[~free]] = True
+    return np.flatnonzero(hidden)
 
 
 def view_cost(
-    surface: MosaicSurface | None,
-    patch: SurfacePatch,
-    part: Part,
-    image_view: ImageView,
-    limits: ViewLimits,
+    surface: MosaicSurface | None, patch: SurfacePatch, image_view: ImageView, limits: ViewLimits
 ) -> Floats32:
-    """Compute a view's cost (h, w) for the part, inf where it does not see the texel.
+    """Compute a view's cost (m,) for the texels (m, 1) of a patch, inf where it does not see them.
 
     `surface`: what may stand in its way, None to ask of nothing.
     """
-    known = np.isfinite(patch.point[part][..., 0])
-    place, rows = np.flatnonzero(known), patch.rows(part)[known]
-    _, ratio = image_view.project(patch.point.reshape(-1, 3)[rows])
-    held = np.isfinite(ratio)
-    place, rows, ratio = place[held], rows[held], ratio[held]
+    _, ratio = image_view.project(patch.point[:, 0])
+    free = np.isfinite(ratio)
     if surface is None:
-        cosine = patch.cosines(rows, image_view.center)
-        free = cosine > limits.min_cosine
+        cosine = patch.cosines(slice(None), image_view.center)
+        free &= cosine > limits.min_cosine
     else:
-        free, cosine = seen(surface, patch, rows, image_view.center, limits.min_cosine)
-    cost = np.full(known.shape, np.inf, np.float32)
-    cost.ravel()[place[free]] = ratio[free] + limits.slant * (1 - cosine[free])
-    return cost
+        rows, cosine = np.flatnonzero(free), np.zeros(len(free))
+        free[rows], cosine[rows] = seen(surface, patch, rows, image_view.center, limits.min_cosine)
+    cost = ratio + limits.slant * (1 - cosine)
+    return np.where(free, cost, np.inf).astype(np.float32)
 
 
-def _insert(best: BestViews, part: Part, view: int, cost: Floats32) -> None:
-    """Insert into the sorted list of each texel."""
-    names = np.full(cost.shape, view, np.int32)
+def _insert(best: BestViews, view: int, cost: Floats32) -> None:
+    """Insert into the sorted list of each texel. Of equals the first view comes first."""
+    last_cost, last = best.cost[-1], best.view[-1]
+    rows = np.flatnonzero((cost < last_cost) | ((cost == last_cost) & (view < last)))
+    new_cost, new = cost[rows], np.full(len(rows), view, np.int32)
     for place in range(VIEWS):
-        kept_cost, kept = best.cost[place][part], best.view[place][part]
-        better = cost < kept_cost
-        cost_out, out = np.where(better, kept_cost, cost), np.where(better, kept, names)
-        best.cost[place][part] = np.where(better, cost, kept_cost)
-        best.view[place][part] = np.where(better, names, kept)
-        cost, names = cost_out, out
+        kept_cost, kept = best.cost[place, rows], best.view[place, rows]
+        better = (new_cost < kept_cost) | ((new_cost == kept_cost) & (new < kept))
+        best.cost[place, rows] = np.where(better, new_cost, kept_cost)
+        best.view[place, rows] = np.where(better, new, kept)
+        new_cost, new = np.where(better, kept_cost, new_cost), np.where(better, kept, new)
 
 
 def blend(
-    patch: SurfacePatch,
-    choice: BestViews,
-    window: Window,
-    image_views: Sequence[ImageView],
-    windows: Sequence[Window],
-    channels: int,
+    patch: SurfacePatch, choice: BestViews, image_views: Sequence[ImageView], channels: int
 ) -> Tile:
     """Blend the weighted bands, normalised by band.
 
     The variance is of intensities under the mean of the bands' weights.
     """
-    shape = window.shape
-    total = [np.zeros((*shape, channels), np.float32) for _ in STEEPNESS]
-    weights = [np.zeros(shape, np.float32) for _ in STEEPNESS]
+    shape = choice.view.shape[1:]
+    texels = shape[0] * shape[1]
+    total = [np.zeros((texels, channels), np.float32) for _ in STEEPNESS]
+    weights = [np.zeros(texels, np.float32) for _ in STEEPNESS]
     # of weight, weight x intensity, weight x intensity squared
-    moments = np.zeros((3, *shape), np.float32)
-    count = np.zeros(shape, np.uint8)
-    for k in np.unique(choice.view[choice.view >= 0]).tolist():
-        picture = image_views[k].picture()
+    moments = np.zeros((3, texels), np.float32)
+    count = np.zeros(texels, np.uint8)
+    point = patch.point.reshape(-1, 3)
+    for k, rows in _texels_by_view(choice):
+        pixel, ratio = image_views[k].project(point[rows])
+        part, at = crop_around(pixel, image_views[k].size)
+        picture = image_views[k].picture(part)
         if picture is None:
             continue
-        part = _bounds(choice, k, windows[k].meet(window).within(window))
-        chosen = (choice.view[(slice(None), *part)] == k).any(axis=0)
-        pixel, ratio = _project(patch, part, chosen, image_views[k])
         share = [band_weight(ratio, s) for s in STEEPNESS]
         for band, sums, norms, w in zip(split_bands(picture), total, weights, share, strict=True):
-            sums[part] += w[..., None] * _sample(band, pixel)
-            norms[part] += w
+            sums[rows] += w[:, None] * _sample(band, at)
+            norms[rows] += w
         mean = sum(share) / np.float32(len(share))
-        intensity = _sample(picture, pixel).mean(axis=2)
-        moments[(slice(None), *part)] += np.stack([mean, mean * intensity, mean * intensity**2])
-        count[part] += np.isfinite(ratio)
-    return Tile(value=_normalise(total, weights), variance=_variance(moments), views=count)
+        intensity = _sample(picture, at).mean(axis=1)
+        moments[:, rows] += np.stack([mean, mean * intensity, mean * intensity**2])
+        count[rows] += 1
+    value = _normalise(total, weights).reshape(*shape, channels)
+    return Tile(value=value, variance=_variance(moments).reshape(shape), views=count.reshape(shape))
 
 
-def _bounds(choice: BestViews, view: int, part: Part) -> Part:
-    """Bound the texels, within the part, that the view was chosen for."""
-    chosen = (choice.view[(slice(None), *part)] == view).any(axis=0)
-    rows, columns = (np.flatnonzero(chosen.any(axis=axis)) for axis in (1, 0))
-    return (
-        slice(part[0].start + int(rows[0]), part[0].start + int(rows[-1]) + 1),
-        slice(part[1].start + int(columns[0]), part[1].start + int(columns[-1]) + 1),
-    )
+def _texels_by_view(choice: BestViews) -> Iterator[tuple[int, Ints]]:
+    """Yield each view with the flat rows of the texels that it was chosen for."""
+    _, texel = np.nonzero(choice.view.reshape(VIEWS, -1) >= 0)
+    view = choice.view[choice.view >= 0]
+    names = np.flatnonzero(np.bincount(view))
+    # NumPy sorts 16 bits in a fraction of the time
+    place = np.zeros(names.max(initial=0) + 1, np.uint16)
+    place[names] = np.arange(len(names))
+    place = place[view]
+    order = np.argsort(place, kind="stable")
+    last = np.cumsum(np.bincount(place, minlength=len(names)))
+    yield from zip(names.tolist(), np.split(texel[order], last[:-1]), strict=False)
 
 
-def _project(
-    patch: SurfacePatch, part: Part, chosen: Mask, image_view: ImageView
-) -> tuple[Floats32, Array]:
-    """Project the chosen texels to pixels (h, w, 2) and r/R (h, w), NaN at the others."""
-    pixel = np.full((*chosen.shape, 2), -1.0, np.float32)
-    ratio = np.full(chosen.shape, np.nan)
-    pixel[chosen], ratio[chosen] = image_view.project(patch.point[part][chosen])
-    return pixel, ratio
+def crop_around(pixel: Array, size: tuple[int, int]) -> tuple[Part, Floats32]:
+    """Bound the part of an image from which pixels (n, 2) are sampled in bands.
+
+    Its bands are there those of the whole image. `size`: of the image, width and height.
+
+    Returns
+    -------
+    part
+        rows and columns.
+    at
+        the pixels in it (n, 2).
+    """
+    width, height = size
+    at = pixel.astype(np.float32)
+    if width % REDUCED or height % REDUCED:  # quarters of another raster than that of the part
+        return (slice(0, height), slice(0, width)), at
+    low = np.floor((at.min(axis=0) - MARGIN_PX) / ALIGN_PX).astype(int) * ALIGN_PX
+    high = np.ceil((at.max(axis=0) + 1 + MARGIN_PX) / ALIGN_PX).astype(int) * ALIGN_PX
+    left, top = np.maximum(low, 0).tolist()
+    right, bottom = np.minimum(high, [width, height]).tolist()
+    return (slice(top, bottom), slice(left, right)), at - np.array([left, top], np.float32)
 
 
-def _sample(picture: Floats32, pixel: Floats32) -> Floats32:
-    """Sample bilinearly, (h, w, channels)."""
+def _sample(picture: Floats32, at: Floats32) -> Floats32:
+    """Sample bilinearly at pixels (n, 2): (n, channels)."""
     import cv2
 
-    taken = cv2.remap(picture, pixel, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return np.asarray(taken, np.float32).reshape(*pixel.shape[:2], -1)
+    # OpenCV takes a raster of pixels, of sides below 2^15
+    lines = -(-len(at) // SAMPLES)
+    raster = np.zeros((lines * SAMPLES, 2), np.float32)
+    raster[: len(at)] = at
+    taken = cv2.remap(
+        picture,
+        raster.reshape(lines, SAMPLES, 2),
+        None,
+        cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_REPLICATE,
+    )
+    return np.asarray(taken, np.float32).reshape(lines * SAMPLES, -1)[: len(at)]
 
 
 def _normalise(total: list[Floats32], weights: list[Floats32]) -> Floats32:

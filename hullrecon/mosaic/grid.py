@@ -39,6 +39,12 @@ class Window:
             max(left, min(self.right, other.right)),
         )
 
+    def parts(self, size: int) -> Iterator[Window]:
+        """Yield square windows that fill it in row-major order, cut off at its ends."""
+        for top in range(self.top, self.bottom, size):
+            for left in range(self.left, self.right, size):
+                yield Window(top, top + size, left, left + size).meet(self)
+
     def within(self, outer: Window) -> tuple[slice, slice]:
         """Return the slices of this window in an array of the outer one's shape."""
         return (
@@ -88,7 +94,7 @@ class TexelGrid:
 
     def parts(self, size: int) -> Iterator[Window]:
         """Yield the windows of `tiles`, each cut off where it sticks out of the raster."""
-        return (window.meet(self.whole) for window in self.tiles(size))
+        return self.whole.parts(size)
 
     def tiles(self, size: int) -> Iterator[Window]:
         """Yield square windows in row-major order. The last may stick out of the raster."""

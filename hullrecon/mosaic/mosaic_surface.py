@@ -67,21 +67,11 @@ class SurfacePatch:
             hidden_from=self.hidden_from[which],
         )
 
-    def only(self, which: Mask) -> SurfacePatch:
-        """Keep the surface at those texels (h, w) alone."""
-        return replace(self, point=np.where(which[..., None], self.point, np.nan))
-
-    def rows(self, which: tuple[slice, slice]) -> Ints:
-        """List the flat rows (h, w) of some rows and columns."""
-        height, width = self.point.shape[:2]
-        rows: Ints = np.arange(height * width).reshape(height, width)[which]
-        return rows
-
-    def cosines(self, rows: Ints, sensor: Array) -> Array:
+    def cosines(self, rows: Ints | slice, sensor: Array) -> Array:
         """Compute cosines of the incidence (n,) of a sensor (3,) at flat rows."""
-        away = sensor - self.point.reshape(-1, 3)[rows]
-        normal = self.normal.reshape(-1, 3)[rows]
-        return np.asarray(np.einsum("ni,ni->n", away, normal) / np.linalg.norm(away, axis=1))
+        away = sensor[:, None] - self.point.reshape(-1, 3)[rows].T
+        normal = self.normal.reshape(-1, 3)[rows].T
+        return np.asarray((away * normal).sum(axis=0) / np.sqrt(np.square(away).sum(axis=0)))
 
 
 def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> SurfacePatch:

@@ -14,7 +14,12 @@ from numpy.typing import NDArray
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.blend import ViewLimits
 from hullrecon.mosaic.grid import grid_around
-from hullrecon.mosaic.imagery.camera_views import Footprints, compute_footprints, footprint_windows
+from hullrecon.mosaic.imagery.camera_views import (
+    Footprints,
+    compute_footprints,
+    footprint_windows,
+)
+from hullrecon.mosaic.imagery.radiometry import Part
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface, seen
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.output.tile_store import TileStore, blend_tiles
@@ -130,6 +135,10 @@ class SonarView:
         inside = (points - self.center) @ self.pose.rotation.as_matrix()[0]
         return self.fan.locate(inside)
 
+    def least_ratio(self, center: Array, radius: Array) -> Array:
+        """Bound nothing: any ball may hold the best place."""
+        return np.zeros(len(radius))
+
     def outline(self, surface: MosaicSurface) -> Array:
         """Cast rays all over the aperture, ending at the last range at most."""
         rays = self.fan.rays(bearings=9, elevations=13) @ self.pose.rotation.as_matrix()[0].T
@@ -137,10 +146,14 @@ class SonarView:
         gone = np.where(np.isfinite(gone), np.minimum(gone, self.fan.range_m[-1]), np.nan)
         return np.asarray(self.center + gone[:, None] * rays)
 
-    def picture(self) -> Floats32 | None:
-        raw = self.image.astype(np.float32)
+    @property
+    def size(self) -> tuple[int, int]:
+        return self.image.shape[1], self.image.shape[0]
+
+    def picture(self, part: Part) -> Floats32 | None:
+        raw = self.image[part].astype(np.float32)
         if self.level is not None:
-            raw *= (LEVEL / np.maximum(self.level * self.gain, 1.0)).astype(np.float32)
+            raw *= (LEVEL / np.maximum(self.level[part] * self.gain, 1.0)).astype(np.float32)
         return np.ascontiguousarray(np.minimum(raw, 255)[..., None])
 
 

@@ -17,6 +17,7 @@ from hullrecon.mosaic.blend import (
     band_weight,
     blend_tile,
     choose_views,
+    crop_around,
     split_bands,
 )
 from hullrecon.mosaic.grid import TexelGrid
@@ -216,6 +217,21 @@ def test_where_a_view_grazes_the_surface_it_is_not_chosen(
 def test_the_bands_sum_to_the_picture() -> None:
     picture = np.random.default_rng(1).uniform(0, 255, (61, 83, 3)).astype(np.float32)
     np.testing.assert_allclose(sum(split_bands(picture)), picture, atol=1e-3)
+
+
+@pytest.mark.parametrize("size", [(640, 512), (642, 511)])
+def test_part_of_an_image_has_the_bands_of_the_whole(size: tuple[int, int]) -> None:
+    random = np.random.default_rng(2)
+    picture = random.uniform(0, 255, (size[1], size[0], 3)).astype(np.float32)
+    pixel = random.uniform([300, 10], [390, 120], (500, 2))
+    part, at = crop_around(pixel, size)
+    near = np.rint(at).astype(int)
+    far = np.rint(pixel).astype(int)
+    assert (picture[part].size < picture.size) == (size == (640, 512))
+    for band, whole in zip(split_bands(picture[part]), split_bands(picture), strict=True):
+        np.testing.assert_allclose(
+            band[near[:, 1], near[:, 0]], whole[far[:, 1], far[:, 0]], atol=1e-3
+        )
 
 
 def test_an_even_picture_is_all_in_the_coarsest_band() -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
@@ -39,6 +41,39 @@ def test_folding_distortion_keeps_far_points_outside(
     # the polynomial alone would hold it
     assert abs(folding.project([[1.0, 0.0, 1.0]])[0, 0] - 199.5) < 1
     assert np.isnan(image_view.project(np.array([[1.0, 0.0, 0.0]]))[1][0])
+
+
+@pytest.mark.parametrize(
+    "lens", [{}, {"k1": -0.3, "k2": 0.1, "p1": 0.004}, {"k1": 0.2, "k3": -0.4, "p2": -0.01}]
+)
+def test_no_point_of_a_ball_is_nearer_than_its_bound(lens: dict[str, float]) -> None:
+    camera = CameraModel(width=400, height=320, fx=300.0, fy=310.0, cx=190.0, cy=165.0, **lens)
+    turned = Rotation.from_euler("xyz", [170, 20, 30], degrees=True).as_quat()
+    image_view = CameraView(
+        pose=Poses(turned[None], np.array([[0.1, -0.2, 1.0]])), camera=camera, load=lambda: None
+    )
+    random = np.random.default_rng(5)
+    center = random.uniform(-1.2, 1.2, (400, 3)) * [1, 1, 0.2]
+    radius = random.uniform(0.01, 0.3, 400)
+    way = random.normal(size=(400, 200, 3))
+    way *= random.uniform(0, 1, (400, 200, 1)) / np.linalg.norm(way, axis=2, keepdims=True)
+    points = center[:, None] + radius[:, None, None] * way
+    ratio = image_view.project(points.reshape(-1, 3))[1].reshape(400, 200)
+    nearest = np.where(np.isfinite(ratio), ratio, np.inf).min(axis=1)
+    least = image_view.least_ratio(center, radius)
+    assert (least <= nearest + 1e-12).all()
+    held = np.isfinite(nearest)
+    assert held.sum() > 50
+    assert np.median((nearest - least)[held]) < 0.2  # and yet it tells near from far
+
+
+def test_a_ball_behind_the_camera_is_out_of_reach(
+    camera: CameraModel, above: Callable[..., Poses]
+) -> None:
+    image_view = CameraView(pose=above(0.0, 0.0), camera=camera, load=lambda: None)
+    behind, around = np.array([[0, 0, 1.4], [0, 0, 1.1]])
+    least = image_view.least_ratio(np.stack([behind, around]), np.array([0.3, 0.3]))
+    np.testing.assert_array_equal(least, [np.inf, 0.0])
 
 
 def test_the_outline_spans_the_footprint(

@@ -59,7 +59,7 @@ def test_a_corrected_image_of_an_even_plate_is_even() -> None:
     shown = cv2.resize(np.exp(lamp()[..., 0]), (128, 96), interpolation=cv2.INTER_CUBIC)
     picture = np.rint(100 * shown * np.exp(0.2))[..., None].astype(np.uint8)
     even = LightModel(log_field=(lamp(),), log_gain=np.array([0.2])).correct(
-        picture, camera=0, view=0
+        picture, np.s_[:, :], camera=0, view=0
     )
     np.testing.assert_allclose(even[8:-8, 8:-8], 100, atol=2.0)
 
@@ -67,7 +67,7 @@ def test_a_corrected_image_of_an_even_plate_is_even() -> None:
 def test_a_dark_corner_is_not_blown_up_without_end() -> None:
     picture = np.full((48, 64, 1), 10, np.uint8)
     light = LightModel(log_field=(np.full((*FIELD, 1), -9.0),), log_gain=np.zeros(1))
-    assert light.correct(picture, 0, 0).max() == pytest.approx(80.0)
+    assert light.correct(picture, np.s_[:, :], 0, 0).max() == pytest.approx(80.0)
 
 
 def test_the_first_field_is_the_cameras_own_median() -> None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -20,6 +21,8 @@ from hullrecon.mosaic.imagery.radiometry import (
     FLOOR,
     LightModel,
     LightSamples,
+    Part,
+    Picture,
     first_fields,
     solve_light,
 )
@@ -47,11 +50,21 @@ class ImageView(Protocol):
             (docs/methods.md 13, 14).
         """
 
+    def least_ratio(self, center: Array, radius: Array) -> Array:
+        """Bound r / R (n,) from below for all points of balls that the picture holds.
+
+        `center`: of the balls (n, 3). inf where it holds none.
+        """
+
     def outline(self, surface: MosaicSurface) -> Array:
         """Cast rays all over the image onto the surface (n, 3). NaN where they miss."""
 
-    def picture(self) -> Floats32 | None:
-        """Read the image (h, w, channels), corrected, 0 to 255. None if unreadable."""
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the picture."""
+
+    def picture(self, part: Part) -> Floats32 | None:
+        """Read a part (h, w, channels) of the image, corrected, 0 to 255. None if unreadable."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +73,9 @@ class CameraView:
 
     pose: Poses  # one result_from_camera
     camera: CameraModel
-    load: Callable[[], Floats32 | None]  # gives the correct picture
+    load: Callable[[], Picture | None]  # gives the picture (h, w, channels)
+    # corrects a part of it, None to leave the light as it is
+    light: Callable[[Picture, Part], Floats32] | None = None
 
     @property
     def center(self) -> Array:
@@ -68,16 +83,29 @@ class CameraView:
 
     def project(self, points: Array) -> tuple[Array, Array]:
         """Project points. The best place is the image's middle, R half its diagonal."""
-        rotation = self.pose.rotation.as_matrix()[0]
-        inside = (points - self.center) @ rotation
-        pixel = self.camera.project(inside)
-        x, y, z = inside.T
+        inside = self._inside(points)
+        pixel = self.camera.project(inside.T)
+        x, y, z = inside
         u, v = pixel.T
         width, height = self.camera.width, self.camera.height
         near_axis = np.maximum(np.abs(x), np.abs(y)) < self._widest() * z
         held = near_axis & (u >= 1) & (u <= width - 2) & (v >= 1) & (v <= height - 2)
         away = np.hypot(u - (width - 1) / 2, v - (height - 1) / 2) / (0.5 * np.hypot(width, height))
         return pixel, np.where(held, away, np.nan)
+
+    def least_ratio(self, center: Array, radius: Array) -> Array:
+        """Bound the ratio by how far points may lie in the image from the balls' middles."""
+        x, y, z = self._inside(center)
+        nearest = np.maximum(z - radius, 1e-9)
+        middle = np.stack([x, y], axis=1) / np.maximum(z, 1e-9)[:, None]
+        axis = np.linalg.norm(middle, axis=1)
+        # x / z of a point d from the middle m of a ball is (d_xy - m d_z) / z off m
+        spread = radius * np.sqrt(1 + axis**2) / nearest
+        width, height = self.camera.width, self.camera.height
+        away = self.camera.distort(middle) - [(width - 1) / 2, (height - 1) / 2]
+        least = np.linalg.norm(away, axis=1) - spread * self.camera.steepest(axis + spread)
+        ratio = np.maximum(least / (0.5 * np.hypot(width, height)), 0)
+        return np.where(z + radius <= 0, np.inf, np.where(z <= radius, 0, ratio))
 
     def outline(self, surface: MosaicSurface) -> Array:
         u, v = np.meshgrid(
@@ -90,8 +118,19 @@ class CameraView:
         gone = surface.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
         return np.asarray(self.center + np.where(np.isfinite(gone), gone, np.nan)[:, None] * rays)
 
-    def picture(self) -> Floats32 | None:
-        return self.load()
+    @property
+    def size(self) -> tuple[int, int]:
+        return self.camera.width, self.camera.height
+
+    def picture(self, part: Part) -> Floats32 | None:
+        raw = self.load()
+        if raw is None:
+            return None
+        return np.asarray(raw[part], np.float32) if self.light is None else self.light(raw, part)
+
+    def _inside(self, points: Array) -> Array:
+        """Return coordinates (3, n) in the camera of points (n, 3)."""
+        return np.asarray(self.pose.rotation.as_matrix()[0].T @ (points - self.center).T)
 
     def _widest(self) -> float:
         """Find the tangent beyond which the distortion would fold points back."""
@@ -196,27 +235,17 @@ def camera_views(cameras: Sequence[CameraImages], light: LightModel | None) -> l
     image_views: list[CameraView] = []
     for k, images in enumerate(cameras):
         for i, row in enumerate(images.rows.tolist()):
-            view = len(image_views)
             image_views.append(
                 CameraView(
                     pose=images.poses[i],
                     camera=images.camera,
-                    load=_loader(images.read, row, light, k, view),
+                    load=partial(images.read, row),
+                    light=None
+                    if light is None
+                    else partial(light.correct, camera=k, view=len(image_views)),
                 )
             )
     return image_views
-
-
-def _loader(
-    read: Read, row: int, light: LightModel | None, camera: int, view: int
-) -> Callable[[], Floats32 | None]:
-    def load() -> Floats32 | None:
-        picture = read(row)
-        if picture is None:
-            return None
-        return light.correct(picture, camera, view) if light else np.asarray(picture, np.float32)
-
-    return load
 
 
 def estimate_light(

@@ -12,11 +12,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.typing import Array, Floats32, Ints
+
+Part = tuple[slice, slice]  # rows and columns
+Picture = NDArray[np.uint8] | Floats32  # (h, w, channels)
 
 FLOOR = 2.0  # gray levels: below it the logarithm is of noise
 FIELD = (24, 32)  # cells of the field, rows and columns
@@ -32,16 +36,27 @@ class LightModel:
     log_field: tuple[Array, ...]  # by camera, (rows, columns, channels)
     log_gain: Array  # (views,)
 
-    def correct(self, picture: NDArray[np.uint8], camera: int, view: int) -> Floats32:
-        """Correct an image as if the lamp were even, 0 to 255 and beyond."""
+    def correct(self, picture: Picture, part: Part, camera: int, view: int) -> Floats32:
+        """Correct a part of an image as if the lamp were even, 0 to 255 and beyond."""
+        factor: Floats32 = np.negative(self._field_of(camera, picture.shape[:2])[part])
+        factor -= np.float32(self.log_gain[view])
+        np.minimum(np.exp(factor, out=factor), 8, out=factor)
+        factor *= picture[part]
+        return factor
+
+    def _field_of(self, camera: int, shape: tuple[int, ...]) -> Floats32:
+        """Enlarge a camera's field to an image of that shape: kept for the next image."""
         import cv2
 
-        size = (picture.shape[1], picture.shape[0])
-        field = cv2.resize(
-            self.log_field[camera].astype(np.float32), size, interpolation=cv2.INTER_CUBIC
-        )
-        factor = np.exp(-field.reshape(*picture.shape[:2], -1) - np.float32(self.log_gain[view]))
-        return np.asarray(np.asarray(picture, np.float32) * np.minimum(factor, 8), np.float32)
+        if (camera, shape) not in self._enlarged:
+            small = self.log_field[camera].astype(np.float32)
+            field = cv2.resize(small, shape[::-1], interpolation=cv2.INTER_CUBIC)
+            self._enlarged[camera, shape] = np.asarray(field, np.float32).reshape(*shape, -1)
+        return self._enlarged[camera, shape]
+
+    @cached_property
+    def _enlarged(self) -> dict[tuple[int, tuple[int, ...]], Floats32]:
+        return {}
 
 
 @dataclass(frozen=True, kw_only=True)
