@@ -58,8 +58,8 @@ NAMES = {
 }
 # of sentences on how well something is known, and on readings that any log has
 NEUTRAL = (
-    r"is uncertain by|too plain to tell|for a model that is to scale|rejected as outliers"
-    r"|fall into \d+ parts|^to fill in"
+    r"is uncertain by|clock agrees with the \S+ is known to|too plain to tell"
+    r"|for a model that is to scale|rejected as outliers|fall into \d+ parts|^to fill in"
 )
 # what was compared is no accusation
 EVIDENCE = r"\([^()]*\)|(?<=is not known): .*"

@@ -140,12 +140,12 @@ def w_first(message: Message, t_s: float) -> None:
     q.x, q.y, q.z, q.w = q.w, q.x, q.y, q.z
 
 
-def stamped(seconds: float) -> Edit:
-    """Stamp a message late."""
+def stamped(seconds: float, rate: float = 0.0) -> Edit:
+    """Stamp a message late, by a clock that is fast by a rate."""
 
     def edit(message: Message, t_s: float) -> None:
         stamp = message.header.stamp
-        t_ns = stamp.sec * NS + stamp.nanosec + round(seconds * NS)
+        t_ns = stamp.sec * NS + stamp.nanosec + round((seconds + rate * t_s) * NS)
         stamp.sec, stamp.nanosec = t_ns // NS, t_ns % NS
 
     return edit
@@ -261,6 +261,7 @@ def _dvl(random: Random) -> dict[str, Fault]:
     axes = str(random.choice(list(SWAPS)))
     start, seconds = float(random.uniform(5, 15)), float(random.uniform(2, 6))
     lost = lost_as_zero(start, seconds, pick(random, 1e-5, 1000.0, 0.0))
+    nearer = pick(random, 0.85, 0.92, 1.08)
 
     def fault(edit: Edit, size: str) -> Fault:
         return Fault(sensor="dvl", edits={"/dvl": edit}, size=size)
@@ -270,6 +271,7 @@ def _dvl(random: Random) -> dict[str, Fault]:
         "dvl-axes": fault(turned(SWAPS[axes], "velocity"), axes),
         "dvl-lost-zero": fault(lost, f"{seconds:.1f} s of zeros"),
         "dvl-range-mm": fault(scaled(1000.0, "range"), "ranges in mm"),
+        "dvl-range-scale": fault(scaled(nearer, "range"), f"ranges times {nearer:g}"),
         "dvl-range-axis": fault(along_axis, "along the axis"),
     }
 
@@ -296,7 +298,7 @@ def _imu(random: Random) -> dict[str, Fault]:
 
 
 def _joints(random: Random) -> dict[str, Fault]:
-    off = sign(random) * random.uniform(5, 20)
+    off, lag = sign(random) * random.uniform(5, 20), sign(random) * random.uniform(0.2, 2.0)
 
     def fault(change: Callable[[np.ndarray], np.ndarray], size: str = "") -> Fault:
         return Fault(
@@ -307,6 +309,9 @@ def _joints(random: Random) -> dict[str, Fault]:
         "joint-deg": fault(np.degrees),
         "joint-sign": fault(np.negative),
         "joint-offset": fault(lambda x: x + np.radians(off), f"{off:.1f} degrees"),
+        "joint-late": Fault(
+            sensor="joints", edits={"/joint_states": stamped(lag)}, size=f"{lag:+.2f} s"
+        ),
     }
 
 
@@ -314,9 +319,15 @@ def _clocks(random: Random) -> dict[str, Fault]:
     topic = str(random.choice(["/dvl", "/imu", "/pressure"]))
     late = sign(random) * float(np.exp(random.uniform(np.log(0.1), np.log(5))))
     far = pick(random, 3600, 7200, -3600, -1_777_800_000, 18)
+    rate = sign(random) * random.uniform(0.003, 0.02)
+
+    def fault(edit: Edit, size: str) -> Fault:
+        return Fault(sensor="clock", edits={topic: edit}, size=f"{topic} {size}")
+
     return {
-        name: Fault(sensor="clock", edits={topic: stamped(by)}, size=f"{topic} {by:+.2f} s")
-        for name, by in (("clock-late", late), ("clock-far", far))
+        "clock-late": fault(stamped(late), f"{late:+.2f} s"),
+        "clock-far": fault(stamped(far), f"{far:+.2f} s"),
+        "clock-rate": fault(stamped(0.0, rate), f"{100 * rate:+.1f} % fast"),
     }
 
 
@@ -325,6 +336,7 @@ def _cameras(random: Random, kind: str) -> dict[str, Fault]:
     topics = CAMERAS[: len(both)]
     late, shift = sign(random) * random.uniform(0.08, 0.6), sign(random) * random.uniform(15, 50)
     air, small = pick(random, 1 / 1.333, 1.333), sign(random) * random.uniform(0.01, 0.06)
+    few = sign(random) * random.uniform(2, 8)
 
     def lens(
         change: Callable[[list[float], list[float]], None], size: str = "", of: Sequence[str] = both
@@ -336,6 +348,9 @@ def _cameras(random: Random, kind: str) -> dict[str, Fault]:
 
     def shifted(k: list[float], d: list[float]) -> None:
         k[2], k[5] = k[2] + shift, k[5] + shift / 2
+
+    def nearby(k: list[float], d: list[float]) -> None:
+        k[5] += few
 
     def transposed(k: list[float], d: list[float]) -> None:
         k[:] = np.reshape(k, (3, 3)).T.ravel().tolist()
@@ -355,7 +370,12 @@ def _cameras(random: Random, kind: str) -> dict[str, Fault]:
             sensor="clock", edits=dict.fromkeys(of, stamped(by)), size=f"{1e3 * by:+.0f} ms"
         )
 
+    def exchanged(k: list[float], d: list[float]) -> None:
+        k[0], k[4] = k[4], k[0]
+
     found = {
+        "camera-axes": lens(exchanged, "fx and fy exchanged"),
+        "camera-few-pixels": lens(nearby, f"principal point by {few:.1f} px"),
         "camera-medium": lens(longer_focus(air), f"f times {air:.3f}"),
         "camera-focal": lens(longer_focus(1.08), "f times 1.08, top alone", ("top",)),
         "camera-principal": lens(shifted, f"{shift:.0f} px"),

@@ -16,6 +16,7 @@ import numpy as np
 
 from hullrecon import native
 from hullrecon.adjustment.hull_pose import estimate, registration
+from hullrecon.adjustment.hull_pose.beam_gap import gap_beyond_beams
 from hullrecon.adjustment.hull_pose.form import Form, compare_form
 from hullrecon.adjustment.hull_pose.other_units import find_fitting_unit
 from hullrecon.adjustment.hull_pose.segments import Segments, find_segments, register_segments
@@ -204,7 +205,7 @@ def _reasons_against(found: RoundResult, solver: RoundSolver) -> Iterator[str]:
         yield f"{100 * missed:.0f} % of the DVL's beams miss it"
     on_hull = float(np.mean(label == 1)) if len(label) else 1.0
     if settings.method == "maxmix" and on_hull < MIN_ON_HULL:
-        yield f"only {100 * on_hull:.0f} % of the landmarks lie on its surface"
+        yield f"only {100 * on_hull:.0f} % of the landmarks lie on its surface{_blame(found.after)}"
     if not len(found.problem.stereo.node) + len(found.problem.mono.node):
         # without images the path is navigation's own: its residuals are nil, and whatever bends it
         # makes them grow
@@ -216,6 +217,27 @@ def _reasons_against(found: RoundResult, solver: RoundSolver) -> Iterator[str]:
     if worse:
         parts = ", ".join(f"{name} by {100 * (growth[name] - 1):.0f} %" for name in worse)
         yield f"with it, the residuals grow: {parts}"
+
+
+def _blame(solved: Estimate) -> str:
+    """Tell of ranges that contradict the cameras: the CAD model was placed by the ranges."""
+    measured, state = solved.measured, solved.state
+    if measured.returns is None:
+        return ""
+    fair = ~measured.returns.flagged
+    beams = state.mounted(measured.rig).dvl_points(measured.returns, state.path)
+    landmarks = state.landmark[np.isfinite(state.landmark).all(axis=1)]
+    gap = gap_beyond_beams(
+        beams.points[fair], beams.directions[fair], measured.returns.range_m[fair], landmarks
+    )
+    if gap is None:
+        return ""
+    gap_m, share = gap
+    return (
+        f", for the DVL's ranges, which place it, end {abs(gap_m):.2f} m (a range's "
+        f"{100 * abs(share):.0f} %) {'before' if gap_m > 0 else 'behind'} the landmarks that the "
+        "cameras see there: these ranges, dvl.mount or camera.top.mount is wrong, not the model"
+    )
 
 
 def stated_attitude_rms(found: RoundResult, settings: native.Options) -> float:

@@ -16,6 +16,10 @@ FAULTS = {  # of a sensor, as a statement
     ("pressure", "constant"): "the readings stand still: they are not the water's pressure",
     ("DVL", "unit"): "the velocities are in {value}, not in m/s",
     ("DVL", "scale"): "the velocities have to be multiplied by {value}",
+    ("DVL", "turn"): "it is turned about its axis: its velocities have to be turned by {value} "
+    "degrees",
+    ("DVL", "ranges"): "its ranges have to be multiplied by {value}",
+    ("DVL", "beams"): "its ranges are those of beams {value}, in another order than its beams have",
     ("DVL", "axes"): "the axes of the velocity are {value} of those that its convention has",
     ("DVL", "repeated"): "velocities that repeat one value were taken without bottom lock",
     ("IMU's rates", "unit"): "the angular velocities are in {value}, not in rad/s",
@@ -23,6 +27,7 @@ FAULTS = {  # of a sensor, as a statement
     ("IMU's orientation", "order"): "the quaternion is {value}",
     ("IMU's orientation", "frame"): "imu.frame does not fit: {value} are of the other frame",
     ("IMU's orientation", "sign"): "{value} of the orientation grow the other way",
+    ("IMU's acceleration", "axes"): "the accelerations are along {value} of the orientation's axes",
     ("IMU's acceleration", "sign"): "the accelerations are those of gravity, with the other sign",
     ("camera", "medium"): "its focal lengths are {value} times too short, as those of a "
     "calibration made in air are under water",
@@ -178,6 +183,14 @@ def _late(sensor: str, seconds: float) -> str:
     )
 
 
+def _drifting(sensors: Sequence[str], per_cent: float) -> str:
+    return (
+        f"{' or '.join(sensors)}: its readings fit the other sensors' with a clock that runs "
+        f"{abs(per_cent):.1f} % {'slower' if per_cent > 0 else 'faster'}: the stamps do not count "
+        "seconds"
+    )
+
+
 ERRORS: dict[str, Words] = {
     "clocks-apart": _apart,
     "stamps-in-other-unit": _in_other_unit,
@@ -189,6 +202,7 @@ ERRORS: dict[str, Words] = {
 WARNINGS: dict[str, Words] = {
     "sensor-mended": _mended,
     "sensors-late": _late,
+    "sensors-drift": _drifting,
     "sensors-part": _contradict,
     "read-beside": _beside,
     "stream-shifted": _shifted,

@@ -252,6 +252,41 @@ def test_images_that_are_stamped_late_are_a_clock_and_no_wrong_camera(late_s):
     assert finding.values["seconds"] == pytest.approx(late_s, abs=0.26)
 
 
+def with_ranges(records: SensorRecords, ranges: np.ndarray) -> SensorRecords:
+    return replace(records, dvl=replace(records.dvl, ranges=ranges))
+
+
+def test_ranges_that_are_too_long_are_named_before_the_camera():
+    true = dive()
+    (finding,) = judged(with_ranges(true, 1.3 * true.dvl.ranges), flows()).findings
+    assert (finding.values["sensor"], finding.values["fault"]) == ("DVL", "ranges")
+    assert float(finding.values["value"]) == pytest.approx(1 / 1.3, rel=0.05)
+
+
+def test_ranges_of_exchanged_beams_are_named():
+    true = dive()
+    (finding,) = judged(with_ranges(true, true.dvl.ranges[:, [0, 1, 3, 2]]), flows()).findings
+    assert (finding.severity, finding.values["sensor"]) == ("error", "DVL")
+    assert finding.values["value"] == "1, 2, 4, 3"
+
+
+@pytest.mark.parametrize("rate", [0.02, -0.02])
+def test_clock_that_runs_fast_or_slow_is_named_with_its_rate(rate):
+    true = dive()
+    since_ns = true.dvl.t_ns - true.dvl.t_ns[0]
+    moved = true.dvl.t_ns + np.round(rate * since_ns).astype(np.int64)
+    (finding,) = judged(replace(true, dvl=replace(true.dvl, t_ns=moved)), flows()).findings
+    assert (finding.code, finding.values["sensors"]) == ("sensors-drift", ["DVL"])
+    assert finding.values["per_cent"] == pytest.approx(100 * rate, abs=0.6)
+
+
+def test_accelerations_along_exchanged_axes_are_turned():
+    true = dive()
+    found = judged(with_imu(true, acceleration=true.imu.acceleration[:, [1, 0, 2]]), flows())
+    assert [finding.code for finding in found.findings] == ["sensor-mended"]
+    np.testing.assert_array_equal(found.records.imu.acceleration, true.imu.acceleration)
+
+
 def test_dvl_that_measures_too_long_is_named_by_depth_and_images():
     true = dive()
     long = replace(true, dvl=replace(true.dvl, velocity=1.4 * true.dvl.velocity))
@@ -289,6 +324,15 @@ def test_velocity_with_one_axis_negated_is_named(factors, axes):
     (finding,) = judged(with_velocity(dive(), factors)).findings
     assert (finding.severity, finding.values["sensor"]) == ("error", "DVL")
     assert finding.values["value"] == axes
+
+
+def test_dvl_that_is_turned_about_its_axis_is_named_before_pressure_and_camera():
+    true = dive()
+    turn = Rotation.from_euler("z", 45, degrees=True)
+    turned = replace(true, dvl=replace(true.dvl, velocity=turn.apply(true.dvl.velocity)))
+    (finding,) = judged(turned, flows()).findings
+    assert (finding.severity, finding.values["sensor"]) == ("error", "DVL")
+    assert finding.values["value"] == "-45"
 
 
 def test_accelerations_of_gravity_alone_accuse_nobody():

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.dive.check.time_overlap import clock_gaps, shifted_streams
 from hullrecon.dive.config.mounts import numbers_of
 from hullrecon.dive.config.schema import DiveConfig
+from hullrecon.dive.logs.streams import LEAST_FELT_M_S2
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.poses import from_mount
 from hullrecon.records.clock import NS, nearest
@@ -35,7 +36,6 @@ UNPLACED_SHARE = 0.01  # of the DVL's velocities without an attitude, from which
 UNPLACED_S = 10.0  # of readings under water without a velocity, from which on it is told
 UNDER_WATER_M = 0.5  # a sensor deeper than that is no longer on deck
 BASELINE_M = (0.01, 2.0)  # of a stereo rig on a vehicle
-LEAST_GRAVITY = 5.0  # m/s2; a sensor that felt less has gravity taken off
 UPRIGHT, UPSIDE_DOWN = 0.9, -0.7  # cosine between gravity as measured and the vertical
 
 
@@ -115,7 +115,7 @@ def _check_gravity(imu: ImuSamples, frame: str) -> list[Finding]:
     """Compare the measured acceleration with gravity: at rest, -g along z of `global`."""
     felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
     felt = felt[np.isfinite(felt).all(axis=1)]
-    if not len(felt) or np.linalg.norm(np.median(felt, axis=0)) < LEAST_GRAVITY:
+    if not len(felt) or np.linalg.norm(np.median(felt, axis=0)) < LEAST_FELT_M_S2:
         return []
     up = -float(np.median(felt[:, 2])) / float(np.linalg.norm(np.median(felt, axis=0)))
     if up < UPSIDE_DOWN:

@@ -27,12 +27,10 @@ from hullrecon.dive.logs.messages.descriptions import (
 from hullrecon.dive.logs.messages.samples import TYPES, WITHOUT_HEADER
 from hullrecon.dive.logs.samples import DvlSample, ImuSample, SonarSample
 from hullrecon.dive.logs.sonar_geometry import ask_for_azimuths
-from hullrecon.dive.logs.streams import UNIT_QUATERNION
+from hullrecon.dive.logs.streams import LEAST_FELT_M_S2, UNIT_QUATERNION
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.frames import Camera
-
-GRAVITY_FELT_M_S2 = 5.0  # less upward acceleration tells no convention
 
 
 def questions(summary: LogSummary) -> list[Finding]:
@@ -68,7 +66,7 @@ def imu_frame(summary: LogSummary) -> tuple[str, str]:
         first = next(iter(TYPES["imu"][type_name(note.channel)](first, 0, "imu")), None)
     if isinstance(first, ImuSample) and abs(np.linalg.norm(first.quaternion) - 1) < UNIT_QUATERNION:
         up = Rotation.from_quat(first.quaternion).apply(first.acceleration)[2]
-        if abs(up) > GRAVITY_FELT_M_S2:
+        if abs(up) > LEAST_FELT_M_S2:
             return ("enu" if up > 0 else "ned"), "by gravity in the first message"
     if is_message:
         return "enu", "REP 145, as no gravity is logged; or ned"

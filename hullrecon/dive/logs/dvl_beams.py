@@ -31,7 +31,7 @@ LEANING_DEG = 10.0  # of the beams' mean direction from the z axis
 SAME_ALTITUDE = 0.045
 SAME_COSINE = 0.015  # share; on the slope of a hull an altitude is no mean of the beams
 # of ranges beside an altitude in m, and how far (log) their ratio may be off
-SMALL_UNITS, SAME_UNIT = {"mm": 1e-3, "cm": 1e-2}, 0.15
+SMALL_UNITS, SAME_UNIT = {"mm": 1e-3, "cm": 1e-2, "ft": 0.3048}, 0.15
 FEW = 10  # pings whose ranges and altitude are compared
 
 

@@ -62,6 +62,7 @@ PASCALS = {"Pa": 1.0, "mbar": 1e2, "hPa": 1e2, "kPa": 1e3, "psi": 6894.757, "dba
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
 METRES_A_SECOND = {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3}
 GRAVITY_M_S2, NEAR_GRAVITY = 9.80665, 0.1  # by CIPM; share by which a vehicle moves it
+LEAST_FELT_M_S2 = GRAVITY_M_S2 / 2  # of an accelerometer at rest; less has gravity taken off
 ACCELERATIONS = {"g": GRAVITY_M_S2, "mg": 1e-3 * GRAVITY_M_S2}  # not those of a message
 NED_FROM_ENU = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
 FRD_FROM_FLU = Rotation.from_matrix(np.diag([1.0, -1.0, -1.0]))

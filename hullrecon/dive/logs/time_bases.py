@@ -23,8 +23,9 @@ from hullrecon.typing import Ints
 # later; a stamp that lags further behind is of another clock
 LONGEST_DELAY_S = 60.0
 LEAST = 5  # readings that tell an offset
-# of a clock's error in rate; crystals are within 1e-4. A delay that grows faster is a queue's
-FASTEST_DRIFT = 1e-3
+# of a clock's error in rate; crystals are within 1e-4. A delay that grows faster is a queue's, one
+# that shrinks faster a queue's that empties, unless the stamps run ahead of when they were logged
+FASTEST_DRIFT, FASTEST_AHEAD = 1e-3, 0.05
 LEAST_DRIFT_S = 0.05  # over the log, that is put right
 STRAIGHT = 0.2  # of the drift, that 80 % of the delays stay within of a line
 BLOCK_S = 2.0  # over which the offset of a clock that runs at another rate is constant
@@ -69,14 +70,16 @@ class BagStamps:
     def drift(self) -> tuple[float, Ints] | None:
         """Measure how much faster the clock runs than the logger's, and its delays by that, ns.
 
-        None where the delays do not grow or shrink along a line.
+        None where the delays do not grow or shrink along a line, as those of a clock do.
         """
         at_s = (self.logged_ns - self.logged_ns[0]) / NS
         delay_s = (self.delay_ns - self.delay_ns[0]) / NS
         slope, start_s = np.polyfit(at_s, delay_s, 1) if np.ptp(at_s) > 0 else (0.0, 0.0)
         grown_s = abs(slope) * float(np.ptp(at_s))
         low, high = np.percentile(delay_s - start_s - slope * at_s, [10, 90])
-        if abs(slope) > FASTEST_DRIFT or max(LEAST_DRIFT_S, (high - low) / STRAIGHT) > grown_s:
+        if not -FASTEST_AHEAD < slope < FASTEST_DRIFT:
+            return None
+        if max(LEAST_DRIFT_S, (high - low) / STRAIGHT) > grown_s:
             return None
         by_rate_s = start_s + slope * at_s
         return -float(slope), self.delay_ns[0] + np.round(by_rate_s * NS).astype(np.int64)
@@ -104,6 +107,9 @@ def join_time_bases(
     if 0 < len(drifts) < len(right):
         straight_ns = round(float(np.median([offset_ns[n] for n in right if n not in drifts])))
         for name, (rate, delay_ns) in drifts.items():
+            is_ahead = delay_ns[-1] < straight_ns - LEAST_DRIFT_S * NS
+            if rate > FASTEST_DRIFT and not is_ahead:
+                continue
             shifts[name] = delay_ns - straight_ns
             notes.append(Finding("clock-drifts", {"per_million": 1e6 * rate}, name))
     for name, stamps in ((name, known[name]) for name in known if name not in shifts):

@@ -21,9 +21,10 @@ from functools import lru_cache
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.dive.logs.streams import GRAVITY_M_S2, LEAST_FELT_M_S2
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses, tray_poses
-from hullrecon.navigation.dead_reckoning.integral import integral
+from hullrecon.navigation.dead_reckoning.integral import Integral, integral
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.servo import Servo
 from hullrecon.navigation.sensors.smoothing import local_line, running_median
@@ -50,7 +51,6 @@ SUNK_S = 2.0  # between three depths; second differences cancel the steady rate 
 PUSHED_S = 0.8  # between three velocities; second differences cancel gravity and a bias
 PUSHED_BLOCK_S = 3.0  # over which their errors are common: roll and pitch that are off
 STILL = 0.1  # of the others' motion: a signal that moves by less tells none
-GRAVITY = 9.81  # m/s2, that accelerations have to hold: some sensors take it off
 LATE = 0.3  # largest delay of the next ping, as a share of the spacing
 BLOCK_S, LEAST_BLOCKS, LEAST_ROWS, MOST_ROWS = 10.0, 6, 60, 5_000
 NEIGHBOURS, JUMP_M = 9, 0.15  # pings to a median, and how far a range may be from it
@@ -264,14 +264,13 @@ def compare_pushes(
 
     None without pings, or without accelerations that hold gravity.
     """
-    felt_ns, felt = felt_in_global(imu)
     known = np.isfinite(dvl.velocity).all(axis=1)
     t_ns = dvl.t_ns[known]
     triples = _rows_apart(t_ns, PUSHED_S)
-    if not len(triples) or not len(felt):
+    pushed = velocity_felt(imu, int(t_ns[0])) if len(triples) else None
+    if pushed is None:
         return None
-    t_s, felt_s = (seconds(of, int(t_ns[0])) for of in (t_ns, felt_ns))
-    pushed = integral(felt_s, felt)
+    t_s, felt_s = seconds(t_ns, int(t_ns[0])), pushed.t_s
     velocity = _vehicle_from_dvl(servo, rig, t_ns).apply(dvl.velocity[known])
     lever = tray_poses(rig.tray_origin, servo.angle_at(t_ns)).apply(rig.tray_from_dvl.translation)
     attitude_at = _lookup(attitude)
@@ -285,11 +284,8 @@ def compare_pushes(
         apart[(at_s < felt_s[0]) | (at_s > felt_s[-1])] = np.nan
         return _second_difference(apart, triples[rows])
 
-    felt_change, change = (
-        float(np.sqrt(np.mean(np.square(_second_difference(of, triples)))))
-        for of in (pushed.at(t_s), attitude_at(t_ns).apply(velocity))
-    )
-    if felt_change < STILL * change:
+    moved = attitude_at(t_ns).apply(velocity)
+    if is_still(*(_second_difference(of, triples) for of in (pushed.at(t_s), moved))):
         return None  # gravity alone: filtered, as the vertical of an attitude
     found = _compare_with_dvl(t_ns, triples, Sensor.IMU, PUSH_S, evaluate)
     block = (found.begin_ns - t_ns[0]) // round(PUSHED_BLOCK_S * NS)
@@ -375,9 +371,26 @@ def felt_in_global(imu: ImuSamples) -> tuple[Ints, Array]:
     felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
     known = np.isfinite(felt).all(axis=1)
     t_ns, felt = imu.t_ns[known], felt[known]
-    if len(felt) < 2 or np.linalg.norm(np.median(felt, axis=0)) < GRAVITY / 2:
+    if not len(felt) or np.linalg.norm(np.median(felt, axis=0)) < LEAST_FELT_M_S2:
         return t_ns[:0], felt[:0]
     return t_ns, felt
+
+
+def velocity_felt(imu: ImuSamples, start_ns: int) -> Integral | None:
+    """Integrate what an IMU feels, less gravity: its velocity in `global`, beside a constant.
+
+    Over the seconds since start_ns. None where `felt_in_global` is empty.
+    """
+    t_ns, felt = felt_in_global(imu)
+    if len(felt) < 2:
+        return None
+    return integral(seconds(t_ns, start_ns), felt + np.array([0.0, 0.0, GRAVITY_M_S2]))
+
+
+def is_still(values: Array, others: Array) -> bool:
+    """Tell whether a sensor shows next to nothing of a motion (n, k) that others show."""
+    own, whole = (float(np.sqrt(np.mean(np.square(of)))) for of in (values, others))
+    return own < STILL * whole
 
 
 def _second_difference(values: Array, triples: Ints) -> Array:

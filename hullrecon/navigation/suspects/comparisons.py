@@ -26,9 +26,15 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.dive.logs.streams import GRAVITY_M_S2
 from hullrecon.geometry.poses import Poses, interpolate, tray_poses
 from hullrecon.geometry.robust import robust_sigma
-from hullrecon.navigation.clocks.comparisons import GRAVITY, STILL, felt_in_global, hull_normals
+from hullrecon.navigation.clocks.comparisons import (
+    felt_in_global,
+    hull_normals,
+    is_still,
+    velocity_felt,
+)
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.smoothing import local_line
@@ -258,12 +264,10 @@ def compare_gravity(imu: ImuSamples) -> Comparison | None:
 
     None without accelerations, or of a sensor that has gravity taken off.
     """
-    felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
-    felt = felt[np.isfinite(felt).all(axis=1)]
-    mean = np.median(felt, axis=0) if len(felt) else np.zeros(3)
-    if np.linalg.norm(mean) < GRAVITY / 2:
+    _, felt = felt_in_global(imu)
+    if not len(felt):
         return None
-    down = np.array([0.0, 0.0, -GRAVITY])
+    mean, down = np.median(felt, axis=0), np.array([0.0, 0.0, -GRAVITY_M_S2])
     return Comparison(
         kind="gravity",
         sensors=frozenset({Sensor.ACCELERATION, Sensor.ATTITUDE}),
@@ -280,22 +284,19 @@ def compare_push(imu: ImuSamples, track: Track) -> Comparison | None:
 
     None without accelerations, of a sensor that has gravity taken off, or gives nothing else.
     """
-    read_ns, felt = felt_in_global(imu)
-    if not len(felt):
+    t_s, felt = track.way.t_s, velocity_felt(imu, int(track.t_ns[0]))
+    if felt is None:
         return None
-    start = int(track.t_ns[0])
-    inside = (track.t_ns >= read_ns[0]) & (track.t_ns <= read_ns[-1])
-    windows = _windows(track.t_ns, PUSHED_S, inside)
+    windows = _windows(track.t_ns, PUSHED_S, (t_s >= felt.t_s[0]) & (t_s <= felt.t_s[-1]))
     if len(windows) < LEAST_WINDOWS:
         return None
-    t_s, read_s = track.way.t_s, seconds(read_ns, start)
-    pushed = integral(read_s, felt + np.array([0.0, 0.0, GRAVITY])).at(t_s)
+    pushed = felt.at(t_s)
     swept = local_line(t_s, track.lever, t_s, SMOOTH_S)[1]
     by_dvl, by_imu = (
         _over(local_line(t_s, speed, t_s, SMOOTH_S)[0], windows)
         for speed in (track.way.signal - swept, pushed)
     )
-    if _rms(by_imu) < STILL * _rms(by_dvl):
+    if is_still(by_imu, by_dvl):
         return None  # gravity alone: filtered, as the vertical of an attitude
     slope = local_line(t_s, pushed, t_s, SMOOTH_S)[1]
     late = LATE_S * _over(slope, windows)

@@ -11,6 +11,7 @@ import itertools
 from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -25,7 +26,7 @@ from hullrecon.records.sensors import (
     PressureSamples,
     SensorRecords,
 )
-from hullrecon.typing import Array, Mask
+from hullrecon.typing import Array, Ints, Mask
 
 # Units in which readings may have been logged in place of Pa, m, m/s
 PASCAL = {u: pa for u, pa in PASCALS.items() if u not in ("Pa", "mbar")}
@@ -45,7 +46,11 @@ REPEATED = 4  # pings with one velocity to the last digit: noise of 1 mm/s makes
 # comparison tolerates near zero
 LATE_S = [s * late for late in (*np.arange(0.25, 5.0, 0.25), *range(5, 61)) for s in (1, -1)]
 
+TURN_STEP_DEG = 5  # of a DVL about its axis, as the comparisons tolerate
+FASTEST = 0.03  # rate of a clock that is doubted: quartz is right to 1e-4, a wrong divider is not
 FAR_S = 5.0  # beyond which the clock of a camera is not doubted
+
+Stream = TypeVar("Stream")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,12 +58,12 @@ class Hypothesis:
     """A fault of one sensor."""
 
     sensor: Sensor
-    fault: str  # "unit", "axes", "sign", "order", "frame", "constant", "repeated", "clock"
+    fault: str  # the second of a key of FAULTS of hullrecon/findings/sensors.py, "clock" or "rate"
     value: str  # which unit, which axes
     mended: SensorRecords  # with the fault taken off; without the sensor where nothing mends it
     exact: bool = False  # the mended readings can be used
     flows: Sequence[Flow] | None = None  # of the images, where the camera is at fault
-    late_s: float = 0.0  # of a clock's stamps
+    late_s: float = 0.0  # of a clock's stamps, of the last where it runs fast
 
 
 def hypotheses(
@@ -100,9 +105,8 @@ def _of_pressure(
         yield Hypothesis(sensor=Sensor.PRESSURE, fault=fault, value=value, mended=held, exact=True)
     gone = replace(records, pressure=None)
     yield Hypothesis(sensor=Sensor.PRESSURE, fault="constant", value="", mended=gone, exact=True)
-    for late_s in LATE_S:
-        moved = replace(pressure, t_ns=pressure.t_ns - round(late_s * NS))
-        yield _late(Sensor.PRESSURE, late_s, replace(records, pressure=moved))
+    for clock in _clocks(pressure.t_ns):
+        yield clock.of(Sensor.PRESSURE, replace(records, pressure=clock.on(pressure)))
 
 
 def _of_dvl(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
@@ -115,14 +119,26 @@ def _of_dvl(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
         **{("scale", f"{f:.2f}"): (f * dvl.velocity, False) for f in FACTORS},
         **{("axes", name): (dvl.velocity @ turn.T, False) for name, turn in signed_axes()},
     }
+    for angle in range(-175, 180, TURN_STEP_DEG):  # by right angles: "axes"
+        if angle % 90:
+            turn = Rotation.from_euler("z", angle, degrees=True)
+            readings["turn", f"{angle:d}"] = turn.apply(dvl.velocity), False
     if frozen.any():
         readings["repeated", ""] = (np.where(frozen[:, None], np.nan, dvl.velocity), True)
     for (fault, value), (velocity, exact) in readings.items():
         held = replace(records, dvl=replace(dvl, velocity=velocity))
         yield Hypothesis(sensor=Sensor.DVL, fault=fault, value=value, mended=held, exact=exact)
-    for late_s in LATE_S:
-        held = replace(records, dvl=replace(dvl, t_ns=dvl.t_ns - round(late_s * NS)))
-        yield _late(Sensor.DVL, late_s, held)
+    for value, factor in {**METRES, **{f"{f:.2f}": f for f in FACTORS}}.items():
+        held = replace(records, dvl=replace(dvl, ranges=factor * dvl.ranges))
+        if factor != 1:
+            yield Hypothesis(sensor=Sensor.DVL, fault="ranges", value=value, mended=held)
+    for order in itertools.permutations(range(4)) if dvl.ranges.shape[1] == 4 else ():
+        held = replace(records, dvl=replace(dvl, ranges=dvl.ranges[:, order]))
+        if order != (0, 1, 2, 3):
+            value = ", ".join(str(beam + 1) for beam in order)
+            yield Hypothesis(sensor=Sensor.DVL, fault="beams", value=value, mended=held)
+    for clock in _clocks(dvl.t_ns):
+        yield clock.of(Sensor.DVL, replace(records, dvl=clock.on(dvl)))
 
 
 def _of_rates(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
@@ -156,9 +172,8 @@ def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
     for (fault, value), rotation in turned.items():
         held = replace(records, imu=replace(imu, quaternion=rotation.as_quat()))
         yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=held)
-    for late_s in LATE_S:
-        held = replace(records, imu=replace(imu, t_ns=imu.t_ns - round(late_s * NS)))
-        yield _late(Sensor.ATTITUDE, late_s, held)
+    for clock in _clocks(imu.t_ns):
+        yield clock.of(Sensor.ATTITUDE, replace(records, imu=clock.on(imu)))
     frd = np.array([1.0, -1.0, -1.0])
     for value, rotation in (
         ("all axes", NED_FROM_ENU * attitude * FRD_FROM_FLU),
@@ -172,8 +187,13 @@ def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
         )
         held = replace(records, imu=body)
         yield Hypothesis(sensor=Sensor.ATTITUDE, fault="frame", value=value, mended=held)
-    held = replace(records, imu=replace(imu, acceleration=-imu.acceleration))
-    yield Hypothesis(sensor=Sensor.ACCELERATION, fault="sign", value="", mended=held, exact=True)
+    felt = {("sign", ""): -imu.acceleration}
+    felt |= {("axes", name): imu.acceleration @ turn.T for name, turn in signed_axes()}
+    for (fault, value), acceleration in felt.items():
+        held = replace(records, imu=replace(imu, acceleration=acceleration))
+        yield Hypothesis(
+            sensor=Sensor.ACCELERATION, fault=fault, value=value, mended=held, exact=True
+        )
 
 
 def _of_tray(records: SensorRecords, tray: JointSamples) -> Iterator[Hypothesis]:
@@ -200,17 +220,46 @@ def _of_camera(records: SensorRecords, flows: Sequence[Flow]) -> Iterator[Hypoth
         yield Hypothesis(
             sensor=Sensor.CAMERA, fault=fault, value=value, mended=records, flows=moved
         )
-    for late_s in (late_s for late_s in LATE_S if abs(late_s) < FAR_S):
-        late_ns = round(late_s * NS)
+    first_ns = np.array([flow.t_ns[0] for flow in flows], np.int64)
+    for clock in _clocks(first_ns, FAR_S):
+        late_ns = (first_ns - clock.t_ns).tolist()
         moved = [
-            replace(flow, t_ns=(flow.t_ns[0] - late_ns, flow.t_ns[1] - late_ns)) for flow in flows
+            replace(flow, t_ns=(flow.t_ns[0] - late, flow.t_ns[1] - late))
+            for flow, late in zip(flows, late_ns, strict=True)
         ]
-        yield replace(_late(Sensor.CAMERA, late_s, records), flows=moved)
+        yield replace(clock.of(Sensor.CAMERA, records), flows=moved)
 
 
-def _late(sensor: Sensor, late_s: float, mended: SensorRecords) -> Hypothesis:
-    value = f"{late_s:g} s"
-    return Hypothesis(sensor=sensor, fault="clock", value=value, mended=mended, late_s=late_s)
+@dataclass(frozen=True, kw_only=True)
+class _Clock:
+    """A fault of a clock, and the stamps without it."""
+
+    fault: str  # "clock", "rate"
+    value: str
+    late_s: float  # of the stamps, of the last where it runs fast
+    t_ns: Ints
+
+    def of(self, sensor: Sensor, mended: SensorRecords) -> Hypothesis:
+        return Hypothesis(
+            sensor=sensor, fault=self.fault, value=self.value, mended=mended, late_s=self.late_s
+        )
+
+    def on(self, record: Stream) -> Stream:
+        """Put a record on this clock."""
+        return replace(record, t_ns=self.t_ns)  # type: ignore[type-var]
+
+
+def _clocks(t_ns: Ints, farthest_s: float = np.inf) -> Iterator[_Clock]:
+    """List what may be wrong with a sensor's clock, in the order of its stamps."""
+    since_ns = t_ns - t_ns[:1]
+    lasts_s = float(np.ptp(t_ns)) / NS if len(t_ns) else 0.0
+    for late_s in (late_s for late_s in LATE_S if abs(late_s) < farthest_s):
+        moved = t_ns - round(late_s * NS)
+        yield _Clock(fault="clock", value=f"{late_s:g} s", late_s=late_s, t_ns=moved)
+        if abs(late_s) < FASTEST * lasts_s:
+            rate = late_s / lasts_s
+            moved = t_ns - np.round(rate * since_ns).astype(np.int64)
+            yield _Clock(fault="rate", value=f"{100 * rate:+.1f}", late_s=late_s, t_ns=moved)
 
 
 def _turned(ideal: Array, turn: Array) -> Array:

@@ -118,6 +118,9 @@ def judge(
             least = min(late, key=lambda h: abs(h.late_s))
             values = {"sensor": str(least.sensor), "seconds": least.late_s}
             findings.append(Finding("sensors-late", values))
+        elif best and best[0][0].fault == "rate":
+            values = {"sensors": [str(s) for s in sensors], "per_cent": float(best[0][0].value)}
+            findings.append(Finding("sensors-drift", values))
         elif len(sensors) != 1:
             findings.append(_describe_unknown(records, sensors, wrong, base))
         elif len(readings := _depths([h for h, _ in best])) > 1:
@@ -200,8 +203,9 @@ def _try_all(
         is_constant = one.fault == "constant"
         if not own or (is_constant and not all(c.follows < STILL for c in own if c.second.any())):
             continue
-        is_moved = one.sensor in RESTS_ON["push"] | {Sensor.RATES}
-        again = _Again(one, rig, flows, None if is_moved else track, hull)
+        is_moved = one.sensor in {Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}
+        seen = hull if _has_same_hull(one.mended, records) else None
+        again = _Again(one, rig, flows, None if is_moved else track, seen)
         left = None if is_constant else next((c for c in own if not again.solves(c)), None)
         if left is None:
             gain = sum(c.chi2 - _chi2_left(c, again.made(c.kind)) for c in own)
@@ -218,6 +222,12 @@ def _try_all(
     for _, one, again in sorted(unsolved, key=lambda found: found[0])[:SHOWN]:
         tried.append((one, _weigh(one, base, again)))
     return sorted(tried, key=lambda pair: (not pair[1].explains, pair[1].chi2))
+
+
+def _has_same_hull(mended: SensorRecords, records: SensorRecords) -> bool:
+    """Tell whether a hypothesis leaves the DVL's ranges as they are."""
+    before, after = records.dvl, mended.dvl
+    return before is None or after is None or before.ranges is after.ranges
 
 
 class _Again:
@@ -307,7 +317,10 @@ def _describe_unknown(
     named = [s for s in Sensor if s in worst.sensors and not any(s in c for c in agree)]
     named = [s for s in named if s is not Sensor.TRAY or records.tray is not None]
     code = "sensors-contradict" if worst.misfit > GROSS else "sensors-part"
-    return Finding(code, {"sensors": [str(s) for s in sensors or named], **_facts(worst)})
+    return Finding(
+        code,
+        {"sensors": [str(s) for s in sensors or named or sorted(worst.sensors)], **_facts(worst)},
+    )
 
 
 def _facts(comparison: Comparison) -> dict[str, object]:

@@ -193,7 +193,7 @@ def test_beams_that_stand_far_off_or_lean_to_one_side_are_named():
     assert sentences(check_beams(tilted_beams(30.0, (0, 90, 180, -90)), *nothing)) == []
 
 
-@pytest.mark.parametrize(("unit", "metres"), [("mm", 0.001), ("cm", 0.01)])
+@pytest.mark.parametrize(("unit", "metres"), [("mm", 0.001), ("cm", 0.01), ("ft", 0.3048)])
 def test_ranges_in_another_unit_than_the_altitude_are_put_right(unit, metres):
     ranges, altitude = pings(a50_beams(), 2.0)
     found, findings = put_ranges_right(a50_beams(), ranges / metres, altitude)

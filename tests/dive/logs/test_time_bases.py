@@ -98,6 +98,20 @@ def test_a_clock_that_runs_fast_or_slow_is_put_right(rate):
     assert f"runs 800 millionths {'fast' if rate > 1 else 'slow'}" in said
 
 
+@pytest.mark.parametrize("ahead_s", [0.0, -1.0])
+def test_a_clock_that_gains_seconds_is_put_right(ahead_s):
+    sensors = {"imu": logged(), "pressure": logged(), "dvl": logged(ahead_s, rate=1.02)}
+    shifts, notes = join_time_bases(sensors)
+    joined = sensors["dvl"].stamp_ns + shifts["dvl"]
+    np.testing.assert_allclose(joined, sensors["imu"].stamp_ns, atol=0.001 * NS)
+    assert "runs 20000 millionths fast" in sentences(notes)[0]
+
+
+def test_a_queue_that_empties_is_no_drift_of_a_clock():
+    sensors = {"imu": logged(), "pressure": logged(), "dvl": logged(-2.0, rate=1.02)}
+    assert join_time_bases(sensors) == ({}, [])
+
+
 def test_a_queue_that_grows_is_no_drift_of_a_clock():
     sensors = {"imu": logged(), "pressure": logged(), "dvl": logged(rate=0.98)}
     assert join_time_bases(sensors) == ({}, [])
