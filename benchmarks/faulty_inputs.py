@@ -11,6 +11,8 @@ truth. An outcome is
   right    the path is as good as without the fault, and nobody else is accused
   refused  check or run ends with an exit code, and names the sensor that is wrong
   named    the path is worse, within its sigmas, and a warning names that sensor
+  given    the path is off by more than MANY_SIGMAS of its own, which the run says hold for an
+           input that is right, and names it
   unsure   the path is off by more than MANY_SIGMAS of its own, whoever is named
   blamed   ended or warned, and only another sensor is named
   silent   the path is worse, and no warning is given
@@ -61,6 +63,8 @@ NEUTRAL = (
     r"is uncertain by|clock agrees with the \S+ is known to|too plain to tell"
     r"|for a model that is to scale|rejected as outliers|fall into \d+ parts|^to fill in"
 )
+# that sigmas hold if an input is right: what no other measurement of a dive tells
+GIVEN = {"cad": r"sigmas of the position hold for a model that is right and to scale"}
 # what was compared is no accusation
 EVIDENCE = r"\([^()]*\)|(?<=is not known): .*"
 
@@ -121,7 +125,8 @@ def outcome(seen: Seen, without: Seen, sensor: str) -> str:
     if seen.check_code or seen.run_code:
         return "refused" if named else "blamed"
     if seen.sigmas > max(MANY_SIGMAS, without.sigmas):
-        return "unsure"
+        given = sensor in GIVEN and any(re.search(GIVEN[sensor], s) for s in seen.sentences)
+        return "given" if given else "unsure"
     if new and not named:
         return "blamed"
     as_good = seen.error_mm <= max(AS_GOOD * without.error_mm, without.error_mm + AS_GOOD_MM)
