@@ -18,7 +18,7 @@ from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.region import region_cells
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh, vertex_areas, vertex_normals
-from hullrecon.geometry.neighbours import Around, nearest
+from hullrecon.geometry.neighbours import nearest
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.sensors import SonarPings
 from hullrecon.records.solution import HullPose
@@ -34,6 +34,7 @@ DVL_REACH_M = 0.08  # from a vertex of the DVL's surface, whose edges are 0.1 m
 # gaps of up to twice as many cells at the rim of the surveyed area count as holes; inside it, any
 BRIDGE_CELLS = 6
 MIN_HOLE_M2 = 0.03
+SONAR_GRAZING = 0.25 * GRAZING  # cosine of the steepest incidence from which a sonar hears
 # its returns lie decimetres apart, its surface ends 0.4 m from one: less is a notch of the rim
 MIN_HOLE_BY_DVL_M2 = 0.16
 
@@ -208,13 +209,14 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
 
     z of the sonar looks along the middle of the fan, x out of its plane (docs/conventions.md).
     """
-    around, pings, result_from_sonar = Around(hull.mesh.vertices), sonar.pings, sonar.poses
+    pings, result_from_sonar = sonar.pings, sonar.poses
     bearing = np.arctan2(pings.directions[:, 1], pings.directions[:, 2])
+    columns = np.ascontiguousarray(hull.mesh.vertices.T), np.ascontiguousarray(hull.normal.T)
+    out_of_plane = result_from_sonar.rotation.as_matrix()[:, :, 0]
     seen = np.zeros(len(hull.area), bool)
     for ping in range(len(result_from_sonar)):
         center = result_from_sonar.translation[ping]
-        rows = around(center, float(pings.range_m[-1]))
-        rows = rows[~seen[rows]]
+        rows = np.flatnonzero(_near_fan(*columns, center, out_of_plane[ping], sonar) & ~seen)
         local = result_from_sonar[ping].inverse().apply(hull.mesh.vertices[rows])
         distance = np.maximum(np.linalg.norm(local, axis=1), 1e-9)
         at = np.arctan2(local[:, 1], local[:, 2])
@@ -224,10 +226,27 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
         rows = rows[fits & (at >= bearing.min()) & (at <= bearing.max())]
         ray = hull.mesh.vertices[rows] - center
         length = np.maximum(np.linalg.norm(ray, axis=1), 1e-9)
-        clear = -np.einsum("ni,ni->n", ray, hull.normal[rows]) / length > 0.25 * GRAZING
+        clear = -np.einsum("ni,ni->n", ray, hull.normal[rows]) / length > SONAR_GRAZING
         clear &= scene.cast(center, ray / length[:, None]) > length - 0.02
         seen[rows[clear]] = True
     return seen
+
+
+def _near_fan(
+    points: Array, normals: Array, center: Array, out_of_plane: Array, sonar: SonarSurvey
+) -> Mask:
+    """Mark the points (3, n) that face the sonar within reach and, but for rounding, in its fan.
+
+    Nearly all are ruled out here, coordinate by coordinate and without angles.
+    """
+    ray = points - center[:, None]
+    distance = np.sqrt(np.square(ray).sum(axis=0))
+    elevation = np.sin(min(sonar.half_elevation_rad, np.pi / 2))
+    return np.asarray(
+        (distance <= sonar.pings.range_m[-1])
+        & (np.abs(out_of_plane @ ray) <= (elevation + 1e-9) * distance)
+        & (-(ray * normals).sum(axis=0) > (SONAR_GRAZING - 1e-9) * distance)
+    )
 
 
 def sonar_facts(
