@@ -125,9 +125,8 @@ def choose_views(
     stands in the way is asked of the views that would be the best, and of all only where it does:
     much of the time goes into these rays.
     """
-    blocks = [block for w in window.parts(BLOCK) if (block := _block(patch, w, window)) is not None]
     best = _no_views(window.shape)
-    for block, near in zip(blocks, _nearest_first(blocks, image_views, windows), strict=True):
+    for block, near in _blocks(patch, window, image_views, windows):
         chosen = _rank(None, block, near, image_views, limits)
         hidden = _find_hidden(surface, block.patch, chosen, image_views, limits)
         if len(hidden):
@@ -171,12 +170,9 @@ class _Block:
         return np.asarray(rows & (self.column >= window.left) & (self.column < window.right))
 
 
-def _block(patch: SurfacePatch, window: Window, tile: Window) -> _Block | None:
-    """Cut a block out of a tile. None where there is no surface."""
-    place = window.within(tile)
-    row, column = np.nonzero(np.isfinite(patch.point[place][..., 0]))
-    if not len(row):
-        return None
+def _block(patch: SurfacePatch, window: Window, tile: Window) -> _Block:
+    """Cut a block out of a tile."""
+    row, column = np.nonzero(np.isfinite(patch.point[window.within(tile)][..., 0]))
     row, column = row + window.top, column + window.left
     texel = (row - tile.top) * tile.shape[1] + column - tile.left
     return _Block(
@@ -207,23 +203,39 @@ class _Candidate:
     least: float  # no texel of the block costs less
 
 
-def _nearest_first(
-    blocks: Sequence[_Block], image_views: dict[int, ImageView], windows: dict[int, Window]
-) -> Iterator[list[_Candidate]]:
-    """List the views that may see each block, by the least that a texel of it can cost."""
-    points = [block.patch.point[:, 0] for block in blocks]
-    center = np.array([0.5 * (p.min(axis=0) + p.max(axis=0)) for p in points]).reshape(-1, 3)
-    radius = np.array(
-        [np.sqrt(np.square(p - c).sum(axis=1).max()) for p, c in zip(points, center, strict=True)]
-    )
+def _blocks(
+    patch: SurfacePatch,
+    window: Window,
+    image_views: dict[int, ImageView],
+    windows: dict[int, Window],
+) -> Iterator[tuple[_Block, list[_Candidate]]]:
+    """Yield the blocks where there is surface, with the views that may see them.
+
+    Views come by the least that a texel of the block can cost.
+    """
+    squares, center, radius = _balls(patch, window)
     least = {k: image_view.least_ratio(center, radius) for k, image_view in image_views.items()}
-    for place, block in enumerate(blocks):
-        near = [
+    for place, square in enumerate(squares):
+        near = sorted(
             (float(least[k][place]), k)
             for k in image_views
-            if least[k][place] < np.inf and not windows[k].meet(block.window).empty
-        ]
-        yield [_Candidate(view=k, window=windows[k], least=low) for low, k in sorted(near)]
+            if least[k][place] < np.inf and not windows[k].meet(square).empty
+        )
+        candidates = [_Candidate(view=k, window=windows[k], least=low) for low, k in near]
+        yield _block(patch, square, window), candidates
+
+
+def _balls(patch: SurfacePatch, window: Window) -> tuple[list[Window], Array, Array]:
+    """Bound the surface in each square of a tile by a ball: centers (n, 3) and radii (n,)."""
+    squares, center, radius = [], [], []
+    for square in window.parts(BLOCK):
+        point = patch.point[square.within(window)]
+        point = point[np.isfinite(point[..., 0])]
+        if len(point):
+            squares.append(square)
+            center.append(0.5 * (point.min(axis=0) + point.max(axis=0)))
+            radius.append(np.sqrt(np.square(point - center[-1]).sum(axis=1).max()))
+    return squares, np.array(center).reshape(-1, 3), np.array(radius)
 
 
 def _rank(
@@ -312,7 +324,7 @@ def blend(
     total = [np.zeros((texels, channels), np.float32) for _ in STEEPNESS]
     weights = [np.zeros(texels, np.float32) for _ in STEEPNESS]
     # of weight, weight x intensity, weight x intensity squared
-    moments = np.zeros((3, texels), np.float32)
+    moments = [np.zeros(texels, np.float32) for _ in range(3)]
     count = np.zeros(texels, np.uint8)
     point = patch.point.reshape(-1, 3)
     for k, rows in _texels_by_view(choice):
@@ -326,8 +338,9 @@ def blend(
             sums[rows] += w[:, None] * _sample(band, at)
             norms[rows] += w
         mean = sum(share) / np.float32(len(share))
-        intensity = _sample(picture, at).mean(axis=1)
-        moments[:, rows] += np.stack([mean, mean * intensity, mean * intensity**2])
+        intensity = sum(_sample(picture, at).T) / np.float32(channels)
+        for sums, more in zip(moments, (mean, mean * intensity, mean * intensity**2), strict=True):
+            sums[rows] += more
         count[rows] += 1
     value = _normalise(total, weights).reshape(*shape, channels)
     return Tile(value=value, variance=_variance(moments).reshape(shape), views=count.reshape(shape))
@@ -335,7 +348,8 @@ def blend(
 
 def _texels_by_view(choice: BestViews) -> Iterator[tuple[int, Ints]]:
     """Yield each view with the flat rows of the texels that it was chosen for."""
-    _, texel = np.nonzero(choice.view.reshape(VIEWS, -1) >= 0)
+    chosen = choice.view.reshape(VIEWS, -1) >= 0
+    texel = np.broadcast_to(np.arange(chosen.shape[1], dtype=np.int32), chosen.shape)[chosen]
     view = choice.view[choice.view >= 0]
     names = np.flatnonzero(np.bincount(view))
     # NumPy sorts 16 bits in a fraction of the time
@@ -393,7 +407,7 @@ def _normalise(total: list[Floats32], weights: list[Floats32]) -> Floats32:
     return np.asarray(np.clip(sum(parts[1:], parts[0]), 0, 255), np.float32)
 
 
-def _variance(moments: Floats32) -> Floats32:
+def _variance(moments: Sequence[Floats32]) -> Floats32:
     """Compute the variance, NaN where nothing was blended."""
     norm = np.where(moments[0] > 0, moments[0], np.nan)
     return np.asarray(np.maximum(moments[2] / norm - (moments[1] / norm) ** 2, 0), np.float32)

@@ -69,8 +69,11 @@ class SurfacePatch:
 
     def cosines(self, rows: Ints | slice, sensor: Array) -> Array:
         """Compute cosines of the incidence (n,) of a sensor (3,) at flat rows."""
-        away = sensor[:, None] - self.point.reshape(-1, 3)[rows].T
-        normal = self.normal.reshape(-1, 3)[rows].T
+        point, normal = (
+            np.ascontiguousarray(field.reshape(-1, 3)[rows].T)
+            for field in (self.point, self.normal)
+        )
+        away = sensor[:, None] - point
         return np.asarray((away * normal).sum(axis=0) / np.sqrt(np.square(away).sum(axis=0)))
 
 

@@ -90,7 +90,8 @@ class CameraView:
         width, height = self.camera.width, self.camera.height
         near_axis = np.maximum(np.abs(x), np.abs(y)) < self._widest() * z
         held = near_axis & (u >= 1) & (u <= width - 2) & (v >= 1) & (v <= height - 2)
-        away = np.hypot(u - (width - 1) / 2, v - (height - 1) / 2) / (0.5 * np.hypot(width, height))
+        away = np.sqrt(np.square(u - (width - 1) / 2) + np.square(v - (height - 1) / 2))
+        away /= 0.5 * np.hypot(width, height)
         return pixel, np.where(held, away, np.nan)
 
     def least_ratio(self, center: Array, radius: Array) -> Array:
@@ -105,7 +106,9 @@ class CameraView:
         away = self.camera.distort(middle) - [(width - 1) / 2, (height - 1) / 2]
         least = np.linalg.norm(away, axis=1) - spread * self.camera.steepest(axis + spread)
         ratio = np.maximum(least / (0.5 * np.hypot(width, height)), 0)
-        return np.where(z + radius <= 0, np.inf, np.where(z <= radius, 0, ratio))
+        ratio[z <= radius] = 0
+        # behind the camera, or farther off than the image's corners
+        return np.where((z + radius <= 0) | (ratio > 1), np.inf, ratio)
 
     def outline(self, surface: MosaicSurface) -> Array:
         u, v = np.meshgrid(
@@ -130,7 +133,8 @@ class CameraView:
 
     def _inside(self, points: Array) -> Array:
         """Return coordinates (3, n) in the camera of points (n, 3)."""
-        return np.asarray(self.pose.rotation.as_matrix()[0].T @ (points - self.center).T)
+        away = np.ascontiguousarray(points.T) - self.center[:, None]
+        return np.asarray(self.pose.rotation.as_matrix()[0].T @ away)
 
     def _widest(self) -> float:
         """Find the tangent beyond which the distortion would fold points back."""
