@@ -321,26 +321,28 @@ def blend(
     """
     shape = choice.view.shape[1:]
     texels = shape[0] * shape[1]
-    total = [np.zeros((texels, channels), np.float32) for _ in STEEPNESS]
+    total = [[np.zeros(texels, np.float32) for _ in range(channels)] for _ in STEEPNESS]
     weights = [np.zeros(texels, np.float32) for _ in STEEPNESS]
     # of weight, weight x intensity, weight x intensity squared
     moments = [np.zeros(texels, np.float32) for _ in range(3)]
     count = np.zeros(texels, np.uint8)
     point = patch.point.reshape(-1, 3)
     for k, rows in _texels_by_view(choice):
-        pixel, ratio = image_views[k].project(point[rows])
+        pixel, ratio = image_views[k].project(point.take(rows, axis=0))
         part, at = crop_around(pixel, image_views[k].size)
         picture = image_views[k].picture(part)
         if picture is None:
             continue
         share = [band_weight(ratio, s) for s in STEEPNESS]
         for band, sums, norms, w in zip(split_bands(picture), total, weights, share, strict=True):
-            sums[rows] += w[:, None] * _sample(band, at)
+            for sum_of, sampled in zip(sums, _sample(band, at).T, strict=True):
+                sum_of[rows] += w * sampled
             norms[rows] += w
         mean = sum(share) / np.float32(len(share))
         intensity = sum(_sample(picture, at).T) / np.float32(channels)
-        for sums, more in zip(moments, (mean, mean * intensity, mean * intensity**2), strict=True):
-            sums[rows] += more
+        of_view = (mean, mean * intensity, mean * intensity**2)
+        for sum_of, more in zip(moments, of_view, strict=True):
+            sum_of[rows] += more
         count[rows] += 1
     value = _normalise(total, weights).reshape(*shape, channels)
     return Tile(value=value, variance=_variance(moments).reshape(shape), views=count.reshape(shape))
@@ -374,13 +376,15 @@ def crop_around(pixel: Array, size: tuple[int, int]) -> tuple[Part, Floats32]:
         the pixels in it (n, 2).
     """
     width, height = size
-    at = pixel.astype(np.float32)
+    at = np.asarray(pixel, np.float32)
     if width % REDUCED or height % REDUCED:  # quarters of another raster than that of the part
         return (slice(0, height), slice(0, width)), at
-    low = np.floor((at.min(axis=0) - MARGIN_PX) / ALIGN_PX).astype(int) * ALIGN_PX
-    high = np.ceil((at.max(axis=0) + 1 + MARGIN_PX) / ALIGN_PX).astype(int) * ALIGN_PX
-    left, top = np.maximum(low, 0).tolist()
-    right, bottom = np.minimum(high, [width, height]).tolist()
+    u, v = np.ascontiguousarray(at.T)
+    low = np.array([u.min(), v.min()]) - MARGIN_PX
+    high = np.array([u.max(), v.max()]) + 1 + MARGIN_PX
+    low, high = np.floor(low / ALIGN_PX) * ALIGN_PX, np.ceil(high / ALIGN_PX) * ALIGN_PX
+    left, top = np.maximum(low, 0).astype(int).tolist()
+    right, bottom = np.minimum(high, [width, height]).astype(int).tolist()
     return (slice(top, bottom), slice(left, right)), at - np.array([left, top], np.float32)
 
 
@@ -402,9 +406,14 @@ def _sample(picture: Floats32, at: Floats32) -> Floats32:
     return np.asarray(taken, np.float32).reshape(lines * SAMPLES, -1)[: len(at)]
 
 
-def _normalise(total: list[Floats32], weights: list[Floats32]) -> Floats32:
-    parts = [t / np.where(w > 0, w, 1)[..., None] for t, w in zip(total, weights, strict=True)]
-    return np.asarray(np.clip(sum(parts[1:], parts[0]), 0, 255), np.float32)
+def _normalise(total: Sequence[Sequence[Floats32]], weights: Sequence[Floats32]) -> Floats32:
+    """Sum the bands, each over its weight: (n, channels)."""
+    norms = [np.where(w > 0, w, 1) for w in weights]
+    value = np.empty((len(norms[0]), len(total[0])), np.float32)
+    for channel, bands in enumerate(zip(*total, strict=True)):
+        low, *others = (t / norm for t, norm in zip(bands, norms, strict=True))
+        value[:, channel] = np.clip(sum(others, low), 0, 255)
+    return value
 
 
 def _variance(moments: Sequence[Floats32]) -> Floats32:
