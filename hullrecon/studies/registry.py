@@ -12,6 +12,7 @@ from hullrecon.studies.ozog_studies import OZOG_STUDIES
 from hullrecon.studies.study import DiveStudy, SceneStudy
 from hullrecon.studies.submaps.entries import SUBMAP_STUDIES
 from hullrecon.studies.targets.entries import TARGET_STUDIES
+from hullrecon.studies.vehicles.entries import VEHICLE_STUDIES
 
 # each folder of studies lists its own
 STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
@@ -20,6 +21,7 @@ STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
     *SUBMAP_STUDIES,
     *ASSOCIATION_STUDIES,
     *TARGET_STUDIES,
+    *VEHICLE_STUDIES,
     *ENGINE_STUDIES,
 )
 FIGURES = ("method-figures", "path-figures", "scene-figures")  # those that draw

@@ -406,54 +406,90 @@ _VEHICLES = Chapter(
         Part(
             "5.2.1, 5.3.1, eqs (5.1), (5.2), (5.15)",
             "constant velocity in six or four degrees of freedom",
-            code=("hullrecon/estimation/navigation_tables.py:velocity_table",),
+            code=(
+                "hullrecon/estimation/navigation_tables.py:velocity_table",
+                "hullrecon/studies/vehicles/motion.py:move",
+                "hullrecon/studies/vehicles/motion.py:move_level",
+            ),
             tests=(
+                "tests/studies/vehicles/test_models.py::test_motion_jacobian_is_the_numeric_one",
                 "tests/native/test_planes.py::test_a_vehicle_that_speeds_up_shows_its_change_of_velocity",
             ),
-            differs="six; odometry by DVL and gyro wherever there is a DVL",
+            differs="in the product six; odometry by DVL and gyro wherever there is a DVL",
         ),
         Part(
             "5.2.2, eqs (5.4) to (5.14)",
             "IMU, DVL, pressure, altitude, side-scan point",
-            code=("native/factors/navigation_residuals.h", "native/factors/hull_residuals.h"),
-            tests=("tests/native/test_factors.py", "tests/native/test_residual_twins.py"),
+            studies=("remus-run",),
+            code=(
+                "native/factors/navigation_residuals.h",
+                "native/factors/hull_residuals.h",
+                "hullrecon/studies/vehicles/sensors.py",
+            ),
+            tests=(
+                "tests/native/test_factors.py",
+                "tests/native/test_residual_twins.py",
+                "tests/studies/vehicles/test_models.py::test_target_is_placed_where_it_was_seen",
+            ),
             differs=(
-                "altitude is four ranges to the hull; no side-scan point; a compass is of no use "
-                "beside steel"
+                "in the product altitude is four ranges to the hull; no side-scan point; a compass "
+                "is of no use beside steel"
             ),
         ),
         Part(
             "5.3.2, eqs (5.16) to (5.24)",
             "pinhole, landmarks by inverse depth",
+            printed="0.1 as a new landmark's inverse depth",
+            studies=("inverse-depth", "sparus-run"),
             code=(
+                "hullrecon/studies/vehicles/inverse_depth.py",
                 "native/factors/image_residuals.h",
                 "hullrecon/adjustment/problem/triangulation.py:triangulate",
             ),
-            tests=("tests/adjustment/test_triangulation.py",),
+            tests=(
+                "tests/adjustment/test_triangulation.py",
+                "tests/studies/vehicles/test_runs.py::test_inverse_depth_converges_from_a_hundredth_of_the_depth",
+            ),
             differs=(
-                "landmarks are points: at 1 m from a hull parallax is large, and what has less "
-                "than 0.3° is left out"
+                "in the product landmarks are points: at 1 m from a hull parallax is large, and "
+                "what has less than 0.3° is left out"
             ),
         ),
         Part(
             "5.2.3, Fig. 5.5",
             "REMUS-100: sonar image, map, views from above and from the side",
             printed="300 x 400 m, 4 h",
-            absent=Absence.DATA,
-            differs="the mission's sonar and its acoustic reference were never published",
+            studies=("remus-run",),
+            code=("hullrecon/studies/vehicles/remus.py",),
+            tests=("tests/studies/vehicles/test_runs.py",),
+            differs="simulated: the mission's sonar was never published",
         ),
         Part(
             "Figs 5.6, 5.7",
             "track beside the acoustic reference, with its bound",
-            absent=Absence.DATA,
-            differs="the mission's sonar and its acoustic reference were never published",
+            printed="always inside; outside with larger submaps",
+            studies=("remus-run",),
+            code=("hullrecon/studies/vehicles/remus.py:discrepancy",),
+            tests=(
+                "tests/studies/vehicles/test_runs.py::test_discrepancy_to_lbl_stays_inside_its_bound",
+                "tests/studies/vehicles/test_runs.py::test_noise_stated_too_small_leaves_the_bound",
+            ),
+            differs=(
+                "simulated: the acoustic reference was never published; one large map stays "
+                "consistent, as attitude is measured in the world"
+            ),
         ),
         Part(
             "5.3.3, Fig. 5.13",
             "SPARUS: dead-reckoned and corrected track",
             printed="20 x 20 m, 3,199 frames",
+            studies=("sparus-run",),
+            code=("hullrecon/studies/vehicles/sparus.py",),
             benchmarks=("benchmarks/mono_survey.py",),
-            differs="a simulated survey with one camera: the images of SPARUS are not public",
+            tests=(
+                "tests/studies/vehicles/test_runs.py::test_sparus_ends_nearer_than_dead_reckoning",
+            ),
+            differs="simulated: the images of SPARUS are not public",
         ),
         Part(
             "Figs 5.14, 5.15",
@@ -464,14 +500,19 @@ _VEHICLES = Chapter(
         Part(
             "Fig. 5.16",
             "ellipses of landmarks seen again shrink",
+            studies=("sparus-run",),
             code=("hullrecon/estimation/landmark_variance.py",),
             delivered=("landmarks.ply",),
-            tests=("tests/estimation/test_landmark_variance.py",),
-            differs="sigma of each landmark after the batch",
+            tests=(
+                "tests/estimation/test_landmark_variance.py",
+                "tests/studies/vehicles/test_runs.py::test_predicted_ellipses_shrink_as_a_landmark_is_seen_again",
+            ),
+            differs="in the product sigma of each landmark after the batch",
         ),
         Part(
             "Figs 5.17, 5.18",
             "map and track in three views",
+            studies=("sparus-run",),
             code=("hullrecon/report/figures/plan_view.py", "hullrecon/report/scene_view.py"),
             delivered=("report/",),
         ),
@@ -488,6 +529,7 @@ _APPENDIX = Chapter(
                 "hullrecon/geometry/poses.py",
                 "hullrecon/vision/pairs/gating.py:Motion",
                 "native/factors/motion.h",
+                "hullrecon/studies/vehicles/transforms.py",
             ),
             tests=(
                 "tests/geometry/test_poses.py",
@@ -588,22 +630,70 @@ _MISPRINTS = (
         right="2,000 and 5,000 were used; the fourth has more false positives than the third",
         checked="reading",
     ),
-    Misprint(where="eq (5.12)", printed="labelled R_v", right="R_s", checked="reading"),
+    Misprint(
+        where="eq (5.2)",
+        printed="roll, roll, yaw",
+        right="roll, pitch, yaw",
+        tests=(
+            "tests/studies/vehicles/test_models.py::test_pitch_stays_where_the_print_puts_roll",
+        ),
+    ),
+    Misprint(
+        where="eq (5.9)",
+        printed="eight columns before the landmarks",
+        right="ten, as the state has",
+        tests=(
+            "tests/studies/vehicles/test_models.py::test_row_of_depth_has_as_many_columns_as_the_state",
+        ),
+    ),
+    Misprint(
+        where="eq (5.12)",
+        printed="labelled R_v",
+        right="R_s",
+        tests=(
+            "tests/studies/vehicles/test_models.py::test_noise_of_a_target_is_sonar_noise_not_velocity_noise",
+        ),
+    ),
     Misprint(
         where="eq (5.13)",
         printed="d_ss is the distance of vehicle and floor",
         right="H reads d_ss - z: it is the floor's depth",
-        checked="reading",
+        tests=(
+            "tests/studies/vehicles/test_models.py::test_altitude_reads_the_depth_of_the_floor",
+        ),
+    ),
+    Misprint(
+        where="eq (5.15)",
+        printed="z + v_z dt yaw, one row for z and yaw",
+        right="z + v_z dt, and yaw",
+        tests=(
+            "tests/studies/vehicles/test_models.py::test_level_motion_is_the_full_one_without_roll_and_pitch",
+        ),
     ),
     Misprint(
         where="eq (5.20)",
         printed="direction m by alpha, beta",
         right="m = (cos b sin a, -sin b, cos b cos a)",
+        tests=(
+            "tests/studies/vehicles/test_models.py::test_direction_is_a_unit_vector_unlike_the_printed_one",
+        ),
     ),
     Misprint(
-        where="eq (5.21)", printed="bracket of the inverse depth", right="R (rho (c - r) + m)"
+        where="eq (5.21)",
+        printed="R (rho c - r) + m",
+        right="R (rho (c - r) + m)",
+        tests=(
+            "tests/studies/vehicles/test_models.py::test_landmark_is_seen_where_its_point_is_unlike_the_printed_one",
+        ),
     ),
-    Misprint(where="eq (5.23)", printed="ray of a pixel without K^-1", right="R K^-1 (u, v, 1)"),
+    Misprint(
+        where="eq (5.23)",
+        printed="ray of a pixel without K^-1",
+        right="R K^-1 (u, v, 1)",
+        tests=(
+            "tests/studies/vehicles/test_models.py::test_new_landmark_lies_on_its_ray_unlike_the_printed_one",
+        ),
+    ),
     Misprint(
         where="A.2",
         printed="derivative of the inverse, row 1, by phi: -x sin phi - y cos phi",
@@ -616,6 +706,10 @@ _MISPRINTS = (
         where="A.3",
         printed="a stray Delta in the inverse; rotz(phi) with two equal cosines as last factor",
         right="-R' t; rotx(phi)",
+        tests=(
+            "tests/studies/vehicles/test_models.py::test_inverse_transform_has_the_translation_turned_back",
+            "tests/studies/vehicles/test_models.py::test_last_factor_of_a5_as_printed_is_no_rotation",
+        ),
     ),
 )
 

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 from scipy.stats import chi2
 
+from hullrecon.studies.submaps.ekf_slam import update_state
 from hullrecon.typing import Array, Ints
 
 SHARED = 0.4  # of a submap's landmarks that have to be known for it to be fused [Aulinas2011 3.4.1]
@@ -122,9 +123,8 @@ class JoinedMap:
         b = self._rows([self._landmarks[j] for _, j in pairs])
         carried = self.covariance[:, a] - self.covariance[:, b]
         spread = carried[a] - carried[b] + NUDGE_M2 * np.eye(len(a))
-        gain = np.linalg.solve(spread, carried.T).T
-        self.mean = self.mean - gain @ (self.mean[a] - self.mean[b])
-        self.covariance = self.covariance - gain @ spread @ gain.T
+        apart = self.mean[b] - self.mean[a]
+        update_state(self.mean, self.covariance, carried, spread, apart)
         self._drop([j for _, j in pairs])
 
     def _drop(self, landmarks: list[int]) -> None:

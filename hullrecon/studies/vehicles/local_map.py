@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from hullrecon.studies.submaps.ekf_slam import update_state
 from hullrecon.studies.vehicles.motion import move
 from hullrecon.typing import Array, Ints
 
@@ -71,10 +72,7 @@ class LocalMap:
             R (m, m).
         """
         carried, spread = self.innovation(rows, jacobian, noise)
-        gain = np.linalg.solve(spread, carried.T).T
-        self.mean = self.mean + gain @ residual
-        # Joseph's form, multiplied out for this gain: symmetric, as S is
-        self.covariance = self.covariance - gain @ spread @ gain.T
+        update_state(self.mean, self.covariance, carried, spread, residual)
 
     def add(self, landmark: Array, by_vehicle: Array, noise: Array, label: int) -> None:
         """Add a landmark.

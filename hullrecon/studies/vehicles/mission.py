@@ -26,7 +26,7 @@ class Mission:
     @property
     def time_s(self) -> Array:
         """Time (n,) of each step."""
-        return np.arange(len(self.truth)) * self.step_s
+        return np.asarray(np.arange(len(self.truth)) * self.step_s, float)
 
     def dead_reckoned(self, by_pressure: bool = True) -> Array:
         """Add up measured velocities along measured attitudes: positions (n, 3).
@@ -42,7 +42,7 @@ class Mission:
         position = self.truth[0, :3] + np.vstack([np.zeros(3), np.cumsum(steps, axis=0)])
         if by_pressure:
             position[:, 2] = self.measured[:, 6]
-        return position
+        return np.asarray(position)
 
 
 @dataclass(frozen=True, kw_only=True)

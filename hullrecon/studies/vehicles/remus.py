@@ -201,7 +201,7 @@ def _observe(local: LocalMap, sighting: Sighting, sigmas: Sigmas) -> bool:
         jacobian = np.hstack([by_vehicle, by_landmark])
         _, spread = local.innovation(rows, jacobian, noise)
         off = sighting.seen - expected
-        distance = off @ np.linalg.solve(spread, off)
+        distance = float(off @ np.linalg.solve(spread, off))
         if distance < best:
             best, nearest, held = distance, k, (rows, jacobian, off)
     if best < KNOWN:

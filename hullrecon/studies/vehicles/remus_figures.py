@@ -25,7 +25,7 @@ from hullrecon.typing import Array
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-PIECES = ((1500, 1900), (6500, 6900), (13000, 13400))  # steps
+PIECES = ((4000, 4050), (9000, 9050), (15000, 15050))  # steps
 
 
 def draw_run(survey: Survey, run: Run) -> PublishedFigure:

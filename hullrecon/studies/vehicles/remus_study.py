@@ -21,6 +21,9 @@ def run_remus() -> StudyResult:
     run = remus.run_slam(survey)
     # The thesis shows an inconsistent example too: here noise is stated smaller than it is.
     oversure = remus.run_slam(survey, state_sigmas=1 / OVERSURE)
+    # One map, without submaps, on a third of the mission: its state would grow too large.
+    third = remus.simulate_survey(SEED, passes=1)
+    alone = inside(third, remus.run_slam(third, landmarks=remus.TARGETS * 10))
     reckoned = survey.mission.dead_reckoned()
     return StudyResult(
         figures=(
@@ -35,7 +38,7 @@ def run_remus() -> StudyResult:
                 "joined": rms(run.path - survey.mission.truth[:, :3]),
             }
         },
-        compared=_compare(survey, run, oversure, reckoned),
+        compared=_compare(survey, run, oversure, reckoned, float(alone.mean())),
     )
 
 
@@ -51,7 +54,7 @@ def inside(survey: remus.Survey, run: remus.Run) -> Mask:
 
 
 def _compare(
-    survey: remus.Survey, run: remus.Run, oversure: remus.Run, reckoned: Array
+    survey: remus.Survey, run: remus.Run, oversure: remus.Run, reckoned: Array, alone: float
 ) -> tuple[ComparedValue, ...]:
     truth = survey.mission.truth
     hours = survey.mission.time_s[-1] / 3600
@@ -81,8 +84,15 @@ def _compare(
             unit="%",
             printed=None,
             ours=100 * float(inside(survey, oversure).mean()),
-            note="the inconsistent example. The source gets its from larger submaps; here attitude "
-            "is measured in the world at every step, so a large map stays nearly linear",
+            note="our inconsistent example",
+        ),
+        ComparedValue(
+            what="the same by one map for a third of the mission",
+            unit="%",
+            printed=None,
+            ours=100 * alone,
+            note="the source calls larger submaps inconsistent. Here attitude is measured in the "
+            "world at every step, so that a large map stays nearly linear, and is consistent",
         ),
         ComparedValue(
             what="wrong pairs of landmarks, in submaps and at joins",

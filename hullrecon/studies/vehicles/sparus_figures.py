@@ -42,6 +42,7 @@ def draw_tracks(survey: Survey, run: Run, reckoned: Array) -> PublishedFigure:
         if k:
             axis.plot(*points.T, "+", color=GREEN, ms=3, label="landmarks")
         axis.set_zlim(20.2, 14.5)
+        axis.set_box_aspect(None, zoom=0.85)
         axis.set_xlabel("x, m", fontsize=8)
         axis.set_ylabel("y, m", fontsize=8)
         axis.set_zlabel("depth, m", fontsize=8)
@@ -63,7 +64,7 @@ def draw_tracks(survey: Survey, run: Run, reckoned: Array) -> PublishedFigure:
 def draw_frames(run: Run) -> PublishedFigure:
     """Draw landmarks predicted and observed in successive frames [Aulinas2011 Fig. 5.16]."""
     first, frames = _five_frames(run.predictions)
-    canvas, axes = new_canvas(10.0, 3.0, 1, FRAMES, sharey="all")
+    canvas, axes = new_canvas(10.0, 2.4, 1, FRAMES, sharey="all")
     table = ["frame,label,again,expected_u,expected_v,seen_u,seen_v,area_px2"]
     for axis, (step, seen) in zip(axes[0], frames, strict=True):
         for prediction in seen:

@@ -51,7 +51,7 @@ def inside(survey: sparus.Survey, run: sparus.Run) -> float:
     """Compute the share of steps whose position lies within 3 sigma on each axis."""
     off = np.abs(run.online - survey.mission.truth[:, :3])
     bound = 3 * np.sqrt(np.diagonal(run.online_covariance, axis1=1, axis2=2))
-    return float((off <= bound + 1e-4).all(axis=1)[1:].mean())
+    return float(np.mean(np.all(off <= bound + 1e-4, axis=1)))
 
 
 def _compare(survey: sparus.Survey, run: sparus.Run, reckoned: Array) -> tuple[ComparedValue, ...]:
