@@ -276,12 +276,17 @@ def _landmarks(
 
 
 def _seen(in_hull: Poses, tray: Array, node: Ints, points: Array, stereo: bool) -> Mask:
-    pixels = _project(in_hull[node], tray[node], points, TRAY_FROM_TOP, stereo)
-    within = (pixels > 5) & (pixels < np.tile([CAMERA.width - 5, CAMERA.height - 5], 1 + stereo))
-    return np.asarray(within.all(1))
+    return within(project(in_hull[node], tray[node], points, TRAY_FROM_TOP, stereo))
 
 
-def _project(nodes: Poses, tray: Array, points: Array, tray_from_top: Poses, stereo: bool) -> Array:
+def within(pixels: Array) -> Mask:
+    """Whether pixels (m, 2) or (m, 4) lie well inside their images."""
+    images = pixels.shape[1] // 2
+    inside = (pixels > 5) & (pixels < np.tile([CAMERA.width - 5, CAMERA.height - 5], images))
+    return np.asarray(inside.all(1))
+
+
+def project(nodes: Poses, tray: Array, points: Array, tray_from_top: Poses, stereo: bool) -> Array:
     """(m, 2) or (m, 4) pixels of points (m, 3), each from its own node."""
     top = nodes @ poses.tray_poses(TRAY_ORIGIN, tray) @ tray_from_top
     in_top = top.inverse().apply(points)
@@ -298,7 +303,7 @@ def _images(
         np.stack([first, second], 1).ravel(),
         np.repeat(np.arange(size.landmarks).astype(np.int32), 2),
     )
-    pixels = _project(
+    pixels = project(
         truth.nodes[node], truth.tray[node], truth.landmark[landmark], TRAY_FROM_TOP, size.stereo
     )
     pixels += NOISE_PX * rng.standard_normal(pixels.shape)

@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 
 from hullrecon.native.columns import integers
 from hullrecon.native.problem import Problem, Unknowns
@@ -51,29 +52,51 @@ class PartsResult:
     seconds: dict[str, float]
 
 
-def solve_parts(parts: Sequence[Part], options: Options = DEFAULTS) -> PartsResult:
+def solve_parts(
+    parts: Iterable[Part], options: Options = DEFAULTS, folder: Path | None = None
+) -> PartsResult:
     """Find the unknowns of least cost of a problem in parts.
 
     Landmarks and whatever else a part does not share are eliminated inside it; what parts leave on
     shared blocks and globals is joined (docs/schur.md, *Parts*). Sums have the order of the parts,
-    and the bytes do not depend on the number of threads. Raises as `solve`, and InputError where
-    parts do not fit together.
+    and the bytes do not depend on the number of threads.
+
+    Parameters
+    ----------
+    parts
+        Taken one after the other.
+    options
+        Of the solve.
+    folder
+        Of temporary files that hold what is large of each part while others are at work; its
+        arrays are not needed once it was taken, so of a generator's parts one at a time is in
+        memory. None: all are, all the time. The bytes are the same.
+
+    Raises
+    ------
+    InputError
+        Where parts do not fit together; else as `solve`.
+    OSError
+        Where the folder's disk is full.
     """
     import hullrecon._native as _native  # compiled; loads the solver's libraries
 
-    got = _native.solve_parts(list(parts), options)
+    got = _native.solve_parts(parts, options, None if folder is None else str(folder))
     found = tuple(
         PartResult(unknowns=Unknowns(**part.pop("unknowns")), **part) for part in got.pop("parts")
     )
     return PartsResult(parts=found, iterations=IterationRecord(**got.pop("iterations")), **got)
 
 
-def covariance_parts(parts: Sequence[Part], options: Options = DEFAULTS) -> tuple[Covariance, ...]:
+def covariance_parts(
+    parts: Iterable[Part], options: Options = DEFAULTS, folder: Path | None = None
+) -> tuple[Covariance, ...]:
     """Compute what `covariance` does of a problem in parts, at their start values.
 
     Marginals are those of the whole problem; each part has those of its own rows. Leverages are of
-    its own factors. Raises as `covariance`.
+    its own factors. Parts and folder are as in `solve_parts`. Raises as `covariance`, and OSError.
     """
     import hullrecon._native as _native
 
-    return tuple(Covariance(**found) for found in _native.covariance_parts(list(parts), options))
+    found = _native.covariance_parts(parts, options, None if folder is None else str(folder))
+    return tuple(Covariance(**of_part) for of_part in found)

@@ -24,6 +24,10 @@ struct UsageError : Error {  // an option that cannot be meant; where = its name
 struct StageError : Error {  // sound input without a result: no convergence, an unknown that nothing determines
   using Error::Error;
 };
+struct DiskError : Error {  // a file that cannot be made or grown; where = its folder
+  DiskError(int number, std::string what, std::string where) : Error(std::move(what), std::move(where), ""), number(number) {}
+  int number;  // errno
+};
 struct Interrupted : std::exception {};  // Ctrl-C between two iterations
 
 }  // namespace hullrecon

@@ -4,7 +4,7 @@
 
 namespace hullrecon {
 
-Association::Association(std::unique_ptr<MeshIndex> mesh, int64_t surface_rows, int64_t range_rows, int threads)
+Association::Association(std::shared_ptr<const MeshIndex> mesh, int64_t surface_rows, int64_t range_rows, int threads)
     : mesh_(std::move(mesh)),
       threads_(threads),
       surface_(surface_rows),

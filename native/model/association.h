@@ -16,7 +16,7 @@ namespace hullrecon {
 
 class Association {
  public:
-  Association(std::unique_ptr<MeshIndex> mesh, int64_t surface_rows, int64_t range_rows, int threads);
+  Association(std::shared_ptr<const MeshIndex> mesh, int64_t surface_rows, int64_t range_rows, int threads);
 
   const Facet* surface(int64_t row) const { return &surface_[row]; }
   const Facet* range(int64_t row) const { return &range_[row]; }
@@ -55,7 +55,7 @@ class Association {
   void shoot(int64_t row, const std::pair<Vec3, Vec3>& ray);
   void settle(bool trial);
 
-  std::unique_ptr<MeshIndex> mesh_;
+  std::shared_ptr<const MeshIndex> mesh_;
   int threads_;
   std::vector<Facet> surface_, range_;
   std::vector<double> distance_;

@@ -15,14 +15,18 @@ constexpr std::array<const char*, kGlobals> kGlobalNames{"T_g_M",      "T_s_ct",
                                                          "navigation", "intrinsics_top", "intrinsics_bottom", "world",
                                                          "lens_top",   "lens_bottom"};
 
-std::unique_ptr<MeshIndex> mesh(const Tables& t) {
+}  // namespace
+
+std::shared_ptr<const MeshIndex> index_mesh(const Tables& t) {
   if (t.faces.rows() == 0 || t.surface_landmark.rows() + t.range_node.rows() == 0) return nullptr;
   std::vector<Vec3> vertices(t.vertices.rows());
   std::vector<std::array<int32_t, 3>> faces(t.faces.rows());
   for (size_t i = 0; i < vertices.size(); ++i) vertices[i] = Vec3(t.vertices.row(i));
   for (size_t i = 0; i < faces.size(); ++i) std::copy_n(t.faces.row(i), 3, faces[i].begin());
-  return std::make_unique<MeshIndex>(std::move(vertices), std::move(faces));
+  return std::make_shared<const MeshIndex>(std::move(vertices), std::move(faces));
 }
+
+namespace {
 
 // Summed as Eigen sums a vector of so many rows.
 template <int Rows = kMostRows>
@@ -34,11 +38,12 @@ double squared_norm(const double* r, int rows) {
 
 }  // namespace
 
-Model::Model(const Tables& tables, const Options& options)
+Model::Model(const Tables& tables, const Options& options, std::shared_ptr<const MeshIndex> mesh)
     : tables_(tables),
       options_(options),
       mixture_(options.sigma_on, options.sigma_off),
-      association_(mesh(tables), tables.surface_landmark.rows(), tables.range_node.rows(), options.threads) {
+      association_(mesh ? std::move(mesh) : index_mesh(tables), tables.surface_landmark.rows(), tables.range_node.rows(),
+                   options.threads) {
   add_blocks();
   std::copy_n(intrinsics_, 18, intrinsics_start_.begin());
   number_factors();

@@ -64,9 +64,13 @@ struct Block {
 
 struct Range;  // factors/hull_residuals.h
 
+// The CAD model of tables with factors that meet it; null without.
+std::shared_ptr<const MeshIndex> index_mesh(const Tables& tables);
+
 class Model {
  public:
-  Model(const Tables& tables, const Options& options);
+  // mesh: of the CAD model, as index_mesh makes it; null: made here.
+  Model(const Tables& tables, const Options& options, std::shared_ptr<const MeshIndex> mesh = nullptr);
 
   // Blocks in the order of columns: poses, landmarks, T_g_M, T_s_ct, T_ct_cb, T_s_d, navigation, intrinsics_top,
   // intrinsics_bottom, world, lens_top, lens_bottom, nodes of the deviation field, planes, switches of links.

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -203,12 +205,14 @@ struct BoundProblem {
   }
 };
 
-// Checked parts of a problem (hullrecon/native/parts.py), with what each shares.
+// Checked parts of a problem (hullrecon/native/parts.py), with what each shares. With a folder their tables are copied to files
+// in it, and the arrays are left: parts may be made one after the other.
 class BoundParts {
  public:
-  BoundParts(const py::list& parts, const py::object& settings) {
+  BoundParts(const py::iterable& parts, const py::object& settings, const std::optional<std::string>& folder) {
     for (const py::handle part : parts) {
-      problems_.emplace_back(part.attr("problem"), settings);
+      BoundProblem& bound = problems_.emplace_back(part.attr("problem"), settings);
+      if (folder) pages_.push_back(std::make_unique<PageFile>(*folder)), move(bound, *pages_.back());
       shared_.push_back(
           {rows(part, "shared_poses"), rows(part, "shared_nodes"), rows(part, "shared_planes"), rows(part, "shared_switches")});
     }
@@ -217,13 +221,15 @@ class BoundParts {
   // Makes the models of the parts, which refer to them.
   std::vector<ProblemPart> models(std::deque<Model>& models) const {
     std::vector<ProblemPart> out;
+    std::shared_ptr<const MeshIndex> mesh;  // the CAD model is one for all
     for (size_t k = 0; k < problems_.size(); ++k) {
-      Model& model = models.emplace_back(problems_[k].tables, problems_[k].options);
+      if (!mesh) mesh = index_mesh(problems_[k].tables);
+      Model& model = models.emplace_back(problems_[k].tables, problems_[k].options, mesh);
       const std::array<std::pair<int, int64_t>, 4> kinds{{{0, model.poses()},
                                                           {model.first_node(), model.nodes()},
                                                           {model.first_plane(), model.planes()},
                                                           {model.first_switch(), model.tables().link_switch.rows()}}};
-      out.push_back({&model, {}});
+      out.push_back({&model, {}, pages_.empty() ? nullptr : pages_[k].get()});
       for (size_t kind = 0; kind < kinds.size(); ++kind) {
         for (const auto& [row, number] : shared_[k][kind]) {
           if (row < 0 || row >= kinds[kind].second)
@@ -245,8 +251,27 @@ class BoundParts {
     return out;
   }
 
+  template <class Number>
+  static void move(Table<Number>& table, PageFile& to) {
+    const auto count = static_cast<size_t>(table.rows() * table.width());
+    if (count == 0) return;
+    auto* const at = static_cast<Number*>(to.allocate(count * sizeof(Number), alignof(Number)));
+    std::copy_n(table.data, count, at);
+    table.data = at;
+  }
+  static void move(BoundProblem& bound, PageFile& to) {
+    Tables& t = bound.tables;
+#define HULLRECON_MOVE(name) move(t.name, to);
+    HULLRECON_FLOAT_TABLES(HULLRECON_MOVE)
+    HULLRECON_INT_TABLES(HULLRECON_MOVE)
+#undef HULLRECON_MOVE
+    bound.alive.clear();
+    to.rest();
+  }
+
   std::deque<BoundProblem> problems_;
-  std::vector<std::array<Shared, 4>> shared_;  // poses, nodes, planes, switches: rows and numbers
+  std::vector<std::unique_ptr<PageFile>> pages_;  // of each; none: all in memory
+  std::vector<std::array<Shared, 4>> shared_;     // poses, nodes, planes, switches: rows and numbers
 };
 
 // Pairs of poses, (m, 2).
@@ -285,6 +310,9 @@ inline void translate(std::exception_ptr pointer) {
     raise("UsageError", error);
   } catch (const StageError& error) {
     raise("StageError", error);
+  } catch (const DiskError& error) {
+    errno = error.number;
+    PyErr_SetFromErrnoWithFilename(PyExc_OSError, error.where.c_str());
   }
 }
 

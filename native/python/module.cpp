@@ -194,8 +194,8 @@ py::dict run_solve(const py::object& problem, const py::object& settings) {
   return out;
 }
 
-py::dict run_solve_parts(const py::list& parts, const py::object& settings) {
-  const BoundParts bound(parts, settings);
+py::dict run_solve_parts(const py::iterable& parts, const py::object& settings, const std::optional<std::string>& folder) {
+  const BoundParts bound(parts, settings, folder);
   std::deque<Model> models;
   Solution solution;
   try {
@@ -263,8 +263,8 @@ py::dict run_covariance(const py::object& problem, const py::object& settings) {
   return marginals_of(*model, c);
 }
 
-py::list run_covariance_parts(const py::list& parts, const py::object& settings) {
-  const BoundParts bound(parts, settings);
+py::list run_covariance_parts(const py::iterable& parts, const py::object& settings, const std::optional<std::string>& folder) {
+  const BoundParts bound(parts, settings, folder);
   std::deque<Model> models;
   std::vector<Covariance> all;
   {
@@ -272,7 +272,10 @@ py::list run_covariance_parts(const py::list& parts, const py::object& settings)
     all = covariance(bound.models(models));
   }
   py::list out;
-  for (size_t k = 0; k < all.size(); ++k) out.append(marginals_of(models[k], all[k]));
+  for (size_t k = 0; k < all.size(); ++k) {
+    out.append(marginals_of(models[k], all[k]));
+    all[k] = {};
+  }
   return out;
 }
 

@@ -118,8 +118,16 @@ struct ImageTerms::Cameras {
   }
 };
 
-ImageTerms::ImageTerms(const Model& model)
-    : model_(model), intrinsics_(model), chain_(model.landmarks() > 0 ? model.poses() : 0) {
+ImageTerms::ImageTerms(const Model& model, std::pmr::memory_resource* pages)
+    : model_(model),
+      intrinsics_(model),
+      order_(pages),
+      rank_(pages),
+      view_start_(pages),
+      observation_(pages),
+      view_(pages),
+      of_pose_(pages),
+      chain_(model.landmarks() > 0 ? model.poses() : 0) {
   observation_.resize(model.tables().stereo_node.rows() + model.tables().mono_node.rows());
   sort_landmarks();
   sort_views();
@@ -159,7 +167,8 @@ void ImageTerms::sort_views() {
   std::partial_sum(start.begin(), start.end(), start.begin());
   std::vector<int32_t> next(start.begin(), start.end());
   for (int32_t s = 0; s < count; ++s) observation_[next[rank_[landmark_of(s)]]++] = s;
-  view_.reserve(count);
+  view_.reserve(count + 1);
+  view_start_.reserve(landmarks + 1);
   view_start_.assign(1, 0);
   for (int32_t r = 0; r < landmarks; ++r) {
     std::stable_sort(observation_.begin() + start[r], observation_.begin() + start[r + 1],

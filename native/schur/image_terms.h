@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -54,7 +55,8 @@ class FreeIntrinsics {
 
 class ImageTerms {
  public:
-  explicit ImageTerms(const Model& model);
+  // pages: where what grows with the images stands.
+  explicit ImageTerms(const Model& model, std::pmr::memory_resource* pages = std::pmr::get_default_resource());
 
   // Landmarks by rank: those first seen from one pose stand together, so that neighbours in memory are neighbours on the hull.
   int32_t landmark(int64_t rank) const { return order_[rank]; }
@@ -93,9 +95,10 @@ class ImageTerms {
 
   const Model& model_;
   FreeIntrinsics intrinsics_;
-  std::vector<int32_t> order_, rank_, view_start_, observation_;
-  std::vector<View> view_;  // and one more, where the observations of the last one end
-  std::vector<int32_t> of_pose_start_, of_pose_;
+  std::pmr::vector<int32_t> order_, rank_, view_start_, observation_;
+  std::pmr::vector<View> view_;  // and one more, where the observations of the last one end
+  std::vector<int32_t> of_pose_start_;
+  std::pmr::vector<int32_t> of_pose_;
   std::vector<CameraChain> chain_;
 };
 

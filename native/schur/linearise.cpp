@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
 // Gradient, diagonal and what else stays the same for every damping at a point that was accepted.
+#include <algorithm>
+
 #include "common/parallel.h"
 #include "schur/schur.h"
 
@@ -120,7 +122,7 @@ Schur::Border Schur::differentiate_intrinsics() {
     for (int64_t r = group * kGroup; r < std::min(model_.landmarks(), (group + 1) * kGroup); ++r) {
       cross.setZero();
       for (int32_t v = images_.first_view(r); v < images_.first_view(r + 1); ++v) images_.add_intrinsics(v, cross, &own, &g);
-      intrinsics_cross_.middleCols(r * intrinsics_, intrinsics_) = cross;
+      std::copy_n(cross.data(), cross.size(), intrinsics_cross_.data() + 3 * r * intrinsics_);
     }
     add_intrinsics_to_border(own, g, sum);
   });

@@ -22,24 +22,27 @@ double since(Clock::time_point& start) {
 
 }  // namespace
 
-Schur::Schur(Model& model, const std::optional<std::vector<int>>& interface)
+Schur::Schur(Model& model, const std::optional<std::vector<int>>& interface, std::pmr::memory_resource* pages)
     : model_(model),
       layout_(model),
-      images_(model),
+      images_(model, pages),
       surface_(model, images_, layout_),
       small_(model, layout_),
       threads_(model.options().threads),
       pattern_(layout_, images_, surface_, small_, threads_),
-      reduced_(pattern_.reduced_system(interface)),
+      reduced_(pattern_.reduced_system(interface, pages)),
       is_part_(interface.has_value()),
       intrinsics_(images_.intrinsics().width()),
       hull_(layout_.column(kHull)),
-      mount_(layout_.column(kCamera)) {
+      mount_(layout_.column(kCamera)),
+      intrinsics_cross_(pages),
+      inverse_(pages),
+      x_(pages) {
   const int64_t landmarks = model.landmarks(), poses = static_cast<int64_t>(images_.chains().size());
   x_.resize(pattern_.size());
   own_.resize(poses), with_hull_.resize(poses), eliminated_.resize(6, poses);
   with_intrinsics_.assign(poses, Mat6X(6, intrinsics_));
-  inverse_.resize(landmarks), gain_.resize(3, landmarks), intrinsics_cross_.resize(3, landmarks * intrinsics_);
+  inverse_.resize(landmarks), gain_.resize(3, landmarks), intrinsics_cross_.resize(3 * landmarks * intrinsics_);
   for (Global global : FreeIntrinsics::kBlocks) {
     for (int c = 0; c < model.blocks()[layout_.model_global(global)].tangent; ++c)
       intrinsics_in_border_.push_back(layout_.column(global) + c);

@@ -18,6 +18,7 @@
 
 #include <functional>
 #include <memory>
+#include <memory_resource>
 #include <optional>
 
 #include "schur/twist_pattern.h"
@@ -33,7 +34,9 @@ struct StepVector {
 class Schur {
  public:
   // interface: of a part, the blocks of the layout that other parts meet too. None: the model is the whole problem.
-  explicit Schur(Model& model, const std::optional<std::vector<int>>& interface = {});
+  // pages: where what is large stands.
+  explicit Schur(Model& model, const std::optional<std::vector<int>>& interface = {},
+                 std::pmr::memory_resource* pages = std::pmr::get_default_resource());
 
   // Robustified cost by kind at the model's unknowns; empty: they cannot be evaluated (or are refused, association.h).
   std::optional<std::array<double, kKindNames.size()>> cost();
@@ -100,7 +103,9 @@ class Schur {
 
   Vec3 at(int64_t rank) const { return images_.at(rank); }
   Mat3 inverse(int64_t rank) const { return symmetric(inverse_[rank]); }
-  auto intrinsics_of(int64_t rank) const { return intrinsics_cross_.middleCols(rank * intrinsics_, intrinsics_); }
+  auto intrinsics_of(int64_t rank) const {
+    return Eigen::Map<const Eigen::Matrix3Xd>(intrinsics_cross_.data() + 3 * rank * intrinsics_, 3, intrinsics_);
+  }
   int64_t groups() const { return (model_.landmarks() + kGroup - 1) / kGroup; }
   int intrinsics_in_border(int column) const { return intrinsics_in_border_[column]; }
   Border chunked(int64_t count, int64_t chunk, const std::function<void(int64_t, Border&)>& work) const;
@@ -119,16 +124,16 @@ class Schur {
 
   // At the last accepted point.
   StepVector gradient_, diagonal_;
-  std::vector<Mat6> own_;              // of each pose: sum of E'HE; these and rows of X where images see a landmark
-  Eigen::Matrix3Xd intrinsics_cross_;  // C of each landmark
-  Eigen::MatrixXd intrinsics_own_;     // of the border, before landmarks are eliminated
+  std::vector<Mat6> own_;                      // of each pose: sum of E'HE; these and rows of X where images see a landmark
+  std::pmr::vector<double> intrinsics_cross_;  // C of each landmark, (3, intrinsics)
+  Eigen::MatrixXd intrinsics_own_;             // of the border, before landmarks are eliminated
   // Of the damped system.
-  std::vector<std::array<double, 6>> inverse_;  // K of each landmark
-  Eigen::Matrix3Xd gain_;                       // K g of each landmark
-  std::vector<double> x_;                       // X, as pattern_ lays it out
-  Mat6X eliminated_;                            // of each pose's twist: sum of E'H K g (linearise: its gradient)
-  std::vector<Mat6> with_hull_;                 // rows of X by T_g_M
-  std::vector<Mat6X> with_intrinsics_;          // and by the free intrinsics
+  std::pmr::vector<std::array<double, 6>> inverse_;  // K of each landmark
+  Eigen::Matrix3Xd gain_;                            // K g of each landmark
+  std::pmr::vector<double> x_;                       // X, as pattern_ lays it out
+  Mat6X eliminated_;                                 // of each pose's twist: sum of E'H K g (linearise: its gradient)
+  std::vector<Mat6> with_hull_;                      // rows of X by T_g_M
+  std::vector<Mat6X> with_intrinsics_;               // and by the free intrinsics
   Eigen::VectorXd rhs_;
 };
 

@@ -87,10 +87,12 @@ void TwistPattern::lay_out(std::vector<Neighbours>& neighbours) {
   }
 }
 
-std::unique_ptr<ReducedSystem> TwistPattern::reduced_system(const std::optional<std::vector<int>>& interface) const {
+std::unique_ptr<ReducedSystem> TwistPattern::reduced_system(const std::optional<std::vector<int>>& interface,
+                                                            std::pmr::memory_resource* pages) const {
   std::vector<int> width(layout_.blocks());
   for (int b = 0; b < layout_.blocks(); ++b) width[b] = layout_.width(b);
-  return std::make_unique<ReducedSystem>(std::move(width), layout_.border(), neighbour_start_, neighbour_, threads_, interface);
+  return std::make_unique<ReducedSystem>(std::move(width), layout_.border(), neighbour_start_, neighbour_, threads_, interface,
+                                         pages);
 }
 
 }  // namespace hullrecon

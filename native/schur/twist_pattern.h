@@ -34,7 +34,8 @@ class TwistPattern {
   }
   int64_t size() const { return size_; }
   // The reduced system on this pattern, small factors counted in. interface: of a part, its blocks that others meet.
-  std::unique_ptr<ReducedSystem> reduced_system(const std::optional<std::vector<int>>& interface) const;
+  std::unique_ptr<ReducedSystem> reduced_system(const std::optional<std::vector<int>>& interface,
+                                                std::pmr::memory_resource* pages) const;
 
  private:
   struct Neighbours {

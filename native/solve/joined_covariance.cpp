@@ -27,7 +27,8 @@ class PartInformation {
   }
 
  public:
-  explicit PartInformation(const ProblemPart& part, int globals_from) : model_(*part.model), information_(model_) {
+  explicit PartInformation(const ProblemPart& part, int globals_from)
+      : model_(*part.model), information_(model_), pages_(part.memory()) {
     for (const SharedBlock& shared : part.shared) share(shared.block, shared.number);
     const auto first = static_cast<int>(model_.poses() + model_.landmarks());
     for (int g = 0; g < kGlobals; ++g) {
@@ -92,10 +93,12 @@ class PartInformation {
       neighbours.insert(neighbours.end(), others.begin(), others.end());
       start.push_back(static_cast<int64_t>(neighbours.size()));
     }
-    system_ = std::make_unique<ReducedSystem>(std::move(width), 0, start, neighbours, model_.options().threads, interface_);
+    system_ =
+        std::make_unique<ReducedSystem>(std::move(width), 0, start, neighbours, model_.options().threads, interface_, pages_);
   }
   const Model& model_;
   Information information_;
+  std::pmr::memory_resource* pages_;
   std::vector<int> interface_, number_;  // positions in the information; numbers among all that are shared
   std::unique_ptr<ReducedSystem> system_;
 };
@@ -132,14 +135,19 @@ std::vector<Covariance> covariance(const std::vector<ProblemPart>& given) {
   for (const ProblemPart& part : given) {
     part.model->refresh(false, true);
     parts.emplace_back(part, shared);
+    part.rest();
   }
   ReducedSystem top = top_of(parts, shared + kGlobals, given.front().model->options().threads);
   top.clear();
-  for (PartInformation& part : parts) part.condense(), part.add_to(top);
+  for (size_t k = 0; k < parts.size(); ++k) parts[k].condense(), parts[k].add_to(top), given[k].rest();
   if (!top.factor()) refuse();
   top.invert();
   std::vector<Covariance> out;
-  for (PartInformation& part : parts) out.push_back(part.invert(top));
+  for (const ProblemPart& part : given) {
+    out.push_back(parts.front().invert(top));
+    parts.pop_front();
+    part.rest();
+  }
   return out;
 }
 

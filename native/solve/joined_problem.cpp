@@ -29,13 +29,19 @@ std::vector<int> interface_of(const ProblemPart& part) {
 
 struct JoinedProblem::Part {
   explicit Part(const ProblemPart& given)
-      : model(*given.model), interface(interface_of(given)), schur(model, interface), x(model.unknowns()) {
+      : model(*given.model),
+        given(given),
+        interface(interface_of(given)),
+        schur(model, interface, given.memory()),
+        x(model.unknowns()) {
     for (const SharedBlock& shared : given.shared) number.push_back(shared.number);
+    given.rest();
   }
   int offset(int block) const { return schur.offset(block) - schur.interior(); }  // among interface and border
   void set(const std::vector<double>& unknowns) { std::copy(unknowns.begin(), unknowns.end(), model.unknowns().begin()); }
 
   Model& model;
+  const ProblemPart given;
   const std::vector<int> interface;  // blocks of the layout
   std::vector<int> number;           // of each, among all that are shared
   Schur schur;
@@ -57,6 +63,14 @@ JoinedProblem::JoinedProblem(const std::vector<ProblemPart>& parts) {
 }
 
 JoinedProblem::~JoinedProblem() = default;
+
+template <class Work>
+void JoinedProblem::each(const Work& work) {
+  for (auto& part : parts_) {
+    work(*part);
+    part->given.rest();
+  }
+}
 
 // The top system: two shared blocks meet where a part has both.
 void JoinedProblem::number_shared(const std::vector<ProblemPart>& parts) {
@@ -124,33 +138,34 @@ void JoinedProblem::count_once() {
 
 void JoinedProblem::refresh(bool trial) {
   Association::Beams all;
-  for (auto& part : parts_) {
-    part->model.refresh(trial);
-    const auto beams = part->model.association().beams();
+  each([&](Part& part) {
+    part.model.refresh(trial);
+    const auto beams = part.model.association().beams();
     all.missed += beams.missed, all.accepted_misses += beams.accepted_misses, all.count += beams.count;
-  }
+  });
   for (auto& part : parts_) part->model.association().refuse(trial && all.loses_too_many());
 }
 
 std::optional<Costs> JoinedProblem::cost() {
   Costs sum{};
-  for (auto& part : parts_) {
-    const auto costs = part->schur.cost();
-    if (!costs) return std::nullopt;
-    for (size_t k = 0; k < sum.size(); ++k) sum[k] += (*costs)[k];
-  }
-  return sum;
+  bool evaluated = true;
+  each([&](Part& part) {
+    const auto costs = evaluated ? part.schur.cost() : std::nullopt;
+    evaluated = costs.has_value();
+    for (size_t k = 0; evaluated && k < sum.size(); ++k) sum[k] += (*costs)[k];
+  });
+  return evaluated ? std::optional(sum) : std::nullopt;
 }
 
 void JoinedProblem::linearise() {
   gradient_.setZero(), diagonal_.setZero();
-  for (auto& part : parts_) {
-    part->schur.linearise();
-    for (size_t k = 0; k < part->to_top.size(); ++k) {
-      gradient_[part->to_top[k]] += part->schur.gradient().reduced[part->schur.interior() + static_cast<int>(k)];
-      diagonal_[part->to_top[k]] += part->schur.diagonal().reduced[part->schur.interior() + static_cast<int>(k)];
+  each([&](Part& part) {
+    part.schur.linearise();
+    for (size_t k = 0; k < part.to_top.size(); ++k) {
+      gradient_[part.to_top[k]] += part.schur.gradient().reduced[part.schur.interior() + static_cast<int>(k)];
+      diagonal_[part.to_top[k]] += part.schur.diagonal().reduced[part.schur.interior() + static_cast<int>(k)];
     }
-  }
+  });
 }
 
 void JoinedProblem::scale() {
@@ -162,23 +177,25 @@ std::optional<double> JoinedProblem::step(double radius) {
   top_->clear();
   damping_ = damping(diagonal_, scale_, radius);
   step_.setZero();
-  for (auto& part : parts_) {
-    const StepVector& diagonal = part->schur.diagonal();
-    part->damping = {damping(diagonal.landmark, part->scale.landmark, radius),
-                     damping(diagonal.reduced, part->scale.reduced, radius)};
-    part->damping.reduced.tail(static_cast<Eigen::Index>(part->to_top.size())).setZero();  // the top has it
-    if (!part->schur.condense(part->damping)) return std::nullopt;
-    join(*part);
-  }
+  bool solved = true;
+  each([&](Part& part) {
+    const StepVector& diagonal = part.schur.diagonal();
+    part.damping = {damping(diagonal.landmark, part.scale.landmark, radius),
+                    damping(diagonal.reduced, part.scale.reduced, radius)};
+    part.damping.reduced.tail(static_cast<Eigen::Index>(part.to_top.size())).setZero();  // the top has it
+    solved = solved && part.schur.condense(part.damping);
+    if (solved) join(part);
+  });
+  if (!solved) return std::nullopt;
   top_->add_diagonal(damping_);
   if (!top_->factor()) return std::nullopt;
   top_->solve(step_);
-  for (auto& part : parts_) {
-    part->step.reduced.resize(part->schur.gradient().reduced.size());
-    part->step.reduced.tail(static_cast<Eigen::Index>(part->to_top.size())) = of_part(*part, step_);
-    if (!part->schur.finish(part->step)) return std::nullopt;
-  }
-  return model_change();
+  each([&](Part& part) {
+    part.step.reduced.resize(part.schur.gradient().reduced.size());
+    part.step.reduced.tail(static_cast<Eigen::Index>(part.to_top.size())) = of_part(part, step_);
+    solved = solved && part.schur.finish(part.step);
+  });
+  return solved ? std::optional(model_change()) : std::nullopt;
 }
 
 // Adds what a part leaves on shared blocks and border to the top's.
@@ -225,16 +242,16 @@ double JoinedProblem::model_change() const {
 
 LeastSquares::Lengths JoinedProblem::move() {
   Lengths squared{0, 0};
-  for (auto& part : parts_) {
-    part->schur.plus(part->x, part->step, part->candidate);
-    part->set(part->candidate);
-    for (const auto& [first, count] : part->counted) {
+  each([&](Part& part) {
+    part.schur.plus(part.x, part.step, part.candidate);
+    part.set(part.candidate);
+    for (const auto& [first, count] : part.counted) {
       for (ptrdiff_t k = first; k < first + count; ++k) {
-        const double x = part->x[k], by = x - part->candidate[k];
+        const double x = part.x[k], by = x - part.candidate[k];
         squared.unknowns += x * x, squared.step += by * by;
       }
     }
-  }
+  });
   return {std::sqrt(squared.unknowns), std::sqrt(squared.step)};
 }
 
@@ -247,27 +264,27 @@ void JoinedProblem::take_back() {
 }
 
 void JoinedProblem::describe(IterationRow& row) {
-  for (auto& part : parts_) {
+  each([&](Part& part) {
     IterationRow own{};
-    part->model.association().accept();
-    part->labels.describe(part->model, own);
+    part.model.association().accept();
+    part.labels.describe(part.model, own);
     row.on_surface += own.on_surface, row.label_changes += own.label_changes, row.rays_missed += own.rays_missed;
-  }
+  });
 }
 
 double JoinedProblem::gradient_norm() {
   double most = 0;
-  for (auto& part : parts_) {
-    part->step = {-part->schur.gradient().landmark, -part->schur.gradient().reduced};
-    part->step.reduced.tail(static_cast<Eigen::Index>(part->to_top.size())) = -of_part(*part, gradient_);
-    part->schur.plus(part->x, part->step, part->candidate);
-    for (size_t k = 0; k < part->x.size(); ++k) most = std::max(most, std::abs(part->x[k] - part->candidate[k]));
-  }
+  each([&](Part& part) {
+    part.step = {-part.schur.gradient().landmark, -part.schur.gradient().reduced};
+    part.step.reduced.tail(static_cast<Eigen::Index>(part.to_top.size())) = -of_part(part, gradient_);
+    part.schur.plus(part.x, part.step, part.candidate);
+    for (size_t k = 0; k < part.x.size(); ++k) most = std::max(most, std::abs(part.x[k] - part.candidate[k]));
+  });
   return most;
 }
 
 void JoinedProblem::end() {
-  for (auto& part : parts_) part->set(part->x), part->model.refresh(false, true);
+  each([](Part& part) { part.set(part.x), part.model.refresh(false, true); });
 }
 
 Schur::Seconds JoinedProblem::seconds() const {

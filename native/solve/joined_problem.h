@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/page_file.h"
 #include "solve/least_squares.h"
 
 namespace hullrecon {
@@ -23,6 +24,13 @@ struct SharedBlock {
 struct ProblemPart {
   Model* model;
   std::vector<SharedBlock> shared;
+  PageFile* pages =
+      nullptr;  // where its tables and what is large of its work stand, at rest while other parts work; null: memory
+
+  std::pmr::memory_resource* memory() const { return pages ? pages : std::pmr::get_default_resource(); }
+  void rest() const {
+    if (pages) pages->rest();
+  }
 };
 
 class JoinedProblem final : public LeastSquares {
@@ -46,6 +54,8 @@ class JoinedProblem final : public LeastSquares {
 
  private:
   struct Part;
+  template <class Work>
+  void each(const Work& work);  // work(part) of each in turn, which rests then
   void number_shared(const std::vector<ProblemPart>& parts);
   void place(Part& part);
   void count_once();

@@ -57,11 +57,11 @@ using Matrix = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 
 }  // namespace
 
-Fronts::Fronts(FrontTree tree, int threads, bool keeps_root)
+Fronts::Fronts(FrontTree tree, int threads, bool keeps_root, std::pmr::memory_resource* pages)
     : tree_(std::move(tree)),
       threads_(thread_count(threads)),
       keeps_root_(keeps_root),
-      value_(tree_.values()),
+      value_(tree_.values(), pages),
       rest_(tree_.fronts().size()),
       pool_(threads_) {
   grain_ = tree_.fronts().back().work / (kGrains * threads_);

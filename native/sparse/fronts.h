@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <atomic>
 #include <memory>
+#include <memory_resource>
 #include <vector>
 
 #include "common/task_pool.h"
@@ -18,7 +19,9 @@ namespace hullrecon {
 
 class Fronts {
  public:
-  Fronts(FrontTree tree, int threads, bool keeps_root = false);
+  // pages: where the matrix stands.
+  Fronts(FrontTree tree, int threads, bool keeps_root = false,
+         std::pmr::memory_resource* pages = std::pmr::get_default_resource());
 
   const FrontTree& tree() const { return tree_; }
   void clear();
@@ -61,7 +64,7 @@ class Fronts {
   int threads_;
   bool keeps_root_;
   double grain_;  // work of a subtree that one thread does alone
-  std::vector<double> value_;
+  std::pmr::vector<double> value_;
   std::vector<std::unique_ptr<double[]>> rest_;  // what a front leaves to its parent until that took it: lower half, by columns
   std::vector<int64_t> carried_start_;
   std::vector<double> carried_;  // the same of the right side

@@ -75,7 +75,7 @@ std::vector<int> order_before(const std::vector<int>& interface, const std::vect
 
 ReducedSystem::ReducedSystem(std::vector<int> width, int border, const std::vector<int64_t>& start,
                              const std::vector<int32_t>& neighbours, int threads,
-                             const std::optional<std::vector<int>>& interface)
+                             const std::optional<std::vector<int>>& interface, std::pmr::memory_resource* pages)
     : border_(border),
       position_(interface ? order_before(*interface, start, neighbours) : fill_reducing_order(start, neighbours)) {
   const auto blocks = static_cast<int>(width.size());
@@ -98,7 +98,7 @@ ReducedSystem::ReducedSystem(std::vector<int> width, int border, const std::vect
   }
   position_.push_back(blocks), width_at.push_back(border), below_start.push_back(static_cast<int64_t>(below.size()));
   const int kept = interface ? blocks - interior + 1 : 0;
-  fronts_ = std::make_unique<Fronts>(FrontTree(width_at, below_start, below, kept), threads, kept > 0);
+  fronts_ = std::make_unique<Fronts>(FrontTree(width_at, below_start, below, kept), threads, kept > 0, pages);
 }
 
 Eigen::MatrixXd ReducedSystem::block(int a, int b) const {

@@ -94,6 +94,15 @@ def test_marginals_in_parts_are_those_of_the_whole(dive, parts):
         assert found.leverage_by_factor[kind] == pytest.approx(leverage, rel=1e-8, abs=1e-8)
 
 
+@pytest.mark.parametrize("parts", [2, 8])
+def test_residuals_in_parts_are_those_of_the_whole(dive, parts):
+    problem, options = dive.adjusted.problem, dive.adjusted.settings
+    whole = join.residuals(problem, None, options)
+    found = join.residuals(problem, of_parts(dive, parts), options)
+    for name, values in whole.items():
+        np.testing.assert_allclose(np.sort(found[name]), np.sort(values), rtol=1e-12, atol=1e-12)
+
+
 def test_a_dive_in_parts_comes_out_as_it_does_whole(dive):
     measured, options = simulate().measured, AdjustOptions(parts=3)
     adjusted = adjust(measured, options, lambda _: None)

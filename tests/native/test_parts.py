@@ -115,6 +115,28 @@ def test_parts_repeat_their_bytes_on_any_number_of_threads(side):
         assert here.unknowns.landmark.tobytes() == there.unknowns.landmark.tobytes()
 
 
+def test_parts_in_files_have_the_bytes_of_parts_in_memory(side, tmp_path):
+    problem, stripe = side
+    parts, options = SubProblems(problem, stripe // 2), Options(max_iterations=4)
+    here, there = (solve_parts(parts.parts(), options, folder) for folder in (None, tmp_path))
+    np.testing.assert_array_equal(here.iterations.cost, there.iterations.cost)
+    for one, other in zip(here.parts, there.parts, strict=True):
+        assert one.unknowns.pose.tobytes() == other.unknowns.pose.tobytes()
+        assert one.unknowns.landmark.tobytes() == other.unknowns.landmark.tobytes()
+        assert one.label.tobytes() == other.label.tobytes()
+    found, inverse = (covariance_parts(parts.parts(), options, at) for at in (None, tmp_path))
+    for one, other in zip(found, inverse, strict=True):
+        assert one.landmark.tobytes() == other.landmark.tobytes()
+        assert one.pose.tobytes() == other.pose.tobytes()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_for_parts_that_is_not_there_is_named(side, tmp_path):
+    parts = SubProblems(side[0], side[1] // 4).parts()
+    with pytest.raises(FileNotFoundError, match="missing"):
+        solve_parts(parts, Options(), tmp_path / "missing")
+
+
 @pytest.mark.parametrize("parts", [1, 8])
 def test_marginals_of_parts_are_those_of_the_whole(side, parts):
     problem, stripe = side

@@ -1,11 +1,16 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Solve a problem in the parts of a plan, and put together what they find."""
+"""Solve a problem in the parts of a plan, and put together what they find.
+
+The parts are in temporary files, and only the one at work is in memory.
+"""
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Sequence
 from dataclasses import fields, replace
+from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
@@ -18,6 +23,18 @@ from hullrecon.native.parts import covariance_parts, solve_parts
 from hullrecon.typing import Ints
 
 Number = TypeVar("Number", bound=np.generic)
+GLOBALS = (
+    "T_g_M",
+    "T_s_ct",
+    "T_ct_cb",
+    "T_s_d",
+    "navigation",
+    "intrinsics_top",
+    "intrinsics_bottom",
+    "world",
+    "lens_top",
+    "lens_bottom",
+)
 
 
 def solve(problem: native.Problem, plan: Plan, options: native.Options) -> native.Result:
@@ -25,7 +42,8 @@ def solve(problem: native.Problem, plan: Plan, options: native.Options) -> nativ
     if plan.parts == 1:
         return native.solve(problem, options)
     parts = SubProblems(problem, plan.owner)
-    found = solve_parts(list(parts.parts()), options)
+    with tempfile.TemporaryDirectory() as folder:
+        found = solve_parts(parts.parts(), options, Path(folder))
     unknowns = replace(
         found.parts[0].unknowns,
         **{
@@ -51,7 +69,8 @@ def covariance(problem: native.Problem, plan: Plan, options: native.Options) -> 
     if plan.parts == 1:
         return native.covariance(problem, options)
     parts = SubProblems(problem, plan.owner)
-    found = covariance_parts(list(parts.parts()), options)
+    with tempfile.TemporaryDirectory() as folder:
+        found = covariance_parts(parts.parts(), options, Path(folder))
     by_row = {
         field.name: rows
         for field in fields(native.Covariance)
@@ -66,6 +85,31 @@ def covariance(problem: native.Problem, plan: Plan, options: native.Options) -> 
         for kind in found[0].leverage_by_factor
     }
     return replace(found[0], leverage_by_factor=leverage, **gathered)
+
+
+def residuals(
+    problem: native.Problem, plan: Plan | None, options: native.Options
+) -> dict[str, NDArray[np.float64]]:
+    """Evaluate the whitened residuals of each kind of factor (native.FACTORS), part by part.
+
+    plan: None, as one of a single part, evaluates the whole.
+    """
+    if plan is None or plan.parts == 1:
+        return _by_factor(native.evaluate(problem, options, jacobian=False))
+    parts = SubProblems(problem, plan.owner)
+    found = []
+    for k, part in enumerate(parts.parts()):
+        # The first part has the priors of globals.
+        alone = part.problem if k == 0 else part.problem.hold(*GLOBALS)
+        found.append(_by_factor(native.evaluate(alone, options, jacobian=False)))
+    return {name: np.concatenate([of_part[name] for of_part in found]) for name in native.FACTORS}
+
+
+def _by_factor(evaluation: native.Evaluation) -> dict[str, NDArray[np.float64]]:
+    return {
+        name: evaluation.residual[evaluation.factor == number]
+        for number, name in enumerate(native.FACTORS)
+    }
 
 
 def _unknowns_of(parts: SubProblems) -> dict[str, Sequence[Ints]]:

@@ -68,20 +68,23 @@ def plan_parts(problem: native.Problem, state: State, wanted: Wanted) -> Plan:
     wanted
         So many, or "auto": as few as keep the solver of each below PART_MB.
     """
-    place_m, axis = _places(state)
+    return plan_along(problem, *_places(state), wanted)
+
+
+def plan_along(problem: native.Problem, place_m: Array, axis: str, wanted: Wanted) -> Plan:
+    """Plan stripes across an axis on which poses stand at `place_m` (n,), as `plan_parts`."""
     bytes_of_pose = _bytes_of_poses(problem)
     whole_mb = float(bytes_of_pose.sum()) / 1e6
-    most = min(MOST_PARTS, max(1, len(place_m)))
     if wanted == "auto":
-        count = min(most, max(1, int(np.ceil(whole_mb / PART_MB))))
+        count = min(MOST_PARTS, max(1, int(np.ceil(whole_mb / PART_MB))))
         reason = f"the solver takes about {whole_mb:.0f} MB, and {PART_MB:.0f} are for one part"
     else:
-        count, reason = min(most, wanted), f"adjust.parts asks for {wanted}"
+        count, reason = wanted, f"adjust.parts asks for {wanted}"
     order = np.argsort(place_m, kind="stable")
     share = np.cumsum(bytes_of_pose[order]) - 0.5 * bytes_of_pose[order]
-    owner = np.empty(len(order), np.int64)
-    owner[order] = np.minimum(count - 1, (count * share / share[-1:].sum()).astype(np.int64))
-    _, owner = np.unique(owner, return_inverse=True)
+    stripe = np.empty(len(order), np.int64)
+    stripe[order] = count * share / bytes_of_pose.sum()
+    _, owner = np.unique(stripe, return_inverse=True)
     mb = np.bincount(owner, bytes_of_pose) / 1e6
     first = [float(place_m[owner == k].min()) for k in range(1, len(mb))]
     return Plan(owner=owner, cuts_m=np.array(first), axis=axis, predicted_mb=mb, reason=reason)

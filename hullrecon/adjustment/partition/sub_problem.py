@@ -62,7 +62,7 @@ class SubProblems:
         """
         if len(problem.links.first):
             raise ValueError("links are not cut into parts")
-        self.problem, self.owner = problem, owner
+        self.problem, self.owner = problem, owner.astype(np.int32)
         self.count = int(owner.max(initial=0)) + 1
         self.landmark_owner = self._owner_of_landmarks()
         self.row_owner = {name: self._owner_of_rows(name) for name in TABLES}
@@ -126,13 +126,13 @@ class SubProblems:
         """List the planes that several parts meet."""
         return _in_several(self.planes, len(self.problem.unknowns.plane))
 
-    def _owner_of_landmarks(self) -> Ints:
-        owner = np.full(len(self.problem.unknowns.landmark), self.count)
+    def _owner_of_landmarks(self) -> Ints32:
+        owner = np.full(len(self.problem.unknowns.landmark), self.count, np.int32)
         for table in (self.problem.stereo, self.problem.mono):
             np.minimum.at(owner, table.landmark, self.owner[table.node])
         return np.where(owner == self.count, 0, owner)
 
-    def _owner_of_rows(self, name: str) -> Ints:
+    def _owner_of_rows(self, name: str) -> Ints32:
         table = getattr(self.problem, name)
         if name in OF_LANDMARKS:
             return np.asarray(self.landmark_owner[table.landmark])
@@ -140,22 +140,22 @@ class SubProblems:
         met += [self.problem.planes.anchor[getattr(table, c)] for c in PLANES.get(name, ())]
         return np.asarray(self.owner[np.stack(met)].min(axis=0))
 
-    def _owners_of_field(self) -> tuple[Ints, Ints]:
+    def _owners_of_field(self) -> tuple[Ints32, Ints32]:
         """Find the owner of each node of the deviation field, and of each row of its prior.
 
         A node goes to the first part whose rows meet it, one that none meets to its neighbours'.
         """
         prior, last = self.problem.priors.deviation, self.count
-        owner = np.full(len(self.problem.unknowns.deviation), last)
+        owner = np.full(len(self.problem.unknowns.deviation), last, np.int32)
         for name in IN_FIELD:
             field = getattr(self.problem, name).field
             if len(field.index):
                 np.minimum.at(owner, field.index, self.row_owner[name][:, None])
         if len(prior.start) < 2:
-            return np.where(owner == last, 0, owner), np.zeros(0, np.int64)
+            return np.where(owner == last, 0, owner), np.zeros(0, np.int32)
         row_of = np.repeat(np.arange(len(prior.start) - 1), np.diff(prior.start))
         while True:
-            of_row = np.full(len(prior.start) - 1, last)
+            of_row = np.full(len(prior.start) - 1, last, np.int32)
             np.minimum.at(of_row, row_of, owner[prior.index])
             near = np.full_like(owner, last)
             np.minimum.at(near, prior.index, of_row[row_of])

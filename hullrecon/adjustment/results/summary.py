@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -15,6 +15,7 @@ from hullrecon.adjustment.bundle_adjustment import Adjusted
 from hullrecon.adjustment.cad_acceptance import Placement
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
 from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.partition import join
 from hullrecon.adjustment.problem import intrinsics, iteration_history, lens, weighting
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import HullState, State
@@ -78,11 +79,9 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
         "parts": adjusted.plan.facts(),
         "navigation_sigma": _navigation_sigma(marginals),
         "weak_directions": weak,
-        "residuals_before": residuals_by_factor(
-            native.evaluate(adjusted.start, settings, jacobian=False)
-        ),
-        "residuals_after": residuals_by_factor(
-            native.evaluate(adjusted.problem, settings, jacobian=False)
+        "residuals_before": residual_figures(join.residuals(adjusted.start, None, settings)),
+        "residuals_after": residual_figures(
+            join.residuals(adjusted.problem, adjusted.plan, settings)
         ),
         **_registration(adjusted),
         "cad_model_refused": adjusted.verdict.reason,
@@ -350,17 +349,12 @@ def _warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
     return found
 
 
-def residuals_by_factor(evaluation: native.Evaluation) -> dict[str, dict[str, float]]:
+def residual_figures(residuals: Mapping[str, Array]) -> dict[str, dict[str, float]]:
     """Compute count, RMS, robust sigma and share beyond three of each factor's residuals."""
-    found = {}
-    for number, name in enumerate(native.FACTORS):
-        values = evaluation.residual[evaluation.factor == number]
-        if len(values):
-            found[name] = _residual_figures(values)
-    return found
+    return {name: _figures_of(values) for name, values in residuals.items() if len(values)}
 
 
-def _residual_figures(values: NDArray[np.float64]) -> dict[str, float]:
+def _figures_of(values: NDArray[np.float64]) -> dict[str, float]:
     return {
         "count": float(len(values)),
         "rms": float(np.sqrt(np.mean(values**2))),
