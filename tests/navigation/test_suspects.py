@@ -311,6 +311,12 @@ def test_scale_of_one_of_two_sensors_names_both():
     assert {"pressure", "DVL"} <= set(finding.values["sensors"])
 
 
+def test_velocities_ten_times_too_long_are_no_pressure_that_stands_still():
+    (finding,) = judged(with_velocity(dive(), 10.0)).findings
+    assert finding.severity == "error"
+    assert "DVL" in finding.values["sensors"]
+
+
 def test_accelerations_tell_whose_scale_is_wrong():
     true = dive()
     (finding,) = judged(with_velocity(true, 1.4)).findings

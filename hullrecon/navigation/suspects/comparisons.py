@@ -69,6 +69,7 @@ PUSHED_SHARE = 0.05  # of an accelerometer's scale and axes
 DEPTH_SIGMA_M = 0.005  # of a change of depth: what two smoothed readings leave at least
 ROUGH_SHARE = 0.4  # of LATE_S, by which the smoothing of two sensors differs from time to time
 CLIP = 4.0  # sigmas, beyond which a residual costs no more
+SHARED = 0.8  # of a signal's squares, that one which follows another has in common with it
 GAIN = 25.0  # of chi-square beyond its mean: five sigmas, as in navigation/clocks
 MISFIT = 2.0  # of chi-square by row: 1.2 at most on 17 faultless dives, 3.3 to 11 with faults
 
@@ -142,15 +143,25 @@ class Comparison:
 
     @property
     def misfit(self) -> float:
-        """Compute the rms of the residuals as a share of that of the motion."""
+        """Compute the rms of the residuals as a share of that of the motion.
+
+        Errors that no faultless sensor has are not taken off.
+        """
         motion = np.maximum(np.abs(self.first), np.abs(self.second))
-        left = np.minimum(np.abs(self._fit[0] * self.sigma), motion)
+        left, common = self._fit
+        left = self.residual if (common**2).sum() > GAIN else left * self.sigma
+        left = np.minimum(np.abs(left), motion)
         return _rms(left) / max(_rms(motion), 1e-12)
 
     @property
-    def follows(self) -> float:
-        """Compute the size of the first sensor's motion as a share of that by the others."""
-        return _rms(self.first) / max(_rms(self.second), 1e-12)
+    def stands_still(self) -> bool:
+        """Tell whether the first sensor shows next to nothing of the others' motion.
+
+        A small share of it, as in another unit, is not nothing.
+        """
+        alike = (self.first @ self.second) ** 2
+        is_share = alike > SHARED * (self.first @ self.first) * (self.second @ self.second)
+        return is_still(self.first, self.second) and not is_share
 
     @property
     def chi2(self) -> float:

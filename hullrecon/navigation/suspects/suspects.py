@@ -17,7 +17,6 @@ from types import MappingProxyType
 import numpy as np
 
 from hullrecon.findings.finding import Finding
-from hullrecon.navigation.clocks.comparisons import STILL
 from hullrecon.navigation.suspects.comparisons import (
     GAIN,
     OF_TRACK,
@@ -201,7 +200,7 @@ def _try_all(
     for one in hypotheses(records, suspects, atmosphere_m, flows):
         own = [c for c in wrong if one.sensor in c.sensors]
         is_constant = one.fault == "constant"
-        if not own or (is_constant and not all(c.follows < STILL for c in own if c.second.any())):
+        if not own or (is_constant and not all(c.stands_still for c in own if c.second.any())):
             continue
         is_moved = one.sensor in {Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}
         seen = hull if _has_same_hull(one.mended, records) else None
