@@ -174,7 +174,7 @@ def round_with(hit, on_hull, problem=None, stated_over_found=1.0):
         SimpleNamespace(priors=SimpleNamespace(tray_sigma_rad=0.01 * stated_over_found)),
         SimpleNamespace(tray=0.01),
     )
-    after = SimpleNamespace(measured=SimpleNamespace(rig=rig))
+    after = SimpleNamespace(measured=SimpleNamespace(rig=rig, returns=None), state=None)
     return SimpleNamespace(
         result=result, problem=problem or solved().adjusted.problem, weights=weights, after=after
     )
