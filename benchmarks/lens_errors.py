@@ -100,7 +100,7 @@ def by_top_camera(measured: Measurements) -> Measurements:
 
 
 def judge_form(solution: Solution, measured: Measurements, truth: Truth) -> Row:
-    """Return errors of offset, tilt and form in their sigmas, and of the form in mm."""
+    """Return errors of offset, tilt, form and landmarks, laid on the truth, in sigmas and mm."""
     cad, track, field = measured.cad_model, solution.track(), solution.deviation_field
     assert cad is not None
     assert field is not None
@@ -130,10 +130,14 @@ def judge_form(solution: Solution, measured: Measurements, truth: Truth) -> Row:
     error, seen = ours.form - real.form, bare & np.isfinite(ours.form)
     motion = fit_rigid(track.poses.translation, truth.vehicle_at(solution.t_ns / 1e9).translation)
     aligned = np.abs(truth.built.closest(motion.apply(surface.vertices[seen])).distance)
+    seen_marks = truth.near(on_hull.position, 0.25) & (np.abs(on_hull.offset) < MIN_OFFSET_M)
+    beside = truth.built.closest(motion.apply(on_hull.position)).distance
     return {
         "offset": float((ours.offset - real.offset) / ours.offset_sigma),
         "tilt": float(rms((ours.tilt - real.tilt) / ours.tilt_sigma)),
         "form": rms(error[seen] / ours.form_sigma[seen]),
+        "landmarks": rms((beside / on_hull.sigma)[seen_marks]),
+        "landmarks_aligned_mm": 1e3 * rms(beside[seen_marks]),
         "form_mm": 1e3 * rms(error[seen]),
         "form_sigma_mm": 1e3 * float(np.median(ours.form_sigma[seen])),
         "as_found_aligned_mm": 1e3 * rms(aligned),
