@@ -31,6 +31,7 @@ FAULTS = {  # of a sensor, as a statement
     ("IMU's acceleration", "sign"): "the accelerations are those of gravity, with the other sign",
     ("camera", "medium"): "its focal lengths are {value} times too short, as those of a "
     "calibration made in air are under water",
+    ("camera", "size"): "its calibration is of pictures {value} times as large as those logged",
     ("camera", "focal"): "its focal lengths have to be multiplied by {value}",
     ("camera", "distortion"): "its distortion is not its calibration's: the images fit with k1 "
     "changed by about {value}",

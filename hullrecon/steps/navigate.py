@@ -142,7 +142,7 @@ def _judge_sensors(context: Context[NavigateOptions]) -> Judged:
     if index is not None and Camera.TOP in ingest.camera_models:
         read = ingest.images(Camera.TOP, context.source).read
         flows = image_flows(rig_from_settings(settings, ingest.camera_models), index, read)
-    judged = judge_sensors(settings, records, flows)
+    judged = judge_sensors(settings, records, flows, ingest.camera_models)
     for finding in judged.findings:
         if finding.severity == "error":
             raise InputError(finding.sentence)

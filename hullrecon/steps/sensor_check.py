@@ -15,6 +15,7 @@ from hullrecon.dive.config.schema import Topics
 from hullrecon.dive.images.sink import SampledImages
 from hullrecon.dive.ingest import IngestResult
 from hullrecon.findings.finding import Finding
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames
 from hullrecon.navigation.suspects.comparisons import Flow, Sensor
@@ -32,9 +33,15 @@ SENSOR_KEYS = (*RIG_KEYS, *WATER_KEYS, "topics")
 
 
 def judge_sensors(
-    settings: Mapping[str, object], records: SensorRecords, flows: Sequence[Flow] = ()
+    settings: Mapping[str, object],
+    records: SensorRecords,
+    flows: Sequence[Flow],
+    cameras: Mapping[Camera, CameraModel],
 ) -> Judged:
-    """Hold the sensors of a dive against each other, by SENSOR_KEYS of dive.toml."""
+    """Hold the sensors of a dive against each other, by SENSOR_KEYS of dive.toml.
+
+    cameras: by which the flows are in ideal coordinates.
+    """
     density, gravity, atmosphere = (_number(settings[key]) for key in WATER_KEYS)
     topics = settings["topics"]
     named = {
@@ -50,7 +57,7 @@ def judge_sensors(
         }.items()
         if isinstance(topics, Topics) and topic
     }
-    rig = rig_from_settings(settings)
+    rig = rig_from_settings(settings, cameras)
     level = level_of(records, rig.tray_origin, rig.pressure_origin, rig.tray_from_dvl)
     apart = motions_apart(records, level)
     if apart:  # nothing else compares sensors whose clocks are apart
@@ -67,11 +74,12 @@ def describe_sensors(
     settings = {key: loaded.value(key) for key in SENSOR_KEYS}
     index, model = found.images.get(Camera.TOP.key), found.cameras.get(Camera.TOP.key)
     flows: list[Flow] = []
-    if index is not None and model is not None:
-        rig = rig_from_settings(settings, {Camera.TOP: model})
+    cameras = {} if model is None else {Camera.TOP: model}
+    if index is not None and cameras:
+        rig = rig_from_settings(settings, cameras)
         read = image_reader(loaded, found, sampled)
         flows = image_flows(rig, index, lambda row: read(Camera.TOP, row))
-    judged = judge_sensors(settings, found.records, flows)
+    judged = judge_sensors(settings, found.records, flows, cameras)
     return judged.records, judged.findings, [one.document() for one in judged.tried]
 
 

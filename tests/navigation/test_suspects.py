@@ -7,6 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.dvl_beams import tilted_beams
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_mount
 from hullrecon.navigation.suspects.comparisons import Flow
 from hullrecon.navigation.suspects.suspects import judge
@@ -14,6 +16,7 @@ from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples, Sen
 from hullrecon.rig import Rig
 
 NS = 1_000_000_000
+BOTH = ("first", "second")  # images of a flow
 SECONDS = 40
 AIR_M = 10.0
 RIG = Rig(
@@ -229,6 +232,21 @@ def test_camera_that_moves_unlike_the_dvl_is_named(turn, fault):
     (finding,) = judged(dive(), flows(turn)).findings
     assert (finding.severity, finding.values["sensor"]) == ("error", "camera")
     assert finding.values["fault"] == fault
+
+
+@pytest.mark.parametrize("size", [0.5, 2.0])
+def test_calibration_of_pictures_of_another_size_is_named(size):
+    camera = CameraModel(1000, 800, 1000.0, 1000.0, 499.5, 399.5, k1=-0.05)
+    centre = (camera.cx + 0.5) * size - 0.5, (camera.cy + 0.5) * size - 0.5
+    wrong = replace(camera, fx=1000.0 * size, fy=1000.0 * size, cx=centre[0], cy=centre[1])
+    seen = [
+        replace(flow, **{k: wrong.undistort(camera.distort(getattr(flow, k))) for k in BOTH})
+        for flow in flows()
+    ]
+    rig = replace(RIG, camera_models={Camera.TOP: wrong})
+    (finding,) = judge(dive(), rig, AIR_M, flows=seen).findings
+    assert (finding.severity, finding.values["sensor"]) == ("error", "camera")
+    assert (finding.values["fault"], finding.values["value"]) == ("size", f"{size:g}")
 
 
 @pytest.mark.parametrize("k1", [-0.25, 0.1])

@@ -17,6 +17,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.streams import FRD_FROM_FLU, METRES, NED_FROM_ENU, PASCALS
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.navigation.suspects.comparisons import Flow, Sensor
 from hullrecon.records.clock import NS
 from hullrecon.records.sensors import (
@@ -39,6 +40,7 @@ RADIANS_A_SECOND = {
 }
 # by which a length may be too short or too long: steps that the comparisons tolerate
 FACTORS = [*np.geomspace(0.5, 0.93, 10), *np.geomspace(1.07, 2.0, 10)]
+SIZES = (0.25, 0.5, 2.0, 4.0)  # of a calibration's pictures over those logged: reduced ones
 RADIAL = [s * k for k in np.arange(0.05, 0.65, 0.05) for s in (1, -1)]  # of k1, as tolerated
 WATER = 1.333  # refractive index of water: a calibration made in air has focal lengths that short
 REPEATED = 4  # pings with one velocity to the last digit: noise of 1 mm/s makes two of them rare
@@ -67,11 +69,22 @@ class Hypothesis:
 
 
 def hypotheses(
-    records: SensorRecords, sensors: Set[Sensor], atmosphere_m: float, flows: Sequence[Flow] = ()
+    records: SensorRecords,
+    sensors: Set[Sensor],
+    atmosphere_m: float,
+    flows: Sequence[Flow] = (),
+    camera: CameraModel | None = None,
 ) -> Iterator[Hypothesis]:
     """List what may be wrong with some sensors of a dive, one fault at a time.
 
-    atmosphere_m: the air's pressure in metres of water, which was taken off.
+    Parameters
+    ----------
+    records, sensors
+        The dive, and who is suspected.
+    atmosphere_m
+        The air's pressure in metres of water, which was taken off.
+    flows, camera
+        Of the images, and by which calibration.
     """
     dvl, imu, pressure, tray = records.dvl, records.imu, records.pressure, records.tray
     if Sensor.PRESSURE in sensors and pressure is not None:
@@ -85,7 +98,7 @@ def hypotheses(
     if Sensor.TRAY in sensors and tray is not None:
         yield from _of_tray(records, tray)
     if Sensor.CAMERA in sensors:
-        yield from _of_camera(records, flows)
+        yield from _of_camera(records, flows, camera)
 
 
 def _of_pressure(
@@ -207,7 +220,9 @@ def _of_tray(records: SensorRecords, tray: JointSamples) -> Iterator[Hypothesis]
         yield Hypothesis(sensor=Sensor.TRAY, fault=fault, value=value, mended=held, exact=exact)
 
 
-def _of_camera(records: SensorRecords, flows: Sequence[Flow]) -> Iterator[Hypothesis]:
+def _of_camera(
+    records: SensorRecords, flows: Sequence[Flow], camera: CameraModel | None
+) -> Iterator[Hypothesis]:
     turns = {("focal", f"{factor:.2f}"): np.eye(2) / factor for factor in FACTORS}
     turns |= {("medium", f"{WATER:.2f}"): np.eye(2) / WATER}
     for name, turn in signed_axes():
@@ -215,6 +230,10 @@ def _of_camera(records: SensorRecords, flows: Sequence[Flow]) -> Iterator[Hypoth
             turns["picture", name[:5]] = turn[:2, :2]
     lenses = {name: partial(_turned, turn=turn) for name, turn in turns.items()}
     lenses |= {("distortion", f"{k1:+.2f}"): partial(_straightened, k1=k1) for k1 in RADIAL}
+    if camera is not None:
+        lenses |= {
+            ("size", f"{size:g}"): partial(_resized, camera=camera, size=size) for size in SIZES
+        }
     for (fault, value), lens in lenses.items():
         moved = [replace(flow, first=lens(flow.first), second=lens(flow.second)) for flow in flows]
         yield Hypothesis(
@@ -264,6 +283,13 @@ def _clocks(t_ns: Ints, farthest_s: float = np.inf) -> Iterator[_Clock]:
 
 def _turned(ideal: Array, turn: Array) -> Array:
     return np.asarray(ideal @ turn.T)
+
+
+def _resized(ideal: Array, camera: CameraModel, size: float) -> Array:
+    """Read the pixels (n, 2) by the calibration of pictures that are so many times as large."""
+    fx, fy = camera.fx / size, camera.fy / size
+    cx, cy = (camera.cx + 0.5) / size - 0.5, (camera.cy + 0.5) / size - 0.5
+    return replace(camera, fx=fx, fy=fy, cx=cx, cy=cy).undistort(camera.distort(ideal))
 
 
 def _straightened(ideal: Array, k1: float) -> Array:

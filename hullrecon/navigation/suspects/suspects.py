@@ -197,7 +197,7 @@ def _try_all(
     hull = None if records.dvl is None else hull_planes(records.dvl)
     solved: list[tuple[float, Hypothesis, _Again]] = []
     unsolved: list[tuple[float, Hypothesis, _Again]] = []
-    for one in hypotheses(records, suspects, atmosphere_m, flows):
+    for one in hypotheses(records, suspects, atmosphere_m, flows, rig.top):
         own = [c for c in wrong if one.sensor in c.sensors]
         is_constant = one.fault == "constant"
         if not own or (is_constant and not all(c.stands_still for c in own if c.second.any())):
