@@ -44,9 +44,9 @@ class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     parts: Annotated[
         Annotated[int, Meta(ge=1, le=MOST_PARTS)] | Literal["auto"],
         Meta(
-            description="stripes across the hull in which the last round is solved, for memory; "
-            "auto: as few as keep the solver below 1 GB for each. The result is the same but for "
-            "rounding"
+            description="stripes across the hull in which the last round is solved, which takes "
+            "less memory; auto: one until the solver takes 1 GB, then more. The result is the same "
+            "but for rounding"
         ),
     ] = "auto"
 

@@ -157,11 +157,16 @@ def test_a_path_without_chart_is_cut_along_its_length(dive):
 def test_parts_are_as_few_as_their_memory_allows(dive, monkeypatch):
     one = of_parts(dive, "auto")
     assert one.parts == 1
-    monkeypatch.setattr(planning, "PART_MB", 0.4 * one.predicted_mb.sum())
-    three = of_parts(dive, "auto")
-    assert three.parts == 3
-    assert three.predicted_mb.sum() == pytest.approx(one.predicted_mb.sum())
-    assert three.predicted_mb.max() < 1.5 * three.predicted_mb.min()
+    whole_mb = one.predicted_mb.sum()
+    monkeypatch.setattr(planning, "SOLVER_MB", 0.75 * whole_mb)
+    two = of_parts(dive, "auto")
+    assert two.parts == 2
+    assert two.predicted_mb.max() < 0.75 * whole_mb
+    assert f"{whole_mb:.0f} MB in one part" in two.reason
+    monkeypatch.setattr(planning, "SOLVER_MB", 0.1 * whole_mb)
+    many = of_parts(dive, "auto")
+    assert many.parts > 8
+    assert many.predicted_mb.max() < 0.6 * two.predicted_mb.max() + 0.1 * whole_mb
 
 
 def test_no_part_is_without_a_pose(dive):

@@ -19,9 +19,15 @@ from hullrecon.adjustment.problem.state import State
 from hullrecon.typing import Array, Ints
 
 Wanted = int | Literal["auto"]
-PART_MB = 1000.0  # of the solver, for one part under "auto"; no machine's own, so no other bytes
-# Memory of a solve at its peak, bytes, from dive-a's last one (57,060 landmarks, 420,967 rows of
-# images, 72 columns of lenses: 205 MB) and from the same without lenses
+# Memory that the solver may take under "auto", where parts can hold it to that. It is no machine's
+# own: the same dive has the same parts, and so the same bytes, everywhere.
+SOLVER_MB = 1000.0
+# Share of a solver's memory that stays while a part is at rest, from dive-a's last solve: 207 MB
+# whole, 103 MB in 8 parts, of which the largest has a fifth of the landmarks
+AT_REST = 0.36
+# Memory of a solve at its peak, bytes. Dive-a's last one, with 57,060 landmarks, 420,967 rows of
+# images and 72 columns of lenses, takes 207 MB where these say 215; benchmarks.partition, with
+# 100,000 and some 700,000 rows, 386 where they say 395. Those of a pose are an estimate.
 BYTES_A_ROW = 160.0  # of stereo and mono, its table and the views
 BYTES_A_LANDMARK = 700.0
 BYTES_A_LENS_COLUMN = 24.0  # of each landmark, for each free number of the lenses and intrinsics
@@ -36,7 +42,7 @@ class Plan:
     owner: Ints  # (n,) part of each pose, from 0 on
     cuts_m: Array  # (parts - 1,) where the stripes meet, along `axis`
     axis: str  # "along" or "girth" of the chart, "path" where there is none
-    predicted_mb: Array  # (parts,) peak of the solver with one part at work
+    predicted_mb: Array  # (parts,) of the solver while that part is at work and the rest at rest
     reason: str
 
     @property
@@ -66,7 +72,7 @@ def plan_parts(problem: native.Problem, state: State, wanted: Wanted) -> Plan:
     state
         Of the same poses; its chart, where it has one.
     wanted
-        So many, or "auto": as few as keep the solver of each below PART_MB.
+        So many, or "auto": one part up to SOLVER_MB, more beyond.
     """
     return plan_along(problem, *_places(state), wanted)
 
@@ -76,8 +82,11 @@ def plan_along(problem: native.Problem, place_m: Array, axis: str, wanted: Wante
     bytes_of_pose = _bytes_of_poses(problem)
     whole_mb = float(bytes_of_pose.sum()) / 1e6
     if wanted == "auto":
-        count = min(MOST_PARTS, max(1, int(np.ceil(whole_mb / PART_MB))))
-        reason = f"the solver takes about {whole_mb:.0f} MB, and {PART_MB:.0f} are for one part"
+        # Where what rests takes most of that, parts at work get half of it all the same.
+        for_work_mb = max(SOLVER_MB - AT_REST * whole_mb, SOLVER_MB / 2)
+        needed = int(np.ceil((1 - AT_REST) * whole_mb / for_work_mb))
+        count = 1 if whole_mb <= SOLVER_MB else min(MOST_PARTS, needed)
+        reason = f"the solver takes about {whole_mb:.0f} MB in one part"
     else:
         count, reason = wanted, f"adjust.parts asks for {wanted}"
     order = np.argsort(place_m, kind="stable")
@@ -85,7 +94,7 @@ def plan_along(problem: native.Problem, place_m: Array, axis: str, wanted: Wante
     stripe = np.empty(len(order), np.int64)
     stripe[order] = count * share / bytes_of_pose.sum()
     _, owner = np.unique(stripe, return_inverse=True)
-    mb = np.bincount(owner, bytes_of_pose) / 1e6
+    mb = AT_REST * whole_mb + (1 - AT_REST) * np.bincount(owner, bytes_of_pose) / 1e6
     first = [float(place_m[owner == k].min()) for k in range(1, len(mb))]
     return Plan(owner=owner, cuts_m=np.array(first), axis=axis, predicted_mb=mb, reason=reason)
 
