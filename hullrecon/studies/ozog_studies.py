@@ -40,6 +40,12 @@ OZOG_STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
         run=_study("estimates.joint_predictions"),
     ),
     DiveStudy(
+        id="maps",
+        source="[Ozog2016 Figs 1.14, 3.2, 3.3]",
+        shows="one hull as landmarks, planes, surface and dense points; how its surface is meshed",
+        run=_study("surfaces.maps"),
+    ),
+    DiveStudy(
         id="surfaces-by-source",
         source="[Ozog2016 Figs 3.8, 3.9, 3.10]",
         shows="the DVL's surface by source of poses and by interpolation, against the CAD model",

@@ -133,3 +133,14 @@ def test_an_unknown_point_has_no_face_foot_nor_normal() -> None:
     near = Scene(FLOOR).closest(np.full((2, 3), np.inf))
     assert near.face.tolist() == [-1, -1]
     assert np.isnan(np.hstack([near.foot, near.normal])).all()
+
+
+def test_beside_an_edge_the_distance_is_not_that_to_the_triangles_plane() -> None:
+    """[Ozog2016 eq. 4.5] prints the distance to the plane of the closest triangle."""
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, -1], [0, 1, -1]])
+    step = Mesh(corners, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 5], [0, 5, 4]], np.int32))
+    point = np.array([[-0.3, 0.5, 0.4]])
+    near = Scene(step).closest(point)
+    np.testing.assert_allclose(near.distance, 0.5)
+    printed = (point - near.foot)[0] @ near.normal[0]
+    assert abs(printed) < 0.41  # 0.4 m above the one, or 0.3 m beside the other

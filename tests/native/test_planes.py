@@ -108,6 +108,47 @@ def test_a_beam_meets_a_wall_where_the_corrected_formula_says(empty: Empty) -> N
     assert e.cost_by_factor["plane_range"] == pytest.approx(1.345 * 5 - 0.5 * 1.345**2)  # Huber's
 
 
+def test_a_pair_costs_the_square_in_the_inverse_of_its_covariance(empty: Empty) -> None:
+    """[Ozog2016 eq. 2.3] prints the norm without its square, and calls W a weight."""
+    costs = []
+    for sigma in (0.1, 0.2):
+        p = empty(2)
+        p.unknowns.plane, p.planes.anchor = (
+            np.array([[-2, 0, 0.0], [-1.9, 0, 0]]),
+            np.zeros(2, np.int32),
+        )
+        p.plane_pairs.first, p.plane_pairs.second = np.zeros(1, np.int32), np.ones(1, np.int32)
+        p.plane_pairs.measured = np.zeros((1, 3))
+        p.plane_pairs.sqrt_information = np.eye(3)[None] / sigma
+        p.plane_pairs.point, p.plane_pairs.place = np.zeros((2, 1, 3))
+        p.plane_pairs.by_place = np.zeros((1, 3, 3))
+        costs.append(evaluate(p).cost_by_factor["plane_pair"])
+    squared = [0.5 * (0.1 / sigma) ** 2 for sigma in (0.1, 0.2)]
+    np.testing.assert_allclose(costs, squared, rtol=1e-9)
+    as_printed = [0.5 * 0.1 / sigma for sigma in (0.1, 0.2)]
+    as_a_weight = [0.5 * (0.1 * sigma) ** 2 for sigma in (0.1, 0.2)]
+    assert costs[1] / costs[0] != pytest.approx(as_printed[1] / as_printed[0])
+    assert costs[1] / costs[0] != pytest.approx(as_a_weight[1] / as_a_weight[0])
+
+
+def test_a_ray_from_elsewhere_is_as_long_as_the_corrected_formula_says(empty: Empty) -> None:
+    """[Ozog2016 D.1] prints the length of a ray from the origin, (2.5) the range's variance."""
+    plane, place, ray = np.array([-2, 0, 0.0]), np.array([0.8, 0.3, 0]), np.array([0.8, 0.6, 0.0])
+    p = empty(2)
+    ahead(p)
+    p.unknowns.pose[1, :3], p.unknowns.T_s_d = place, np.array([0, 0, 0, 0, 0, 0, 1.0])
+    p.plane_ranges.node, p.plane_ranges.plane = np.ones(1, np.int32), np.zeros(1, np.int32)
+    p.plane_ranges.offset = np.array([[0, 0, 0, 0, 0, 0, 1.0]])
+    p.plane_ranges.tray_offset, p.plane_ranges.measured = np.zeros(1), np.array([1.4])
+    p.plane_ranges.beam, p.plane_ranges.sigma = ray[None], np.array([0.1])
+    right = -(plane @ plane + plane @ place) / (ray @ plane)
+    printed = -(plane @ plane) / (ray @ plane)
+    (found,) = residuals(p, "plane_range")
+    assert found == pytest.approx((right - 1.4) / 0.1)
+    assert found != pytest.approx((right - 1.4) / np.sqrt(0.1))
+    assert abs(printed - right) > 0.9
+
+
 def test_a_vehicle_that_speeds_up_shows_its_change_of_velocity(empty: Empty) -> None:
     p = empty(3)
     p.unknowns.pose[:, 3:7] = turned(2, np.pi / 2)

@@ -78,9 +78,14 @@ _INTRODUCTION = Chapter(
         Part(
             "1.4, Fig. 1.14",
             "a tank as points, as planes, as an implicit surface",
-            code=("hullrecon/navigation/planes/patches.py:find_patches",),
+            studies=("maps/maps_of_one_hull",),
+            code=(
+                "hullrecon/studies/surfaces/maps.py",
+                "hullrecon/navigation/planes/patches.py:find_patches",
+            ),
             delivered=("landmarks.ply", "surface.ply"),
-            differs="no implicit surface: nothing here is dense stereo",
+            tests=("tests/studies/surfaces/test_maps.py",),
+            differs="of a hull; dense points are merged by medians, not by an implicit function",
         ),
         Part(
             "Figs 1.15 to 1.17",
@@ -305,7 +310,7 @@ _SONAR = Chapter(
                 "hullrecon/studies/surfaces/regression.py",
                 "hullrecon/geometry/meshes/refinement.py:refine",
             ),
-            studies=("surfaces",),
+            studies=("maps/surface_meshes", "surfaces"),
             tests=(
                 "tests/studies/test_surface_variants.py::test_linear_interpolation_runs_on_the_same_input",
                 "tests/geometry/test_refinement.py::test_no_edge_stays_longer_than_wanted_and_the_area_is_kept",
@@ -317,7 +322,7 @@ _SONAR = Chapter(
             "surface by Gaussian process with a sparse kernel",
             printed="lengths 3 and 15 m",
             code=("hullrecon/surface/gaussian.py", "hullrecon/studies/surfaces/regression.py"),
-            studies=("surfaces",),
+            studies=("maps/surface_meshes", "surfaces"),
             delivered=("surface.ply",),
             tests=(
                 "tests/surface/test_gaussian.py::test_mean_and_variance_equal_the_textbook_formulas",
@@ -775,6 +780,9 @@ _MISPRINTS = (
         where="(2.3)",
         printed="norm without square; W called a weight",
         right="squared; W is a covariance",
+        tests=(
+            "tests/native/test_planes.py::test_a_pair_costs_the_square_in_the_inverse_of_its_covariance",
+        ),
     ),
     Misprint(
         where="2.3.4.2",
@@ -804,6 +812,9 @@ _MISPRINTS = (
         where="(2.5)",
         printed="sigma called a variance inside the square",
         right="standard deviation",
+        tests=(
+            "tests/native/test_planes.py::test_a_ray_from_elsewhere_is_as_long_as_the_corrected_formula_says",
+        ),
     ),
     Misprint(
         where="2.4.3.1",
@@ -867,6 +878,9 @@ _MISPRINTS = (
         where="(4.5)",
         printed="plane of the closest triangle",
         right="nearest point: the plane is wrong beside edges",
+        tests=(
+            "tests/geometry/test_casting.py::test_beside_an_edge_the_distance_is_not_that_to_the_triangles_plane",
+        ),
     ),
     Misprint(
         where="(4.6)",
@@ -913,6 +927,9 @@ _MISPRINTS = (
         where="D.1",
         printed="depth -|pi|² / (v' pi) for a camera anywhere",
         right="-(|pi|² + pi' t_gc) / (v' pi)",
+        tests=(
+            "tests/native/test_planes.py::test_a_ray_from_elsewhere_is_as_long_as_the_corrected_formula_says",
+        ),
     ),
     Misprint(
         where="D.1.1",
