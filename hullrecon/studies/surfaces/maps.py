@@ -46,9 +46,9 @@ from hullrecon.typing import Array
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-EVERY = 6  # views whose pairs are matched densely
-CELL_M = 0.03  # of the chart, in which dense points are merged
-LEAST = 20  # dense points of a cell
+EVERY = 12  # views whose pairs are matched densely
+CELL_M = 0.05  # of the chart, in which dense points are merged
+LEAST = 5  # dense points of a cell
 CLOSE_UP_M = 0.9  # side of the part whose triangles are drawn
 OFF_MM = 120.0  # end of the colours
 
@@ -116,7 +116,7 @@ def dense_map(hull: InspectedHull) -> OnChart:
     parts = []
     for view in range(0, len(hull.views), EVERY):
         pair = rectified_pair(hull, view)
-        points = dense_points(pair, disparities(pair, distance_m), step=4)
+        points = dense_points(pair, disparities(pair, distance_m), step=8)
         parts.append(hull.views.result_from_camera[view].apply(points))
     points = np.vstack(parts)
     charted = hull.chart.to_chart(points)
