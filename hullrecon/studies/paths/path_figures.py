@@ -26,7 +26,7 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.mosaic.output.tile_store import TileStore
-from hullrecon.navigation.planes.planar_graph import planar_graph
+from hullrecon.navigation.planes.planar_graph import PlanarSolution, planar_graph
 from hullrecon.records.links import LinkedPath, no_links
 from hullrecon.records.trajectory import Trajectory, VehiclePath, VehicleTrack
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts, LinksArtifact
@@ -276,6 +276,12 @@ def place_on_cad_model(points: Array, mesh: Mesh, global_from_hull: Poses) -> Po
 
 def path_by_planes(dive: DiveRun) -> LinkedPath | None:
     """Solve the path with the hull's planes, without images. None if none tie it."""
+    solved = solve_planes(dive)
+    return None if solved is None or solved.planes is None else solved.record()
+
+
+def solve_planes(dive: DiveRun) -> PlanarSolution | None:
+    """Solve the graph of path and planes, without images. None without DVL ranges."""
     inputs = inputs_of_step(dive, "links")
     returns = inputs.navigate.returns
     if returns is None:
@@ -284,8 +290,7 @@ def path_by_planes(dive: DiveRun) -> LinkedPath | None:
         inputs,
         inputs.mounted(settings_for(dive.chain.stage("links"), dive.chain.sections)),
     )
-    solved = planar_graph(graph, returns, inputs.ingest.hull).solve(no_links())
-    return None if solved.planes is None else solved.record()
+    return planar_graph(graph, returns, inputs.ingest.hull).solve(no_links())
 
 
 def _by_two_view_model(

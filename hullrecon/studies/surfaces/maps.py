@@ -19,7 +19,7 @@ from hullrecon.geometry.meshes.mesh import Mesh, face_normals
 from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.meshes.topology import find_shared_edges
 from hullrecon.records.surface import Surface
-from hullrecon.steps.artifacts import AdjustArtifact, LinksArtifact, SurfaceArtifact
+from hullrecon.steps.artifacts import AdjustArtifact, SurfaceArtifact
 from hullrecon.studies.figure_style import (
     COLOURS,
     INK,
@@ -28,6 +28,7 @@ from hullrecon.studies.figure_style import (
     new_canvas,
 )
 from hullrecon.studies.methods.variants import find_objects
+from hullrecon.studies.paths.path_figures import solve_planes
 from hullrecon.studies.structures.dense_stereo import (
     dense_points,
     disparities,
@@ -46,7 +47,7 @@ from hullrecon.typing import Array
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-EVERY = 12  # views whose pairs are matched densely
+EVERY = 5  # views whose pairs are matched densely
 CELL_M = 0.05  # of the chart, in which dense points are merged
 LEAST = 5  # dense points of a cell
 CLOSE_UP_M = 0.9  # side of the part whose triangles are drawn
@@ -103,7 +104,8 @@ def _plane_feet(given: StudyDive, hull: InspectedHull) -> Array:
 
     A plane is the normal towards the vehicle times its distance, in the vehicle's frame.
     """
-    planes = LinksArtifact(given.dive.workspace.artifact("links")).planes
+    solved = solve_planes(given.dive)
+    planes = None if solved is None else solved.planes
     if planes is None:
         return np.zeros((0, 3))
     anchors = hull.track.poses[planes.table.anchor]
@@ -252,8 +254,13 @@ def roughness_deg(mesh: Mesh) -> float:
 
 def _draw_relief(axis: Axes, surface: Surface, chart: Chart, title: str) -> None:
     at = chart.to_chart(surface.vertices)
-    light = np.clip(face_normals(surface.mesh()) @ np.array([0.6, 0.5, 0.62]), 0, 1)
-    axis.tripcolor(at[:, 0], at[:, 1], surface.faces, facecolors=light, cmap="gray", vmin=0.2)
+    normals = face_normals(surface.mesh())
+    # grazing light along the hull, so that what is not smooth shows
+    light = normals @ (normals.mean(axis=0) + np.array([1.5, 0.0, 0.0]))
+    low, high = np.percentile(light, [2, 98])
+    axis.tripcolor(
+        at[:, 0], at[:, 1], surface.faces, facecolors=light, cmap="gray", vmin=low, vmax=high
+    )
     axis.set_title(f"{title} between faces", fontsize=9)
     axis.set_aspect("equal", adjustable="box")
     axis.set(xlabel="along the hull (m)", ylabel="girth (m)")
