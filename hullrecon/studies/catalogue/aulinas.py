@@ -256,7 +256,7 @@ _EXPERIMENTS = Chapter(
             "Fig. 3.9, eq (3.22)",
             "normalised innovation without truth",
             printed="EKF leaves the bound, submaps do not",
-            code=("hullrecon/adjustment/results/summary.py:residuals_by_factor",),
+            code=("hullrecon/adjustment/results/summary.py:residual_figures",),
             delivered=("summary.json", "plots/"),
             tests=(
                 "tests/native/test_pair_covariance.py::test_the_innovation_of_a_true_candidate_is_chi_square",
