@@ -22,12 +22,12 @@ Wanted = int | Literal["auto"]
 # Memory that the solver may take under "auto", where parts can hold it to that. It is no machine's
 # own: the same dive has the same parts, and so the same bytes, everywhere.
 SOLVER_MB = 1000.0
-# Share of a solver's memory that stays while a part is at rest, from dive-a's last solve: 207 MB
-# whole, 103 MB in 8 parts, of which the largest has a fifth of the landmarks
+# Share of a solver's memory that stays while a part is at rest, from the last solve of five legs of
+# 6.75 m: 207 MB whole, 103 MB in 8 parts, of which the largest has a fifth of the landmarks
 AT_REST = 0.36
-# Memory of a solve at its peak, bytes. Dive-a's last one, with 57,060 landmarks, 420,967 rows of
-# images and 72 columns of lenses, takes 207 MB where these say 215; benchmarks.partition, with
-# 100,000 and some 700,000 rows, 386 where they say 395. Those of a pose are an estimate.
+# Memory of a solve at its peak, bytes. That one, with 57,060 landmarks, 420,967 rows of images and
+# 72 columns of lenses, takes 207 MB where these say 215; benchmarks.partition, with 100,000 and
+# some 700,000 rows, 386 where they say 395. Those of a pose are an estimate.
 BYTES_A_ROW = 160.0  # of stereo and mono, its table and the views
 BYTES_A_LANDMARK = 700.0
 BYTES_A_LENS_COLUMN = 24.0  # of each landmark, for each free number of the lenses and intrinsics
