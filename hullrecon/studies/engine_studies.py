@@ -25,4 +25,16 @@ ENGINE_STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
         shows="matches that either two-view model accepts outside what two images share",
         run=study_of("engine.pair_overlap"),
     ),
+    SceneStudy(
+        id="one-camera-survey",
+        source="[KimEustice2009 IV, Figs 4, 5(b)]",
+        shows="a survey with a blank and a bare stern, tied by either two-view model and by choice",
+        run=study_of("engine.survey"),
+    ),
+    DiveStudy(
+        id="fly-through",
+        source="[KimEustice2009 IV, Fig. 6]",
+        shows="a flight over the textured hull as found, the objects on it ringed",
+        run=study_of("engine.fly_through"),
+    ),
 )

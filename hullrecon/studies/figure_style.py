@@ -30,6 +30,7 @@ class PublishedFigure:
     csv: str  # the numbers in it
     caption: str  # what it shows, in a sentence
     compared: tuple[ComparedValue, ...] = ()  # numbers that the source prints, with ours
+    film: bytes = b""  # WebM, empty for a figure that does not move
 
 
 def new_canvas(

@@ -23,11 +23,12 @@ RESULT, TABLE, TRACEBACK = "result.json", "table.csv", "traceback.txt"
 
 
 class KeptFigure(Struct, frozen=True, kw_only=True):
-    """A figure of a finished study: <name>.png and <name>.csv beside the result."""
+    """A figure of a finished study: <name>.png, .csv and a film's .webm beside the result."""
 
     name: str
     caption: str
     compared: tuple[ComparedValue, ...] = ()
+    moves: bool = False  # there is a film
 
 
 class KeptStudy(Struct, frozen=True, kw_only=True):
@@ -53,6 +54,8 @@ def keep_result(study: Study, result: StudyResult, seconds: float, out: Path) ->
     for figure in result.figures:
         writer.bytes(f"{figure.name}.png", figure.png)
         writer.text(f"{figure.name}.csv", figure.csv)
+        if figure.film:
+            writer.bytes(f"{figure.name}.webm", figure.film)
     if result.heads:
         writer.text(TABLE, _csv([result.heads, *result.rows]))
     of_figures = [value for figure in result.figures for value in figure.compared]
@@ -63,7 +66,12 @@ def keep_result(study: Study, result: StudyResult, seconds: float, out: Path) ->
         needs_dive=study.needs_dive,
         seconds=round(seconds, 1),
         figures=tuple(
-            KeptFigure(name=f.name, caption=f.caption, compared=_without_nan(f.compared))
+            KeptFigure(
+                name=f.name,
+                caption=f.caption,
+                compared=_without_nan(f.compared),
+                moves=bool(f.film),
+            )
             for f in result.figures
         ),
         heads=result.heads,

@@ -221,9 +221,14 @@ _RESULTS = Chapter(
             "IV, survey",
             "seven legs of 30 m, 1,300 images, a blank in leg 2, a stern without texture",
             printed="offset of some 2 m without choice of model",
+            studies=("one-camera-survey",),
             code=("hullrecon/vision/appearance/recognition.py",),
             benchmarks=("benchmarks/mono_survey.py", "benchmarks/outage.py"),
-            differs="simulated: the images of the survey are not public",
+            differs=(
+                "simulated, the images of the survey are not public: three legs of 5 m as a "
+                "study, seven "
+                "of 30 m as a benchmark"
+            ),
         ),
         Part(
             "IV, links",
@@ -250,7 +255,10 @@ _RESULTS = Chapter(
             "uncertainty along the path, dead reckoned and with links",
             printed="grows without bound against bounded; curves alone, no number",
             code=("hullrecon/studies/paths/link_plots.py:sigma_along_path",),
-            studies=("path-figures/sigma_along_path",),
+            studies=(
+                "path-figures/sigma_along_path",
+                "one-camera-survey/sigma_along_path",
+            ),
             differs="horizontal position alone, adjusted path as third curve",
         ),
         Part(
@@ -267,7 +275,7 @@ _RESULTS = Chapter(
             "trajectory without and with choice of model",
             printed="some 2 m apart",
             code=("hullrecon/studies/paths/link_plots.py:two_view_models",),
-            studies=("path-figures/two_view_models",),
+            studies=("one-camera-survey/two_view_models", "path-figures/two_view_models"),
             tests=(
                 "tests/end_to_end/test_path_figures.py::test_path_of_chosen_models_is_the_runs_with_its_true_error",
             ),
@@ -276,6 +284,7 @@ _RESULTS = Chapter(
             "Fig. 6",
             "triangulated points, smooth surface, photomosaic; six targets seen in it",
             printed="6 of 6",
+            studies=("fly-through",),
             code=(
                 "hullrecon/detection/as_found/hull_as_found.py",
                 "hullrecon/mosaic/optical.py:optical_mosaic",
@@ -289,6 +298,7 @@ _RESULTS = Chapter(
         Part(
             "IV, film",
             "flight over the photomosaic",
+            studies=("fly-through",),
             code=("hullrecon/mosaic/output/textured_mesh.py:build_textured_mesh",),
         ),
         Part(

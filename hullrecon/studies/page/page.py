@@ -75,7 +75,8 @@ def render_page(kept: Mapping[str, KeptStudy], out: Path) -> str:
             "seconds": sum(study.seconds for study in kept.values()),
             "known": len(STUDIES),
             "anchors": placed.anchors,
-            "picture": lambda study, name: _data_uri(out / study / f"{name}.png"),
+            "picture": lambda study, name: _data_uri(out / study / f"{name}.png", "image/png"),
+            "film": lambda study, name: _data_uri(out / study / f"{name}.webm", "video/webm"),
             "number": show_number,
         }
     )
@@ -128,11 +129,11 @@ def show_number(value: float | None) -> str:
     return f"{value:,.0f}" if abs(value) >= 1e4 else f"{value:.4g}"
 
 
-def _data_uri(picture: Path) -> str:
-    """Read a picture as an address that holds its bytes, "" where it is gone."""
-    if not picture.is_file():
+def _data_uri(file: Path, kind: str) -> str:
+    """Read a picture or a film as an address that holds its bytes, "" where it is gone."""
+    if not file.is_file():
         return ""
-    return "data:image/png;base64," + base64.b64encode(picture.read_bytes()).decode()
+    return f"data:{kind};base64," + base64.b64encode(file.read_bytes()).decode()
 
 
 def _render(variables: Mapping[str, object]) -> str:

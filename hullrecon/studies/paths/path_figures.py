@@ -225,7 +225,7 @@ def draw_path_figures(
         )
         if len(IngestArtifact(dive.workspace.artifact("ingest")).camera_models) == 1:
             figures.append(
-                two_view_models(_by_two_view_model(dive, start.trajectory, run_context), truth)
+                two_view_models(by_two_view_model(dive, start.trajectory, run_context), truth)
             )
     figures.insert(0, sigma_along_path(tracks))
     if planar is not None:
@@ -293,7 +293,7 @@ def solve_planes(dive: DiveRun) -> PlanarSolution | None:
     return planar_graph(graph, returns, inputs.ingest.hull).solve(no_links())
 
 
-def _by_two_view_model(
+def by_two_view_model(
     dive: DiveRun, trajectory: Trajectory, run_context: RunContext
 ) -> dict[str, LinkedBy]:
     """Solve the path with links of each two-view model, where out of date."""

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -11,10 +13,20 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses, exp
+from hullrecon.studies.engine.fly_through import (
+    FOCAL_PX,
+    HEIGHT,
+    WIDTH,
+    Ortho,
+    Station,
+    TexturedHull,
+    film,
+)
 from hullrecon.studies.engine.one_camera import TrueCamera
 from hullrecon.studies.engine.pair_overlap import ComparedPair
 from hullrecon.studies.engine.pair_stages import five_numbers
 from hullrecon.studies.engine.relief_views import relief_views
+from hullrecon.studies.engine.survey import largest_fall, leave_blank
 
 MODEL = CameraModel(width=400, height=300, fx=500.0, fy=500.0, cx=199.5, cy=149.5)
 
@@ -84,3 +96,69 @@ def test_the_surface_is_drawn_in_both_views() -> None:
     assert {tuple(row) for row in table} == {
         (view, kind) for view in "12" for kind in ("surface", "match")
     }
+
+
+def test_a_blank_takes_the_images_between_two_times(tmp_path: Path) -> None:
+    table = tmp_path / "camera_top.csv"
+    table.write_text("t,file\n1.0,a\n2.0,b\n3.5,c\n4.0,d\n")
+    leave_blank(table, 1.5, 3.6)
+    assert table.read_text() == "t,file\n1.0,a\n4.0,d\n"
+
+
+def test_the_largest_fall_of_a_sigma_is_told_by_the_way() -> None:
+    way = np.array([0.0, 1.0, 2.0, 2.25, 3.0])
+    sigma = np.array([0.1, 0.2, 0.4, 0.1, 0.1])
+    assert largest_fall(way, sigma) == pytest.approx(0.75)
+
+
+@pytest.fixture
+def textured_wall() -> TexturedHull:
+    """A wall at x = 0 seen from x > 0: red where y < 0, without a picture where y > 0."""
+    vertices = np.array([[0.0, y, z] for y in (-3.0, 3.0) for z in (-2.0, 2.0)])
+    mesh = Mesh(vertices, np.array([[0, 2, 1], [1, 2, 3]]))
+    chart = PlaneOfTest()
+    rgba = np.zeros((40, 60, 4), np.uint8)
+    rgba[:, :30] = [200, 0, 0, 255]
+    pixel = np.array([[10.0, 0.0, 30.0], [0.0, -10.0, 20.0]])
+    return TexturedHull(mesh=mesh, chart=chart, ortho=Ortho(rgba=rgba, pixel_from_chart=pixel))
+
+
+class PlaneOfTest:
+    """A chart of the plane x = 0: along is y, girth is z."""
+
+    ship_axes = np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+    along_of_origin = 0.0
+
+    def to_chart(self, points):
+        return points[:, [1, 2, 0]]
+
+    def from_chart(self, along_girth):
+        n = len(along_girth)
+        return np.column_stack([np.zeros(n), along_girth]), np.tile([1.0, 0, 0], (n, 1))
+
+    def to_arrays(self):
+        return {}
+
+
+def test_a_frame_shows_the_mosaic_where_it_lies(textured_wall: TexturedHull) -> None:
+    frame = textured_wall.frame(Station(along=0.0, girth=0.0, distance_m=1.0), np.zeros((0, 3)))
+    h, w = frame.shape[:2]
+    left, right = frame[h // 2, w // 4].astype(int), frame[h // 2, 3 * w // 4].astype(int)
+    # seen from x > 0 with z up, y grows to the right
+    assert left[0] > 3 * left[1]
+    assert abs(right[0] - right[1]) < 20
+
+
+def test_an_object_has_a_ring_around_it(textured_wall: TexturedHull) -> None:
+    station = Station(along=0.0, girth=0.0, distance_m=1.0)
+    plain = textured_wall.frame(station, np.zeros((0, 3)))
+    ringed = textured_wall.frame(station, np.array([[0.0, 0.2, 0.0]]))
+    rows, columns = np.nonzero((plain != ringed).any(axis=2))
+    assert columns.mean() == pytest.approx(0.5 * WIDTH + 0.2 * FOCAL_PX, abs=2)
+    assert rows.mean() == pytest.approx(0.5 * HEIGHT, abs=2)
+
+
+def test_a_film_is_webm_or_nothing(textured_wall: TexturedHull) -> None:
+    frames = [np.full((48, 64, 3), k, np.uint8) for k in (0, 128, 255)]
+    made = film(frames)
+    assert made == b"" or made.startswith(b"\x1aE\xdf\xa3")
