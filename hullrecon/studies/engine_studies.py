@@ -26,6 +26,12 @@ ENGINE_STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
         run=study_of("engine.pair_overlap"),
     ),
     SceneStudy(
+        id="planar-adjustment",
+        source="[KimEustice2009 III-C]",
+        shows="two views adjusted by a homography and by epipolar lines, on hulls that bend",
+        run=study_of("engine.planar_adjustment"),
+    ),
+    SceneStudy(
         id="one-camera-survey",
         source="[KimEustice2009 IV, Figs 4, 5(b)]",
         shows="a survey with a blank and a bare stern, tied by either two-view model and by choice",

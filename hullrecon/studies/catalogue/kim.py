@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from hullrecon.studies.catalogue.part import Absence, Chapter, Misprint, Part, Source
+from hullrecon.studies.catalogue.part import Chapter, Misprint, Part, Source
 
 _STATE = Chapter(
     title="II. State, camera constraint, inference",
@@ -188,13 +188,17 @@ _REGISTRATION = Chapter(
         Part(
             "III-C-2",
             "two-view adjustment by a homography, 2N + 8 unknowns",
-            absent=Absence.NOT_BUILT,
-            code=("hullrecon/vision/pairs/two_view.py:motions_of",),
+            studies=("planar-adjustment",),
+            code=(
+                "hullrecon/studies/engine/planar_adjustment.py:adjust_plane",
+                "hullrecon/vision/pairs/two_view.py:motions_of",
+            ),
+            tests=(
+                "tests/studies/engine/test_engine.py::test_a_plane_gives_its_motion_and_normal",
+            ),
             differs=(
-                "a homography chooses inliers and motion, which is then refined on epipolar "
-                "lines: on "
-                "a hull that bends, a plane turned the motion by 12.6 mrad where lines gave 0.5 "
-                "(docs/methods.md 4)"
+                "in the product a homography chooses inliers and motion, which is then refined on "
+                "epipolar lines: the planar form is better on planes and turns where a hull bends"
             ),
         ),
     ),
@@ -351,6 +355,9 @@ KIM = Source(
             where="III-C-2",
             printed="homography with t n' / d, without the convention of its sign",
             right="H = K (R - t n' / d) K^-1 where n' X + d = 0",
+            tests=(
+                "tests/studies/engine/test_engine.py::test_the_homographys_sign_is_that_of_its_plane",
+            ),
         ),
     ),
 )

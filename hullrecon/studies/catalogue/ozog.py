@@ -820,6 +820,7 @@ _MISPRINTS = (
         where="2.4.3.1",
         printed="w = d²(z, x_gi ⊟ x_gi')",
         right="pi_gi', and exp(-d²/2): else the worst fit weighs most",
+        checked="reading",
     ),
     Misprint(
         where="2.4.3.1, Fig. 2.10",

@@ -25,6 +25,11 @@ from hullrecon.studies.engine.fly_through import (
 from hullrecon.studies.engine.one_camera import TrueCamera
 from hullrecon.studies.engine.pair_overlap import ComparedPair
 from hullrecon.studies.engine.pair_stages import five_numbers
+from hullrecon.studies.engine.planar_adjustment import (
+    adjust_plane,
+    homography_of,
+    whitened_transfer,
+)
 from hullrecon.studies.engine.relief_views import relief_views
 from hullrecon.studies.engine.survey import largest_fall, leave_blank
 
@@ -162,3 +167,41 @@ def test_a_film_is_webm_or_nothing(textured_wall: TexturedHull) -> None:
     frames = [np.full((48, 64, 3), k, np.uint8) for k in (0, 128, 255)]
     made = film(frames)
     assert made == b"" or made.startswith(b"\x1aE\xdf\xa3")
+
+
+def test_the_homographys_sign_is_that_of_its_plane() -> None:
+    """A point with n'X + d = 0 is mapped right; where n'X = d, the printed sign maps it wrong."""
+    motion = exp(np.array([[0.3, 0.1, -0.05, 0.02, -0.05, 0.1]])).matrix()[0]
+    normal, distance = np.array([0.1, -0.2, -1.0]) / np.linalg.norm([0.1, -0.2, -1.0]), 1.4
+    ray = np.array([0.2, -0.1, 1.0])
+    point = -distance / (normal @ ray) * ray
+    seen = motion[:3, :3] @ point + motion[:3, 3]
+    for plane, is_right in ((normal, True), (-normal, False)):
+        mapped = homography_of(motion, plane, distance) @ ray
+        assert np.allclose(mapped[:2] / mapped[2], seen[:2] / seen[2]) is is_right
+
+
+def test_a_plane_gives_its_motion_and_normal() -> None:
+    rng = np.random.default_rng(3)
+    motion = exp(np.array([[0.3, 0.1, -0.05, 0.02, -0.05, 0.1]])).matrix()[0]
+    normal = np.array([0.1, -0.2, -1.0]) / np.linalg.norm([0.1, -0.2, -1.0])
+    rays = np.column_stack([rng.uniform(-0.4, 0.4, (40, 2)), np.ones(40)])
+    points = -rays / (rays @ normal)[:, None]
+    there = points @ motion[:3, :3].T + motion[:3, 3]
+    start = motion.copy()
+    start[:3, 3] += [0.02, -0.02, 0.01]
+    found, plane = adjust_plane(
+        start, np.array([0.0, 0.0, -1.0]), rays[:, :2], there[:, :2] / there[:, 2:]
+    )
+    np.testing.assert_allclose(found, motion, atol=1e-6)
+    np.testing.assert_allclose(plane, normal, atol=1e-6)
+
+
+def test_transfer_errors_are_whitened_by_noise_of_both_images() -> None:
+    rng = np.random.default_rng(4)
+    homography = np.array([[1.1, 0.1, 0.05], [-0.1, 0.9, 0.02], [0.05, -0.1, 1.0]])
+    at = rng.uniform(-0.4, 0.4, (4000, 2))
+    moved = np.hstack([at, np.ones((4000, 1))]) @ homography.T
+    noise = 1e-4 * rng.standard_normal((2, 4000, 2))
+    found = whitened_transfer(homography, at + noise[0], moved[:, :2] / moved[:, 2:] + noise[1])
+    np.testing.assert_allclose(found.std(axis=0), 1e-4, rtol=0.05)
