@@ -77,6 +77,18 @@ class PointSets:
         off = self.second.ravel()[seconds] - self.first.ravel()[firsts]
         return float(off @ np.linalg.solve(spread, off))
 
+    def part(self, firsts: Ints, seconds: Ints) -> PointSets:
+        """Take some points of either set."""
+        rows, columns = (rows_of(side.tolist(), self.dimension) for side in (firsts, seconds))
+        cross = self.cross_covariance
+        return PointSets(
+            first=self.first[firsts],
+            second=self.second[seconds],
+            first_covariance=self.first_covariance[np.ix_(rows, rows)],
+            second_covariance=self.second_covariance[np.ix_(columns, columns)],
+            cross_covariance=None if cross is None else cross[np.ix_(rows, columns)],
+        )
+
     def compatible(self, confidence: float) -> Mask:
         """Tell which pairs (n, m) pass the gate by themselves."""
         return np.asarray(self.squared_distances < chi_square(confidence, self.dimension))
@@ -147,7 +159,9 @@ class Hypothesis:
 
 def rows_of(points: list[int], dimension: int) -> Ints:
     """Find the rows of points in a covariance."""
-    return np.asarray((np.array(points)[:, None] * dimension + np.arange(dimension)).ravel())
+    return np.asarray(
+        (np.array(points, dtype=np.int64)[:, None] * dimension + np.arange(dimension)).ravel()
+    )
 
 
 def _block(matrix: Array, row: int, column: int, size: int) -> Array:

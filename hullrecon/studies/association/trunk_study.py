@@ -130,7 +130,7 @@ def draw_scan() -> PublishedFigure:
     axis.set_aspect("equal")
     axis.set_xlabel("ahead (m)")
     axis.set_ylabel("to the left (m)")
-    axis.legend(frameon=False, fontsize=8, loc="upper right")
+    axis.legend(fontsize=8, loc="upper right", edgecolor="white", framealpha=1.0)
     table = ["beam,range_m", *(f"{n},{r:.3f}" for n, r in enumerate(ranges))]
     caption = f"A laser's half circle among trees, cut at 40 m: {len(trunks)} trunks are found."
     return finish_figure("trunk-scan", canvas, table, caption)

@@ -34,7 +34,7 @@ from hullrecon.studies.submaps.worlds import Noise, Survey, World, simulate_loop
 from hullrecon.typing import Array
 
 SQUARE = Survey(leg_m=40.0, leg_spacing_m=10.0, steps_a_scan=10)
-LAPS, RUNS = 2.0, 8
+LAPS, RUNS = 2.0, 6
 SUBMAPS = "submaps, each in its own frame"
 LINES = {EKF: INK, SELECTIVE: COLOURS["maxmix"], SUBMAPS: GREEN}
 

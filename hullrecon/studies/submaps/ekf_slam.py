@@ -30,7 +30,7 @@ from hullrecon.typing import Array, Ints
 CONFIDENCE = 0.99  # of a pair, and of all pairs of a scan
 NEW_CONFIDENCE = 0.9999  # what no landmark explains at this is a new one; between: left out
 MARGIN_M = 4.0  # landmarks farther than the farthest reading by this are not tried
-LINE_ENDS = 1e-9  # m^2 and rad^2 that the start of a map is unsure by
+START = 1e-9  # m^2 and rad^2 that the start of a map is unsure by
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +57,8 @@ class EkfMap:
 
     def __init__(self, effort: Effort) -> None:
         self.mean = np.zeros(3)
-        self.covariance = np.eye(3) * LINE_ENDS
+        self.covariance = np.eye(3) * START
+        self.fixed = 3  # rows before the landmarks: the car's pose, and what a method adds
         self.truth: list[int] = []  # true number of each landmark, only for judging
         self.path: list[PathPoint] = []
         self.wrong_pairs = 0  # against the truth
@@ -67,7 +68,7 @@ class EkfMap:
     @property
     def landmarks(self) -> Array:
         """Places of the landmarks (n, 2)."""
-        return self.mean[3:].reshape(-1, 2)
+        return self.mean[self.fixed :].reshape(-1, 2)
 
     def predict(self, car: Car, odometry: Array, step_s: float, noise: Array) -> None:
         """Move the car (3.7); landmarks stay."""
@@ -168,10 +169,10 @@ class EkfMap:
             pairs = zip(landmarks, readings, strict=True)
             self.wrong_pairs += sum(self.truth[i] != scan.truth[j] for i, j in pairs)
 
-    @staticmethod
-    def rows(landmarks: Ints) -> Ints:
+    def rows(self, landmarks: Ints) -> Ints:
         """Find the rows (2n) of landmarks (n) in the state."""
-        return np.asarray((3 + 2 * landmarks[:, None] + np.arange(2)).ravel(), dtype=np.int64)
+        rows = self.fixed + 2 * landmarks[:, None] + np.arange(2)
+        return np.asarray(rows.ravel(), dtype=np.int64)
 
 
 def update_state(

@@ -31,6 +31,12 @@ def _threshold() -> StudyResult:
     return study_threshold()
 
 
+def _park() -> StudyResult:
+    from hullrecon.studies.submaps.park_study import study_park
+
+    return study_park()
+
+
 SUBMAP_STUDIES: tuple[SceneStudy, ...] = (
     SceneStudy(
         id="filters",
@@ -55,5 +61,11 @@ SUBMAP_STUDIES: tuple[SceneStudy, ...] = (
         source="[Aulinas2011 3.3.4, Fig. 3.2]",
         shows="how much two submaps must share to be fused: cost and error",
         run=_threshold,
+    ),
+    SceneStudy(
+        id="submap-park",
+        source="[Aulinas2011 3.4.2, Figs 3.7, 3.9, 3.10, eq (3.22)]",
+        shows="a park's trees mapped by a car: track, innovations, cost over the mission",
+        run=_park,
     ),
 )

@@ -26,7 +26,7 @@ def linear_problem(seed: int, steps: int = STEPS) -> tuple[Gaussian, list[Linear
     move = np.eye(4)
     move[0, 2] = move[1, 3] = STEP_S
     into = np.array([[STEP_S**2 / 2, 0], [0, STEP_S**2 / 2], [STEP_S, 0], [0, STEP_S]])
-    noise = 0.04 * into @ into.T + 1e-6 * np.eye(4)
+    noise = 0.04 * into @ into.T + 1e-4 * np.eye(4)
     see = np.eye(2, 4)
     start = Gaussian(mean=np.zeros(4), covariance=np.diag([1.0, 1.0, 0.25, 0.25]))
     true, problem = rng.multivariate_normal(start.mean, start.covariance), []

@@ -86,10 +86,12 @@ class Hierarchy:
                 vector[rows] += weight @ _off(link, self.world.mean[rows])
             for first, second, pose, covariance in self.loops:
                 now, jacobian = self.world.relative(first, second)
+                links = slice(3 * first, 3 * second)  # those between the two, no others
+                jacobian = jacobian[:, links]
                 weighted = np.linalg.solve(covariance, jacobian).T
-                matrix += weighted @ jacobian
-                vector += weighted @ _off(pose, now)
-                self._effort.count(size, size, 3)
+                matrix[links, links] += weighted @ jacobian
+                vector[links] += weighted @ _off(pose, now)
+                self._effort.count(len(weighted), len(weighted), 3)
             self.world.covariance = np.asarray(np.linalg.inv(matrix))
             self.world.mean = self.world.mean + self.world.covariance @ vector
             self.world.mean[2::3] = wrap(self.world.mean[2::3])

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from hullrecon.studies.association.methods import joint_compatibility, randomised_compatibility
@@ -44,7 +46,12 @@ def _circle(points: Array) -> tuple[Array, float]:
 
 def pair_maps(sets: PointSets, rng: np.random.Generator) -> Association:
     """Pair landmarks of two maps: jointly where the overlap is small, else at random."""
-    overlap = int(sets.compatible(CONFIDENCE).any(axis=0).sum())
-    if overlap <= SEARCHED_WHOLE:
-        return joint_compatibility(sets, CONFIDENCE, most_tests=MOST_TESTS)
-    return randomised_compatibility(sets, rng, CONFIDENCE, good_share=0.5)
+    compatible = sets.compatible(CONFIDENCE)
+    firsts, seconds = (np.flatnonzero(compatible.any(axis=axis)) for axis in (1, 0))
+    overlap = sets.part(firsts, seconds)
+    if len(seconds) <= SEARCHED_WHOLE:
+        found = joint_compatibility(overlap, CONFIDENCE, most_tests=MOST_TESTS)
+    else:
+        found = randomised_compatibility(overlap, rng, CONFIDENCE, good_share=0.5)
+    pairs = tuple((int(firsts[i]), int(seconds[j])) for i, j in found.pairs)
+    return replace(found, pairs=pairs)

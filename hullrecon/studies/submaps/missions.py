@@ -69,7 +69,7 @@ def run_filter(log: Log, effort: Effort) -> tuple[EkfMap, Track]:
     """Run one filter over the whole mission."""
     with effort.stage("local"):
         built, _ = build_map(log, 0, None, effort)
-    return built, _track([(np.zeros(3), np.zeros((3, 3)), built)])
+    return built, track_of([(np.zeros(3), np.zeros((3, 3)), built)])
 
 
 def run_strategy(submaps: Sequence[EkfMap], strategy: Strategy) -> Track:
@@ -80,10 +80,11 @@ def run_strategy(submaps: Sequence[EkfMap], strategy: Strategy) -> Track:
         parts.append((frame, covariance, built))
         strategy.add(built)
         frame, covariance = strategy.last_frame()
-    return _track(parts)
+    return track_of(parts)
 
 
-def _track(parts: list[tuple[Array, Array, EkfMap]]) -> Track:
+def track_of(parts: list[tuple[Array, Array, EkfMap]]) -> Track:
+    """Put the paths of maps together, given where each map's frame was, with covariance."""
     steps, poses, covariances = [], [], []
     for frame, covariance, built in parts:
         for point in built.path:

@@ -13,9 +13,9 @@ import pytest
 from hullrecon.studies.association.point_sets import chi_square
 from hullrecon.studies.submaps.effort import Effort
 from hullrecon.studies.submaps.ekf_slam import EkfMap, Limits
-from hullrecon.studies.submaps.global_map import GlobalMap, chain
+from hullrecon.studies.submaps.global_map import GlobalMap, Submap, chain
 from hullrecon.studies.submaps.hierarchy import Hierarchy
-from hullrecon.studies.submaps.join import refer_to_base
+from hullrecon.studies.submaps.join import fuse, join, refer_to_base
 from hullrecon.studies.submaps.missions import (
     Strategy,
     Track,
@@ -27,6 +27,7 @@ from hullrecon.studies.submaps.missions import (
 from hullrecon.studies.submaps.models import compose, invert, place, wrap
 from hullrecon.studies.submaps.selective import SelectiveJoining
 from hullrecon.studies.submaps.sequence import JoinedSequence
+from hullrecon.studies.submaps.shared import SharedSeparators
 from hullrecon.studies.submaps.worlds import Noise, Survey, World, dead_reckon, simulate_survey
 from hullrecon.typing import Array
 
@@ -195,3 +196,54 @@ def test_one_filter_multiplies_ten_times_as_often_on_more_landmarks() -> None:
     assert most < 3 + 2 * (15 + 13)
     ratio = filter_effort.total_multiplications / submap_effort.total_multiplications
     assert ratio > 10.0
+
+
+def test_maps_that_share_their_borders_are_one_filter(survey: Survey3) -> None:
+    shared = SharedSeparators(Limits(), Effort())
+    track, places = shared.run(survey.world.log), dict(shared.landmarks())
+    built, filter_track = run_filter(survey.world.log, Effort())
+    np.testing.assert_allclose(track.poses, filter_track.poses, atol=1e-9)
+    np.testing.assert_allclose(track.covariances, filter_track.covariances, atol=1e-10)
+    for number, place_m in zip(built.truth, built.landmarks, strict=True):
+        np.testing.assert_allclose(places[number], place_m, atol=1e-9)
+
+
+def loops_nees() -> float:
+    """Close loops of four links, each unsure by 1.5 degrees, at landmarks known to a centimetre."""
+    rng, nees = np.random.default_rng(0), []
+    spread = np.diag([0.3, 0.3, np.radians(1.5)]) ** 2
+    marks = np.array([[4.0, 3.0], [6.0, -2.0], [-3.0, 5.0]])
+    for _ in range(25):
+        true = [np.array([20.0, 0.0, np.pi / 2])] * 4
+        world = GlobalMap()
+        for link in true:
+            world.append(rng.multivariate_normal(link, spread), spread)
+        seen = place(invert(chain(np.array(true))[-1]), marks)
+        old, new = (exact_map(world, n, m, rng) for n, m in ((0, marks), (4, seen)))
+        fuse(world, join(world, old, new, Effort()), ((0, 0), (1, 1), (2, 2)), Effort())
+        off = world.mean - np.concatenate(true)
+        off[2::3] = wrap(off[2::3])
+        nees.append(off @ np.linalg.solve(world.covariance, off))
+    return float(np.mean(nees))
+
+
+def test_a_loop_is_closed_as_surely_as_it_says_not_by_one_update(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    bound = chi_square(0.999, 12 * 25) / 25
+    assert loops_nees() < bound
+    monkeypatch.setattr("hullrecon.studies.submaps.join.ITERATIONS", 1)
+    assert loops_nees() > 2 * bound
+
+
+def exact_map(world: GlobalMap, base: int, points: Array, rng: np.random.Generator) -> Submap:
+    """Make a map whose landmarks are known to centimetres, whatever the transforms."""
+    return Submap(
+        base=base,
+        frames=(base,),
+        mean=points.ravel() + 0.01 * rng.standard_normal(points.size),
+        gain=np.zeros((points.size, len(world.mean))),
+        given=world.mean.copy(),
+        rest=1e-4 * np.eye(points.size),
+        truth=tuple(range(len(points))),
+    )
