@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 FRAMES = 5
+MARGIN_PX = 45.0  # around the landmarks in a frame
 
 
 def draw_tracks(survey: Survey, run: Run, reckoned: Array) -> PublishedFigure:
@@ -65,6 +66,9 @@ def draw_frames(run: Run) -> PublishedFigure:
     """Draw landmarks predicted and observed in successive frames [Aulinas2011 Fig. 5.16]."""
     first, frames = _five_frames(run.predictions)
     canvas, axes = new_canvas(10.0, 2.4, 1, FRAMES, sharey="all")
+    places = np.array([p.expected for _, seen in frames for p in seen])
+    low, high = places.min(axis=0) - MARGIN_PX, places.max(axis=0) + MARGIN_PX
+    low, high = np.maximum(low, 0), np.minimum(high, CAMERA.size_px)
     table = ["frame,label,again,expected_u,expected_v,seen_u,seen_v,area_px2"]
     for axis, (step, seen) in zip(axes[0], frames, strict=True):
         for prediction in seen:
@@ -78,8 +82,8 @@ def draw_frames(run: Run) -> PublishedFigure:
                 f"{step},{prediction.label},{prediction.again},"
                 + ",".join(f"{value:.2f}" for value in numbers)
             )
-        axis.set_xlim(0, CAMERA.size_px[0])
-        axis.set_ylim(CAMERA.size_px[1], 0)
+        axis.set_xlim(low[0], high[0])
+        axis.set_ylim(high[1], low[1])
         axis.set_aspect("equal")
         axis.set_title(f"frame {step - first + 1}", fontsize=9, loc="left")
         axis.set_xlabel("u, px")
@@ -88,8 +92,8 @@ def draw_frames(run: Run) -> PublishedFigure:
         "sparus-frames",
         canvas,
         table,
-        "Five successive frames: landmarks as predicted (red +) and observed (yellow x), each with "
-        "3 sigma. What is seen again is predicted ever better.",
+        "A part of five successive frames: landmarks as predicted (red +) and observed (yellow x), "
+        "each with 3 sigma. What is seen again is predicted ever better.",
     )
 
 
