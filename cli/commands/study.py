@@ -20,7 +20,7 @@ _JOBS = click.option(
     type=click.IntRange(min=1),
     default=1,
     show_default=True,
-    help="worker processes inside a step",
+    help="worker processes: inside a step, or for so many scenes at a time",
 )
 
 

@@ -9,6 +9,8 @@ import time
 import traceback
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -59,7 +61,7 @@ def run_and_keep(
     jobs: int = 1,
     progress: Progress | None = None,
 ) -> Iterator[StudyOutcome]:
-    """Run studies in order, writing each into OUT/<id> when it ends.
+    """Run studies of the dive, then those of scenes, writing each into OUT/<id> when it ends.
 
     A study that fails costs itself: its reason is written in place of its result.
 
@@ -67,6 +69,8 @@ def run_and_keep(
     ----------
     dive
         A simulated dive. None if no study named needs one.
+    jobs
+        Worker processes: inside the steps of the dive, and for so many scenes at a time.
 
     Raises
     ------
@@ -81,11 +85,23 @@ def run_and_keep(
         if dive is not None:
             context = RunContext(dive.workspace.hashes(), executor, progress or Progress())
             given = StudyDive(dive, context)
-        for left, study in zip(range(len(studies) - 1, -1, -1), studies, strict=True):
-            outcome = _run_and_keep(study, given, out)
+        of_dive = [study for study in studies if study.needs_dive]
+        scenes = [study.id for study in studies if not study.needs_dive]
+        outcomes = chain(
+            (_run_and_keep(study, given, out) for study in of_dive),
+            executor.map(partial(_run_scene, out=out), scenes),
+        )
+        for left, outcome in zip(range(len(studies) - 1, -1, -1), outcomes, strict=True):
             ended = "failed" if outcome.error is not None else "done"
-            log.info("%s: %s in %.0f s, %d left", study.id, ended, outcome.kept.seconds, left)
+            log.info(
+                "%s: %s in %.0f s, %d left", outcome.kept.id, ended, outcome.kept.seconds, left
+            )
             yield outcome
+
+
+def _run_scene(name: str, out: Path) -> StudyOutcome:
+    """Run a study of scenes, here or in a worker process."""
+    return _run_and_keep(find_study(name), None, out)
 
 
 def _run_and_keep(

@@ -140,3 +140,15 @@ def test_the_sample_dive_is_taken_where_no_dive_is_given(
     monkeypatch.setattr(commands, "open_dive", open_dive)
     main(["study", "run", "paths", "--out", str(tmp_path)])
     assert [path.parts[-2:] for path in opened] == [("sample_data", "demo")]
+
+
+def test_scenes_run_in_worker_processes_with_the_same_result(tmp_path: Path) -> None:
+    names = ["toy-graph", "label-boundary"]
+    for jobs in ("1", "2"):
+        out = str(tmp_path / jobs)
+        assert main(["study", "run", *names, "--out", out, "--jobs", jobs]) == 0
+    for name in names:
+        folders = [tmp_path / jobs / name for jobs in ("1", "2")]
+        pictures = [sorted(f.glob("*.csv")) for f in folders]
+        assert [p.read_bytes() for p in pictures[0]] == [p.read_bytes() for p in pictures[1]]
+        assert pictures[0]
