@@ -131,7 +131,10 @@ def _compare_sigmas(tracks: dict[str, VehicleTrack]) -> list[ComparedValue]:
             unit="%",
             printed=0.0,
             ours=100 * falls,
-            note="increases monotonically",
+            note=(
+                "increases monotonically, printed; here the DVL's scale and mount are part of it, "
+                "whose errors cancel on the way back"
+            ),
         ),
         ComparedValue(
             what="sigma at the end, with links over dead reckoned",
