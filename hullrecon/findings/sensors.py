@@ -16,8 +16,8 @@ FAULTS = {  # of a sensor, as a statement
     ("pressure", "constant"): "the readings stand still: they are not the water's pressure",
     ("DVL", "unit"): "the velocities are in {value}, not in m/s",
     ("DVL", "scale"): "the velocities have to be multiplied by {value}",
-    ("DVL", "turn"): "it is turned about its axis: its velocities have to be turned by {value} "
-    "degrees",
+    ("DVL", "turn"): "it is turned about its axis: its velocities have to be turned by "
+    "about {value} degrees",
     ("DVL", "ranges"): "its ranges have to be multiplied by {value}",
     ("DVL", "beams"): "its ranges are those of beams {value}, in another order than its beams have",
     ("DVL", "axes"): "the axes of the velocity are {value} of those that its convention has",
@@ -26,6 +26,11 @@ FAULTS = {  # of a sensor, as a statement
     ("IMU's rates", "axes"): "the angular velocities are about {value} of the orientation's axes",
     ("IMU's orientation", "order"): "the quaternion is {value}",
     ("IMU's orientation", "frame"): "imu.frame does not fit: {value} are of the other frame",
+    (
+        "IMU's orientation",
+        "mount",
+    ): "the IMU sits turned by about {value} degrees about the vehicle's z "
+    "axis, beside what imu.mount_deg says",
     ("IMU's orientation", "sign"): "{value} of the orientation grow the other way",
     ("IMU's acceleration", "axes"): "the accelerations are along {value} of the orientation's axes",
     ("IMU's acceleration", "sign"): "the accelerations are those of gravity, with the other sign",

@@ -359,6 +359,22 @@ def test_dvl_that_is_turned_about_its_axis_is_named_before_pressure_and_camera()
     assert finding.values["value"] == "-45"
 
 
+@pytest.mark.parametrize(("angle_deg", "seen"), [(90, False), (180, True)])
+def test_imu_that_sits_turned_is_named_before_pressure_dvl_and_camera(angle_deg, seen):
+    true = dive()
+    vehicle_from_imu = Rotation.from_euler("z", angle_deg, degrees=True)
+    turned = with_imu(
+        true,
+        quaternion=(Rotation.from_quat(true.imu.quaternion) * vehicle_from_imu).as_quat(),
+        angular_velocity=vehicle_from_imu.inv().apply(true.imu.angular_velocity),
+        acceleration=vehicle_from_imu.inv().apply(true.imu.acceleration),
+    )
+    (finding,) = judged(turned, flows() if seen else ()).findings
+    assert (finding.severity, finding.values["sensor"]) == ("error", "IMU's orientation")
+    assert finding.values["fault"] == "mount"
+    assert float(finding.values["value"]) == pytest.approx(angle_deg, abs=15)
+
+
 def test_accelerations_of_gravity_alone_accuse_nobody():
     true = dive()
     gravity = Rotation.from_quat(true.imu.quaternion).inv().apply([0.0, 0.0, -9.81])

@@ -48,7 +48,7 @@ REPEATED = 4  # pings with one velocity to the last digit: noise of 1 mm/s makes
 # comparison tolerates near zero
 LATE_S = [s * late for late in (*np.arange(0.25, 5.0, 0.25), *range(5, 61)) for s in (1, -1)]
 
-TURN_STEP_DEG = 5  # of a DVL about its axis, as the comparisons tolerate
+TURN_STEP_DEG = 5  # of a DVL about its axis, an IMU about the vehicle's: comparisons tolerate it
 FASTEST = 0.03  # rate of a clock that is doubted: quartz is right to 1e-4, a wrong divider is not
 FAR_S = 5.0  # beyond which the clock of a camera is not doubted
 
@@ -187,19 +187,23 @@ def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
         yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=held)
     for clock in _clocks(imu.t_ns):
         yield clock.of(Sensor.ATTITUDE, replace(records, imu=clock.on(imu)))
-    frd = np.array([1.0, -1.0, -1.0])
-    for value, rotation in (
-        ("all axes", NED_FROM_ENU * attitude * FRD_FROM_FLU),
-        ("vehicle's axes", attitude * FRD_FROM_FLU),
-    ):
+    bodies = {
+        ("frame", "all axes"): (NED_FROM_ENU * attitude, FRD_FROM_FLU),
+        ("frame", "vehicle's axes"): (attitude, FRD_FROM_FLU),
+    }
+    for angle in range(TURN_STEP_DEG - 180, 181, TURN_STEP_DEG):
+        if angle:
+            imu_from_vehicle = Rotation.from_euler("z", -angle, degrees=True)
+            bodies["mount", f"{angle:d}"] = attitude, imu_from_vehicle
+    for (fault, value), (rotation, imu_from_vehicle) in bodies.items():
         body = replace(
             imu,
-            quaternion=rotation.as_quat(),
-            angular_velocity=frd * imu.angular_velocity,
-            acceleration=frd * imu.acceleration,
+            quaternion=(rotation * imu_from_vehicle).as_quat(),
+            angular_velocity=imu_from_vehicle.inv().apply(imu.angular_velocity),
+            acceleration=imu_from_vehicle.inv().apply(imu.acceleration),
         )
         held = replace(records, imu=body)
-        yield Hypothesis(sensor=Sensor.ATTITUDE, fault="frame", value=value, mended=held)
+        yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=held)
     felt = {("sign", ""): -imu.acceleration}
     felt |= {("axes", name): imu.acceleration @ turn.T for name, turn in signed_axes()}
     for (fault, value), acceleration in felt.items():

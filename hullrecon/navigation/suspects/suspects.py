@@ -41,6 +41,7 @@ KEPT = 0.5  # of the rows of a comparison, which a hypothesis leaves to judge it
 SHOWN = 8  # hypotheses by contradiction that are listed
 UNITS = ("unit", "gauge")  # faults of a pressure that are one of its unit
 USUAL = {fault: rank for rank, fault in enumerate((*UNITS, "scale", "sign", "constant"))}
+USUAL_ANGLE_DEG = 45  # of mounts
 SAME_DEPTH_M = 0.5  # by which two readings of a pressure may differ that are one
 FAULTS = 3  # that are looked for, one after the other
 
@@ -146,14 +147,10 @@ def _explains_as_much(one: Hypothesis, tried: Tried, best: Hypothesis, least: Tr
 
 
 def _rank(one: Hypothesis) -> int:
-    """Rank what explains as much, the usual first: of a pressure its unit, of a camera the medium.
-
-    Focal lengths are tried in steps of 7 %, one of which fits as well as a calibration in air.
-    Other sensors keep their order.
-    """
-    if one.sensor is Sensor.PRESSURE:
-        return USUAL.get(one.fault, len(USUAL))
-    return int(one.sensor is Sensor.CAMERA and one.fault == "focal")
+    """Rank the readings of a pressure and the angles of a mount, the usual first."""
+    if one.fault in ("turn", "mount"):
+        return int(int(one.value) % USUAL_ANGLE_DEG != 0)
+    return USUAL.get(one.fault, len(USUAL)) if one.sensor is Sensor.PRESSURE else 0
 
 
 def _depths(best: Sequence[Hypothesis]) -> list[list[object]]:
