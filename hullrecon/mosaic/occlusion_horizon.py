@@ -16,7 +16,7 @@ from hullrecon.typing import Array, Floats32, Ints32
 CELL_M = 0.1  # of the chart, for each of which the outermost point of the surface is kept
 BLOCK_M = 0.1  # texels that share one answer
 MIN_RELIEF_M = 0.012  # lower relief is within the surface's own error and hides nothing
-PAIRS = 250_000  # of blocks and cells at a time: bounds memory at some 15 MB a thread
+PAIRS = 50_000  # of blocks and cells at a time, which a processor's cache holds
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,24 +110,20 @@ def _least_tangent(horizon: OcclusionHorizon, points: Array, normals: Array) -> 
     for i in range(0, len(middle), chunk):
         part = slice(i, i + chunk)
         at, n = middle[part] - center, up[part]
-        above = n @ top.T - np.einsum("bi,bi->b", n, at)[:, None]
-        square = (
-            np.einsum("ki,ki->k", top, top)
-            - 2 * at @ top.T
-            + np.einsum("bi,bi->b", at, at)[:, None]
-        )
-        away = (
-            np.sqrt(np.maximum(square - above**2, 0))
-            - radius[part, None]
-            - (1 + np.sqrt(2)) * CELL_M
-        )
+        above = n @ top.T
+        above -= np.einsum("bi,bi->b", n, at)[:, None]
         # other points of the cell may stand higher by its tilt
-        lean = np.sqrt(np.maximum(1 - (n @ normal.T) ** 2, 0))
-        rise = above - floor[part, None] + np.sqrt(2) * CELL_M * lean
-        found = np.where(
-            (rise > MIN_RELIEF_M) & (away < horizon.span_m),
-            np.maximum(away, 0) / np.maximum(rise, 1e-9),
-            np.inf,
-        )
-        least[part] = found.min(axis=1)
+        rise = n @ normal.T
+        np.square(rise, out=rise)
+        np.sqrt(np.maximum(np.subtract(1, rise, out=rise), 0, out=rise), out=rise)
+        rise *= np.sqrt(2) * CELL_M
+        rise += above
+        rise -= floor[part, None]
+        # of most pairs the cell does not stand out
+        block, cell = np.nonzero(rise > MIN_RELIEF_M)
+        off = top[cell] - at[block]
+        level = np.einsum("ki,ki->k", off, off) - above[block, cell] ** 2
+        away = np.sqrt(np.maximum(level, 0)) - radius[part][block] - (1 + np.sqrt(2)) * CELL_M
+        bound = np.where(away < horizon.span_m, np.maximum(away, 0) / rise[block, cell], np.inf)
+        np.minimum.at(least[part], block, bound)
     return least
