@@ -38,6 +38,7 @@ from hullrecon.typing import Array
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+SMALL = 40  # landmarks of a fused map that a figure shows
 METHOD_COLOURS = {
     EKF: INK,
     "LMJ": COLOURS["naive"],
@@ -85,7 +86,8 @@ def draw_fusion(mission: Mission) -> PublishedFigure:
     """Draw two submaps before and after their fusion [Aulinas2011 Fig. 3.5]."""
     if not isinstance(mission.strategy, SelectiveJoining):
         raise TypeError("only selective joining tells its fusions")
-    fusion = max(mission.strategy.fusions, key=lambda fusion: fusion.moved_m)
+    small = [f for f in mission.strategy.fusions if len(f.fused_points) <= SMALL]
+    fusion = max(small, key=lambda fusion: fusion.moved_m)
     canvas, rows = new_canvas(8.0, 4.0, 1, 2, sharex="all", sharey="all")
     lines = ["panel,map,x_m,y_m"]
     old, new, fused = fusion.old_points, fusion.new_points, fusion.fused_points
