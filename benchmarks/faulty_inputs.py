@@ -64,7 +64,7 @@ NEUTRAL = (
     r"|for a model that is to scale|rejected as outliers|fall into \d+ parts|^to fill in"
 )
 # that sigmas hold if an input is right: what no other measurement of a dive tells
-GIVEN = {"cad": r"sigmas of the position hold for a model that is right and to scale"}
+GIVEN = {"cad": r"sigmas of the position (on the hull )?hold for a model that is"}
 # what was compared is no accusation
 EVIDENCE = r"\([^()]*\)|(?<=is not known): .*"
 
