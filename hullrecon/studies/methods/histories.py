@@ -213,7 +213,7 @@ def _compare_labels(solves: Sequence[SolveHistory]) -> tuple[ComparedValue, ...]
                 unit="",
                 printed=0.82,
                 ours=float(solve.on_surface[0] / max(1, solve.landmarks[0])),
-                note="another hull, of which less is fouled; printed with one camera: 0.34",
+                note="of another hull; printed with one camera: 0.34",
             ),
             ComparedValue(
                 what="iterations until the labels settle",
@@ -249,7 +249,7 @@ def _compare_iterations(solves: Sequence[SolveHistory]) -> tuple[ComparedValue, 
             unit="%",
             printed=printed,
             ours=float(100 * (by_method[name].seconds[-1] / naive.seconds[-1] - 1)),
-            note="of seconds on a small dive; at field size see docs/adr/0009",
+            note="at field size: docs/adr/0009",
         )
         for name, printed in PRINTED_EXTRA_TIME.items()
         if name in by_method

@@ -235,7 +235,7 @@ def _draw_map(axis: Axes, surface: Surface, chart: Chart, most_mm: float) -> Sca
 
 def _compare(found: Mapping[tuple[str, str], Deviation]) -> tuple[ComparedValue, ...]:
     """Set the order that the source states beside ours, as ratios."""
-    small = "printed: the highest of all, on a hull of 183 m; ours spans 4 m"
+    small = "printed: the highest of all, on a hull of 183 m"
     pairs = [
         ("rms by bundle adjustment without the hull over that by planes, linear", small,
          (WITHOUT_HULL, "linear"), (PLANES, "linear"), "rms"),
