@@ -96,7 +96,13 @@ def plan_along(problem: native.Problem, place_m: Array, axis: str, wanted: Wante
     _, owner = np.unique(stripe, return_inverse=True)
     mb = AT_REST * whole_mb + (1 - AT_REST) * np.bincount(owner, bytes_of_pose) / 1e6
     first = [float(place_m[owner == k].min()) for k in range(1, len(mb))]
-    return Plan(owner=owner, cuts_m=np.array(first), axis=axis, predicted_mb=np.asarray(mb, float), reason=reason)
+    return Plan(
+        owner=owner,
+        cuts_m=np.array(first),
+        axis=axis,
+        predicted_mb=np.asarray(mb, float),
+        reason=reason,
+    )
 
 
 def whole(problem: native.Problem, reason: str) -> Plan:
