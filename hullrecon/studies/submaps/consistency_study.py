@@ -113,7 +113,8 @@ def study_consistency() -> StudyResult:
                 unit="",
                 printed=1.0,
                 ours=own,
-                note="printed: below. Of where each ended",
+                note="printed: below. Of where each ended: ours are somewhat too sure, which "
+                "goes with the readings' noise, so with what is linearised",
             ),
         ),
     )
