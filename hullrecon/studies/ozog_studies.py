@@ -4,87 +4,73 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from importlib import import_module
-
-from hullrecon.studies.study import DiveStudy, SceneStudy, StudyResult
-
-
-def _study(module: str) -> Callable[..., StudyResult]:
-    """Import a study's module when it is run: most commands run none."""
-
-    def run(*given: object) -> StudyResult:
-        found: StudyResult = import_module(f"hullrecon.studies.{module}").study(*given)
-        return found
-
-    return run
-
+from hullrecon.studies.study import DiveStudy, SceneStudy, study_of
 
 OZOG_STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
     SceneStudy(
         id="toy-graph",
         source="[Ozog2016 Fig. 1.10]",
         shows="three poses on a line with a loop closure, by the normal equations",
-        run=_study("estimates.toy_graph"),
+        run=study_of("estimates.toy_graph"),
     ),
     SceneStudy(
         id="label-boundary",
         source="[Ozog2016 Fig. 4.4]",
         shows="the distance from which a feature is off the hull",
-        run=_study("estimates.label_boundary"),
+        run=study_of("estimates.label_boundary"),
     ),
     SceneStudy(
         id="joint-predictions",
         source="[Ozog2016 E.3]",
         shows="the sigma of a patch's mean offset by the joint covariance of its vertices",
-        run=_study("estimates.joint_predictions"),
+        run=study_of("estimates.joint_predictions"),
     ),
     DiveStudy(
         id="maps",
         source="[Ozog2016 Figs 1.14, 3.2, 3.3]",
         shows="one hull as landmarks, planes, surface and dense points; how its surface is meshed",
-        run=_study("surfaces.maps"),
+        run=study_of("surfaces.maps"),
     ),
     DiveStudy(
         id="surfaces-by-source",
         source="[Ozog2016 Figs 3.8, 3.9, 3.10]",
         shows="the DVL's surface by source of poses and by interpolation, against the CAD model",
-        run=_study("surfaces.by_source"),
+        run=study_of("surfaces.by_source"),
     ),
     DiveStudy(
         id="sonar-variance",
         source="[Ozog2016 Figs 3.11, 3.12]",
         shows="the sonar mosaic's variance by source of poses, of a hull painted in blocks",
-        run=_study("surfaces.sonar_scene"),
+        run=study_of("surfaces.sonar_scene"),
     ),
     DiveStudy(
         id="mosaics",
         source="[Ozog2016 Figs 3.7, 4.19]",
         shows="mosaics on the CAD model beside those on the hull as surveyed, shaded by height",
-        run=_study("surfaces.mosaics"),
+        run=study_of("surfaces.mosaics"),
     ),
     DiveStudy(
         id="shapes",
         source="[Ozog2016 Figs 4.8, 4.9; Algorithms 4, 5]",
         shows="one image's shapes and one vertex moved to them, step by step",
-        run=_study("structures.steps"),
+        run=study_of("structures.steps"),
     ),
     DiveStudy(
         id="dense-stereo",
         source="[Ozog2016 Figs 4.15, D.2, D.3]",
         shows="a rectified pair, its range image, and heights by dense stereo beside landmarks'",
-        run=_study("structures.dense_stereo"),
+        run=study_of("structures.dense_stereo"),
     ),
     DiveStudy(
         id="thresholds",
         source="[Ozog2016 Figs 4.17, 4.18]",
         shows="structures found, missed and false by the threshold on features' heights",
-        run=_study("structures.thresholds"),
+        run=study_of("structures.thresholds"),
     ),
     SceneStudy(
         id="uncertain-calibration",
         source="[Ozog2016 D.1.2, D.1.3, Algorithm 6]",
         shows="sigma of a two-view motion, calibration unsure: first order, sigma points, draws",
-        run=_study("calibration.wall"),
+        run=study_of("calibration.wall"),
     ),
 )

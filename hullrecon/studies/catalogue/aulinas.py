@@ -606,6 +606,9 @@ _MISPRINTS = (
         where="eq (3.22)",
         printed="S without saying of which state",
         right="S = H P H' + R with the predicted P",
+        tests=(
+            "tests/studies/submaps/test_filters.py::test_innovation_squared_is_chi_square_by_the_predicted_covariance_alone",
+        ),
     ),
     Misprint(
         where="3.4.1",

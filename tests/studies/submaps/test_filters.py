@@ -81,6 +81,22 @@ def test_innovation_needs_the_predicted_covariance_not_as_printed(observed) -> N
     assert np.abs(mean - solved.mean).max() > 0.05
 
 
+def test_innovation_squared_is_chi_square_by_the_predicted_covariance_alone() -> None:
+    rng = np.random.default_rng(2)
+    covariance, seen, noise = np.diag([4.0, 1.0]), np.array([[1.0, 0.5]]), np.array([[0.25]])
+    spread = seen @ covariance @ seen.T + noise
+    predicted, updated = [], []
+    for _ in range(2_000):
+        innovation = seen @ rng.multivariate_normal(np.zeros(2), covariance)
+        innovation = innovation + rng.normal(0.0, 0.5, 1)
+        mean, after = np.zeros(2), covariance.copy()
+        predicted.append(update_state(mean, after, covariance @ seen.T, spread, innovation))
+        updated.append((innovation**2 / (seen @ after @ seen.T + noise)).item())
+    # of one degree of freedom, the mean of 2,000 has a sigma of sqrt(2 / 2000) = 0.03
+    assert np.mean(predicted) == pytest.approx(1.0, abs=0.12)
+    assert np.mean(updated) > 5
+
+
 def test_large_maps_are_updated_as_josephs_form_does() -> None:
     rng = np.random.default_rng(2)
     root = rng.standard_normal((7, 7))
