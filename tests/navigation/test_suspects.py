@@ -234,6 +234,15 @@ def test_camera_that_moves_unlike_the_dvl_is_named(turn, fault):
     assert finding.values["fault"] == fault
 
 
+def test_calibration_in_air_is_named_where_ranges_by_a_factor_fit_as_well():
+    true = dive()
+    noise = 0.05 * np.random.default_rng(5).standard_normal(true.dvl.ranges.shape)
+    found = judged(with_ranges(true, true.dvl.ranges + noise), flows(4 / 3 * np.eye(2)))
+    assert {"focal", "ranges", "medium"} <= {one.fault for one in found.tried if one.explains}
+    (finding,) = found.findings
+    assert (finding.severity, finding.values["fault"]) == ("error", "medium")
+
+
 @pytest.mark.parametrize("size", [0.5, 2.0])
 def test_calibration_of_pictures_of_another_size_is_named(size):
     camera = CameraModel(1000, 800, 1000.0, 1000.0, 499.5, 399.5, k1=-0.05)

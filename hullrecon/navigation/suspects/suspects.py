@@ -42,6 +42,10 @@ SHOWN = 8  # hypotheses by contradiction that are listed
 UNITS = ("unit", "gauge")  # faults of a pressure that are one of its unit
 USUAL = {fault: rank for rank, fault in enumerate((*UNITS, "scale", "sign", "constant"))}
 USUAL_ANGLE_DEG = 45  # of mounts
+# Faults by any factor. One of the factors that are tried fits about as well as a cause whose factor
+# is known: water's for focal lengths, a picture of half the size.
+ANY_FACTOR = ("focal", "ranges", "scale")
+KNOWN_FACTOR = ("medium", "size")
 SAME_DEPTH_M = 0.5  # by which two readings of a pressure may differ that are one
 FAULTS = 3  # that are looked for, one after the other
 
@@ -111,6 +115,8 @@ def judge(
         if any(h.fault in UNITS for h, _ in best):  # a sensor left out has no residuals at all
             best = [(h, one) for h, one in best if h.fault != "constant"]
         best = [pair for pair in best if _explains_as_much(*pair, *best[0])]
+        if any(h.fault in KNOWN_FACTOR for h, _ in best):
+            best = [(h, one) for h, one in best if h.fault not in ANY_FACTOR]
         best.sort(key=lambda pair: _rank(pair[0]))
         sensors = list(dict.fromkeys(h.sensor for h, _ in best))
         late = [h for h, _ in best if h.fault == "clock"]
@@ -147,16 +153,10 @@ def _explains_as_much(one: Hypothesis, tried: Tried, best: Hypothesis, least: Tr
 
 
 def _rank(one: Hypothesis) -> int:
-    """Rank what explains as much, the usual first: a pressure's unit, a mount's angle, the medium.
-
-    Focal lengths are tried in steps of 7 %, one of which fits as well as a calibration in air.
-    Other sensors keep their order.
-    """
+    """Rank the readings of a pressure and the angles of a mount, the usual first."""
     if one.fault in ("turn", "mount"):
         return int(int(one.value) % USUAL_ANGLE_DEG != 0)
-    if one.sensor is Sensor.PRESSURE:
-        return USUAL.get(one.fault, len(USUAL))
-    return int(one.sensor is Sensor.CAMERA and one.fault == "focal")
+    return USUAL.get(one.fault, len(USUAL)) if one.sensor is Sensor.PRESSURE else 0
 
 
 def _depths(best: Sequence[Hypothesis]) -> list[list[object]]:
