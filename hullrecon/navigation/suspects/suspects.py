@@ -111,13 +111,7 @@ def judge(
             break
         found = _try_all(records, rig, atmosphere_m, base, flows)
         tried += [one for _, one in found[:SHOWN]]
-        best = [(h, one) for h, one in found if one.explains]
-        if any(h.fault in UNITS for h, _ in best):  # a sensor left out has no residuals at all
-            best = [(h, one) for h, one in best if h.fault != "constant"]
-        best = [pair for pair in best if _explains_as_much(*pair, *best[0])]
-        if any(h.fault in KNOWN_FACTOR for h, _ in best):
-            best = [(h, one) for h, one in best if h.fault not in ANY_FACTOR]
-        best.sort(key=lambda pair: _rank(pair[0]))
+        best = explain_best(found)
         sensors = list(dict.fromkeys(h.sensor for h, _ in best))
         late = [h for h, _ in best if h.fault == "clock"]
         if late:  # a swell repeats itself: of offsets that fit as well, the least
@@ -140,6 +134,17 @@ def judge(
             findings.append(_describe("sensor-wrong", best[0][0], wrong, topics))
         break
     return Judged(records=records, findings=findings, tried=tried)
+
+
+def explain_best(found: Sequence[tuple[Hypothesis, Tried]]) -> list[tuple[Hypothesis, Tried]]:
+    """Select the hypotheses that explain most, of those in the order of what they leave."""
+    best = [(h, one) for h, one in found if one.explains]
+    if any(h.fault in UNITS for h, _ in best):  # a sensor left out has no residuals at all
+        best = [(h, one) for h, one in best if h.fault != "constant"]
+    best = [pair for pair in best if _explains_as_much(*pair, *best[0])]
+    if any(h.fault in KNOWN_FACTOR for h, _ in best):
+        best = [(h, one) for h, one in best if h.fault not in ANY_FACTOR]
+    return sorted(best, key=lambda pair: _rank(pair[0]))
 
 
 def _explains_as_much(one: Hypothesis, tried: Tried, best: Hypothesis, least: Tried) -> bool:
