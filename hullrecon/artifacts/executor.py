@@ -70,33 +70,29 @@ class Processes(Executor):
             yield from map(function, items)
             return
         done = 0
-        try:
-            for result in self._map_once(function, items):
-                yield result
-                done += 1
-            return
-        except BrokenProcessPool:
-            self._lose_pool()
-        log.warning(
-            "a worker process was killed: from item %d of %d on, the work is done again by %d"
-            " worker%s",
-            done + 1,
-            len(items),
-            self._jobs,
-            "s" * (self._jobs > 1),
-        )
-        try:
-            for result in self._map_once(function, items[done:]):
-                yield result
-                done += 1
-        except BrokenProcessPool as error:
-            self._lose_pool()
-            raise StageError(
-                f"a worker process was killed, and again at item {done + 1} of {len(items)} or soon"
-                " after it",
-                remedy="most likely the memory ran out: run again with a smaller --jobs, what is"
-                " finished is kept",
-            ) from error
+        for is_last_try in (False, True):
+            try:
+                for result in self._map_once(function, items[done:]):
+                    yield result
+                    done += 1
+                return
+            except BrokenProcessPool as error:
+                self._lose_pool()
+                if is_last_try:
+                    raise StageError(
+                        f"a worker process was killed, and again at item {done + 1} of"
+                        f" {len(items)} or soon after it",
+                        remedy="most likely the memory ran out: run again with a smaller --jobs,"
+                        " what is finished is kept",
+                    ) from error
+            log.warning(
+                "a worker process was killed: from item %d of %d on, the work is done again by %d"
+                " worker%s",
+                done + 1,
+                len(items),
+                self._jobs,
+                "s" * (self._jobs > 1),
+            )
 
     def _map_once(
         self, function: Callable[[Item], Result], items: Sequence[Item]
