@@ -16,8 +16,9 @@ from hullrecon.studies.association.point_sets import (
     Pair,
     PointSets,
     rows_of,
+    squared_lengths,
 )
-from hullrecon.typing import Ints
+from hullrecon.typing import Array, Ints, Mask
 
 CONFIDENCE = 0.95
 MOST_TESTS = 200_000  # a search by joint compatibility is cut short after these
@@ -150,6 +151,9 @@ def randomised_compatibility(
 ) -> Association:
     """Pair a few points at random by joint compatibility, the others by nearest neighbour (RJC).
 
+    Draws end once one of good points has probably been among them, as those of RANSAC do
+    [HartleyZisserman2004 Algorithm 4.5]: the more points a draw has led to, the fewer are needed.
+
     Parameters
     ----------
     sets
@@ -161,7 +165,7 @@ def randomised_compatibility(
     drawn
         Points of a draw.
     good_share
-        Share of the points in the overlap that have a true mate.
+        Share of the points in the overlap that have a true mate, at least.
     may_fail
         Probability that no draw is all good.
 
@@ -174,35 +178,51 @@ def randomised_compatibility(
     overlap = np.asarray(np.flatnonzero(compatible.any(axis=0)), dtype=np.int64)
     if len(overlap) <= drawn:
         return joint_compatibility(sets, confidence, seconds=overlap)
-    draws = int(np.ceil(np.log(may_fail) / np.log(1.0 - good_share**drawn)))
-    best, tests = Association(pairs=(), squared_distance=0.0, tests=0), 0
-    for _ in range(draws):
+    best, tests, draws = Association(pairs=(), squared_distance=0.0, tests=0), 0, 0
+    while draws < _draws_needed(max(good_share, len(best.pairs) / len(overlap)), drawn, may_fail):
         chosen = np.asarray(rng.choice(overlap, drawn, replace=False), dtype=np.int64)
         seed = joint_compatibility(sets, confidence, seconds=chosen)
-        found = _extend(sets, seed, overlap, confidence)
-        tests += seed.tests + found.tests
+        found = _extend(sets, seed, compatible, confidence)
+        draws, tests = draws + 1, tests + seed.tests + found.tests
         if _order(found) > _order(best):
             best = found
     return Association(pairs=best.pairs, squared_distance=best.squared_distance, tests=tests)
+
+
+def _draws_needed(good_share: float, drawn: int, may_fail: float) -> float:
+    """Count the draws among which one is all good, but for the probability `may_fail`."""
+    all_good = good_share**drawn
+    return 1.0 if all_good >= 1.0 else np.log(may_fail) / np.log(1.0 - all_good)
 
 
 def _order(found: Association) -> tuple[int, float]:
     return len(found.pairs), -found.squared_distance
 
 
-def _extend(sets: PointSets, seed: Association, overlap: Ints, confidence: float) -> Association:
-    """Pair what the seed left by nearest neighbour, given the seed's pairs."""
+def _extend(sets: PointSets, seed: Association, compatible: Mask, confidence: float) -> Association:
+    """Pair what the seed left by nearest neighbour, given the seed's pairs.
+
+    Every pair is to pass what `joint_compatibility` asks of it: its own gate, and the joint one.
+    """
     if not seed.pairs:
         return seed
     hypothesis = Hypothesis(sets)
     for pair in seed.pairs:
         hypothesis.add(pair)
-    tests = 0
-    rest = [int(s) for s in overlap if s not in {pair[1] for pair in seed.pairs}]
-    for first, second in _nearest_given(sets, seed.pairs, rest, confidence):
+    tests, taken = 0, [set(side) for side in zip(*seed.pairs, strict=True)]
+    free = compatible.copy()
+    free[list(taken[0])] = free[:, list(taken[1])] = False
+    pairs = np.argwhere(free)
+    distance = distances_given(sets, seed.pairs, pairs)
+    for first, second in pairs[np.argsort(distance, kind="stable")].tolist():
+        if first in taken[0] or second in taken[1]:
+            continue
         tests += 1
         hypothesis.add((first, second))
-        if not hypothesis.holds(confidence):
+        taken[1].add(second)
+        if hypothesis.holds(confidence):
+            taken[0].add(first)
+        else:
             hypothesis.drop()
     return Association(
         pairs=tuple(sorted(hypothesis.pairs, key=lambda pair: pair[1])),
@@ -211,41 +231,19 @@ def _extend(sets: PointSets, seed: Association, overlap: Ints, confidence: float
     )
 
 
-def _nearest_given(
-    sets: PointSets, known: tuple[Pair, ...], rest: list[int], confidence: float
-) -> list[Pair]:
-    """Pair points by nearest neighbour after the known pairs were taken for true."""
-    free = [i for i in range(len(sets.first)) if i not in {pair[0] for pair in known}]
-    if not free or not rest:
-        return []
-    updated = given_pairs(sets, known, free, rest)
-    found = nearest_neighbours(updated, confidence)
-    return [(free[i], rest[j]) for i, j in found.pairs]
-
-
-def given_pairs(
-    sets: PointSets, known: tuple[Pair, ...], firsts: list[int], seconds: list[int]
-) -> PointSets:
-    """Update the points `firsts` and `seconds` by the fact that the known pairs are the same."""
-    n, d = len(sets.first), sets.dimension
-    cross = sets.cross_covariance
-    cross = np.zeros((n * d, len(sets.second) * d)) if cross is None else cross
-    joint = np.block([[sets.first_covariance, cross], [cross.T, sets.second_covariance]])
-    rows = rows_of([i for i, _ in known], d), rows_of([n + j for _, j in known], d)
-    wanted = rows_of(firsts + [n + j for j in seconds], d)
-    by_difference = joint[np.ix_(wanted, rows[1])] - joint[np.ix_(wanted, rows[0])]
-    spread = joint[np.ix_(rows[1], rows[1])] + joint[np.ix_(rows[0], rows[0])]
-    across = joint[np.ix_(rows[1], rows[0])]
-    gain = np.linalg.solve(spread - across - across.T, by_difference.T).T
-    off = np.concatenate([sets.difference(pair) for pair in known])
-    points = np.concatenate([sets.first[firsts].ravel(), sets.second[seconds].ravel()])
-    points = points - gain @ off
-    covariance = joint[np.ix_(wanted, wanted)] - gain @ by_difference.T
-    cut = len(firsts) * d
-    return PointSets(
-        first=points[:cut].reshape(-1, d),
-        second=points[cut:].reshape(-1, d),
-        first_covariance=covariance[:cut, :cut],
-        second_covariance=covariance[cut:, cut:],
-        cross_covariance=covariance[:cut, cut:],
-    )
+def distances_given(sets: PointSets, known: tuple[Pair, ...], pairs: Ints) -> Array:
+    """Compute the squared distance (k,) of each of some pairs (k, 2), the known ones being true."""
+    d = sets.dimension
+    rows = [rows_of(list(side), d) for side in zip(*known, strict=True)]
+    wanted = [rows_of(side.tolist(), d) for side in pairs.T]
+    across = sets.first_covariance[np.ix_(wanted[0], rows[0])]
+    across = across + sets.second_covariance[np.ix_(wanted[1], rows[1])]
+    if sets.cross_covariance is not None:
+        across = across - sets.cross_covariance[np.ix_(wanted[0], rows[1])]
+        across = across - sets.cross_covariance[np.ix_(rows[0], wanted[1])].T
+    spread, off = sets.spread_of(*rows), sets.second.ravel()[rows[1]] - sets.first.ravel()[rows[0]]
+    gain = np.linalg.solve(spread, across.T).T
+    rest = sets.differences[pairs[:, 0], pairs[:, 1]] - (gain @ off).reshape(-1, d)
+    shape = (len(pairs), d, -1)
+    known_part = gain.reshape(shape) @ across.reshape(shape).swapaxes(1, 2)
+    return squared_lengths(rest, sets.spreads[pairs[:, 0], pairs[:, 1]] - known_part)

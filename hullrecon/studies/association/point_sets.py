@@ -48,34 +48,44 @@ class PointSets:
         return block
 
     @cached_property
-    def squared_distances(self) -> Array:
-        """Compute the squared Mahalanobis distance (n, m) of each pair by itself."""
+    def differences(self) -> Array:
+        """Compute how far the second point of each pair lies from the first (n, m, d)."""
+        return np.asarray(self.second[None, :] - self.first[:, None])
+
+    @cached_property
+    def spreads(self) -> Array:
+        """Compute the covariance (n, m, d, d) of each pair's difference."""
         n, m, d = len(self.first), len(self.second), self.dimension
-        if n == 0 or m == 0:
-            return np.zeros((n, m))
-        off = self.second[None, :] - self.first[:, None]
         spread = _diagonal_blocks(self.first_covariance, d)[:, None]
         spread = spread + _diagonal_blocks(self.second_covariance, d)[None, :]
         if self.cross_covariance is not None:
             cross = self.cross_covariance.reshape(n, d, m, d).transpose(0, 2, 1, 3)
             spread = spread - cross - cross.swapaxes(2, 3)
-        return np.asarray(
-            np.einsum("nmi,nmi->nm", off, np.linalg.solve(spread, off[..., None])[..., 0])
-        )
+        return np.asarray(spread)
 
-    def joint_distance(self, pairs: Sequence[Pair]) -> float:
-        """Compute the squared Mahalanobis distance of all pairs together."""
-        if not pairs:
-            return 0.0
-        d = self.dimension
-        firsts, seconds = (rows_of(list(side), d) for side in zip(*pairs, strict=True))
+    @cached_property
+    def squared_distances(self) -> Array:
+        """Compute the squared Mahalanobis distance (n, m) of each pair by itself."""
+        if len(self.first) == 0 or len(self.second) == 0:
+            return np.zeros((len(self.first), len(self.second)))
+        return squared_lengths(self.differences, self.spreads)
+
+    def spread_of(self, firsts: Ints, seconds: Ints) -> Array:
+        """Compute the covariance (kd, kd) of pairs' differences, given their rows (kd,)."""
         spread = self.first_covariance[np.ix_(firsts, firsts)]
         spread = spread + self.second_covariance[np.ix_(seconds, seconds)]
         if self.cross_covariance is not None:
             cross = self.cross_covariance[np.ix_(firsts, seconds)]
             spread = spread - cross - cross.T
+        return np.asarray(spread)
+
+    def joint_distance(self, pairs: Sequence[Pair]) -> float:
+        """Compute the squared Mahalanobis distance of all pairs together."""
+        if not pairs:
+            return 0.0
+        firsts, seconds = (rows_of(list(side), self.dimension) for side in zip(*pairs, strict=True))
         off = self.second.ravel()[seconds] - self.first.ravel()[firsts]
-        return float(off @ np.linalg.solve(spread, off))
+        return float(off @ np.linalg.solve(self.spread_of(firsts, seconds), off))
 
     def part(self, firsts: Ints, seconds: Ints) -> PointSets:
         """Take some points of either set."""
@@ -119,6 +129,7 @@ class Hypothesis:
         self._sets = sets
         self.pairs: list[Pair] = []
         size = min(len(sets.first), len(sets.second)) * sets.dimension
+        self._rows = np.zeros((2, size), dtype=np.int64)  # of the pairs in either covariance
         self._whitening = np.zeros((size, size))  # inverse of the factor
         self._whitened = np.zeros(size)
         self._squares = [0.0]  # joint squared distance by number of pairs
@@ -132,10 +143,7 @@ class Hypothesis:
         """Add a pair and bring the joint distance up to date."""
         d, have = self._sets.dimension, len(self.pairs) * self._sets.dimension
         whitening = self._whitening[:have, :have]
-        across = np.zeros((have, d))
-        for number, other in enumerate(self.pairs):
-            across[number * d : (number + 1) * d] = self._sets.covariance(other, pair)
-        gain = whitening @ across
+        gain = whitening @ self._across(pair)
         rest = self._sets.covariance(pair, pair) - gain.T @ gain
         inverse = np.linalg.inv(np.linalg.cholesky(rest))
         new = slice(have, have + d)
@@ -143,8 +151,20 @@ class Hypothesis:
         self._whitening[new, new] = inverse
         innovation = self._sets.difference(pair) - gain.T @ self._whitened[:have]
         self._whitened[new] = inverse @ innovation
+        self._rows[:, new] = np.array(pair)[:, None] * d + np.arange(d)
         self._squares.append(self._squares[-1] + float(self._whitened[new] @ self._whitened[new]))
         self.pairs.append(pair)
+
+    def _across(self, pair: Pair) -> Array:
+        """Look up the covariance of all pairs' differences (kd) with that of another pair (d)."""
+        sets, d = self._sets, self._sets.dimension
+        firsts, seconds = self._rows[:, : len(self.pairs) * d]
+        first, second = (slice(number * d, (number + 1) * d) for number in pair)
+        across = sets.first_covariance[firsts, first] + sets.second_covariance[seconds, second]
+        if sets.cross_covariance is not None:
+            across = across - sets.cross_covariance[firsts, second]
+            across = across - sets.cross_covariance[first, seconds].T
+        return np.asarray(across)
 
     def drop(self) -> None:
         """Take the last pair back."""
@@ -155,6 +175,12 @@ class Hypothesis:
         """Tell whether the pairs are jointly compatible."""
         degrees = len(self.pairs) * self._sets.dimension
         return degrees == 0 or self.squared_distance < chi_square(confidence, degrees)
+
+
+def squared_lengths(off: Array, covariance: Array) -> Array:
+    """Compute squared Mahalanobis lengths of vectors (..., d) with covariances (..., d, d)."""
+    whitened = np.linalg.solve(covariance, off[..., None])[..., 0]
+    return np.asarray((off * whitened).sum(axis=-1))
 
 
 def rows_of(points: list[int], dimension: int) -> Ints:

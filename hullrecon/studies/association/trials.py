@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from time import process_time
 
 import numpy as np
 
@@ -89,21 +90,26 @@ class Score:
     """A method over many fields."""
 
     recall: float  # share of the true pairs that it found
-    false: float  # share of its pairs that are not true
+    pairs: int  # that it made
+    false: float  # share of them that are not true
     tests: float  # joint tests a field
+    cpu_s: float  # a field
 
 
 def score(fields: list[Field], method: str, seed: int = 0) -> Score:
     """Run a method on fields."""
-    rng = np.random.default_rng(seed)
+    rng, start = np.random.default_rng(seed), process_time()
     found = [associate(field.sets, method, rng) for field in fields]
+    cpu_s = process_time() - start
     right = [len(field.true_pairs & {*f.pairs}) for field, f in zip(fields, found, strict=True)]
     true = sum(len(field.true_pairs) for field in fields)
     made = sum(len(f.pairs) for f in found)
     return Score(
         recall=sum(right) / true,
+        pairs=made,
         false=1.0 - sum(right) / max(made, 1),
         tests=float(np.mean([f.tests for f in found])),
+        cpu_s=cpu_s / len(fields),
     )
 
 
