@@ -18,6 +18,8 @@ GAP_M = 0.7  # between neighbouring beams of two things
 WIDEST_M = 1.5  # of a trunk; wider is a wall or a car
 
 BEARINGS = np.arange(BEAMS) * STEP_RAD
+RADII_M = (0.15, 0.5)  # of the trees that are simulated
+EDGES = 48  # places of an edge between two beams at which the best fit looks
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,6 +90,68 @@ def _groups(ranges: Array) -> list[tuple[int, int]]:
 def _chord(first_m: float, last_m: float, angle: float) -> float:
     square = first_m**2 + last_m**2 - 2 * first_m * last_m * np.cos(angle)
     return float(np.sqrt(max(square, 0.0)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class FittedTrunk:
+    """A trunk's middle with the least mean square error that its beams allow."""
+
+    middle_m: Array  # (2,) ahead of the laser, to its left
+    mean_square_m2: float  # expected squared error of the middle
+
+
+def fit_trunk(
+    ranges: Array,
+    beams: tuple[int, int],
+    range_sigma_m: float,
+    radii_m: tuple[float, float] = RADII_M,
+) -> FittedTrunk:
+    """Estimate the mean of a trunk's middle, given which beams hit it and their ranges.
+
+    Either edge lies between the last beam that hit and the first that missed. Given both edges,
+    the bearing is half way between them, the radius is the range of the middle D times sin(h) of
+    half the angle h between them, and a beam at angle t from the bearing stops at
+    D (cos t - sqrt(sin^2 h - sin^2 t)): linear in D. So the likelihood of an edge pair is that of
+    a line through the ranges. The mean over all edge pairs is the estimate of least mean square
+    error where any place and any radius is as likely as another: no rule does better on average.
+
+    Parameters
+    ----------
+    ranges
+        Of the beams (BEAMS,), m.
+    beams
+        The first and the last that hit.
+    range_sigma_m
+        Of a beam.
+    radii_m
+        Between which the radius lies.
+    """
+    first, last = beams
+    share = (np.arange(EDGES) + 0.5) / EDGES
+    right, left = np.meshgrid((first - 1 + share) * STEP_RAD, (last + share) * STEP_RAD)
+    bearing, half = 0.5 * (left + right).ravel(), 0.5 * (left - right).ravel()
+    turn = BEARINGS[first : last + 1] - bearing[:, None]
+    per_metre = np.cos(turn) - np.sqrt(
+        np.maximum(np.sin(half)[:, None] ** 2 - np.sin(turn) ** 2, 0.0)
+    )
+    measured, information = ranges[first : last + 1], (per_metre**2).sum(axis=1)
+    middle = per_metre @ measured / information
+    misfit = ((measured - middle[:, None] * per_metre) ** 2).sum(axis=1) / range_sigma_m**2
+    radius = middle * np.sin(half)
+    possible = (radii_m[0] <= radius) & (radius <= radii_m[1])
+    possible |= ~possible.any()
+    # bearing and radius to edges: a density of D / 2; integrated over D: 1 / sqrt(information)
+    weight = np.exp(-0.5 * (misfit - misfit[possible].min())) * middle / np.sqrt(information)
+    weight = np.where(possible, weight, 0.0)
+    weight /= weight.sum()
+    angle = bearing - np.pi / 2
+    places = middle[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    mean = weight @ places
+    along = range_sigma_m**2 * float(weight @ (1 / information))
+    return FittedTrunk(
+        middle_m=mean,
+        mean_square_m2=along + float(weight @ ((places - mean) ** 2).sum(axis=1)),
+    )
 
 
 def trunk_readings(trunks: list[Trunk]) -> Array:

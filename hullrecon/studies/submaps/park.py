@@ -11,6 +11,7 @@ import numpy as np
 
 from hullrecon.errors import InputError
 from hullrecon.studies.association.trunks import (
+    RADII_M,
     REACH_M,
     find_trunks,
     scan_trees,
@@ -22,7 +23,6 @@ from hullrecon.typing import Array, Ints
 
 SIZE_M = (197.0, 93.0)  # of Victoria Park, p. 54
 TREES, APART_M = 60, 5.0
-RADII_M = (0.15, 0.5)
 SPEED_M_S = 2.6  # 4 km in 26 minutes
 STEP_S, STEPS_A_SCAN = 0.1, 10  # a scan a second, as printed
 LAPS = 2
