@@ -81,3 +81,38 @@ def test_any_bytes_are_rows_or_bad_lines(tmp_path, tail):
     found = rows(tmp_path, b"a,b\n1,2\n" + tail)
     assert found[0] == (2, {"a": "1", "b": "2"})
     assert all(row is None or set(row) == {"a", "b"} for _, row in found)
+
+
+TABLE = "t,vx,name\n1.5,-0.25,a\n2.5,0.5,b\n"
+READ = [{"t": "1.5", "vx": "-0.25", "name": "a"}, {"t": "2.5", "vx": "0.5", "name": "b"}]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        TABLE.replace(",", ";"),
+        TABLE.replace(",", "\t"),
+        TABLE.replace(",", ";").replace(".", ","),
+        TABLE.replace(",", "\t").encode("utf-16"),
+        TABLE.replace("t,vx,name", "T , Vx , NAME "),
+        "# DVL-Logger 2.1\nvessel, x\n\n" + TABLE,
+    ],
+    ids=["semicolons", "tabs", "decimal commas", "UTF-16", "capitals", "preamble"],
+)
+def test_tables_of_spreadsheets_and_loggers_are_read(tmp_path, text):
+    assert [row for _, row in rows(tmp_path, text, ("t", "vx"))] == READ
+
+
+def test_a_comma_in_a_text_is_no_decimal_point(tmp_path):
+    ((_, row),) = rows(tmp_path, "t;file\n1,5;img 0,1.jpg\n", ("t", "file"))
+    assert row == {"t": "1.5", "file": "img 0,1.jpg"}
+
+
+def test_a_table_without_header_is_shown_by_its_first_line(tmp_path):
+    with pytest.raises(InputError, match=r"no column t, vx: it begins with '1\.5,-0\.25,a'"):
+        rows(tmp_path, TABLE.partition("\n")[2], ("t", "vx"))
+
+
+def test_a_column_that_is_there_twice_is_refused(tmp_path):
+    with pytest.raises(InputError, match="has the column vy 2 times"):
+        rows(tmp_path, "t,vx,vy,vy,vz\n1,2,3,4,5\n", ("t", "vx", "vy", "vz"))

@@ -204,7 +204,7 @@ def test_relative_and_absolute_folder_name_the_same_files(tmp_path, monkeypatch)
 @pytest.mark.parametrize(
     ("sensor", "text", "reason"),
     [
-        ("pressure", "t,pascal\n0,deep\n", "line 2: could not convert string to float: 'deep'"),
+        ("pressure", "t,pascal\n0,deep\n", "line 2: 'deep' is no number"),
         (
             "dvl",
             "t,vx,vy,vz,range_a\n0,1,1,1,1\n",
@@ -394,3 +394,16 @@ def test_a_table_of_another_name_is_named_as_not_read(tmp_path):
     log = PlainLog(tmp_path)
     assert len(list(log.messages())) == 1
     assert [note.partition(";")[0] for note in sentences(log.notes)] == ["not read: usbl.csv"]
+
+
+def test_a_date_and_time_with_its_zone_is_a_stamp(tmp_path):
+    (tmp_path / "pressure.csv").write_text("t,pascal\n2026-05-04T11:30:00.25+02:00,5\n")
+    samples, _ = read(tmp_path)
+    assert samples[0].t_ns == 1_777_887_000_250_000_000
+
+
+@pytest.mark.parametrize("stamp", ["2026-05-04T09:30:00", "05/04/2026 09:30:00 AM"])
+def test_a_local_time_is_refused_by_name(tmp_path, stamp):
+    (tmp_path / "pressure.csv").write_text(f"t,pascal\n{stamp},5\n")
+    with pytest.raises(InputError, match=f"t = '{stamp}' is no number of seconds since 1970"):
+        read(tmp_path)

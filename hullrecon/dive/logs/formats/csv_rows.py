@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import codecs
 import csv
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import zip_longest
 from pathlib import Path
@@ -17,6 +19,11 @@ from hullrecon.errors import InputError
 LONGEST_LINE = 1 << 16  # characters
 MOST_COLUMNS = 512
 ENDS = ("\n", "\r")
+SEPARATORS = ",;\t"
+HEADER_WITHIN = 50  # lines: loggers write what they are above the header
+SHOWN = 60  # characters of a line that is no header
+# as spreadsheets write numbers where the comma does not separate cells
+DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+(e[-+]?\d+)?\s*", re.IGNORECASE)
 
 Row = Mapping[str, str]  # cells by column; those that a short line lacks are empty
 
@@ -24,17 +31,17 @@ Row = Mapping[str, str]  # cells by column; those that a short line lacks are em
 def read_rows(path: Path, needed: Sequence[str]) -> Iterator[tuple[int, Row | None]]:
     """Yield line numbers and rows. None for a line that is too long or no CSV.
 
-    Blank lines are passed over. Raises InputError when the file cannot be read or a column that
-    every row needs is not in the header.
+    Cells are separated as the header's are, by commas, semicolons or tabs. Columns are named by
+    small letters. Blank lines and those above the header are passed over. Raises InputError when
+    the file cannot be read or a column that every row needs is not in the header.
     """
     try:
         require_regular_file(path)
-        with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
-            lines = _lines(stream)
-            header = _cells(next(lines, "")) or []
-            _check_header(path, header, needed)
-            for number, line in enumerate(lines, 2):
-                cells = _cells(line)
+        with path.open(encoding=_encoding(path), errors="replace", newline="") as stream:
+            lines = enumerate(_lines(stream), 1)
+            header, separator = _find_header(path, lines, needed)
+            for number, line in lines:
+                cells = _cells(line, separator)
                 if cells is None or (
                     line is not None and 0 < len(cells) < len(header) and not line.endswith(ENDS)
                 ):
@@ -45,20 +52,53 @@ def read_rows(path: Path, needed: Sequence[str]) -> Iterator[tuple[int, Row | No
         raise unreadable(path, error) from None
 
 
+def _encoding(path: Path) -> str:
+    """Tell UTF-16, which spreadsheets write as "Unicode text", by its first bytes from UTF-8."""
+    with path.open("rb") as stream:
+        start = stream.read(2)
+    return "utf-16" if start in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE) else "utf-8-sig"
+
+
+def _find_header(
+    path: Path, lines: Iterator[tuple[int, str | None]], needed: Sequence[str]
+) -> tuple[list[str], str]:
+    """Find the line that names the needed columns, and what separates them."""
+    first, missing = "", list(needed)
+    for number, line in lines:
+        for separator in SEPARATORS:
+            header = [name.strip().lower() for name in _cells(line, separator) or []]
+            lacking = [name for name in needed if name not in header]
+            if not lacking:
+                _check_header(path, header, needed)
+                return header, separator
+            if not first and len(lacking) < len(missing):
+                missing = lacking
+        first = first or (line or "").strip()
+        if number == HEADER_WITHIN:
+            break
+    begins = f": it begins with {printable(first, SHOWN)!r}" if first else ""
+    raise InputError(
+        f"{path.name} has no column {', '.join(missing)}{begins}",
+        where=printable(str(path.parent)),
+        remedy=f"its header row needs {', '.join(needed)}",
+    )
+
+
 def _check_header(path: Path, header: Sequence[str], needed: Sequence[str]) -> None:
+    """Raise InputError for columns that are too many, or of which one is there twice."""
     where = printable(str(path.parent))
-    missing = [name for name in needed if name not in header]
-    if missing:
-        raise InputError(
-            f"{path.name} has no column {', '.join(missing)}",
-            where=where,
-            remedy=f"its header row needs {', '.join(needed)}",
-        )
     if len(header) > MOST_COLUMNS:
         raise InputError(
             f"{path.name} has {len(header)} columns",
             where=where,
             remedy=f"keep {', '.join(needed)} and few more",
+        )
+    twice = [name for name in needed if header.count(name) > 1]
+    if twice:
+        raise InputError(
+            f"{path.name} has the column {twice[0]} {header.count(twice[0])} times",
+            where=where,
+            remedy="give each column a name of its own",
         )
 
 
@@ -73,11 +113,14 @@ def _lines(stream: TextIO) -> Iterator[str | None]:
         yield None
 
 
-def _cells(line: str | None) -> list[str] | None:
+def _cells(line: str | None, separator: str) -> list[str] | None:
     """Split one line into cells. None where it is no CSV. An open quote ends with its line."""
     if line is None:
         return None
     try:
-        return next(csv.reader([line], skipinitialspace=True), [])
+        cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
     except csv.Error:
         return None
+    if separator == ",":
+        return cells
+    return [c.replace(",", ".") if DECIMAL_COMMA.fullmatch(c) else c for c in cells]

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import numpy as np
@@ -309,17 +310,26 @@ def _window(row: Row) -> tuple[float, float] | None:
 
 def _number(value: str, lost: bool = False) -> float:
     """Read a cell's number. An empty cell is a lost value where `lost` allows it."""
-    return float("nan") if lost and not (value or "").strip() else float(value)
+    if lost and not (value or "").strip():
+        return float("nan")
+    try:
+        return float(value)
+    except ValueError:
+        raise ValueError(f"{value.strip()!r} is no number") from None
 
 
 def _ns(row: Row) -> int:
-    """Read seconds since 1970 as nanoseconds, exact to the digits written."""
-    seconds = float(row["t"])
+    """Read seconds since 1970 as nanoseconds, exact to the digits written, or a date and time."""
+    text = row["t"].strip()
+    try:
+        seconds = float(text)
+    except ValueError:
+        return _date_and_time_ns(text)
     if seconds > LATEST_S:
         raise _LateStampError(seconds)
     if seconds < -LATEST_S:
         raise ValueError(f"the stamp {seconds:g} lies before any log")
-    whole, _, fraction = row["t"].strip().partition(".")
+    whole, _, fraction = text.partition(".")
     if (
         whole.lstrip("-").isdigit()
         and (not fraction or fraction.isdigit())
@@ -327,3 +337,15 @@ def _ns(row: Row) -> int:
     ):
         return int(whole) * 1_000_000_000 + int((fraction + "0" * 9)[:9])
     return round(seconds * 1e9)
+
+
+def _date_and_time_ns(text: str) -> int:
+    """Read a date and time of ISO 8601 with its zone."""
+    try:
+        since = datetime.fromisoformat(text) - datetime(1970, 1, 1, tzinfo=UTC)
+    except (ValueError, TypeError):  # none, or without a zone
+        raise ValueError(
+            f"t = {text!r} is no number of seconds since 1970, nor a date and time of ISO 8601 "
+            "with its zone"
+        ) from None
+    return since // timedelta(microseconds=1) * 1000
