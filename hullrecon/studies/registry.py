@@ -9,6 +9,7 @@ from hullrecon.studies.association.entries import ASSOCIATION_STUDIES
 from hullrecon.studies.engine_studies import ENGINE_STUDIES
 from hullrecon.studies.hull_studies import HULL_STUDIES
 from hullrecon.studies.ozog_studies import OZOG_STUDIES
+from hullrecon.studies.sessions.entries import SESSION_STUDIES
 from hullrecon.studies.study import DiveStudy, SceneStudy
 from hullrecon.studies.submaps.entries import SUBMAP_STUDIES
 from hullrecon.studies.targets.entries import TARGET_STUDIES
@@ -18,6 +19,7 @@ from hullrecon.studies.vehicles.entries import VEHICLE_STUDIES
 STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
     *HULL_STUDIES,
     *OZOG_STUDIES,
+    *SESSION_STUDIES,
     *SUBMAP_STUDIES,
     *ASSOCIATION_STUDIES,
     *TARGET_STUDIES,

@@ -54,7 +54,10 @@ _INTRODUCTION = Chapter(
         Part(
             "1.3.2, Figs 1.11, 1.12",
             "sessions in one graph, by global poses or anchors",
-            absent=Absence.NOT_BUILT,
+            printed="low rank before they meet; fewer steps with anchors",
+            studies=("sessions/information_matrices",),
+            code=("hullrecon/studies/sessions/anchors.py:Anchored",),
+            tests=("tests/studies/sessions/test_anchors.py::test_anchors_leave_no_session_free",),
             differs=_ONE_DIVE,
         ),
         Part(
@@ -203,7 +206,15 @@ _SESSIONS = Chapter(
         Part(
             "Figs 2.1, 2.8, 2.9, eqs (2.7) to (2.9)",
             "sessions aligned by anchors and merged",
-            absent=Absence.NOT_BUILT,
+            printed="without any loss of information",
+            studies=("sessions/sessions_aligned",),
+            code=(
+                "hullrecon/studies/sessions/anchors.py:merged",
+                "hullrecon/studies/sessions/factors.py:Encounters",
+            ),
+            tests=(
+                "tests/studies/sessions/test_anchors.py::test_leaving_anchors_out_keeps_the_sigmas",
+            ),
             differs=(
                 f"{_ONE_DIVE}; `hullrecon diff` lays two finished dives on one CAD model "
                 "(hullrecon/change/offset.py)"
@@ -212,7 +223,15 @@ _SESSIONS = Chapter(
         Part(
             "2.4.2, eq (2.6)",
             "nodes removed by generic linear constraints, sparse by a Chow-Liu tree",
-            absent=Absence.NOT_BUILT,
+            studies=("node-removal",),
+            code=(
+                "hullrecon/studies/sessions/removal.py:linear_factor",
+                "hullrecon/studies/sessions/removal.py:tree_of",
+            ),
+            tests=(
+                "tests/studies/sessions/test_removal.py::test_one_factor_of_all_neighbours_is_exact",
+                "tests/studies/sessions/test_removal.py::test_a_tree_is_nowhere_surer_by_more_than_a_tenth",
+            ),
             differs=_ONE_DIVE,
         ),
         Part(
@@ -238,7 +257,12 @@ _SESSIONS = Chapter(
         Part(
             "Algorithm 2, Figs 2.12 to 2.14",
             "at most three views kept of a place",
-            absent=Absence.NOT_BUILT,
+            printed="1.5 m, three views",
+            studies=("node-removal",),
+            code=("hullrecon/studies/sessions/sparsify.py:choose_nodes",),
+            tests=(
+                "tests/studies/sessions/test_removal.py::test_a_fourth_view_of_a_place_pushes_the_first_out",
+            ),
             differs=_ONE_DIVE,
         ),
         Part(
@@ -252,7 +276,8 @@ _SESSIONS = Chapter(
             "Fig. 2.16",
             "size of the graph by session with and without removal",
             printed="no real time after session 3 without",
-            absent=Absence.NOT_BUILT,
+            studies=("node-removal/graph_complexity",),
+            code=("hullrecon/studies/sessions/removal_study.py:draw_sizes",),
             differs=_ONE_DIVE,
         ),
         Part(
@@ -270,7 +295,8 @@ _SESSIONS = Chapter(
             "Figs 2.19 to 2.21",
             "sparsified graph beside the full one",
             printed="well within a metre, 95 % of the nodes removed",
-            absent=Absence.NOT_BUILT,
+            studies=("node-removal/sparsified_beside_full", "node-removal/ellipses_of_both"),
+            code=("hullrecon/studies/sessions/removal_study.py:compare_maps",),
             differs=_ONE_DIVE,
         ),
     ),
