@@ -15,7 +15,7 @@ from hullrecon.artifacts.chain import Chain, StepStatus
 from hullrecon.artifacts.executor import choose_executor
 from hullrecon.artifacts.machine import usable_cores
 from hullrecon.artifacts.manifest import hash_file
-from hullrecon.artifacts.progress import Progress
+from hullrecon.artifacts.progress import Outlook, Progress
 from hullrecon.artifacts.runner import RunContext, StepOutcome, first_failure, run_chain
 from hullrecon.artifacts.workspace import PUBLISHED, Workspace
 from hullrecon.errors import InputError, StorageError
@@ -194,15 +194,15 @@ def run(
         jobs = usable_cores()
     with choose_executor(jobs or 1, scheduler) as executor:
         hashes = dive.workspace.hashes(trusting=not read_data)
-        to_do: list[str] = []
+        outlook = Outlook()
         outcomes = run_chain(
             dive.chain if last_step is None else dive.chain.up_to(last_step),
             dive.workspace,
-            RunContext(hashes, executor, progress or Progress()),
+            RunContext(hashes, executor, progress or Progress(), outlook),
             from_scratch=from_scratch,
             wait_s=wait_s,
-            preflight=lambda plan: to_do.extend(_check_before_run(dive, plan, jobs)),
-            before={"navigate": lambda: _refuse_costs(dive, to_do, memory_gb)},
+            preflight=lambda plan: outlook.plan(_check_before_run(dive, plan, jobs, from_scratch)),
+            before={"navigate": lambda: _refuse_costs(dive, outlook, memory_gb)},
             keep_going=True,
         )
     result = RunResult(dive=dive, outcomes=tuple(outcomes))
@@ -227,7 +227,9 @@ def _warn_of_defaults(dive: DiveRun) -> None:
             log.warning("%s", finding.sentence)
 
 
-def _check_before_run(dive: DiveRun, plan: Sequence[StepStatus], jobs: int | None) -> list[str]:
+def _check_before_run(
+    dive: DiveRun, plan: Sequence[StepStatus], jobs: int | None, from_scratch: bool
+) -> list[str]:
     """Log what is to be done, and detect early what would end the run later.
 
     Returns the steps to do.
@@ -236,7 +238,7 @@ def _check_before_run(dive: DiveRun, plan: Sequence[StepStatus], jobs: int | Non
     the dive, which steps only use after hours of comparing images. Raises StorageError if the disk
     is too full: a step is built next to its old artifact, so about that much space must be free.
     """
-    to_do = [step for step in plan if step.to_do]
+    to_do = [step for step in plan if step.to_do or (from_scratch and step.state != "skipped")]
     names = ", ".join(step.stage.name for step in to_do)
     log.info("%s: %s", dive.name, f"to do: {names}" if to_do else "everything is up to date")
     if to_do and jobs is not None:
@@ -249,14 +251,15 @@ def _check_before_run(dive: DiveRun, plan: Sequence[StepStatus], jobs: int | Non
     return [step.stage.name for step in to_do]
 
 
-def _refuse_costs(dive: DiveRun, steps: Sequence[str], memory_gb: float | None) -> None:
+def _refuse_costs(dive: DiveRun, outlook: Outlook, memory_gb: float | None) -> None:
     """Log what the steps to do cost, by the size of the dive, and refuse what does not fit.
 
     Raises InputError as `check` would for too little memory, StorageError for too little disk.
     """
     from hullrecon.api.costs import findings_of, predict, size_of_run
 
-    costs = predict(size_of_run(dive.workspace.root), steps)
+    costs = predict(size_of_run(dive.workspace.root), outlook.steps)
+    outlook.predict({cost.step: cost.seconds for cost in costs})
     for finding in findings_of(costs, memory_gb):
         if finding.severity == "error":
             raise InputError(finding.sentence)

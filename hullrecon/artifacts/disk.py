@@ -68,6 +68,17 @@ def write_file(path: Path, data: bytes) -> None:
         file.write(data)
 
 
+def replace_file(path: Path, data: bytes) -> None:
+    """Write all of `data` to `path` or nothing, without waiting for the disk.
+
+    A power cut may tear it, so whoever reads it must notice.
+    """
+    temporary = temporary_name(path)
+    with open(temporary, "wb") as file:
+        file.write(data)
+    os.replace(temporary, path)
+
+
 @contextmanager
 def durable_path(path: Path) -> Iterator[Path]:
     """Yield a temporary path for a file or a folder, synced and renamed to `path` at the end.

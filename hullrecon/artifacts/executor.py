@@ -11,6 +11,7 @@ import signal
 import socket
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -33,7 +34,9 @@ THREAD_VARIABLES = (
     "OPENCV_FOR_THREADS_NUM",
 )
 _CHUNKS_PER_WORKER = 8
+_LARGEST_CHUNK = 8  # items: what a worker has not returned yet is lost with the run
 _CERTIFICATES = ("distributed.comm.tls.ca-file", "distributed.comm.tls.client.cert")
+_AHEAD = 256  # items that a cluster is given at a time: it holds their results
 _CONNECT_S = 10
 _RETRY_S = 0.1
 
@@ -98,7 +101,8 @@ class Processes(Executor):
         self, function: Callable[[Item], Result], items: Sequence[Item]
     ) -> Iterator[Result]:
         pool = self._start_pool()
-        chunk = max(1, len(items) // (self._jobs * _CHUNKS_PER_WORKER))
+        chunk = len(items) // (self._jobs * _CHUNKS_PER_WORKER)
+        chunk = min(max(1, chunk), _LARGEST_CHUNK)
         with one_thread_each():
             return pool.map(function, items, chunksize=chunk)
 
@@ -164,10 +168,13 @@ class Cluster(Executor):
         from distributed import CancelledError, KilledWorker
         from distributed.comm import CommClosedError
 
-        futures = self._client.map(function, items, pure=False)
+        begun = deque(self._client.map(function, items[:_AHEAD], pure=False))
         try:
-            for future in futures:
-                yield future.result()
+            for item in items[_AHEAD:]:
+                yield begun.popleft().result()
+                begun.append(self._client.submit(function, item, pure=False))
+            while begun:
+                yield begun.popleft().result()
         except KilledWorker as error:
             raise StageError(
                 "a Dask worker was killed",
@@ -182,7 +189,7 @@ class Cluster(Executor):
             ) from error
         finally:
             with suppress(CommClosedError):
-                self._client.cancel(futures)
+                self._client.cancel(list(begun))
 
     def close(self) -> None:
         self._client.close()

@@ -8,7 +8,7 @@ import logging
 import signal
 import sys
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import FrameType
 from typing import TYPE_CHECKING, TypeVar
 
@@ -47,25 +47,156 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
-class Progress:
-    """Shows nothing. Subclasses show how many items have passed."""
+LEAST_S = 10.0  # of work, before its pace is believed
+Clock = Callable[[], float]
 
-    def track(self, items: Iterable[Item], label: str, total: int | None) -> Iterator[Item]:
+
+class Outlook:
+    """Where a run stands among its steps, and how long it takes yet as far as that is known.
+
+    Predicted times are of another machine. They are scaled by what the finished steps of this run
+    took, and nothing is said before these took LEAST_S.
+    """
+
+    def __init__(self, clock: Clock = time.monotonic) -> None:
+        self._clock = clock
+        self.steps: tuple[str, ...] = ()  # to do, in order
+        self._predicted_s: dict[str, float] = {}
+        self._took_s: dict[str, float] = {}  # finished steps, made whole in this run
+        self._step, self._begun, self._whole = "", clock(), True
+
+    def plan(self, steps: Iterable[str]) -> None:
+        """Note the steps that are to be done, in order."""
+        self.steps = tuple(steps)
+
+    def predict(self, seconds: Mapping[str, float]) -> None:
+        """Note what steps are predicted to take, all on one machine."""
+        self._predicted_s = {name: s for name, s in seconds.items() if s > 0}
+
+    def begin(self, step: str) -> None:
+        """Note that a step begins."""
+        self._step, self._begun, self._whole = step, self._clock(), True
+
+    def resume(self) -> None:
+        """Note that part of the present step was made by an earlier run."""
+        self._whole = False
+
+    def end(self) -> None:
+        """Note that the present step is done."""
+        if self._whole:
+            self._took_s[self._step] = self._clock() - self._begun
+
+    @property
+    def mark(self) -> str:
+        """Number of the step among those to do, as `[2/10] `. Empty where that is not known."""
+        if self._step not in self.steps:
+            return ""
+        return f"[{self.steps.index(self._step) + 1}/{len(self.steps)}] "
+
+    def left(self, loop_s: float | None = None) -> str:
+        """Say how long step and run take yet, as far as known, with a comma before.
+
+        `loop_s`: what is left of a loop of the step by its rate, None if that is not known.
+        """
+        step_s = self._left_of_step(loop_s)
+        if step_s is None:  # other loops may follow
+            return "" if loop_s is None else f", about {in_words(loop_s)} left"
+        run_s = self._left_of_run(step_s)
+        of_run = "" if run_s is None else f", {in_words(run_s)} of the run"
+        return f", about {in_words(step_s)} left of the step{of_run}"
+
+    def left_of_run(self, loop_s: float | None) -> str:
+        """Say how long the run takes yet. Empty where that is not known."""
+        step_s = self._left_of_step(loop_s)
+        run_s = None if step_s is None else self._left_of_run(step_s)
+        return "" if run_s is None else f"about {in_words(run_s)} left of the run"
+
+    def _left_of_step(self, loop_s: float | None) -> float | None:
+        predicted_s, pace = self._predicted_s.get(self._step), self._pace()
+        if predicted_s is None or pace is None or not self._whole:
+            return None
+        expected_s = pace * predicted_s - (self._clock() - self._begun)
+        if loop_s is None:  # beyond what was predicted nobody knows by how much
+            return expected_s if expected_s > 0 else None
+        return max(loop_s, expected_s)
+
+    def _left_of_run(self, step_s: float) -> float | None:
+        pace = self._pace()
+        if pace is None or self._step not in self.steps:
+            return None
+        later = self.steps[self.steps.index(self._step) + 1 :]
+        if any(name not in self._predicted_s for name in later):
+            return None
+        return step_s + pace * sum(self._predicted_s[name] for name in later)
+
+    def _pace(self) -> float | None:
+        """Divide what finished steps took by what was predicted for them."""
+        known = [name for name in self._took_s if name in self._predicted_s]
+        took_s = sum(self._took_s[name] for name in known)
+        if took_s < LEAST_S:
+            return None
+        return took_s / sum(self._predicted_s[name] for name in known)
+
+
+def in_words(seconds: float) -> str:
+    """Write a time as coarsely as it is known: 40 s, 3 min, 2.5 h."""
+    if seconds < 90:
+        return f"{max(10, round(seconds, -1)):.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+
+
+class _Rate:
+    """How long a loop takes yet, by the items that were made in it."""
+
+    def __init__(self, total: int | None, kept: int, clock: Clock = time.monotonic) -> None:
+        self._total, self._kept, self._clock, self._begun = total, kept, clock, clock()
+
+    def left(self, done: int) -> float | None:
+        """Seconds that the rest takes at the rate so far. None where that is not known."""
+        spent, made = self._clock() - self._begun, done - self._kept
+        if self._total is None or made <= 0 or spent < LEAST_S:
+            return None
+        return spent / made * (self._total - done)
+
+
+class Progress:
+    """Shows nothing. Subclasses show how many items have passed.
+
+    `kept`: how many of them were there before, which take no time. `outlook`: says how long step
+    and run take yet.
+    """
+
+    def track(
+        self,
+        items: Iterable[Item],
+        label: str,
+        total: int | None,
+        outlook: Outlook | None = None,
+        kept: int = 0,
+    ) -> Iterator[Item]:
         yield from items
 
 
 class LogLines(Progress):
     """Logs a line every `seconds` while items pass. Short work logs nothing."""
 
-    def __init__(self, seconds: float = 10.0) -> None:
-        self._seconds = seconds
+    def __init__(self, seconds: float = 10.0, clock: Clock = time.monotonic) -> None:
+        self._seconds, self._clock = seconds, clock
 
-    def track(self, items: Iterable[Item], label: str, total: int | None) -> Iterator[Item]:
-        last = time.monotonic()
+    def track(
+        self,
+        items: Iterable[Item],
+        label: str,
+        total: int | None,
+        outlook: Outlook | None = None,
+        kept: int = 0,
+    ) -> Iterator[Item]:
+        last, rate = self._clock(), _Rate(total, kept, self._clock)
         for done, item in enumerate(items):
-            if time.monotonic() - last >= self._seconds:
-                log.info("%s: %d%s", label, done, f" of {total}" if total else "")
-                last = time.monotonic()
+            if self._clock() - last >= self._seconds:
+                left = "" if outlook is None else outlook.left(rate.left(done))
+                log.info("%s: %d%s%s", label, done, f" of {total}" if total else "", left)
+                last = self._clock()
             yield item
 
 
@@ -76,13 +207,21 @@ class Bars(Progress):
         self._display: rich.progress.Progress | None = None
         self._open = 0
 
-    def track(self, items: Iterable[Item], label: str, total: int | None) -> Iterator[Item]:
-        display = self._start()
-        task = display.add_task(label, total=total)
+    def track(
+        self,
+        items: Iterable[Item],
+        label: str,
+        total: int | None,
+        outlook: Outlook | None = None,
+        kept: int = 0,
+    ) -> Iterator[Item]:
+        display, rate = self._start(), _Rate(total, kept)
+        task = display.add_task(label, total=total, run="")
         try:
-            for item in items:
+            for done, item in enumerate(items, 1):
                 yield item
-                display.advance(task)
+                run = "" if outlook is None else outlook.left_of_run(rate.left(done))
+                display.update(task, advance=1, run=run)
         finally:
             display.remove_task(task)
             self._open -= 1
@@ -99,6 +238,7 @@ class Bars(Progress):
                 shown.BarColumn(),
                 shown.MofNCompleteColumn(),
                 shown.TimeRemainingColumn(),
+                shown.TextColumn("{task.fields[run]}"),
             )
             self._display = shown.Progress(*columns, console=Console(stderr=True), transient=True)
         if self._open == 0:

@@ -35,7 +35,8 @@ from hullrecon.artifacts.manifest import (
     hash_file,
     write_manifest,
 )
-from hullrecon.artifacts.progress import Progress, choose_progress, raise_if_requested
+from hullrecon.artifacts.parts import PartStore
+from hullrecon.artifacts.progress import Outlook, Progress, choose_progress, raise_if_requested
 from hullrecon.artifacts.recipe import Job, SourceWatch, make_job
 from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.artifacts.workspace import Workspace, removed_meanwhile
@@ -53,6 +54,7 @@ class RunContext:
     hashes: HashCache
     executor: Executor
     progress: Progress = field(default_factory=Progress)
+    outlook: Outlook = field(default_factory=Outlook)
     watch: SourceWatch | None = None  # of the whole run, None for a step that runs alone
     is_held: Callable[[], bool] = lambda: True  # the workspace; not where somebody removed it
 
@@ -182,17 +184,22 @@ def _run_all(
 def _bring_up_to_date(
     job: Job, workspace: Workspace, run_context: RunContext, from_scratch: bool, keep_going: bool
 ) -> StepOutcome:
-    name = job.stage.name
+    name, outlook = job.stage.name, run_context.outlook
     status = assess_step(job, workspace, run_context.hashes)
+    parts = PartStore(workspace.parts_folder(name), job.recipe)
+    if status.state == "up to date" or from_scratch:
+        parts.remove()
     if status.state == "up to date" and not from_scratch:
         log.debug("%s: up to date", name)
         return StepOutcome(status, False, status.manifest)
-    log.info("%s: started: %s", name, status.why_run())
+    outlook.begin(name)
+    log.info("%s%s: started: %s%s", outlook.mark, name, status.why_run(), outlook.left())
     if status.state == "damaged":
         place = workspace.quarantine(name)
         log.warning("%s: damaged (%s), set apart in %s", name, "; ".join(status.reasons), place)
     try:
-        manifest = build(job, workspace.root / name, workspace.build_folder(name), run_context)
+        building = workspace.build_folder(name)
+        manifest = build(job, workspace.root / name, building, run_context, parts)
     except Exception as error:
         error.add_note(name)
         # an error of the disk, the package or the configuration concerns all steps
@@ -203,6 +210,7 @@ def _bring_up_to_date(
             raise
         log.warning("%s: failed: %s", name, _in_words(error))
         return StepOutcome(status, False, None, error)
+    outlook.end()
     run_context.hashes.save()
     spent = manifest.run
     log.debug("%s: done in %.1f s, %.0f MB", name, spent["seconds"], spent["peak_rss_bytes"] / 1e6)
@@ -242,10 +250,17 @@ def run_stage(
     return out
 
 
-def build(job: Job, out: Path, building: Path, run_context: RunContext) -> Manifest:
+def build(
+    job: Job,
+    out: Path,
+    building: Path,
+    run_context: RunContext,
+    parts: PartStore | None = None,
+) -> Manifest:
     """Run the stage's function in the folder `building`, then move that to `out` in one step.
 
-    The manifest is written last. After any error, `out` is as it was.
+    The manifest is written last. After any error, `out` is as it was, and `parts` keeps what was
+    finished.
 
     Raises
     ------
@@ -261,19 +276,23 @@ def build(job: Job, out: Path, building: Path, run_context: RunContext) -> Manif
     with storage_errors(building.parent):
         remove(building)
     make_folder(building)
+    if parts is not None:
+        parts.begin()
     try:
-        manifest = _fill(job, building, run_context)
+        manifest = _fill(job, building, run_context, parts)
         watch.end(job)
         commit_folder(building, out)
     except BaseException:
         remove(building)
         raise
+    if parts is not None:
+        parts.remove()
     for name, record in manifest.outputs.items():
         run_context.hashes.learn(out / name, record)
     return manifest
 
 
-def _fill(job: Job, building: Path, run_context: RunContext) -> Manifest:
+def _fill(job: Job, building: Path, run_context: RunContext, parts: PartStore | None) -> Manifest:
     context: Context[Struct] = Context(
         job.stage,
         job.settings,
@@ -283,6 +302,8 @@ def _fill(job: Job, building: Path, run_context: RunContext) -> Manifest:
         failures=job.recipe.failures,
         executor=run_context.executor,
         progress=run_context.progress,
+        outlook=run_context.outlook,
+        parts=parts,
     )
     spent = _call(job.stage, context, building)
     manifest = Manifest(

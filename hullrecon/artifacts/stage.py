@@ -9,6 +9,7 @@ import math
 import multiprocessing
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -19,7 +20,8 @@ from numpy.typing import NDArray
 from hullrecon.artifacts.documents import Json, plain
 from hullrecon.artifacts.executor import Executor
 from hullrecon.artifacts.machine import peak_rss
-from hullrecon.artifacts.progress import Progress, raise_if_requested
+from hullrecon.artifacts.parts import PartStore
+from hullrecon.artifacts.progress import Outlook, Progress, raise_if_requested
 from hullrecon.artifacts.writer import ArtifactWriter
 from hullrecon.errors import UsageError
 
@@ -105,6 +107,8 @@ class Context(Generic[Parameters]):
         failures: Mapping[str, str] | None = None,
         executor: Executor | None = None,
         progress: Progress | None = None,
+        outlook: Outlook | None = None,
+        parts: PartStore | None = None,
     ) -> None:
         self.settings = settings  # those in the stage's `uses` and its own
         self.inputs = inputs  # folder of each input artifact that exists, by stage name
@@ -115,6 +119,7 @@ class Context(Generic[Parameters]):
         self.workers_peak_rss = 0  # bytes
         self._stage, self._source = stage, source
         self._executor, self._progress = executor or Executor(), progress or Progress()
+        self._outlook, self._parts = outlook or Outlook(), parts
 
     @property
     def source(self) -> Path:
@@ -137,20 +142,56 @@ class Context(Generic[Parameters]):
         """Yield the same items, shown as a bar on a terminal and as log lines elsewhere."""
         if total is None and isinstance(items, Sized):
             total = len(items)
-        shown = f"{self._stage.name}: {label}"
-        return self._progress.track(_until_interrupted(items), shown, total)
+        return self._track(items, label, total)
+
+    def _track(
+        self, items: Iterable[Item], label: str, total: int | None, kept: int = 0
+    ) -> Iterator[Item]:
+        shown = f"{self._outlook.mark}{self._stage.name}: {label}"
+        if kept:
+            log.info("%s: %d of %d are there from a run that did not end", shown, kept, total)
+            self._outlook.resume()
+        return self._progress.track(_until_interrupted(items), shown, total, self._outlook, kept)
+
+    def stream(
+        self,
+        function: Callable[[Item], Result],
+        items: Sequence[Item],
+        label: str,
+        *,
+        by: Callable[[Callable[[Item], Result], Sequence[Item]], Iterator[Result]] | None = None,
+        depends: Callable[[Item], object] | None = None,
+    ) -> Iterator[Result]:
+        """Yield results in order. Those that a run which did not end has left are not made again.
+
+        Parameters
+        ----------
+        function
+            Gives the same result for the same item, inputs and settings.
+        label
+            What the items are. No other items of the step have it, unless they are of their kind.
+        by
+            Applies the function to items; the executor of --jobs or --scheduler if None, for which
+            the function must pickle. The results are the same whichever.
+        depends
+            All of the inputs' content that the result for an item depends on, if it is less than
+            all of the inputs and the item.
+        """
+        compute = partial(by or self._executor.map, function)
+        kept = 0
+        if self._parts is None:
+            results = compute(items)
+        else:
+            kept, results = self._parts.resume(label, items, compute, depends)
+        yield from self._track(results, label, len(items), kept)
+        workers = (peak_rss(worker.pid) for worker in multiprocessing.active_children())
+        self.workers_peak_rss = max(self.workers_peak_rss, *workers, 0)
 
     def map(
         self, function: Callable[[Item], Result], items: Sequence[Item], label: str
     ) -> list[Result]:
-        """Compute results in order, by the executor of --jobs or --scheduler.
-
-        `function` must pickle. The results are the same whichever executor.
-        """
-        results = list(self.progress(self._executor.map(function, items), label, len(items)))
-        workers = (peak_rss(worker.pid) for worker in multiprocessing.active_children())
-        self.workers_peak_rss = max(self.workers_peak_rss, *workers, 0)
-        return results
+        """Compute results in order, as `stream` does by the executor."""
+        return list(self.stream(function, items, label))
 
     def warn(self, message: str) -> None:
         """Add a sentence to the log, the manifest and summary.json."""

@@ -54,6 +54,10 @@ class Workspace:
     def build_folder(self, name: str) -> Path:
         return self.root / PRIVATE / "building" / name
 
+    def parts_folder(self, name: str) -> Path:
+        """Locate what is kept of a step that was not finished."""
+        return self.root / PRIVATE / "parts" / name
+
     def hashes(self, *, trusting: bool = True) -> HashCache:
         return HashCache(self.root / PRIVATE / "hashes.json", trusting=trusting)
 

@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 import numpy as np
 
@@ -23,8 +23,8 @@ from hullrecon.mosaic.imagery.camera_views import (
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.options import OpticalOptions
 from hullrecon.mosaic.output.tile_store import TileStore, blend_tiles
+from hullrecon.mosaic.stream import Stream
 
-Progress = Callable[[Sequence[Any], str], Iterable[Any]]
 # of an image's distance: past a bilge, or through a gap of the model, a ray may meet it tens of
 # metres away
 MOST_MEDIANS = 3.0
@@ -46,7 +46,7 @@ def optical_mosaic(
     surface: MosaicSurface,
     cameras: Sequence[CameraImages],
     options: OpticalOptions,
-    progress: Progress,
+    stream: Stream,
     scratch: BinaryIO,
 ) -> OpticalMosaic:
     """Make the mosaic: footprints, light, then tile by tile into a scratch file.
@@ -59,9 +59,7 @@ def optical_mosaic(
     grid = grid_around(footprints.at.reshape(-1, 2), texel_size(gsd, options))
     surface = surface.with_occlusion_horizon(grid, footprints.span_m)
     light = (
-        estimate_light(
-            surface, cameras, image_views, footprints, lambda rows: progress(rows, "light")
-        )
+        estimate_light(surface, cameras, image_views, footprints, stream)
         if options.even_light
         else None
     )
@@ -73,7 +71,7 @@ def optical_mosaic(
         LIMITS,
         3,
         options.tile_px,
-        progress,
+        stream,
         scratch,
     )
     return OpticalMosaic(store=store, gsd_m=gsd, light_corrected=light is not None)

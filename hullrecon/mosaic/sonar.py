@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from hullrecon.mosaic.imagery.radiometry import Part
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface, seen
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.output.tile_store import TileStore, blend_tiles
+from hullrecon.mosaic.stream import Stream
 from hullrecon.records.sensors import SonarPings
 from hullrecon.typing import Array, Floats32, Ints
 
@@ -105,7 +106,6 @@ def build_fan(directions: Array, range_m: Array, elevation_rad: float) -> SonarF
     )
 
 
-Progress = Callable[[Sequence[Any], str], Iterable[Any]]
 APERTURE_SHARE = 0.9  # of the elevation aperture that is used: little comes back at its edge
 # views more oblique than 82 degrees are not used; an imaging sonar grazes the hull
 LIMITS = ViewLimits(min_cosine=float(np.cos(np.radians(82.0))), slant=0.0)
@@ -180,7 +180,7 @@ def sonar_mosaic(
     poses: Poses,
     elevation_rad: float,
     options: SonarOptions,
-    progress: Progress,
+    stream: Stream,
     scratch: BinaryIO,
 ) -> SonarMosaic:
     """Make the mosaic of posed pings: footprints, levels, then tile by tile.
@@ -215,7 +215,7 @@ def sonar_mosaic(
             for s, gain in zip(image_views, levels.gain, strict=True)
         ]
     store = blend_tiles(
-        surface, grid, footprints, image_views, LIMITS, 1, options.tile_px, progress, scratch
+        surface, grid, footprints, image_views, LIMITS, 1, options.tile_px, stream, scratch
     )
     return SonarMosaic(store=store, light_corrected=levels is not None, footprints=footprints)
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -29,9 +30,6 @@ from hullrecon.vision.features.extraction import (
 )
 from hullrecon.vision.features.store import GrowingArray
 
-BLOCK = 128  # images whose features are in memory at a time
-
-
 FindFeatures = Callable[[Pixels, FeatureOptions], Features]
 
 
@@ -47,8 +45,17 @@ class Extract:
 
     def __call__(self, image: int) -> Features | None:
         """Find the features. None if the image cannot be read after all."""
-        picture = ImageStore(self.ingest, self.source, self.camera.key).read(image)
+        picture = self._images.read(image)
         return None if picture is None else self.find(picture, self.options)
+
+    def depends(self, image: int) -> tuple[str, int, FindFeatures]:
+        """Hash the image's bytes, and tell how they are read."""
+        data = self._images.bytes(image)
+        return hashlib.sha256(data).hexdigest(), int(self._images.index.bits), self.find
+
+    @property
+    def _images(self) -> ImageStore:
+        return ImageStore(self.ingest, self.source, self.camera.key)
 
 
 def applies(settings: Mapping[str, object], package: Path) -> str | None:
@@ -98,7 +105,7 @@ def run(context: Context[FeatureOptions], find: FindFeatures = extract) -> None:
 def _write_camera(
     context: Context[FeatureOptions], camera: Camera, usable: Mask, find: FindFeatures
 ) -> tuple[Ints, Array]:
-    """Write one camera's arrays by blocks. Returns count of features and saliency by image (n,)."""
+    """Write one camera's arrays by image. Returns count of features and saliency by image (n,)."""
     work = Extract(
         ingest=context.inputs["ingest"],
         source=context.source,
@@ -116,19 +123,17 @@ def _write_camera(
         keypoints = grow("keypoints", 4, np.float32)
         descriptors = grow("descriptors", 128, np.uint8)
         color = grow("color", 3, np.uint8)
-        for start in range(0, len(usable), BLOCK):
-            rows = [int(row) for row in start + np.flatnonzero(usable[start : start + BLOCK])]
-            for row, found in zip(rows, context.map(work, rows, camera.key), strict=True):
-                if found is None:
-                    context.warn(
-                        f"image {row} of {camera.key} could not be read: it has no features"
-                    )
-                    continue
-                count[row] = len(found)
-                saliency[row] = local_saliency(found.descriptors[found.scored])
-                keypoints.append(found.keypoints)
-                descriptors.append(found.descriptors)
-                color.append(found.color)
+        rows = [int(row) for row in np.flatnonzero(usable)]
+        seen = context.stream(work, rows, f"images of {camera.key}", depends=work.depends)
+        for row, found in zip(rows, seen, strict=True):
+            if found is None:
+                context.warn(f"image {row} of {camera.key} could not be read: it has no features")
+                continue
+            count[row] = len(found)
+            saliency[row] = local_saliency(found.descriptors[found.scored])
+            keypoints.append(found.keypoints)
+            descriptors.append(found.descriptors)
+            color.append(found.color)
     return count, saliency
 
 

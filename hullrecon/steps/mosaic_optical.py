@@ -4,11 +4,14 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.errors import StageError
 from hullrecon.mosaic.imagery.camera_views import CameraImages, images_of_camera
 from hullrecon.mosaic.optical import optical_mosaic
 from hullrecon.mosaic.options import OpticalOptions
+from hullrecon.mosaic.stream import in_threads
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.steps.features import applies, external
@@ -22,9 +25,10 @@ def run(context: Context[OpticalOptions]) -> None:
     options, artifacts = context.parameters, InputArtifacts(context.inputs)
     inputs = read_mosaic_inputs(artifacts)
     cameras = _usable_images(context, artifacts, inputs)
+    stream = partial(context.stream, by=in_threads)
     with context.out.scratch() as scratch:
         try:
-            mosaic = optical_mosaic(inputs.surface, cameras, options, context.progress, scratch)
+            mosaic = optical_mosaic(inputs.surface, cameras, options, stream, scratch)
         except ValueError as error:
             raise StageError(f"no optical mosaic: {error}", where="mosaic-optical") from error
         facts: dict[str, object] = {

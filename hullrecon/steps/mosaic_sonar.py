@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import BinaryIO
 
@@ -18,7 +19,8 @@ from hullrecon.geometry.poses import Poses, from_mount
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.position_sigma import PingUncertainty, median_position_sigma
-from hullrecon.mosaic.sonar import Progress, SonarMosaic, sonar_mosaic
+from hullrecon.mosaic.sonar import SonarMosaic, sonar_mosaic
+from hullrecon.mosaic.stream import Stream, in_threads
 from hullrecon.records.sensors import SonarPings
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import rig_from_settings
@@ -59,8 +61,9 @@ def run(context: Context[SonarOptions]) -> None:
         servo_from_sonar=from_mount(settings.read("sonar.mount", tuple)),
         mount_sigma=np.r_[mount_sigma[:3], np.radians(mount_sigma[3:])],
     )
+    stream = partial(context.stream, by=in_threads)
     with context.out.scratch() as scratch:
-        mosaic = blend_pings(inputs.surface, pings, poses, settings, context.progress, scratch)
+        mosaic = blend_pings(inputs.surface, pings, poses, settings, stream, scratch)
         facts: dict[str, object] = {
             **median_position_sigma(uncertainty, mosaic.footprints, inputs.surface.chart),
             "pings": len(pings.t_ns),
@@ -88,7 +91,7 @@ def blend_pings(
     pings: SonarPings,
     poses: Poses,
     settings: StageSettings,
-    progress: Progress,
+    stream: Stream,
     scratch: BinaryIO,
 ) -> SonarMosaic:
     """Blend posed pings on a surface. Raises StageError if no ping meets it."""
@@ -100,7 +103,7 @@ def blend_pings(
             poses,
             elevation_rad,
             settings.read("mosaic-sonar", SonarOptions),
-            progress,
+            stream,
             scratch,
         )
     except ValueError as error:

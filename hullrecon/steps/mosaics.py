@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
+from functools import partial
 from typing import BinaryIO
 
 from hullrecon.artifacts.stage import Context
@@ -26,6 +27,7 @@ from hullrecon.mosaic.output.raster import (
 )
 from hullrecon.mosaic.output.tile_store import TileStore
 from hullrecon.mosaic.output.tiles_3d import Pyramid, write_tileset
+from hullrecon.mosaic.stream import in_threads
 from hullrecon.records.solution import Mounts
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import VehicleTrack
@@ -166,9 +168,9 @@ def _write_surface_rasters(
     """Write rasters of the hull as found on the mosaic's pixels."""
     if inputs.as_found is None:
         return
-    for name, tiles in surface_tiles(
-        inputs.surface, surface_values(inputs.as_found, inputs.deviation), layout, scratch
-    ).items():
+    values = surface_values(inputs.as_found, inputs.deviation)
+    stream = partial(context.stream, by=in_threads)
+    for name, tiles in surface_tiles(inputs.surface, values, layout, scratch, stream).items():
         with context.out.path(f"{name}.tif") as path:
             bands = surface_bands(name, by_images=inputs.by_images)
             write_raster(path, tiles, layout, bands, scratch)

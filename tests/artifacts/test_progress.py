@@ -13,6 +13,7 @@ import pytest
 from hullrecon.artifacts.progress import (
     Bars,
     LogLines,
+    Outlook,
     Progress,
     choose_progress,
 )
@@ -71,3 +72,75 @@ def test_a_bar_ends_when_the_loop_fails(monkeypatch: pytest.MonkeyPatch) -> None
     next(loop)
     loop.close()
     assert bars._open == 0
+
+
+class Clock:
+    """A clock that is put forward by hand."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock() -> Clock:
+    return Clock()
+
+
+@pytest.fixture
+def outlook(clock: Clock) -> Outlook:
+    """Of a run whose first step took twice what was predicted, at the begin of the second."""
+    outlook = Outlook(clock)
+    outlook.plan(["ingest", "features", "links"])
+    outlook.predict({"ingest": 10.0, "features": 60.0, "links": 30.0})
+    outlook.begin("ingest")
+    clock.now += 20
+    outlook.end()
+    outlook.begin("features")
+    return outlook
+
+
+def test_predicted_times_are_scaled_by_the_steps_so_far(outlook: Outlook, clock: Clock) -> None:
+    assert outlook.mark == "[2/3] "
+    assert outlook.left() == ", about 2 min left of the step, 3 min of the run"
+    clock.now += 80
+    assert outlook.left(30.0) == ", about 40 s left of the step, 2 min of the run"
+
+
+def test_a_loop_that_is_slower_than_predicted_says_so(outlook: Outlook) -> None:
+    assert outlook.left(600.0) == ", about 10 min left of the step, 11 min of the run"
+
+
+def test_beyond_what_was_predicted_nothing_is_said(outlook: Outlook, clock: Clock) -> None:
+    clock.now += 121
+    assert outlook.left() == ""
+
+
+def test_a_step_that_was_resumed_teaches_no_pace(outlook: Outlook, clock: Clock) -> None:
+    outlook.resume()
+    clock.now += 1
+    assert outlook.left() == ""
+    outlook.end()
+    outlook.begin("links")
+    assert outlook.left() == ", about 60 s left of the step, 60 s of the run"
+
+
+def test_without_prediction_a_loop_speaks_for_itself_alone(clock: Clock) -> None:
+    outlook = Outlook(clock)
+    assert (outlook.mark, outlook.left(), outlook.left(200.0)) == ("", "", ", about 3 min left")
+
+
+def test_lines_tell_the_rate_of_what_was_made(caplog: pytest.LogCaptureFixture) -> None:
+    clock = Clock()
+    items = LogLines(5.0, clock).track(range(10), "images", 10, Outlook(clock), kept=4)
+    with caplog.at_level(logging.INFO):
+        for done in range(7):
+            next(items)
+            clock.now += 10 if done >= 4 else 0  # the first four are there
+        items.close()
+    assert [record.getMessage() for record in caplog.records] == [
+        "images: 5 of 10, about 50 s left",
+        "images: 6 of 10, about 40 s left",
+    ]

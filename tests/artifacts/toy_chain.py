@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -44,7 +45,10 @@ def side(context: Context) -> None:
     if context.parameters.power < 0:
         raise StageError("no result for a negative power", remedy="give a positive one")
     time.sleep(context.parameters.pause_s)
-    context.out.arrays("side.npz", {"x": numbers**context.parameters.power})
+    if context.parameters.power > 1:  # item by item
+        power = partial(pow, exp=context.parameters.power)
+        numbers = np.array(context.map(power, numbers.tolist(), "numbers"))
+    context.out.arrays("side.npz", {"x": numbers})
     context.out.bytes("raw.bin", bytes(range(256)))
 
 

@@ -133,7 +133,7 @@ def test_a_log_file_has_everything_with_the_time(
         handler.close()
     text = (tmp_path / "run.log").read_text()
     assert text.startswith("20")
-    assert "INFO hullrecon.artifacts.runner: navigate: started: first run" in text
+    assert "INFO hullrecon.artifacts.runner: [2/3] navigate: started: first run" in text
 
 
 def test_status_says_where_each_step_stands_and_changes_nothing(

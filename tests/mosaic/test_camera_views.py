@@ -27,6 +27,7 @@ from hullrecon.mosaic.imagery.camera_views import (
 )
 from hullrecon.mosaic.imagery.radiometry import FIELD, LightModel
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
+from hullrecon.mosaic.stream import in_threads
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import rig_from_settings
 
@@ -177,7 +178,7 @@ def test_the_light_of_fewer_than_two_images_is_not_estimated(
     )
     views = plain_views([images])
     footprints = compute_footprints(flat_surface(), views)
-    assert estimate_light(flat_surface(), [images], views, footprints, lambda rows: rows) is None
+    assert estimate_light(flat_surface(), [images], views, footprints, in_threads) is None
 
 
 def test_lamp_is_estimated_from_overlapping_images(
@@ -192,7 +193,7 @@ def test_lamp_is_estimated_from_overlapping_images(
         [images],
         views,
         compute_footprints(flat_surface(), views),
-        lambda rows: rows,
+        in_threads,
     )
     assert light is not None
     even = light.correct(ramp(0), WHOLE, camera=0, view=13)

@@ -27,6 +27,7 @@ from hullrecon.mosaic.output.deliverables import (
     reduced_picture,
 )
 from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
+from hullrecon.mosaic.stream import in_threads
 
 GRID = TexelGrid(west=-0.4, north=0.3, step_m=0.01, height=60, width=80)
 SHOWN = Presentation(
@@ -48,7 +49,7 @@ def tiles(views: int) -> TileStore:
         gray = np.full((*window.shape, 1), 120, np.float32)
         return Tile(value=gray, variance=np.full(window.shape, 4.0, np.float32), views=count)
 
-    return make_tiles(GRID, 1, 16, 80, make, lambda windows: windows, BytesIO())
+    return make_tiles(GRID, 1, 16, 80, make, in_threads, BytesIO())
 
 
 def test_the_document_says_where_and_how_large_the_mosaic_is() -> None:
@@ -152,7 +153,7 @@ def test_a_mosaic_with_a_gap_says_so() -> None:
         )
 
     document = mosaic_document(
-        make_tiles(GRID, 1, 16, 80, torn, lambda windows: windows, BytesIO()),
+        make_tiles(GRID, 1, 16, 80, torn, in_threads, BytesIO()),
         Frame.HULL,
         SHOWN.facts,
     )

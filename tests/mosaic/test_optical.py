@@ -16,12 +16,9 @@ from hullrecon.mosaic.imagery.camera_views import CameraImages
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.optical import optical_mosaic, texel_size
 from hullrecon.mosaic.options import OpticalOptions
+from hullrecon.mosaic.stream import in_threads
 
 OPTIONS = OpticalOptions(tile_px=64, resolution_m=0.01)
-
-
-def still(items, label):
-    return items
 
 
 def paint(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -70,7 +67,7 @@ def test_the_mosaic_shows_the_paint_and_not_the_lamp(
     flat_surface: Callable[..., MosaicSurface], camera: CameraModel, lamp: bool
 ) -> None:
     seen = [images(camera, SPOTS, lamp)]
-    store = optical_mosaic(flat_surface(), seen, OPTIONS, still, BytesIO()).store
+    store = optical_mosaic(flat_surface(), seen, OPTIONS, in_threads, BytesIO()).store
     grid = store.grid
     rows, columns = np.arange(grid.height, dtype=float), np.arange(grid.width, dtype=float)
     at = grid.centers(rows, columns)
@@ -93,7 +90,7 @@ def test_without_correction_the_lamp_stays(
         flat_surface(),
         [one],
         OpticalOptions(tile_px=64, resolution_m=0.01, even_light=False),
-        still,
+        in_threads,
         BytesIO(),
     )
     assert not made.light_corrected
@@ -117,6 +114,6 @@ def test_images_that_miss_the_surface_make_no_mosaic(
             flat_surface(),
             [images(camera, np.array([[5.0, 5.0]]), False)],
             OPTIONS,
-            still,
+            in_threads,
             BytesIO(),
         )

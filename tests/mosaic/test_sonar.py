@@ -22,15 +22,12 @@ from hullrecon.mosaic.sonar import (
     learn_levels,
     sonar_mosaic,
 )
+from hullrecon.mosaic.stream import in_threads
 from hullrecon.records.sensors import SonarPings
 
 BEARING = np.radians(np.linspace(-14, 14, 49))
 RANGES = np.linspace(0.4, 1.8, 141)
 OPTIONS = SonarOptions(tile_px=64, resolution_m=0.02)
-
-
-def still(items, label):
-    return items
 
 
 def pings_over(
@@ -82,7 +79,9 @@ def test_a_bright_stripe_is_mapped_to_its_place(flat_surface: Callable[..., Mosa
         return np.where(np.abs(points[:, 0] - 0.1) < 0.03, 200.0, 60.0)
 
     pings, poses = pings_over([-0.1, 0.0, 0.1, 0.2], stripe)
-    made = sonar_mosaic(flat_surface(), pings, poses, np.radians(14), OPTIONS, still, BytesIO())
+    made = sonar_mosaic(
+        flat_surface(), pings, poses, np.radians(14), OPTIONS, in_threads, BytesIO()
+    )
     grid, gray, alpha = (
         made.store.grid,
         made.store.small[..., 0].astype(float),
@@ -113,7 +112,9 @@ def test_an_even_plate_becomes_even_whatever_the_beam_pattern(
         directions=pings.directions,
         range_m=pings.range_m,
     )
-    made = sonar_mosaic(flat_surface(), shaded, poses, np.radians(14), OPTIONS, still, BytesIO())
+    made = sonar_mosaic(
+        flat_surface(), shaded, poses, np.radians(14), OPTIONS, in_threads, BytesIO()
+    )
     inner = made.store.small[3:-3, 3:-3]
     seen = inner[..., 0][inner[..., 1] > 0].astype(float)
     assert made.light_corrected
@@ -126,7 +127,7 @@ def test_sonar_shadow_of_block_is_not_mapped(
 ) -> None:
     pings, poses = pings_over([0.0], lambda points: np.full(len(points), 90.0))
     free = sonar_mosaic(
-        flat_surface(), pings, poses, np.radians(14), OPTIONS, still, BytesIO()
+        flat_surface(), pings, poses, np.radians(14), OPTIONS, in_threads, BytesIO()
     ).store
     girth = girths(free)
     girth = girth[(girth > 0.06) & [seen_at(free, 0.0, g) for g in girth]]
@@ -136,7 +137,7 @@ def test_sonar_shadow_of_block_is_not_mapped(
     for height, end in ((0.05, 0.05 + 0.85 * 0.05 / 0.45), (0.2, 0.05 + 0.85 * 0.2 / 0.3)):
         block = ([-0.1, -0.05, 0.0], [0.1, 0.05, height])
         made = sonar_mosaic(
-            flat_surface(block), pings, poses, np.radians(14), OPTIONS, still, BytesIO()
+            flat_surface(block), pings, poses, np.radians(14), OPTIONS, in_threads, BytesIO()
         ).store
         mapped = [seen_at(made, 0.0, g) for g in girth]
         clear = np.abs(girth - end) > 0.02
@@ -161,7 +162,7 @@ def test_a_long_shadow_is_found_to_its_end(flat_surface: Callable[..., MosaicSur
         poses,
         np.radians(40),
         OPTIONS,
-        still,
+        in_threads,
         BytesIO(),
     ).store
     end = -0.4 + 0.5 * 0.12 / 0.13

@@ -10,7 +10,8 @@ import pytest
 
 from hullrecon.mosaic.blend import Tile
 from hullrecon.mosaic.grid import TexelGrid, Window
-from hullrecon.mosaic.output.tile_store import CompressedTiles, TileStore, in_threads, make_tiles
+from hullrecon.mosaic.output.tile_store import CompressedTiles, TileStore, make_tiles
+from hullrecon.mosaic.stream import in_threads
 
 GRID = TexelGrid(west=30.0, north=6.0, step_m=0.01, height=100, width=150)
 
@@ -25,7 +26,7 @@ def ramp(window: Window) -> Tile:
 
 @pytest.fixture
 def store() -> TileStore:
-    return make_tiles(GRID, 3, 64, 80, ramp, lambda tiles: tiles, BytesIO())
+    return make_tiles(GRID, 3, 64, 80, ramp, in_threads, BytesIO())
 
 
 def test_small_copy_fits_and_keeps_the_mean(store: TileStore) -> None:
@@ -38,7 +39,7 @@ def test_small_copy_fits_and_keeps_the_mean(store: TileStore) -> None:
 
 
 def test_the_small_copy_is_reduced_by_what_divides_a_tile() -> None:
-    store = make_tiles(GRID, 3, 80, 4, ramp, lambda tiles: tiles, BytesIO())
+    store = make_tiles(GRID, 3, 80, 4, ramp, in_threads, BytesIO())
     assert store.reduction == 16
     assert store.small.shape == (7, 10, 4)
 

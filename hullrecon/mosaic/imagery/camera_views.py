@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Protocol
@@ -27,6 +27,7 @@ from hullrecon.mosaic.imagery.radiometry import (
     solve_light,
 )
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface, seen
+from hullrecon.mosaic.stream import Stream
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Floats32, Ints, Mask
@@ -257,17 +258,17 @@ def estimate_light(
     cameras: Sequence[CameraImages],
     image_views: Sequence[CameraView],
     footprints: Footprints,
-    progress: Callable[[Sequence[Any]], Iterable[Any]],
+    stream: Stream,
 ) -> LightModel | None:
     """Estimate the light from small copies of all images at texels LIGHT_STEP_M apart.
 
     Return None when fewer than two images could be read.
     """
     camera = np.concatenate([np.full(len(s.rows), k) for k, s in enumerate(cameras)])
-    rows = [(s.read, row) for s in cameras for row in s.rows.tolist()]
-    thumbnails: list[NDArray[np.uint8] | None] = [
-        _thumbnail(read, row) for read, row in progress(rows)
-    ]
+    places = [(k, row) for k, s in enumerate(cameras) for row in s.rows.tolist()]
+    thumbnails = list(
+        stream(lambda place: _thumbnail(cameras[place[0]].read, place[1]), places, "light")
+    )
     good = np.array([t is not None for t in thumbnails])
     if good.sum() < 2:
         return None

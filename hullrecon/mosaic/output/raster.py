@@ -16,7 +16,8 @@ from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface
 from hullrecon.mosaic.output.cog import BLOCK, Picture, write_cog
-from hullrecon.mosaic.output.tile_store import CompressedTiles, in_threads
+from hullrecon.mosaic.output.tile_store import CompressedTiles
+from hullrecon.mosaic.stream import Stream, in_threads
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.typing import Array
 
@@ -163,7 +164,11 @@ def surface_values(surface: Surface, split: DeviationSplit | None) -> dict[str, 
 
 
 def surface_tiles(
-    surface: MosaicSurface, values: Mapping[str, Array], layout: RasterLayout, scratch: BinaryIO
+    surface: MosaicSurface,
+    values: Mapping[str, Array],
+    layout: RasterLayout,
+    scratch: BinaryIO,
+    stream: Stream = in_threads,
 ) -> dict[str, CompressedTiles]:
     """Interpolate values (n,) of the vertices at the texels.
 
@@ -173,12 +178,13 @@ def surface_tiles(
     shape = (layout.size, layout.size)
     tiles = {name: CompressedTiles(shape, surface_bands(name).dtype, scratch) for name in values}
 
-    def make(window: Window) -> Mapping[str, Array]:
-        return _interpolate(surface, values, layout, window)
+    def make(window: Window) -> Mapping[str, bytes]:
+        made = _interpolate(surface, values, layout, window)
+        return {name: tiles[name].pack(tile) for name, tile in made.items()}
 
-    for made in in_threads(make, list(layout.grid.tiles(layout.size))):
-        for name, tile in made.items():
-            tiles[name].add(tile)
+    for made in stream(make, list(layout.grid.tiles(layout.size)), "rasters of the surface"):
+        for name, packed in made.items():
+            tiles[name].add_packed(packed)
     return tiles
 
 

@@ -4,12 +4,10 @@
 
 from __future__ import annotations
 
-import os
 import zlib
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any, BinaryIO, TypeVar
+from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +16,9 @@ from hullrecon.mosaic.blend import Tile, ViewLimits, blend_tile
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.imagery.camera_views import Footprints, ImageView, footprint_windows
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
+from hullrecon.mosaic.stream import Stream
 
 TEXTURE_PX = 4096  # longer side of the small copy, which is the GLB's texture
-MAX_AT_A_TIME = 8  # tiles; one takes some 100 MB while it is made
-Made = TypeVar("Made")
 VARIANCE_STEP = 0.25  # squared gray levels; finer is noise, and compresses badly
 
 
@@ -36,9 +33,16 @@ class CompressedTiles:
 
     def add(self, tile: NDArray[np.generic]) -> None:
         """Keep a tile. Raises ValueError for one of another shape."""
+        self.add_packed(self.pack(tile))
+
+    def pack(self, tile: NDArray[np.generic]) -> bytes:
+        """Compress a tile, which threads may do at once. Raises ValueError as `add`."""
         if tile.shape != self.shape:
             raise ValueError(f"a tile of shape {tile.shape} among those of {self.shape}")
-        data = zlib.compress(np.ascontiguousarray(tile, self.dtype).tobytes(), 1)
+        return zlib.compress(np.ascontiguousarray(tile, self.dtype).tobytes(), 1)
+
+    def add_packed(self, data: bytes) -> None:
+        """Keep a compressed tile."""
         self._parts.append((self.file.seek(0, 2), len(data)))
         self.file.write(data)
 
@@ -53,6 +57,18 @@ class CompressedTiles:
 
     def __len__(self) -> int:
         return len(self._parts)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PackedTile:
+    """A tile as it is kept."""
+
+    color: bytes  # compressed, as the variance and the counts
+    variance: bytes
+    counts: bytes
+    small: NDArray[np.uint8]  # its part of the small copy
+    histogram: NDArray[np.int64]  # what it adds to those of the store
+    views: NDArray[np.int64]
 
 
 @dataclass(kw_only=True)
@@ -70,55 +86,51 @@ class TileStore:
     variance: CompressedTiles  # (size, size) float32, NaN where nothing was seen
     counts: CompressedTiles  # (size, size) uint8, views blended
 
-    def add(self, window: Window, tile: Tile) -> None:
+    def pack(self, window: Window, tile: Tile) -> PackedTile:
+        """Round and compress a tile, which threads may do at once."""
         seen = tile.views > 0
         alpha = np.where(seen, 255, 0).astype(np.uint8)[..., None]
         color = np.concatenate([np.rint(tile.value).astype(np.uint8) * (alpha > 0), alpha], axis=2)
         variance = np.where(
             seen, np.rint(tile.variance / VARIANCE_STEP) * VARIANCE_STEP, np.nan
         ).astype(np.float32)
-        self.color.add(color)
-        self.variance.add(variance)
-        self.counts.add(tile.views)
         rows = np.minimum(variance[seen] / VARIANCE_STEP, len(self.histogram) - 1).astype(int)
-        self.histogram += np.bincount(rows, minlength=len(self.histogram))
         inside = tile.views[: self.grid.height - window.top, : self.grid.width - window.left]
-        self.views += np.bincount(inside.ravel(), minlength=len(self.views))
-        self._reduce(window, color)
+        return PackedTile(
+            color=self.color.pack(color),
+            variance=self.variance.pack(variance),
+            counts=self.counts.pack(tile.views),
+            small=self._reduced(color),
+            histogram=np.bincount(rows, minlength=len(self.histogram)),
+            views=np.bincount(inside.ravel(), minlength=len(self.views)),
+        )
 
-    def _reduce(self, window: Window, color: NDArray[np.uint8]) -> None:
-        """Average seen texels in each block of the small copy."""
+    def add(self, window: Window, tile: PackedTile) -> None:
+        """Keep a tile."""
+        self.color.add_packed(tile.color)
+        self.variance.add_packed(tile.variance)
+        self.counts.add_packed(tile.counts)
+        self.histogram += tile.histogram
+        self.views += tile.views
+        top, left = window.top // self.reduction, window.left // self.reduction
+        side = self.size // self.reduction
+        target = self.small[top : top + side, left : left + side]
+        target[...] = tile.small[: target.shape[0], : target.shape[1]]
+
+    def _reduced(self, color: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Average seen texels in each block, for the small copy."""
         n = self.reduction
         blocks = color.reshape(self.size // n, n, self.size // n, n, -1).astype(np.float32)
         alpha = blocks[..., -1:] / 255
         count = alpha.sum(axis=(1, 3))
         mean = (blocks[..., :-1] * alpha).sum(axis=(1, 3)) / np.maximum(count, 1)
         small = np.concatenate([mean, 255 * np.minimum(1, 2 * count / (n * n))], axis=2)
-        top, left = window.top // n, window.left // n
-        target = self.small[top : top + self.size // n, left : left + self.size // n]
-        target[...] = np.rint(small[: target.shape[0], : target.shape[1]])
+        return np.asarray(np.rint(small).astype(np.uint8))
 
     def variance_percentiles(self, percent: Sequence[float]) -> list[float]:
         """Read percentiles from the histogram, as upper ends of its bins."""
         share = np.cumsum(self.histogram) / max(1, self.histogram.sum())
         return [float((np.searchsorted(share, p / 100) + 1) * VARIANCE_STEP) for p in percent]
-
-
-def in_threads(make: Callable[[Window], Made], windows: Sequence[Window]) -> Iterator[Made]:
-    """Yield tiles in the order of the windows, begun ahead in threads."""
-    from concurrent.futures import ThreadPoolExecutor
-
-    count = min(MAX_AT_A_TIME, len(os.sched_getaffinity(0)))
-    with ThreadPoolExecutor(count) as pool:
-        begun = deque(pool.submit(make, window) for window in windows[:count])
-        try:
-            for window in windows[count:]:
-                yield begun.popleft().result()
-                begun.append(pool.submit(make, window))
-            while begun:
-                yield begun.popleft().result()
-        finally:
-            pool.shutdown(cancel_futures=True)
 
 
 def make_tiles(
@@ -127,14 +139,13 @@ def make_tiles(
     size: int,
     max_pixels: int,
     make: Callable[[Window], Tile],
-    progress: Any,
+    stream: Stream,
     scratch: BinaryIO,
 ) -> TileStore:
-    """Make every tile in threads, up to MAX_AT_A_TIME at a time.
+    """Make every tile.
 
-    No more are in memory uncompressed, and the result does not depend on it. The small copy is
-    reduced to max_pixels a side, or as often as `size` can be halved. `make`: called from several
-    threads. `scratch`: a file that keeps the tiles.
+    The small copy is reduced to max_pixels a side, or as often as `size` can be halved. `make`:
+    called from several threads where `stream` has them. `scratch`: a file that keeps the tiles.
     """
     reduction = 1
     while max(grid.width, grid.height) / reduction > max_pixels and size % (2 * reduction) == 0:
@@ -155,7 +166,8 @@ def make_tiles(
         counts=CompressedTiles((size, size), "uint8", scratch),
     )
     windows = list(grid.tiles(size))
-    for window, tile in zip(progress(windows), in_threads(make, windows), strict=True):
+    packed = stream(lambda window: store.pack(window, make(window)), windows, "tiles")
+    for window, tile in zip(windows, packed, strict=True):
         store.add(window, tile)
     return store
 
@@ -168,7 +180,7 @@ def blend_tiles(
     limits: ViewLimits,
     channels: int,
     tile_px: int,
-    progress: Any,
+    stream: Stream,
     scratch: BinaryIO,
 ) -> TileStore:
     """Blend all views on every tile of the grid, into a scratch file."""
@@ -179,6 +191,6 @@ def blend_tiles(
         tile_px,
         TEXTURE_PX,
         lambda window: blend_tile(surface, grid, window, image_views, windows, limits, channels),
-        lambda tiles: progress(tiles, "tiles"),
+        stream,
         scratch,
     )

@@ -26,6 +26,7 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.mosaic.output.tile_store import TileStore
+from hullrecon.mosaic.stream import in_threads
 from hullrecon.navigation.planes.planar_graph import PlanarSolution, planar_graph
 from hullrecon.records.links import LinkedPath, no_links
 from hullrecon.records.trajectory import Trajectory, VehiclePath, VehicleTrack
@@ -353,9 +354,7 @@ def _variances(dive: DiveRun, tracks: Mapping[str, VehicleTrack]) -> dict[str, V
             inputs, settings, replace(track, poses=onto @ track.poses, frame=surface.track.frame)
         )
         with tempfile.TemporaryFile(dir=dive.workspace.root) as scratch:
-            mosaic = blend_pings(
-                surface.surface, pings, poses, settings, lambda tiles, _: tiles, scratch
-            )
+            mosaic = blend_pings(surface.surface, pings, poses, settings, in_threads, scratch)
             found[name] = variance_map(mosaic.store)
     return found
 

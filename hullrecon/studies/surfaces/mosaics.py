@@ -26,6 +26,7 @@ from hullrecon.mosaic.mosaic_surface import MosaicSurface, build_mosaic_surface,
 from hullrecon.mosaic.optical import LIMITS
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.output.tile_store import TileStore, blend_tiles
+from hullrecon.mosaic.stream import in_threads
 from hullrecon.steps.artifacts import DetectArtifact, SurfaceArtifact
 from hullrecon.steps.mosaic_sonar import blend_pings, ping_poses
 from hullrecon.steps.mosaics import REACH_M
@@ -97,7 +98,7 @@ def close_up(hull: InspectedHull, mesh: Mesh, at: Array) -> CloseUp:
     footprints = compute_footprints(surface, views)
     with tempfile.TemporaryFile() as scratch:
         store = blend_tiles(
-            surface, grid, footprints, views, LIMITS, 3, TILE_PX, lambda tiles, _: tiles, scratch
+            surface, grid, footprints, views, LIMITS, 3, TILE_PX, in_threads, scratch
         )
         color = read_store(store)
     return CloseUp(color=color, height_m=_heights(surface, grid), grid=grid)
@@ -219,7 +220,7 @@ def _sonar_mosaics(given: StudyDive, hull: InspectedHull) -> list[PublishedFigur
     for name, mesh in ((ON_CAD, hull.cad_model), (BY_DVL, surface.mesh())):
         with tempfile.TemporaryFile() as scratch:
             on = build_mosaic_surface(mesh, hull.chart, REACH_M)
-            store = blend_pings(on, pings, poses, settings, lambda tiles, _: tiles, scratch).store
+            store = blend_pings(on, pings, poses, settings, in_threads, scratch).store
             found[name] = (store.grid, read_store(store)[..., 0])
     return [draw_sonar_mosaics(found)]
 

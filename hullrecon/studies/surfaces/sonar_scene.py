@@ -24,6 +24,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.mosaic.mosaic_surface import build_mosaic_surface
 from hullrecon.mosaic.options import SonarOptions
+from hullrecon.mosaic.stream import in_threads
 from hullrecon.records.sensors import SonarPings
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.steps.mosaic_sonar import blend_pings, ping_poses
@@ -163,7 +164,7 @@ def _blend(
 ) -> VarianceMap:
     surface = build_mosaic_surface(truth.built_mesh, chart, REACH_M)
     with tempfile.TemporaryFile() as scratch:
-        mosaic = blend_pings(surface, pings, poses, settings, lambda tiles, _: tiles, scratch)
+        mosaic = blend_pings(surface, pings, poses, settings, in_threads, scratch)
         return variance_map(mosaic.store)
 
 

@@ -1,0 +1,172 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Keep the finished parts of a step that is under way, so that a kill costs no more than one.
+
+docs/adr/0014-finished-parts-outlive-a-kill.md says why so.
+"""
+
+from __future__ import annotations
+
+import enum
+import errno
+import hashlib
+import io
+import logging
+import pickle
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import is_dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from hullrecon.artifacts.disk import remove, replace_file, storage_errors
+from hullrecon.artifacts.documents import digest
+from hullrecon.artifacts.machine import versions
+from hullrecon.artifacts.manifest import Recipe
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+Depends = Callable[[Item], object]
+log = logging.getLogger(__name__)
+_HASH_BYTES = hashlib.sha256().digest_size
+_FULL = {errno.ENOSPC, errno.EDQUOT}
+# what arrays and their numbers are rebuilt by, in NumPy's modules of either name
+_OF_NUMPY = {"ndarray", "dtype", "scalar", "_reconstruct", "_frombuffer"}
+
+
+class PartStore:
+    """Results of a step's items, each in a file named by a hash of all that decides it."""
+
+    def __init__(self, folder: Path, recipe: Recipe) -> None:
+        """Keep the parts of the step that `recipe` describes below `folder`, its own."""
+        decided = {
+            "version": recipe.version,
+            "settings": recipe.settings,
+            "libraries": versions(),
+        }
+        self._step, self._all = recipe.stage, folder
+        self._folder = folder / digest(decided)[:16]
+        self._inputs = digest(
+            {name: recipe.content.get(name) for name in ("inputs", "external", "failures")}
+        )
+        self._keeps = True
+        self._bytes = 0  # that the parts take
+
+    def begin(self) -> None:
+        """Remove the parts of other settings, and count those that are there."""
+        with storage_errors(self._all):
+            for other in self._all.glob("*"):
+                if other != self._folder:
+                    remove(other)
+            self._bytes = sum(part.stat().st_size for part in self._folder.glob("*"))
+
+    def remove(self) -> None:
+        """Remove all parts of the step."""
+        with storage_errors(self._all):
+            remove(self._all)
+
+    def resume(
+        self,
+        label: str,
+        items: Sequence[Item],
+        compute: Callable[[Sequence[Item]], Iterator[Result]],
+        depends: Depends[Item] | None = None,
+    ) -> tuple[int, Iterator[Result]]:
+        """Compute the results of the items that have no part yet, and keep them.
+
+        Parameters
+        ----------
+        label
+            What the items are; with a step's inputs and an item's value it names a part.
+        compute
+            Gives results in the order of the items.
+        depends
+            All of the inputs' content that the item's result depends on, in place of the item and
+            the inputs as a whole.
+
+        Returns
+        -------
+        kept
+            Number of items whose part is there.
+        results
+            In the order of the items, as they were written.
+        """
+        parts = [self._place(label, item, depends) for item in items]
+        missing = [_read(part) is None for part in parts]
+        return len(items) - sum(missing), self._results(items, parts, missing, compute)
+
+    def _results(
+        self,
+        items: Sequence[Item],
+        parts: Sequence[Path],
+        missing: Sequence[bool],
+        compute: Callable[[Sequence[Item]], Iterator[Result]],
+    ) -> Iterator[Result]:
+        lacking = [item for item, lacks in zip(items, missing, strict=True) if lacks]
+        computed = iter(compute(lacking))
+        for item, part, lacks in zip(items, parts, missing, strict=True):
+            data = None if lacks else _read(part)
+            if data is None:
+                result = next(computed) if lacks else next(iter(compute([item])))
+                data = pickle.dumps(result, protocol=5)
+                self._keep(part, data)
+            yield _PlainData(io.BytesIO(data)).load()
+
+    def _place(self, label: str, item: Item, depends: Depends[Item] | None) -> Path:
+        decided = (self._inputs, item) if depends is None else depends(item)
+        return self._folder / _value_hash((label, decided))
+
+    def _keep(self, part: Path, data: bytes) -> None:
+        """Write a part. Where the disk is short of room, remove all and keep none from now on."""
+        if not self._keeps:
+            return
+        with storage_errors(self._all):
+            try:
+                self._folder.mkdir(parents=True, exist_ok=True)
+                # an artifact grows beside its parts, and is the one that needs the room
+                if shutil.disk_usage(self._folder).free > self._bytes + len(data):
+                    replace_file(part, hashlib.sha256(data).digest() + data)
+                    self._bytes += _HASH_BYTES + len(data)
+                    return
+            except OSError as error:
+                if error.errno not in _FULL:
+                    raise
+        self._keeps = False
+        self.remove()
+        log.warning(
+            "%s: the disk has no room to keep finished parts: a run that is killed begins this"
+            " step anew",
+            self._step,
+        )
+
+
+def _value_hash(value: object) -> str:
+    """Hash what a value holds, whichever of its members are one object."""
+    data = io.BytesIO()
+    pickler = pickle.Pickler(data, protocol=5)
+    pickler.fast = True  # without memo
+    pickler.dump(value)
+    return hashlib.sha256(data.getvalue()).hexdigest()
+
+
+def _read(part: Path) -> bytes | None:
+    """Read what a part holds. None if it is missing, damaged or cannot be read."""
+    try:
+        content = part.read_bytes()
+    except OSError:
+        return None
+    data = content[_HASH_BYTES:]
+    return data if hashlib.sha256(data).digest() == content[:_HASH_BYTES] else None
+
+
+class _PlainData(pickle.Unpickler):
+    """Reads data classes, enumerations and arrays, and calls nothing else."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        found = super().find_class(module, name)
+        package = module.partition(".")[0]
+        if package == "numpy" and (name in _OF_NUMPY or module.startswith("numpy.dtypes")):
+            return found
+        if isinstance(found, type) and (is_dataclass(found) or issubclass(found, enum.Enum)):
+            return found
+        raise pickle.UnpicklingError(f"{module}.{name} is no data that a part may hold")
