@@ -123,7 +123,8 @@ def _accept_registration(found: registration.Registration, segments: Segments | 
         return Verdict(
             accepted=False,
             reason=f"only {100 * found.fitness:.0f} % of the surveyed points lie within three "
-            f"sigma of it, wherever {what}: the model, its unit, hull.pose or the path is wrong",
+            f"sigma of it, wherever {what}: the model, its unit, hull.pose, the path or the ranges "
+            "from it are wrong",
         )
     if found.sigmas_off > MAX_SIGMAS_OFF:
         return Verdict(
@@ -406,12 +407,15 @@ def accept_form(form: Form, sigmas_off: float) -> Verdict:
 def _reasons_against_form(form: Form, sigmas_off: float) -> Iterator[str]:
     times = f"{np.sqrt(form.deviation):.1f} times hull.deviation_sigma over metres"
     if form.is_of_another_hull:
-        yield (f"the hull leaves it by {times}: the model, that sigma or the path is wrong")
+        yield (
+            f"the hull leaves it by {times}: the model, that sigma, the path or the DVL's ranges "
+            "are wrong"
+        )
     if form.fits_better_scaled:
         yield (
             "stretched along its axes it fits the surveyed part better, by a chi-square of "
-            f"{form.scale_chi2:.0f} with three degrees of freedom: its proportions, its scale or "
-            "the path is wrong"
+            f"{form.scale_chi2:.0f} with three degrees of freedom: its proportions, its scale, the "
+            "path or the DVL's ranges are wrong"
         )
     if sigmas_off <= registration.GUESS_SIGMAS:
         return

@@ -16,11 +16,13 @@ import numpy as np
 
 from hullrecon import native
 from hullrecon.adjustment.exceeded_priors import MANY_SIGMAS, MOUNTS, ROTATION, displacement
+from hullrecon.adjustment.hull_pose.other_beams import find_fitting_beams
 from hullrecon.adjustment.readout import RowMotion, motion_by_row
-from hullrecon.adjustment.rounds import RoundResult, RoundSolver, Stage
+from hullrecon.adjustment.rounds import Estimate, RoundResult, RoundSolver, Stage
 from hullrecon.adjustment.suspects import Trial, best_explanations, least_gain, try_suspects
 from hullrecon.errors import ContradictionError
 from hullrecon.findings.finding import Finding
+from hullrecon.records.trajectory import Returns
 from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
@@ -101,7 +103,8 @@ def explain_refusal(path: Stage, placed: Stage, solver: RoundSolver) -> Stage:
     Raises
     ------
     ContradictionError
-        Where the path contradicts itself without the CAD model.
+        Where the path contradicts itself without the CAD model, or the CAD model fits ranges of
+        the DVL's beams in another order.
     """
     if path.first is None or not solver.strategy.systematic_errors:
         return placed
@@ -109,7 +112,26 @@ def explain_refusal(path: Stage, placed: Stage, solver: RoundSolver) -> Stage:
     if not trials:
         trials = _try_all(path, solver)
     _refuse(trials, [], solver)
+    _refuse_other_beams(path.estimate, placed)
     return replace(placed, verdict=replace(placed.verdict, suspects=trials))
+
+
+def _refuse_other_beams(solved: Estimate, placed: Stage) -> None:
+    """Raise ContradictionError where the CAD model fits the DVL's ranges in another order."""
+    measured, state = solved.measured, solved.state
+    returns, cad_model, hull = measured.returns, measured.cad_model, placed.estimate.state.hull
+    if returns is None or cad_model is None or (hull is not None and hull.segments is not None):
+        return  # the parts of a path that outages cut fit anything
+    rig = state.mounted(measured.rig)
+
+    def ends(of: Returns) -> Array:
+        return rig.dvl_points(of, state.path).points[~of.flagged]
+
+    found = find_fitting_beams(returns, ends, cad_model, measured.rig.priors.range_sigma_m)
+    if found is not None:
+        order, before_m, after_m = found
+        values = {"beams": list(order), "before_mm": 1e3 * before_m, "after_mm": 1e3 * after_m}
+        raise ContradictionError(Finding("other-beams", values).sentence)
 
 
 def _try_all(path: Stage, solver: RoundSolver) -> tuple[Trial, ...]:

@@ -100,6 +100,15 @@ REMEDIES: Mapping[str, str] = {
 }
 
 
+def _other_beams(beams: Sequence[int], before_mm: float, after_mm: float) -> str:
+    order = ", ".join(str(beam) for beam in beams)
+    return (
+        f"DVL: its ranges are those of beams {order}, in another order than its beams have: so "
+        f"their ends lie {after_mm:.0f} mm from the CAD model (root mean square), and "
+        f"{before_mm:.0f} mm as they are"
+    )
+
+
 def _contradiction(beyond: str, explanations: Sequence[Sequence[object]]) -> str:
     """Tell which suspects make the rest agree.
 
@@ -144,7 +153,7 @@ def _others(explanations: Sequence[Sequence[object]]) -> str:
     return " or ".join(SUSPECTS[str(name)](_number(found)) for name, found in explanations)
 
 
-ERRORS: dict[str, Words] = {"contradiction": _contradiction}
+ERRORS: dict[str, Words] = {"contradiction": _contradiction, "other-beams": _other_beams}
 WARNINGS: dict[str, Words] = {
     "explained-as-well": _explained_as_well,
     "explained-better": _explained_better,

@@ -113,7 +113,10 @@ def test_model_that_fits_nowhere_is_refused():
         "% of the surveyed points lie within three sigma of it, wherever it is placed"
         in found.verdict.reason
     )
-    assert "the model, its unit, hull.pose or the path is wrong" in found.verdict.reason
+    assert (
+        "the model, its unit, hull.pose, the path or the ranges from it are wrong"
+        in found.verdict.reason
+    )
 
 
 def test_model_a_fifth_too_large_is_refused_by_sure_guess():

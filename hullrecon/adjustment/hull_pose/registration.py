@@ -66,8 +66,8 @@ def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int =
         Of the samples that ICP takes from the CAD model.
     """
     kept = thin_points(points, 0.10, 2500)
-    center = cad_model.guess.inverse().apply(kept).mean(0)
-    found = _register_from(_starts(cad_model, center), kept, cad_model, center, sigma_range, seed)
+    found = register_near(kept, cad_model, sigma_range, seed)
+    center = found.center
     if found.fitness >= GOOD_FITNESS:
         return _with_wider_guess(found, kept, cad_model, sigma_range)
     starts = _distant_starts(kept, cad_model, center)
@@ -78,6 +78,14 @@ def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int =
     if distant.fitness < max(GOOD_FITNESS, found.fitness + 0.1):
         return found
     return _with_wider_guess(distant, kept, cad_model, sigma_range)
+
+
+def register_near(
+    points: Array, cad_model: CadModel, sigma_range: float, seed: int = 0
+) -> Registration:
+    """Register the CAD model to points (n, 3) in g within the sigma of the package's guess."""
+    center = cad_model.guess.inverse().apply(points).mean(0)
+    return _register_from(_starts(cad_model, center), points, cad_model, center, sigma_range, seed)
 
 
 def _register_from(

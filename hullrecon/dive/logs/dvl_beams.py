@@ -29,6 +29,8 @@ FAR_OFF_DEG = 45.0
 LEANING_DEG = 10.0  # of the beams' mean direction from the z axis
 # share; 30 degrees in place of 22.5 make 0.063, and the ranges' own errors up to 0.03
 SAME_ALTITUDE = 0.045
+# share; the cosines of 15 and 30 degrees differ by 0.115, and a hull that slopes adds 0.012
+FAR_ALTITUDE = 0.13
 SAME_COSINE = 0.015  # share; on the slope of a hull an altitude is no mean of the beams
 # of ranges beside an altitude in m, and how far (log) their ratio may be off
 SMALL_UNITS, SAME_UNIT = {"mm": 1e-3, "cm": 1e-2, "ft": 0.3048}, 0.15
@@ -99,6 +101,11 @@ def put_ranges_right(beams: Array, ranges: Array, altitude: Array) -> tuple[Arra
 
     Arguments as of `check_beams`. A vertical distance is shorter than the range along its beam by
     the cosine of the beam's angle, a wrong angle of the beams makes less than half of that.
+
+    Raises
+    ------
+    InputError
+        Ranges and altitude differ by more than any DVL's beams explain, and so does no unit.
     """
     ratio = _over_altitude(beams, ranges, altitude)
     for unit, metres in SMALL_UNITS.items():
@@ -106,6 +113,12 @@ def put_ranges_right(beams: Array, ranges: Array, altitude: Array) -> tuple[Arra
             return metres * ranges, [Finding("ranges-in-unit", {"unit": unit}, "dvl")]
     if abs(ratio - 1) > SAME_ALTITUDE and abs(ratio / beams[:, 2].mean() - 1) < SAME_COSINE:
         return ranges / beams[:, 2], [Finding("ranges-along-axis", where="dvl")]
+    if abs(np.log(ratio)) > np.log1p(FAR_ALTITUDE):
+        raise InputError(
+            f"along its beams the DVL's ranges reach {ratio:.2f} times the altitude that it "
+            "computed: the ranges or the altitude are scaled, or the beams are another DVL's",
+            where="dvl",
+        )
     return ranges, []
 
 

@@ -193,6 +193,13 @@ def test_beams_that_stand_far_off_or_lean_to_one_side_are_named():
     assert sentences(check_beams(tilted_beams(30.0, (0, 90, 180, -90)), *nothing)) == []
 
 
+@pytest.mark.parametrize("factor", [0.7, 0.85, 1.2])
+def test_ranges_that_no_beams_reconcile_with_the_altitude_are_refused(factor):
+    ranges, altitude = pings(a50_beams(), 2.0)
+    with pytest.raises(InputError, match=f"ranges reach {factor:.2f} times the altitude"):
+        put_ranges_right(a50_beams(), factor * ranges, altitude)
+
+
 @pytest.mark.parametrize(("unit", "metres"), [("mm", 0.001), ("cm", 0.01), ("ft", 0.3048)])
 def test_ranges_in_another_unit_than_the_altitude_are_put_right(unit, metres):
     ranges, altitude = pings(a50_beams(), 2.0)

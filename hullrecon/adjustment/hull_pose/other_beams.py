@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Test whether a CAD model that does not fit the survey would fit ranges of beams in another order.
+
+A DVL's beams that are numbered otherwise than dive.toml or the message says bend the surveyed hull,
+and nothing else of a dive without a camera tells of it but the CAD model.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from hullrecon.adjustment.hull_pose.registration import (
+    GOOD_FITNESS,
+    Registration,
+    register_near,
+    thin_points,
+)
+from hullrecon.adjustment.problem.measurements import CadModel
+from hullrecon.records.trajectory import Returns
+from hullrecon.typing import Array
+
+# of the distances (rms) that another order has to leave: two that are right by chance leave 0.9,
+# wrong orders of one dive 0.55 and more, the right one 0.17
+FITS_BETTER = 0.5
+CELL_M, POINTS = 0.1, 600  # of the ends that are registered
+MOST_BEAMS = 4  # of which each order is tried
+
+
+def find_fitting_beams(
+    returns: Returns,
+    ends: Callable[[Returns], Array],
+    cad_model: CadModel,
+    range_sigma_m: float,
+) -> tuple[tuple[int, ...], float, float] | None:
+    """Register the CAD model to the ends of a DVL's beams in each order of their directions.
+
+    Parameters
+    ----------
+    returns
+        By ping and then by beam.
+    ends
+        Of the beams in g (n, 3), without flagged ones, where their directions are given.
+    cad_model, range_sigma_m
+        What they are registered to, and the sigma of a range.
+
+    Returns
+    -------
+    order, rms before, rms after
+        The beams, from 1, whose ranges the first, second ... are, and the distances from the CAD
+        model, m. None where no other order fits far better.
+    """
+    _, at, beam = np.unique(returns.beam, axis=0, return_index=True, return_inverse=True)
+    if not 2 <= len(at) <= MOST_BEAMS:
+        return None
+    of_ping = np.flatnonzero(returns.t_ns == returns.t_ns[_first_whole(returns, len(at))])
+    directions = returns.beam[of_ping]
+    number = np.array([np.flatnonzero(beam[of_ping] == k)[0] for k in range(len(at))])[beam]
+    found: dict[tuple[int, ...], Registration] = {}
+    for order in itertools.permutations(range(len(at))):
+        other = replace(returns, beam=directions[list(order)][number])
+        points = thin_points(ends(other), CELL_M, POINTS)
+        found[order] = register_near(points, cad_model, range_sigma_m)
+    as_is = _rms_m(found.pop(tuple(range(len(at)))))
+    fits = {o: _rms_m(tried) for o, tried in found.items() if tried.fitness >= GOOD_FITNESS}
+    if not fits:
+        return None
+    best = min(fits, key=lambda order: fits[order])
+    if fits[best] > FITS_BETTER * as_is:
+        return None
+    return tuple(k + 1 for k in best), as_is, fits[best]
+
+
+def _first_whole(returns: Returns, beams: int) -> int:
+    """Find the row of the first ping of which all beams came back, else the first row."""
+    _, first, count = np.unique(returns.t_ns, return_index=True, return_counts=True)
+    return int(first[np.argmax(count >= beams)])
+
+
+def _rms_m(found: Registration) -> float:
+    return float(np.sqrt(np.mean(np.square(found.residual))))
