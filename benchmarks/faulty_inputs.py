@@ -112,7 +112,7 @@ def look(package: Path, runs: Path, jobs: int) -> Seen:
     return Seen(
         check_code=check_code,
         run_code=run_code,
-        sentences=sentences,
+        sentences=list(dict.fromkeys(sentences)),
         error_mm=row.get("adjust_mm", float("nan")),
         sigmas=max(row.get("errors_in_sigmas", [float("nan")])),
     )

@@ -193,6 +193,11 @@ def calibration(
     return files
 
 
+def halved(k: list[float], d: list[float]) -> None:
+    """Make a calibration one of pictures half as large."""
+    k[:6] = [value / 2 for value in k[:6]]
+
+
 def toml(key: str, change: Callable[[str], str]) -> Files:
     def files(package: Path) -> None:
         path = package / "dive.toml"
@@ -225,6 +230,10 @@ def swap_cameras(package: Path) -> None:
     )
 
 
+def about_z(degrees: float) -> np.ndarray:
+    return Rotation.from_euler("z", degrees, degrees=True).as_matrix()
+
+
 def sign(random: Random) -> float:
     return float(random.choice([-1.0, 1.0]))
 
@@ -246,10 +255,12 @@ def _pressure(random: Random) -> dict[str, Fault]:
         return Fault(sensor="pressure", edits={"/pressure": edit}, size=size)
 
     name = "fluid_pressure"
+    gauge = changed(lambda p: p - 101325, name)
     return {
         "pressure-unit": fault(scaled(factor, name), f"in {unit}"),
         "pressure-dead": fault(changed(lambda _: air, name), f"{air:.0f} Pa"),
         "pressure-enclosure": fault(housing, "air in a housing"),
+        "pressure-gauge": fault(gauge, "above the air's"),
         "pressure-scale": fault(
             changed(lambda p: 101325 + gain * (p - 101325), name), f"depth times {gain:g}"
         ),
@@ -262,6 +273,10 @@ def _dvl(random: Random) -> dict[str, Fault]:
     start, seconds = float(random.uniform(5, 15)), float(random.uniform(2, 6))
     lost = lost_as_zero(start, seconds, pick(random, 1e-5, 1000.0, 0.0))
     nearer = pick(random, 0.85, 0.92, 1.08)
+    angle = sign(random) * float(random.uniform(10, 170))
+    order = random.permutation(4)
+    while (order == np.arange(4)).all():
+        order = random.permutation(4)
 
     def fault(edit: Edit, size: str) -> Fault:
         return Fault(sensor="dvl", edits={"/dvl": edit}, size=size)
@@ -269,6 +284,11 @@ def _dvl(random: Random) -> dict[str, Fault]:
     return {
         "dvl-scale": fault(scaled(factor, *VELOCITY), f"velocity times {factor:g}"),
         "dvl-axes": fault(turned(SWAPS[axes], "velocity"), axes),
+        "dvl-turned": fault(turned(about_z(angle), "velocity"), f"{angle:.0f} degrees about z"),
+        "dvl-beams": fault(
+            changed(lambda ranges: np.asarray(ranges)[order], "range"),
+            f"beams in the order {' '.join(str(beam + 1) for beam in order)}",
+        ),
         "dvl-lost-zero": fault(lost, f"{seconds:.1f} s of zeros"),
         "dvl-range-mm": fault(scaled(1000.0, "range"), "ranges in mm"),
         "dvl-range-scale": fault(scaled(nearer, "range"), f"ranges times {nearer:g}"),
@@ -279,6 +299,15 @@ def _dvl(random: Random) -> dict[str, Fault]:
 def _imu(random: Random) -> dict[str, Fault]:
     axes, angle = str(random.choice(list(SWAPS))), int(random.integers(3))
     signs = np.where(np.arange(3) == angle, -1.0, 1.0)
+    mount_deg = sign(random) * float(random.uniform(10, 170))
+    felt = str(random.choice(list(SWAPS)))
+
+    def sits_turned(message: Message, t_s: float) -> None:
+        """Write what an IMU measures that is turned about the vehicle's z axis."""
+        mount = about_z(mount_deg)
+        attitude(lambda r: r * Rotation.from_matrix(mount))(message, t_s)
+        turned(mount.T, "angular_velocity", "linear_acceleration")(message, t_s)
+
     mirrored = attitude(lambda r: Rotation.from_euler("ZYX", signs * r.as_euler("ZYX")))
 
     def fault(edit: Edit, size: str = "") -> Fault:
@@ -286,6 +315,8 @@ def _imu(random: Random) -> dict[str, Fault]:
 
     return {
         "imu-convention": fault(with_body, "ENU and FLU, of all that it measures"),
+        "imu-turned": fault(sits_turned, f"{mount_deg:.0f} degrees about z"),
+        "imu-felt-axes": fault(turned(SWAPS[felt], "linear_acceleration"), felt),
         "imu-angle": fault(mirrored, f"{('yaw', 'pitch', 'roll')[angle]} grows the other way"),
         "imu-rates-deg": fault(scaled(180 / np.pi, *RATES), "deg/s"),
         "imu-rates-axes": fault(turned(SWAPS[axes], "angular_velocity"), axes),
@@ -308,6 +339,7 @@ def _joints(random: Random) -> dict[str, Fault]:
     return {
         "joint-deg": fault(np.degrees),
         "joint-sign": fault(np.negative),
+        "joint-dead": fault(np.zeros_like, "zero"),
         "joint-offset": fault(lambda x: x + np.radians(off), f"{off:.1f} degrees"),
         "joint-late": Fault(
             sensor="joints", edits={"/joint_states": stamped(lag)}, size=f"{lag:+.2f} s"
@@ -374,6 +406,7 @@ def _cameras(random: Random, kind: str) -> dict[str, Fault]:
         k[0], k[4] = k[4], k[0]
 
     found = {
+        "camera-size": lens(halved, "of pictures half as large"),
         "camera-axes": lens(exchanged, "fx and fy exchanged"),
         "camera-few-pixels": lens(nearby, f"principal point by {few:.1f} px"),
         "camera-medium": lens(longer_focus(air), f"f times {air:.3f}"),
@@ -401,7 +434,23 @@ def _cad(random: Random) -> dict[str, Fault]:
     def fault(files: Files, size: str) -> Fault:
         return Fault(sensor="cad", files=files, size=size)
 
+    def in_map(of: trimesh.Trimesh) -> None:
+        of.apply_translation([4.5e5, 5.5e6, 0.0])
+
+    def y_up(of: trimesh.Trimesh) -> None:
+        of.apply_transform(trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0]))
+
+    def plated(of: trimesh.Trimesh) -> None:
+        """Give the plates a thickness, with the inner faces as a yard exports them."""
+        inner = of.vertices - 0.015 * of.vertex_normals
+        faces = np.vstack([of.faces, of.faces[:, ::-1] + len(of.vertices)])
+        both = trimesh.Trimesh(np.vstack([of.vertices, inner]), faces, process=False)
+        of.vertices, of.faces = both.vertices, both.faces
+
     return {
+        "cad-precision": fault(mesh(in_map), "in map coordinates"),
+        "cad-axes": fault(mesh(y_up), "y upwards"),
+        "cad-plates": fault(mesh(plated), "inner faces of its plates"),
         "cad-unit": fault(toml("units", lambda _: f'"{unit}"'), unit),
         "cad-scale": fault(mesh(lambda m: m.apply_scale(stretch)), f"times {stretch:g}"),
         "cad-inverted": fault(mesh(lambda m: m.invert()), "faces inwards"),

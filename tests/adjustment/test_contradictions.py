@@ -4,6 +4,7 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,10 +23,12 @@ from adjustment.simulated_dive import (
 )
 from adjustment.solved_dives import solved
 
+from hullrecon.adjustment import contradictions
 from hullrecon.adjustment.bundle_adjustment import adjust, solve_path
+from hullrecon.adjustment.contradictions import explain_refusal
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions
 from hullrecon.adjustment.results.summary import explained_as_well
-from hullrecon.adjustment.rounds import RoundSolver
+from hullrecon.adjustment.rounds import ACCEPTED, RoundSolver, Stage, Verdict
 from hullrecon.adjustment.suspects import Trial, best_explanations
 from hullrecon.errors import ContradictionError
 from hullrecon.findings.adjustment import REMEDIES, SUSPECTS
@@ -250,3 +253,33 @@ def test_a_correction_that_another_explains_as_well_is_doubted():
 @pytest.mark.parametrize("cad", [True, False], ids=["CAD", "no CAD"])
 def test_a_faultless_dive_has_no_suspects(cad):
     assert solved(cad=cad).adjusted.verdict.suspects == ()
+
+
+@pytest.mark.parametrize(("squares", "blamed"), [(12.0, False), (60.0, True)])
+def test_a_wrong_cad_model_is_no_matter_of_a_lens_unless_that_is_certain(
+    squares, blamed, monkeypatch
+):
+    """A faultless lens explains some squares of any dive, and no reason why a model misses it."""
+    lens = trial("distortion", squares, 2)
+    monkeypatch.setattr(contradictions, "_try_all", lambda *_: (lens,))
+    monkeypatch.setattr(contradictions, "_refuse_other_beams", lambda *_: None)
+    solver = RoundSolver(
+        calibrated=simulate(**STEREO).measured.rig,
+        options=OPTIONS,
+        strategy=PRODUCT,
+        report=lambda _: None,
+    )
+    path = SimpleNamespace(first=object(), verdict=ACCEPTED, estimate=None)
+    placed = Stage(
+        history=(),
+        start=None,
+        first=None,
+        last=None,
+        estimate=None,
+        verdict=Verdict(accepted=False, reason="ft"),
+    )
+    if blamed:
+        with pytest.raises(ContradictionError, match="another distortion"):
+            explain_refusal(path, placed, solver)
+    else:
+        assert explain_refusal(path, placed, solver).verdict == placed.verdict
