@@ -33,13 +33,13 @@ import numpy as np
 from benchmarks.legs import NoErrors, cast, nearest_frames, true_revisits
 from benchmarks.links_in_graph import kept_by_graph, links_of, solved_graph
 from hullrecon.dive.config.load import LoadedConfig, load_config
-from hullrecon.dive.config.schema import Tray
+from hullrecon.dive.config.schema import RIG_KEYS, Tray
 from hullrecon.evaluation.truth import Truth, read_truth
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.pose_graph.graph import GraphSolution
-from hullrecon.rig import RIG_KEYS, rig_from_settings
+from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact, NavigateArtifact
 from hullrecon.steps.chain import stages
 from hullrecon.typing import Array, Ints, Mask

@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from hullrecon.dive.config.load import LoadedConfig
+from hullrecon.dive.config.schema import RIG_SECTIONS
 from hullrecon.geometry.poses import from_matrix
 from hullrecon.navigation.pose_graph.graph import GraphSolution, PoseGraph
 from hullrecon.records.links import CameraLinks, no_links
-from hullrecon.rig import RIG_SECTIONS, rig_with_priors
+from hullrecon.rig import rig_with_priors
 from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact, NavigateArtifact
 from hullrecon.typing import Ints, Mask
 from hullrecon.vision.pairs.cycles import contradicted_links

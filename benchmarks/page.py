@@ -35,8 +35,8 @@ def crowded_report(run: Path, package: Path, out: Path, count: int) -> Path:
     from hullrecon.artifacts.runner import run_stage
     from hullrecon.dive.config.load import load_config
     from hullrecon.report.deliver import deliver
-    from hullrecon.steps.chain import stages
-    from hullrecon.steps.report import STAGE, read_survey
+    from hullrecon.steps.chain import stage, stages
+    from hullrecon.steps.report import read_survey
 
     detect = out / "detect"
     detect.mkdir(parents=True)
@@ -47,12 +47,13 @@ def crowded_report(run: Path, package: Path, out: Path, count: int) -> Path:
     (detect / "objects.json").write_text(
         json.dumps({"objects": [_copy(found[k % len(found)], k) for k in range(count)]})
     )
+    report = stage("report")
     inputs = {
-        name: run / name for name in (*STAGE.inputs, *STAGE.optional) if (run / name).is_dir()
+        name: run / name for name in (*report.inputs, *report.optional) if (run / name).is_dir()
     } | {"detect": detect}
-    config = load_config(package, {stage.name: stage.parameters for stage in stages()})
+    config = load_config(package, {step.name: step.parameters for step in stages()})
     sections = {
-        section: config.value(section) for section in {name.split(".")[0] for name in STAGE.uses}
+        section: config.value(section) for section in {name.split(".")[0] for name in report.uses}
     }
     page = "report/index.html"
 
@@ -60,7 +61,7 @@ def crowded_report(run: Path, package: Path, out: Path, count: int) -> Path:
         failures = deliver(read_survey(context), context.out, only=("objects/", page))
         assert not failures, failures
 
-    artifact = run_stage(replace(STAGE, run=write), sections, inputs, out / "report", package)
+    artifact = run_stage(replace(report, run=write), sections, inputs, out / "report", package)
     return artifact / "deliver" / page
 
 

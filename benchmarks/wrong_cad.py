@@ -35,13 +35,14 @@ from hullrecon.adjustment.rounds import RoundSolver, Stage
 from hullrecon.dive.config import schema
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.config.mounts import guess_sigma
+from hullrecon.dive.config.schema import RIG_SECTIONS
 from hullrecon.errors import StageError
 from hullrecon.evaluation.truth import Truth, read_truth
 from hullrecon.geometry import poses
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.rig import RIG_SECTIONS, rig_with_priors
+from hullrecon.rig import rig_with_priors
 from hullrecon.steps.artifacts import (
     IngestArtifact,
     LinksArtifact,

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from hullrecon.dive.config import schema
 from hullrecon.dive.config.mounts import numbers_of
+from hullrecon.dive.config.schema import RIG_KEYS
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
@@ -24,14 +25,6 @@ from hullrecon.geometry.poses import Poses, from_mount, tray_poses
 from hullrecon.records.solution import Mounts
 from hullrecon.records.trajectory import Returns, VehiclePath, VehicleTrack
 from hullrecon.typing import Array, Ints
-
-# The keys of dive.toml that a rig without priors is made of: what a step declares to be handed them
-RIG_KEYS = (
-    "tray.origin", "pressure.origin", "dvl.mount", "camera.top.mount", "camera.bottom.pose_in_top",
-    "sonar.origin", "sonar.mount",
-)  # fmt: skip
-# The sections that a rig with priors is made of
-RIG_SECTIONS = ("tray", "imu", "pressure", "dvl", "camera.top", "camera.bottom")
 
 HELD_SIGMA = 1e-6  # m or rad: of a coordinate whose sigma dive.toml gives as zero
 LEAST_ERROR_SIGMA = 1e-9  # of an error of navigation that dive.toml gives as zero

@@ -10,13 +10,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hullrecon.dive.config.schema import RIG_KEYS
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses, exp, from_mount
 from hullrecon.records.solution import Mounts
 from hullrecon.records.trajectory import Returns, VehiclePath
-from hullrecon.rig import RIG_KEYS, Rig, rig_from_settings
+from hullrecon.rig import Rig, rig_from_settings
 from hullrecon.typing import Array
 
 SETTINGS: dict[str, object] = {

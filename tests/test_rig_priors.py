@@ -6,11 +6,19 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.config.schema import CameraBottom, CameraTop, Dvl, Imu, Pressure, Tray
+from hullrecon.dive.config.schema import (
+    RIG_SECTIONS,
+    CameraBottom,
+    CameraTop,
+    Dvl,
+    Imu,
+    Pressure,
+    Tray,
+)
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses, from_mount
-from hullrecon.rig import RIG_SECTIONS, mount_prior, rig_with_priors
+from hullrecon.rig import mount_prior, rig_with_priors
 
 MODEL = CameraModel(640, 512, 650.0, 651.0, 322.0, 255.0)
 MOUNT, SIGMA = (0.1, 0.2, -0.05, 90.0, 0.0, 90.0), (0.01, 0.02, 0.03, 0.5, 1.0, 2.0)

@@ -71,9 +71,8 @@ def check_of_package(
     from hullrecon.artifacts.progress import choose_progress
     from hullrecon.dive.config.load import load_config
     from hullrecon.steps.chain import stages
-    from hullrecon.steps.ingest import STAGE
 
-    step_sections = {stage.name: stage.parameters for stage in (*stages(), STAGE)}
+    step_sections = {stage.name: stage.parameters for stage in stages()}
     with name_overrides(step_sections, overrides):
         loaded = load_config(package, step_sections, overrides)
     found = check_loaded(

@@ -68,7 +68,7 @@ class RunResult:
     @property
     def failure(self) -> Exception | None:
         """The error of the first step that failed alone, else of a deliverable, else None."""
-        from hullrecon.steps.report import failed_delivery
+        from hullrecon.steps.finished_run import failed_delivery
 
         failed = failed_delivery(self.workspace.root) if self.is_delivered else None
         return first_failure(self.outcomes) or failed
@@ -256,6 +256,8 @@ def _refuse_costs(dive: DiveRun, outlook: Outlook, memory_gb: float | None) -> N
 
     Raises InputError as `check` would for too little memory, StorageError for too little disk.
     """
+    if not steps:
+        return
     from hullrecon.api.costs import findings_of, predict, size_of_run
 
     costs = predict(size_of_run(dive.workspace.root), outlook.steps)

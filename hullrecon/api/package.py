@@ -14,7 +14,6 @@ from hullrecon.api.costs import findings_of, predict, size_of
 from hullrecon.artifacts.chain import Chain
 from hullrecon.artifacts.disk import storage_errors, write_file
 from hullrecon.artifacts.progress import Progress
-from hullrecon.artifacts.stage import StageSettings
 from hullrecon.dive.check.package_check import PackageCheck, check_package
 from hullrecon.dive.check.requirements import to_fill_in
 from hullrecon.dive.config.load import FILE, LoadedConfig, load_config
@@ -28,7 +27,7 @@ from hullrecon.errors import InputError, UsageError
 from hullrecon.findings.finding import Finding
 from hullrecon.findings.package import A_RUN_NEEDS
 from hullrecon.steps.chain import stages
-from hullrecon.steps.ingest import STAGE, USES, request_of
+from hullrecon.steps.ingest import ingest_settings, request_of
 from hullrecon.steps.sensor_check import describe_sensors
 from hullrecon.steps.stereo_check import describe_rig_problem
 
@@ -109,9 +108,7 @@ def check(
 
     Raises UsageError for a mistake in dive.toml, InputError if there is no dive.toml.
     """
-    loaded = load_config(
-        Path(package), {stage.name: stage.parameters for stage in (*stages(), STAGE)}
-    )
+    loaded = load_config(Path(package), {stage.name: stage.parameters for stage in stages()})
     return check_loaded(loaded, allow_outside=allow_outside, progress=progress)
 
 
@@ -129,7 +126,7 @@ def check_loaded(
     for `hullrecon.run`.
     """
     check_files(loaded, allow_outside=allow_outside, trusted_keys=trusted_keys)
-    request = request_of(StageSettings(STAGE.name, {name: loaded.value(name) for name in USES}))
+    request = request_of(ingest_settings(loaded))
     watch: Watch = iter
     if progress is not None:
         watch = partial(progress.track, label="check: messages", total=None)

@@ -1,10 +1,15 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Thresholds that tell a change from two surveys' errors."""
+"""The dive that another is compared with, and the thresholds of a change."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
+
+from msgspec import Meta
+
+from hullrecon.dive.config.schema import FileName, Section
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,3 +26,15 @@ class ChangeOptions:
     smooth_m: float = 1.0  # wider than this is the hull's form, narrower a structure
     patch_m: float = 0.4  # side of a patch of hull on which form is compared
     min_move_m: float = 0.005  # of bare hull
+
+
+class EarlierDive(Section, frozen=True):
+    """The dive that this one is compared with."""
+
+    earlier: Annotated[
+        FileName | None,
+        Meta(
+            description="folder of an earlier dive's run (RUNS/<dive>), relative to dive.toml; "
+            "the report says what changed"
+        ),
+    ] = None

@@ -20,7 +20,7 @@ from hullrecon.adjustment.problem.triangulation import camera_poses
 from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
 from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.artifacts.machine import refuse_small_address_space
-from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.artifacts.stage import Context
 from hullrecon.dive.config import schema
 from hullrecon.dive.config.mounts import guess_sigma
 from hullrecon.geometry import poses
@@ -29,7 +29,7 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import Attitude
-from hullrecon.rig import RIG_SECTIONS, rig_with_priors
+from hullrecon.rig import rig_with_priors
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
 from hullrecon.typing import Ints
 
@@ -159,15 +159,3 @@ def _stamps(ingest: IngestArtifact, image: Ints) -> Ints:
             has = image[:, camera.column] >= 0
             stamps[has, camera.column] = index.t_ns[image[has, camera.column]]
     return stamps
-
-
-STAGE = Stage(
-    name="adjust",
-    summary="adjust images, DVL ranges and the CAD model together",
-    inputs=("ingest", "navigate"),
-    optional=("links", "matches"),
-    uses=(*RIG_SECTIONS, "hull"),
-    parameters=AdjustOptions,
-    version=33,
-    run=run,
-)

@@ -20,12 +20,12 @@ import numpy as np
 
 from hullrecon.artifacts.stage import StageSettings, load_arrays
 from hullrecon.dive.config.mounts import (
-    DEFAULTS,
     ChosenMount,
     choose_mounts,
     refuse_parted_tray,
     with_value,
 )
+from hullrecon.dive.config.schema import DEFAULT_MOUNTS
 from hullrecon.dive.images.store import ImageStore
 from hullrecon.dive.logs.fixed_frames import FixedSensor
 from hullrecon.errors import InputError
@@ -63,11 +63,6 @@ Artifact = TypeVar("Artifact", bound="StepArtifact")
 Document = Mapping[str, object]
 MOUNTS = "mounts.json"
 SONAR_IMAGES = "sonar_image.npy"
-# Files from which two dives of one hull are compared, by step in the order of the chain
-HULL_SURVEY_FILES = {
-    "ingest": ("hull.npz",), "adjust": ("solution.npz",), "surface": ("chart.npz",),
-    "detect": ("as_found.npz", "deviation.npz", "objects.json"),
-}  # fmt: skip
 CHANGE_CHAPTER, CHANGE_MAP = "chapter.json", "change.png"
 
 
@@ -325,7 +320,7 @@ class InputArtifacts:
         """
         # a dict: settings raise for keys that the step did not declare
         declared = dict(settings)
-        values = {key: _value(declared, key) for key in DEFAULTS}
+        values = {key: _value(declared, key) for key in DEFAULT_MOUNTS}
         tray = self.ingest.tray
         if tray is not None and len(tray.t_ns):
             refuse_parted_tray(values, self.ingest.sensors)

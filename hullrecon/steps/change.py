@@ -4,20 +4,16 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
 
 import msgspec
 
-from hullrecon.artifacts.manifest import FILE_NAME, Manifest, hash_file
-from hullrecon.artifacts.stage import Context, Stage, StageSettings
-from hullrecon.artifacts.workspace import PUBLISHED
+from hullrecon.artifacts.manifest import Manifest, hash_file
+from hullrecon.artifacts.stage import Context
 from hullrecon.change.compare_surveys import SAME_CAD_M, cad_model_gap, compare_surveys
-from hullrecon.change.options import ChangeOptions
-from hullrecon.dive.config.schema import FileName
+from hullrecon.change.options import ChangeOptions, EarlierDive
 from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.charts.address import AddressSigma, address
 from hullrecon.geometry.charts.outside_map import OutsideMap, outside_map
@@ -28,13 +24,12 @@ from hullrecon.report.change.chapter import change_chapter, is_foreseen
 from hullrecon.report.change.files import change_files
 from hullrecon.steps.artifacts import (
     CHANGE_CHAPTER,
-    HULL_SURVEY_FILES,
     AdjustArtifact,
     DetectArtifact,
     IngestArtifact,
     SurfaceArtifact,
 )
-from hullrecon.steps.finished_run import finished_steps, workspace_of
+from hullrecon.steps.finished_run import HULL_SURVEY_FILES, finished_steps, workspace_of
 from hullrecon.typing import Array
 
 NEEDED = tuple(HULL_SURVEY_FILES)
@@ -149,18 +144,6 @@ def _refuse_damaged(folders: Mapping[str, Path], manifests: Mapping[str, Manifes
                 )
 
 
-class EarlierDive(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The dive that this one is compared with."""
-
-    earlier: Annotated[
-        FileName | None,
-        msgspec.Meta(
-            description="folder of an earlier dive's run (RUNS/<dive>), relative to dive.toml; "
-            "the report says what changed"
-        ),
-    ] = None
-
-
 def run(context: Context[EarlierDive]) -> None:
     """Write what changed since the earlier dive, and the texts of the report's chapter."""
     before, change = _compare(context)
@@ -212,45 +195,3 @@ def _earlier_dive(context: Context[EarlierDive]) -> FinishedRun:
 def _this_dive(context: Context[EarlierDive]) -> FinishedRun:
     spacing = context.settings.read_optional("hull.frame_spacing", float)
     return read_survey(context.inputs, context.settings.read("dive.name", str), spacing)
-
-
-def files_of_earlier_dive(settings: StageSettings, package: Path) -> list[Path]:
-    """List the files of the earlier dive's run that are read, if they are there.
-
-    Without them the step says why it cannot be done, and the rest of the chain runs.
-    """
-    earlier = settings.read("change", EarlierDive).earlier
-    if earlier is None:
-        return []
-    root = Path(earlier).parent if Path(earlier).name == PUBLISHED else Path(earlier)
-    files = [
-        root / step / name
-        for step, names in HULL_SURVEY_FILES.items()
-        for name in (*names, FILE_NAME)
-    ]
-    return [
-        file
-        for file in files
-        if os.path.isfile(package / file) and os.access(package / file, os.R_OK)
-    ]
-
-
-def why_not(settings: StageSettings, package: Path) -> str | None:
-    """Say why the dive is not compared with an earlier dive. None if it is."""
-    if settings.read("change", EarlierDive).earlier is None:
-        return "no earlier dive is named (change.earlier)"
-    return "no CAD model was given" if settings["hull.mesh"] is None else None
-
-
-STAGE = Stage(
-    name="change",
-    summary="say what changed since an earlier dive of the hull",
-    inputs=("ingest", "adjust", "surface", "detect"),
-    parameters=EarlierDive,
-    version=3,
-    run=run,
-    fails_alone=True,
-    uses=("dive.name", "hull.mesh", "hull.frame_spacing"),
-    external=files_of_earlier_dive,
-    applies=why_not,
-)

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.artifacts.stage import Context
 from hullrecon.detection.as_found.hull_as_found import Fusion, fuse_heights
 from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.coverage import SonarSurvey, summarise_coverage
@@ -24,9 +24,8 @@ from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.solution import Solution
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import AdjustArtifact, InputArtifacts
-from hullrecon.steps.sonar import SONAR_KEYS, sonar_poses
-
-CAMERA_KEYS = ("tray.origin",)  # of the rig: the mounts are the adjusted ones
+from hullrecon.steps.keys import SONAR_KEYS, TRAY_KEYS
+from hullrecon.steps.sonar import sonar_poses
 
 
 def run(context: Context[DetectOptions], fusion: Fusion = fuse_heights) -> None:
@@ -94,7 +93,7 @@ def _views(
     if index is None or Camera.TOP not in inputs.camera_models:
         return None
     settings = inputs.mounted(context.settings)
-    rig = rig_from_settings({key: settings[key] for key in CAMERA_KEYS}, inputs.camera_models)
+    rig = rig_from_settings({key: settings[key] for key in TRAY_KEYS}, inputs.camera_models)
     positions = solution.result_from_global().apply(solution.landmarks.position)
     return views_of_top_camera(
         rig.with_mounts(solution.mounts), solution.track(), index.t_ns, positions
@@ -129,22 +128,3 @@ def _regions(context: Context[DetectOptions], base: BaseSurface) -> tuple[HullRe
         )
         return ()
     return regions
-
-
-STAGE = Stage(
-    name="detect",
-    summary="find structures and remesh the hull as found",
-    inputs=("ingest", "adjust", "surface"),
-    parameters=DetectOptions,
-    version=14,
-    run=run,
-    fails_alone=True,
-    uses=(
-        *CAMERA_KEYS,
-        "hull.frame_spacing",
-        "hull.region",
-        *SONAR_KEYS,
-        "sonar.joint",
-        "sonar.elevation_deg",
-    ),
-)

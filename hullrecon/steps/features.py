@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,22 +13,20 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.artifacts.stage import Context, Stage, StageSettings
-from hullrecon.dive.config.schema import Logs
+from hullrecon.artifacts.stage import Context
 from hullrecon.dive.images.store import ImageStore
-from hullrecon.dive.package_files import named_images
 from hullrecon.errors import InputError, StageError
 from hullrecon.findings.package import DVL_ALONE, WITHOUT_CAMERAS
 from hullrecon.geometry.frames import Camera
 from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.typing import Array, Ints, Mask, Pixels
 from hullrecon.vision.features.extraction import (
-    FeatureOptions,
     Features,
     extract,
     local_saliency,
 )
 from hullrecon.vision.features.store import GrowingArray
+from hullrecon.vision.options import FeatureOptions
 
 FindFeatures = Callable[[Pixels, FeatureOptions], Features]
 
@@ -56,16 +54,6 @@ class Extract:
     @property
     def _images(self) -> ImageStore:
         return ImageStore(self.ingest, self.source, self.camera.key)
-
-
-def applies(settings: Mapping[str, object], package: Path) -> str | None:
-    """Say why a dive cannot have this step. None if it can."""
-    return None if settings["camera.top.time_offset"] is not None else "no camera was carried"
-
-
-def external(settings: StageSettings, package: Path) -> list[Path]:
-    """List the images, relative to the package, that its tables name and this step reads again."""
-    return named_images(package, settings.read("logs", Logs).files)
 
 
 def run(context: Context[FeatureOptions], find: FindFeatures = extract) -> None:
@@ -135,16 +123,3 @@ def _write_camera(
             descriptors.append(found.descriptors)
             color.append(found.color)
     return count, saliency
-
-
-STAGE = Stage(
-    name="features",
-    summary="find features in every image",
-    inputs=("ingest",),
-    parameters=FeatureOptions,
-    version=3,
-    run=run,
-    uses=("camera.top.time_offset", "logs"),
-    external=external,
-    applies=applies,
-)

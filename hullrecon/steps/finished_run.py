@@ -4,13 +4,21 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from hullrecon.artifacts.documents import DamagedArtifactError
 from hullrecon.artifacts.manifest import Manifest
 from hullrecon.artifacts.workspace import PUBLISHED, Workspace
-from hullrecon.errors import InputError
+from hullrecon.errors import HullreconError, InputError
+
+# Files from which two dives of one hull are compared, by step in the order of the chain
+HULL_SURVEY_FILES = {
+    "ingest": ("hull.npz",), "adjust": ("solution.npz",), "surface": ("chart.npz",),
+    "detect": ("as_found.npz", "deviation.npz", "objects.json"),
+}  # fmt: skip
+TRACEBACKS = "tracebacks.txt"  # in the folder of report: of deliverables that could not be written
 
 
 def workspace_of(run: Path) -> Workspace:
@@ -55,3 +63,20 @@ def finished_steps(workspace: Workspace, needed: Sequence[str]) -> Mapping[str, 
                 )  # fmt: skip
         found[name] = manifest
     return found
+
+
+def failed_delivery(run: Path) -> HullreconError | None:
+    """Build the error for deliverables that could not be written. None if all were.
+
+    `run` is RUNS/<dive>. The error's exit code is that of an internal error.
+    """
+    summary, traces = run / "report" / "deliver" / "summary.json", run / "report" / TRACEBACKS
+    if not traces.is_file():
+        return None
+    failed = json.loads(summary.read_text(encoding="utf-8"))["failed"]
+    name, why = next(iter(failed.items()))
+    more = f" and {len(failed) - 1} more" if len(failed) > 1 else ""
+    return HullreconError(
+        f"internal error: {name}{more} could not be written ({why}); all else is delivered",
+        remedy=f"traceback in {traces}",
+    )

@@ -11,69 +11,32 @@ from datetime import datetime
 from pathlib import Path
 from typing import BinaryIO
 
-import msgspec
 import numpy as np
 
-from hullrecon.artifacts.stage import Context, Stage, StageSettings
+from hullrecon.artifacts.stage import Context, StageSettings
+from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.schema import Logs, Topics
 from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest, offset_ns
 from hullrecon.dive.logs.dvl_beams import tilted_beams
 from hullrecon.dive.logs.ping_spool import Images, PingStorage
 from hullrecon.dive.logs.streams import LogUnits, PressureModel
 from hullrecon.dive.logs.time_window import Instant
-from hullrecon.dive.package_files import log_files
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import SonarPings
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.steps.artifacts import MOUNTS, SONAR_IMAGES
+from hullrecon.steps.chain import NoOptions
+from hullrecon.steps.keys import CARRIED, INGEST_KEYS, TIME_OFFSETS
 from hullrecon.typing import Array
 
-TIME_OFFSETS = {  # sections with the time_offset of each sensor
-    **{name: name for name in ("dvl", "imu", "pressure", "sonar", "position")},
-    "joints": "tray",
-    **{camera.key: camera.section for camera in Camera},
-}
-USES = (
-    "dive.from",
-    "dive.to",
-    "logs",
-    "topics",
-    "tray.joint",
-    "tray.joint_unit",
-    "sonar.joint",
-    "sonar.joint_unit",
-    "sonar.beam_azimuth_deg",
-    "imu.frame",
-    "imu.mount_deg",
-    "imu.rates_unit",
-    "pressure.density",
-    "pressure.gravity",
-    "pressure.atmosphere",
-    "pressure.z_axis",
-    "pressure.unit",
-    "dvl.beams",
-    "dvl.beam_angle_deg",
-    "dvl.beam_azimuth_deg",
-    "dvl.sigma_velocity",
-    "dvl.velocity_unit",
-    "position.frame",
-    "position.source",
-    "position.sigma_m",
-    *(f"{camera.section}.calibration" for camera in Camera),
-    *(f"{section}.time_offset" for section in TIME_OFFSETS.values()),
-    "hull.mesh",
-    "hull.units",
-)
-# a key that a camera's section always has: None if the dive has no such camera
-CARRIED = "time_offset"
 
-
-class IngestOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """No options: the other sections decide what is read."""
+def ingest_settings(loaded: LoadedConfig) -> StageSettings:
+    """Select what ingest reads of a dive.toml."""
+    return StageSettings("ingest", {name: loaded.value(name) for name in INGEST_KEYS})
 
 
 def request_of(settings: StageSettings) -> IngestRequest:
-    """Collect what ingest needs from the dotted keys of `USES`."""
+    """Collect what ingest needs from the dotted keys of `INGEST_KEYS`."""
     topics = settings.read("topics", Topics)
     named: dict[str, str | None] = {
         name: getattr(topics, name) for name in topics.__struct_fields__
@@ -148,18 +111,7 @@ def _beams(settings: StageSettings) -> Array | None:
     return None if beams is None else np.array(beams, float)
 
 
-def external(settings: StageSettings, package: Path) -> list[Path]:
-    """List the files that ingest reads, relative to the package.
-
-    These are logs, files that tables name, calibrations and the CAD model.
-    """
-    request = request_of(settings)
-    names = [*request.calibration.values(), *([request.mesh] if request.mesh else [])]
-    logs = [file for name in request.logs for file in log_files(package, name)]
-    return [*logs, *(Path(name) for name in names)]
-
-
-def run(context: Context[IngestOptions]) -> None:
+def run(context: Context[NoOptions]) -> None:
     """Read the package into the artifact."""
     with ExitStack() as files:
 
@@ -193,7 +145,7 @@ def _write_images(path: Path, shape: tuple[int, int, int], images: Iterator[Imag
     return np.asarray(np.load(path, mmap_mode="r", allow_pickle=False))
 
 
-def _write(context: Context[IngestOptions], found: IngestResult) -> None:
+def _write(context: Context[NoOptions], found: IngestResult) -> None:
     for name, record in found.records.by_name().items():
         apart = {"image"} if isinstance(record, SonarPings) else set()
         context.out.arrays(
@@ -218,15 +170,3 @@ def _write(context: Context[IngestOptions], found: IngestResult) -> None:
 def _drop_empty(values: Mapping[str, str | None]) -> dict[str, str]:
     """Drop values that are None or empty."""
     return {name: value for name, value in values.items() if value}
-
-
-STAGE = Stage(
-    name="ingest",
-    summary="read the logs, the calibration and the CAD model",
-    inputs=(),
-    parameters=IngestOptions,
-    version=15,
-    run=run,
-    uses=USES,
-    external=external,
-)

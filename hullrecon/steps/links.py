@@ -6,14 +6,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.artifacts.stage import Context, Stage, StageSettings
+from hullrecon.artifacts.stage import Context, StageSettings
 from hullrecon.dive.config.schema import Tray
 from hullrecon.navigation.planes.planar_graph import PlanarSolution, planar_graph
 from hullrecon.navigation.pose_graph.graph import GraphSolution, PoseGraph
 from hullrecon.navigation.pose_graph.ties import describe_parts
 from hullrecon.records.links import no_links
 from hullrecon.records.serialisation import to_arrays
-from hullrecon.rig import RIG_SECTIONS, rig_with_priors
+from hullrecon.rig import rig_with_priors
 from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.vision.link_images import NavigatedDive, PathSolver, link_images
 from hullrecon.vision.options import LinkOptions, MatchOptions
@@ -153,15 +153,3 @@ def _describe_positions(context: Context[LinkOptions], solved: GraphSolution) ->
     if sentence is not None:
         context.warn(sentence)
     return {"positions": fit.facts()}
-
-
-STAGE = Stage(
-    name="links",
-    summary="link images in rounds, tie passes by the hull, and straighten the path with them",
-    inputs=("ingest", "navigate"),
-    optional=("features",),
-    parameters=LinkOptions,
-    version=21,
-    run=run,
-    uses=(*RIG_SECTIONS, "matches"),
-)

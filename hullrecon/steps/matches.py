@@ -4,23 +4,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
-
-from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.artifacts.stage import Context
 from hullrecon.errors import InputError
 from hullrecon.records.serialisation import to_arrays
-from hullrecon.rig import RIG_KEYS, rig_from_settings
+from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.vision.match_images import MatchedImages, join_images
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.match_worker import MatchWorker
 from hullrecon.vision.pairs.pair_match import REASON_TEXTS
-
-
-def applies(settings: Mapping[str, object], package: Path) -> str | None:
-    """Say why a dive cannot have this step. None if it can."""
-    return None if settings["camera.top.mount"] is not None else "no camera was carried"
 
 
 def run(context: Context[MatchOptions]) -> None:
@@ -55,15 +47,3 @@ def _write_pairs(context: Context[MatchOptions], found: MatchedImages) -> None:
             "counts": found.counts(),
         },
     )
-
-
-STAGE = Stage(
-    name="matches",
-    summary="join matches of linked images to feature tracks",
-    inputs=("ingest", "navigate", "features", "links"),
-    parameters=MatchOptions,
-    version=9,
-    run=run,
-    uses=RIG_KEYS,
-    applies=applies,
-)

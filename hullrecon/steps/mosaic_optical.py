@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.artifacts.stage import Context
 from hullrecon.errors import StageError
 from hullrecon.mosaic.imagery.camera_views import CameraImages, images_of_camera
 from hullrecon.mosaic.optical import optical_mosaic
@@ -14,11 +14,8 @@ from hullrecon.mosaic.options import OpticalOptions
 from hullrecon.mosaic.stream import in_threads
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
-from hullrecon.steps.features import applies, external
+from hullrecon.steps.keys import CAMERA_KEYS
 from hullrecon.steps.mosaics import MosaicInputs, read_mosaic_inputs, write_mosaic
-
-# of the rig, what places the cameras
-CAMERA_KEYS = ("tray.origin", "camera.top.mount", "camera.bottom.pose_in_top")
 
 
 def run(context: Context[OpticalOptions]) -> None:
@@ -56,18 +53,3 @@ def _usable_images(
     if not cameras:
         raise StageError("no usable image has a pose", where="mosaic-optical")
     return cameras
-
-
-STAGE = Stage(
-    name="mosaic-optical",
-    summary="blend the images on the hull's surface",
-    inputs=("ingest", "navigate", "surface"),
-    optional=("adjust", "detect"),
-    parameters=OpticalOptions,
-    version=11,
-    run=run,
-    fails_alone=True,
-    uses=("camera.top.time_offset", *CAMERA_KEYS, "logs", "hull.frame_spacing"),
-    external=external,
-    applies=applies,
-)

@@ -4,16 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import partial
-from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
 
-from hullrecon.artifacts.stage import Context, Stage, StageSettings
-from hullrecon.dive.config.schema import Logs, Topics
-from hullrecon.dive.logs.readers.open import is_of_sonar
+from hullrecon.artifacts.stage import Context, StageSettings
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses, from_mount
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
@@ -25,24 +21,9 @@ from hullrecon.records.sensors import SonarPings
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
+from hullrecon.steps.keys import SONAR_KEYS
 from hullrecon.steps.mosaics import read_mosaic_inputs, write_mosaic
-from hullrecon.steps.sonar import SONAR_KEYS, sonar_poses
-
-
-def applies(settings: Mapping[str, object], package: Path) -> str | None:
-    """Say why there is no sonar mosaic. None if an imaging sonar was carried and logged.
-
-    It may be logged in a topic, or in a log without topics, such as the sonar's own file.
-    """
-    topics, logs = settings["topics"], settings["logs"]
-    is_logged = isinstance(topics, Topics) and topics.sonar is not None
-    if not is_logged and isinstance(logs, Logs):
-        is_logged = any(is_of_sonar(package / name) for name in logs.files)
-    return (
-        None
-        if settings["sonar.mount"] is not None and is_logged
-        else "no imaging sonar was carried"
-    )
+from hullrecon.steps.sonar import sonar_poses
 
 
 def run(context: Context[SonarOptions]) -> None:
@@ -116,25 +97,3 @@ def _pings(artifacts: InputArtifacts) -> SonarPings:
     if pings is None:
         raise StageError("the log holds no sonar ping", where="mosaic-sonar")
     return pings
-
-
-STAGE = Stage(
-    name="mosaic-sonar",
-    summary="blend the sonar's pings on the hull's surface",
-    inputs=("ingest", "navigate", "surface"),
-    optional=("adjust", "detect"),
-    parameters=SonarOptions,
-    version=10,
-    run=run,
-    fails_alone=True,
-    uses=(
-        *SONAR_KEYS,
-        "sonar.joint",
-        "sonar.mount_sigma",
-        "sonar.elevation_deg",
-        "topics",
-        "logs",
-        "hull.frame_spacing",
-    ),
-    applies=applies,
-)

@@ -6,18 +6,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
-from msgspec import Struct
 
-from hullrecon.artifacts.stage import Context, Stage, StageSettings
+from hullrecon.artifacts.stage import Context, StageSettings
 from hullrecon.dive.check.time_overlap import Stream, shifted_streams
 from hullrecon.dive.config.mounts import describe_mounts
-from hullrecon.dive.config.schema import Logs
 from hullrecon.dive.images.store import ImageStore
-from hullrecon.dive.package_files import named_images
 from hullrecon.errors import InputError, StageError
 from hullrecon.findings.finding import sentences
 from hullrecon.geometry.frames import Camera
@@ -30,7 +26,7 @@ from hullrecon.navigation.dead_reckoning.dead_reckon import (
 from hullrecon.navigation.dead_reckoning.exposures import CameraTiming, exposures_of
 from hullrecon.navigation.dead_reckoning.positions import attach_positions
 from hullrecon.navigation.navigate import choose_path, reckon_dive
-from hullrecon.navigation.sigmas import SIGMA_KEYS, sigmas_from_settings
+from hullrecon.navigation.sigmas import sigmas_from_settings
 from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect, StereoMotion
 from hullrecon.navigation.stereo_odometry.stereo_path import (
     FEATURES,
@@ -46,7 +42,9 @@ from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import Trajectory
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
-from hullrecon.steps.sensor_check import SENSOR_KEYS, image_flows, judge_sensors
+from hullrecon.steps.chain import NoOptions
+from hullrecon.steps.keys import READOUT_KEYS
+from hullrecon.steps.sensor_check import image_flows, judge_sensors
 from hullrecon.steps.stereo_check import MotionLogs, check_rig, describe_delay
 from hullrecon.vision.odometry import (
     OdometryFrame,
@@ -59,12 +57,7 @@ from hullrecon.vision.pairs.stereo_adjustment import DISPARITY
 from hullrecon.vision.stereo.delay import Delay
 
 Samples = TypeVar("Samples", bound=Stream)
-READOUT_KEYS = ("camera.top.readout_s", "camera.bottom.readout_s")
 CLOCK_FEATURES = 1000  # of an image from whose motion time offsets are estimated
-
-
-class NavigateOptions(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The step's section of dive.toml, which has no options."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,12 +87,7 @@ class ImagePairMotion:
         )
 
 
-def external(settings: StageSettings, package: Path) -> list[Path]:
-    """List the images that tables of the package name, which visual odometry reads again."""
-    return named_images(package, settings.read("logs", Logs).files)
-
-
-def run(context: Context[NavigateOptions]) -> None:
+def run(context: Context[NoOptions]) -> None:
     """Write trajectory, error model, odometry, attitude, returns and navigation.json."""
     inputs = InputArtifacts(context.inputs)
     ingest = inputs.ingest
@@ -126,7 +114,7 @@ def run(context: Context[NavigateOptions]) -> None:
     _write(context, replace(found, facts=facts, remarks=remarks), source)
 
 
-def _judge_sensors(context: Context[NavigateOptions]) -> Judged:
+def _judge_sensors(context: Context[NoOptions]) -> Judged:
     """Hold the sensors against each other, and put right what the evidence tells.
 
     Raises InputError where one is wrong that the path cannot do without.
@@ -149,13 +137,13 @@ def _judge_sensors(context: Context[NavigateOptions]) -> Judged:
     return judged
 
 
-def _ingest_and_settings(context: Context[NavigateOptions]) -> tuple[IngestArtifact, StageSettings]:
+def _ingest_and_settings(context: Context[NoOptions]) -> tuple[IngestArtifact, StageSettings]:
     """Read the artifact of ingest, and the settings with the mounts that the log gives."""
     inputs = InputArtifacts(context.inputs)
     return inputs.ingest, inputs.mounted(context.settings)
 
 
-def _check_rig(context: Context[NavigateOptions], records: SensorRecords) -> Delay | None:
+def _check_rig(context: Context[NoOptions], records: SensorRecords) -> Delay | None:
     """Check the stereo rig on a few pairs. Returns the delay of the bottom camera, if any.
 
     Raises InputError if the pairs contradict the calibration or the stamps.
@@ -181,9 +169,7 @@ def _check_rig(context: Context[NavigateOptions], records: SensorRecords) -> Del
     return checked.delay
 
 
-def _by_dvl(
-    context: Context[NavigateOptions], records: SensorRecords, delay: Delay | None
-) -> Navigated:
+def _by_dvl(context: Context[NoOptions], records: SensorRecords, delay: Delay | None) -> Navigated:
     ingest, settings = _ingest_and_settings(context)
     dvl, imu = records.dvl, records.imu
     if dvl is None:
@@ -220,7 +206,7 @@ def _timing(settings: StageSettings, delay: Delay | None) -> CameraTiming:
 
 
 def _by_stereo(
-    context: Context[NavigateOptions], records: SensorRecords, delay: Delay | None
+    context: Context[NoOptions], records: SensorRecords, delay: Delay | None
 ) -> Navigated:
     ingest, settings = _ingest_and_settings(context)
     rig = rig_from_settings(settings, ingest.camera_models)
@@ -262,7 +248,7 @@ def _unless_empty(samples: Samples | None) -> Samples | None:
     return None if samples is None or not len(samples.t_ns) else samples
 
 
-def _write(context: Context[NavigateOptions], found: Navigated, source: str) -> None:
+def _write(context: Context[NoOptions], found: Navigated, source: str) -> None:
     for name in ("trajectory", "error_model", "odometry", "attitude"):
         context.out.arrays(f"{name}.npz", to_arrays(getattr(found, name)))
     if len(found.returns.t_ns):
@@ -275,7 +261,7 @@ def _write(context: Context[NavigateOptions], found: Navigated, source: str) -> 
 
 
 def _write_positions(
-    context: Context[NavigateOptions], trajectory: Trajectory
+    context: Context[NoOptions], trajectory: Trajectory
 ) -> tuple[dict[str, object], list[str]]:
     """Write informative positions from outside. Returns their numbers and sentences."""
     inputs = InputArtifacts(context.inputs)
@@ -287,23 +273,3 @@ def _write_positions(
     if attached.ties is not None:
         context.out.arrays("positions.npz", to_arrays(attached.ties))
     return {"positions": attached.facts()}, attached.sentences()
-
-
-STAGE = Stage(
-    name="navigate",
-    summary="compute the dead-reckoned trajectory",
-    inputs=("ingest",),
-    parameters=NavigateOptions,
-    version=26,
-    run=run,
-    uses=(
-        *SENSOR_KEYS,
-        *SIGMA_KEYS,
-        *READOUT_KEYS,
-        "camera.bottom.pose_sigma",
-        "camera.bottom.time_offset",
-        "position.origin",
-        "logs",
-    ),
-    external=external,
-)

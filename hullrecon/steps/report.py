@@ -7,14 +7,11 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
 
 import msgspec
 
-from hullrecon.artifacts.stage import Context, Stage, StageSettings
-from hullrecon.dive.config.config_errors import ONE_LINE
-from hullrecon.dive.config.schema import Dive, FileName, Hull
-from hullrecon.errors import HullreconError
+from hullrecon.artifacts.stage import Context
+from hullrecon.dive.config.schema import Dive, Hull
 from hullrecon.geometry.charts.outside_map import outside_map
 from hullrecon.records.deliverables import Coverage, ReportedObject
 from hullrecon.report.about import AboutInspection, read_logo
@@ -22,6 +19,7 @@ from hullrecon.report.change.chapter import ChangeChapter
 from hullrecon.report.deliver import deliver
 from hullrecon.report.deliverables import missing_deliverables
 from hullrecon.report.export.tables import track_of
+from hullrecon.report.options import ReportOptions
 from hullrecon.report.survey import (
     AdjustedDive,
     AdjustSummary,
@@ -43,10 +41,9 @@ from hullrecon.report.survey import (
     Surfaces,
     Survey,
 )
-from hullrecon.rig import RIG_KEYS, Rig, rig_from_settings
+from hullrecon.rig import Rig, rig_from_settings
 from hullrecon.steps.artifacts import AdjustArtifact, DetectArtifact, InputArtifacts
 from hullrecon.steps.chain import NAMES
-from hullrecon.steps.features import external
 from hullrecon.steps.mosaics import TILES, TILESET
 
 CHAIN = NAMES[:-1]  # without this step
@@ -64,32 +61,6 @@ SURFACE_RASTERS = tuple(
 )
 
 
-Line = Annotated[str, msgspec.Meta(pattern=ONE_LINE, max_length=200)]
-LongText = Annotated[str, msgspec.Meta(max_length=4000)]
-
-
-class ReportOptions(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What the page says of the inspection; what is empty is not shown."""
-
-    client: Annotated[Line | None, msgspec.Meta(description="who asked for the inspection")] = None
-    operator: Annotated[Line | None, msgspec.Meta(description="who inspected")] = None
-    vessel_operator: Annotated[Line | None, msgspec.Meta(description="who runs the ship")] = None
-    equipment: Annotated[
-        tuple[Line, ...],
-        msgspec.Meta(max_length=20, description="vehicle, cameras, sonar, lights: a text each"),
-    ] = ()
-    water: Annotated[
-        Line | None, msgspec.Meta(description="place, visibility, temperature, current")
-    ] = None
-    conclusion: Annotated[
-        LongText | None,
-        msgspec.Meta(description="the inspector's own words; a blank line parts paragraphs"),
-    ] = None
-    logo: Annotated[
-        FileName | None, msgspec.Meta(description="PNG, JPEG or WebP, relative to dive.toml")
-    ] = None
-
-
 def run(context: Context[ReportOptions]) -> None:
     """Write deliver/ from the artifacts of the chain.
 
@@ -102,23 +73,6 @@ def run(context: Context[ReportOptions]) -> None:
     if failures:
         traces = "\n".join(f"{failure.name}\n{failure.traceback}" for failure in failures)
         context.out.bytes(TRACEBACKS, traces.encode())
-
-
-def failed_delivery(run: Path) -> HullreconError | None:
-    """Build the error for deliverables that could not be written. None if all were.
-
-    `run` is RUNS/<dive>. The error's exit code is that of an internal error.
-    """
-    summary, traces = run / "report" / "deliver" / "summary.json", run / "report" / TRACEBACKS
-    if not traces.is_file():
-        return None
-    failed = json.loads(summary.read_text(encoding="utf-8"))["failed"]
-    name, why = next(iter(failed.items()))
-    more = f" and {len(failed) - 1} more" if len(failed) > 1 else ""
-    return HullreconError(
-        f"internal error: {name}{more} could not be written ({why}); all else is delivered",
-        remedy=f"traceback in {traces}",
-    )
 
 
 def read_survey(context: Context[ReportOptions]) -> Survey:
@@ -211,12 +165,6 @@ def _about(context: Context[ReportOptions]) -> AboutInspection:
         equipment=options.equipment,
         logo=None if options.logo is None else read_logo(context.source / options.logo),
     )
-
-
-def files_of_package(settings: StageSettings, package: Path) -> list[Path]:
-    """List the files of the package that the report reads: images and the logo."""
-    logo = settings.read("report", ReportOptions).logo
-    return [*external(settings, package), *([Path(logo)] if logo is not None else [])]
 
 
 def _surfaces(
@@ -320,16 +268,3 @@ def _step_run(folder: Path, name: str) -> StepRun:
         warnings=tuple(manifest.get("warnings", ())),
         run=manifest.get("run", {}),
     )
-
-
-STAGE = Stage(
-    name="report",
-    summary="write the deliverables and the report",
-    inputs=("ingest", "navigate"),
-    optional=CHAIN[2:],
-    parameters=ReportOptions,
-    version=19,
-    run=run,
-    uses=("dive", "logs", "hull", "camera.top.time_offset", "change.earlier", *RIG_KEYS),
-    external=files_of_package,
-)

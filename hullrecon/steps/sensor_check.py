@@ -22,14 +22,13 @@ from hullrecon.navigation.suspects.comparisons import Flow, Sensor
 from hullrecon.navigation.suspects.suspects import Judged, judge
 from hullrecon.records.clock import NS
 from hullrecon.records.sensors import ImageIndex, SensorRecords
-from hullrecon.rig import RIG_KEYS, Rig, rig_from_settings
+from hullrecon.rig import Rig, rig_from_settings
+from hullrecon.steps.keys import SENSOR_KEYS, WATER_KEYS
 from hullrecon.steps.stereo_check import image_reader
 from hullrecon.vision.odometry import ReadRow, image_flow
 
-WATER_KEYS = ("pressure.density", "pressure.gravity", "pressure.atmosphere")
 PAIRS, FEATURES, INLIERS = 12, 500, 20  # of neighbouring images whose motion is compared
 NEIGHBOURS_S = 2.0  # between neighbours at most
-SENSOR_KEYS = (*RIG_KEYS, *WATER_KEYS, "topics")
 
 
 def judge_sensors(

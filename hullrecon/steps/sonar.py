@@ -13,8 +13,6 @@ from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import Rig
 from hullrecon.typing import Ints
 
-SONAR_KEYS = ("sonar.origin", "sonar.mount")  # of the rig, what places the sonar
-
 
 def sonar_poses(
     rig: Rig, track: VehicleTrack, t_ns: Ints, joint: str | None, samples: JointSamples | None

@@ -11,6 +11,7 @@ from functools import partial
 import numpy as np
 
 from hullrecon.dive.config.load import LoadedConfig
+from hullrecon.dive.config.schema import RIG_KEYS
 from hullrecon.dive.images.encoded import decode
 from hullrecon.dive.images.sink import SampledImages
 from hullrecon.dive.ingest import IngestResult
@@ -20,7 +21,7 @@ from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames
 from hullrecon.navigation.dead_reckoning.nodes import pair_frames
 from hullrecon.navigation.sensors.tray_motion import tray_motion
 from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples
-from hullrecon.rig import RIG_KEYS, Rig, rig_from_settings
+from hullrecon.rig import Rig, rig_from_settings
 from hullrecon.typing import Pixels
 from hullrecon.vision.stereo.delay import Delay
 from hullrecon.vision.stereo.rig_check import (

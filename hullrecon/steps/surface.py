@@ -7,7 +7,7 @@ Poses are the adjusted ones if there are any, else dead reckoned.
 
 from __future__ import annotations
 
-from hullrecon.artifacts.stage import Context, Stage, StageSettings
+from hullrecon.artifacts.stage import Context, StageSettings
 from hullrecon.dive.config.mounts import guess_sigma
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import from_mount, up_in
@@ -15,6 +15,7 @@ from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
+from hullrecon.steps.keys import DVL_KEYS
 from hullrecon.surface.build import Regression, gaussian_process
 from hullrecon.surface.from_returns import (
     CadHull,
@@ -26,8 +27,6 @@ from hullrecon.surface.from_returns import (
     surface_from_survey,
 )
 from hullrecon.surface.options import SurfaceOptions
-
-DVL_KEYS = ("tray.origin", "dvl.mount")  # of the rig, what places the DVL's beams
 
 
 def run(
@@ -83,23 +82,3 @@ def _dead_reckoned_track(
     return move_to_hull_frame(
         track, from_mount(pose), sigma_m
     ), "dead reckoned, placed by hull.pose"
-
-
-STAGE = Stage(
-    name="surface",
-    summary="make a surface of the DVL's returns",
-    inputs=("ingest", "navigate"),
-    optional=("adjust",),
-    parameters=SurfaceOptions,
-    version=8,
-    run=run,
-    fails_alone=True,
-    uses=(
-        *DVL_KEYS,
-        "dvl.sigma_range",
-        "hull.pose",
-        "hull.pose_sigma",
-        "hull.bow",
-        "hull.aft_perpendicular",
-    ),
-)

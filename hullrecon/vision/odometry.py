@@ -19,8 +19,8 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Pixels
-from hullrecon.vision.features.extraction import FeatureOptions, extract, no_features
-from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.features.extraction import extract, no_features
+from hullrecon.vision.options import FeatureOptions, MatchOptions
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.matching import PairMatcher
 from hullrecon.vision.pairs.pair_match import PairMatch, Reason

@@ -14,6 +14,29 @@ Share = Annotated[float, Meta(ge=0, le=1)]
 Count = Annotated[int, Meta(ge=1)]
 
 
+class FeatureOptions(Section, frozen=True):
+    """Section [features] of dive.toml."""
+
+    level_window: Annotated[
+        float,
+        Meta(
+            ge=0.0,
+            le=0.1,
+            description="ratio, sigma of the window that levels contrast to the image's width; "
+            "0 leaves the image as it is",
+        ),
+    ] = 0.025
+    max_features: Annotated[
+        int, Meta(ge=50, le=100_000, description="features of an image; the strongest are kept")
+    ] = 4000
+    reduction: Annotated[
+        float,
+        Meta(
+            ge=1.0, le=8.0, description="ratio, images are shrunk by this before SIFT doubles them"
+        ),
+    ] = 2.0
+
+
 class MatchOptions(Section, frozen=True):
     """Section [matches] of dive.toml."""
 

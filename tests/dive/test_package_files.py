@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from hullrecon.change.options import EarlierDive
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.package_files import check_files, check_log, lies_inside, log_files
 from hullrecon.errors import InputError
-from hullrecon.steps.change import EarlierDive
-from hullrecon.steps.report import ReportOptions
+from hullrecon.report.options import ReportOptions
 
 TOML = """[dive]
 name = "small"

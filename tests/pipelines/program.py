@@ -18,7 +18,6 @@ from hullrecon_cli.main import main
 from msgspec import Struct
 
 import hullrecon.steps.chain as chain
-from hullrecon.api import dive_run
 from hullrecon.api.fleet import processes
 from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.errors import StageError
@@ -62,5 +61,4 @@ if __name__ == "__main__":
     stages = {step[0]: toy(*step) for step in json.loads(Path(os.environ["TOY_STEPS"]).read_text())}
     chain.stages = lambda: tuple(stages.values())
     chain.stage = stages.__getitem__
-    dive_run._warn_of_defaults = lambda dive: None  # what it imports takes longer than all steps
     sys.exit(main())

@@ -17,11 +17,13 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import exp, from_mount
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import Attitude, Odometry, Trajectory, TrajectoryErrorModel
-from hullrecon.steps.links import STAGE as LINKS
-from hullrecon.steps.matches import STAGE as MATCHES
-from hullrecon.vision.features.extraction import FeatureOptions, extract
+from hullrecon.steps.chain import stage
+from hullrecon.vision.features.extraction import extract
 from hullrecon.vision.features.store import GrowingArray
-from hullrecon.vision.options import LinkOptions, MatchOptions
+from hullrecon.vision.options import FeatureOptions, LinkOptions, MatchOptions
+
+LINKS = stage("links")
+MATCHES = stage("matches")
 
 CAMERA = CameraModel(320, 256, 330.0, 330.0, 160.0, 128.0)
 BELOW = (0.0, 0.1, 0.0, 0.0, 0.0, 0.0)

@@ -21,8 +21,10 @@ from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.solution import HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import Returns, Trajectory
-from hullrecon.steps.surface import STAGE
+from hullrecon.steps.chain import stage
 from hullrecon.surface.options import SurfaceOptions
+
+STAGE = stage("surface")
 
 RADIUS, OFF = 3.0, 0.02  # a cylinder along x about (0, 3), drawn 2 cm too small
 TURN = (0.0, 0.0, 0.0, 180.0, 0.0, 0.0)  # T_g_M: z down against z up

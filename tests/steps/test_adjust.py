@@ -34,7 +34,10 @@ from hullrecon.records.sensors import ImageIndex
 from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Attitude
-from hullrecon.steps.adjust import STAGE, _cad_model, guess_without_depth
+from hullrecon.steps.adjust import _cad_model, guess_without_depth
+from hullrecon.steps.chain import stage
+
+STAGE = stage("adjust")
 
 TO_DEGREES = np.r_[np.ones(3), np.full(3, 180 / np.pi)]
 

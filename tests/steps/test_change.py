@@ -19,8 +19,9 @@ from steps.two_dives import SimulatedDive, june, may
 
 from hullrecon.artifacts.chain import assess_chain
 from hullrecon.artifacts.stage import StageSettings
+from hullrecon.change.options import EarlierDive
 from hullrecon.report.change.chapter import ChangeChapter
-from hullrecon.steps.change import EarlierDive, files_of_earlier_dive, why_not
+from hullrecon.steps.conditions import files_of_earlier_dive, why_no_change
 
 EARLIER = "../../runs/may"
 Compared = tuple[SimulatedDive, SimulatedDive]
@@ -248,7 +249,7 @@ def test_step_applies_with_cad_model_and_earlier_dive(
     earlier: str | None, mesh: str | None, reason: str | None
 ) -> None:
     assert (
-        why_not(
+        why_no_change(
             StageSettings("change", {"change": EarlierDive(earlier=earlier), "hull.mesh": mesh}),
             Path(),
         )

@@ -25,7 +25,9 @@ from hullrecon.records.sensors import DvlPings, ImageIndex, JointSamples, Pressu
 from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.solution import DeviationField, HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.surface import DeviationSplit, Surface
-from hullrecon.steps.detect import STAGE
+from hullrecon.steps.chain import stage
+
+STAGE = stage("detect")
 
 OFF, HEIGHT = -0.010, 0.09  # the wall is 1 cm behind its CAD model and carries a disc 9 cm high
 SCHEMA = (

@@ -14,9 +14,12 @@ from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import ImageIndex
 from hullrecon.records.serialisation import to_arrays
-from hullrecon.steps.features import STAGE
-from hullrecon.vision.features.extraction import FeatureOptions, extract
+from hullrecon.steps.chain import stage
+from hullrecon.vision.features.extraction import extract
 from hullrecon.vision.features.store import FeatureStore
+from hullrecon.vision.options import FeatureOptions
+
+STAGE = stage("features")
 
 SECTIONS = {
     "dive": Dive(name="t"),

@@ -16,8 +16,8 @@ from hullrecon.artifacts.manifest import Manifest, Recipe, write_manifest
 from hullrecon.errors import InputError
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.steps import change as change_step
-from hullrecon.steps.artifacts import HULL_SURVEY_FILES
 from hullrecon.steps.change import FinishedRun, compare_runs, read_run
+from hullrecon.steps.finished_run import HULL_SURVEY_FILES
 
 BOX = np.array([[x, y, z] for x in (0.0, 10) for y in (-1.0, 1) for z in (0.0, 2)])
 FACES = np.array([[0, 1, 3], [0, 3, 2], [4, 7, 5], [4, 6, 7]], np.int32)

@@ -25,7 +25,11 @@ from hullrecon.records.sensors import (
 )
 from hullrecon.records.serialisation import from_arrays
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
-from hullrecon.steps.ingest import STAGE, USES, external, request_of
+from hullrecon.steps.chain import stage
+from hullrecon.steps.conditions import files_to_ingest
+from hullrecon.steps.ingest import ingest_settings, request_of
+
+STAGE = stage("ingest")
 
 TOML = """
 [dive]
@@ -203,7 +207,7 @@ def test_an_image_outside_the_logs_folder_counts_as_read(package):
 
 def test_every_dotted_name_that_ingest_uses_exists(package):
     loaded = load_config(package)
-    request = request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES}))
+    request = request_of(ingest_settings(loaded))
     assert request.joints == {"tray": "tray", "sonar_tray": "fan"}
     assert request.calibration == {"camera_top": "top.yaml"}
     assert request.offset_ns["camera_top"] == 500_000_000
@@ -232,9 +236,7 @@ def test_output_of_a_run_beside_logs_does_not_make_it_stale(package):
 
 def test_a_fixed_tray_has_no_joint(package):
     loaded = load_config(package, {}, ["tray.joint=''"])
-    assert request_of(
-        StageSettings("ingest", {name: loaded.value(name) for name in USES})
-    ).joints == {"sonar_tray": "fan"}
+    assert request_of(ingest_settings(loaded)).joints == {"sonar_tray": "fan"}
 
 
 def test_the_files_of_a_ros2_folder_are_its_own(package):
@@ -243,14 +245,14 @@ def test_the_files_of_a_ros2_folder_are_its_own(package):
     for name in ("metadata.yaml", "a.mcap", "notes.txt", "runs/b.mcap"):
         (folder / name).write_bytes(b"x")
     loaded = load_config(package, {}, ["logs.files=['bag']"])
-    found = external(StageSettings("ingest", {name: loaded.value(name) for name in USES}), package)
+    found = files_to_ingest(ingest_settings(loaded), package)
     assert [f.as_posix() for f in found[:2]] == ["bag/a.mcap", "bag/metadata.yaml"]
     assert len([f for f in found if f.parts[0] == "bag"]) == 2
 
 
 def files_of(package: Path) -> list[Path]:
     loaded = load_config(package)
-    return external(StageSettings("ingest", {name: loaded.value(name) for name in USES}), package)
+    return files_to_ingest(ingest_settings(loaded), package)
 
 
 def test_write_ahead_log_is_an_input_of_ingest(tmp_path: Path) -> None:

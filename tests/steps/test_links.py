@@ -10,11 +10,13 @@ from steps.painted_wall import build_dive, run_links, with_navigation
 from hullrecon.geometry.poses import Poses, exp
 from hullrecon.records.trajectory import Trajectory
 from hullrecon.steps.artifacts import LinksArtifact, NavigateArtifact
-from hullrecon.steps.links import STAGE as LINKS
+from hullrecon.steps.chain import stage
 from hullrecon.vision.appearance.recognition import ALIKE, Recognition
 from hullrecon.vision.options import LinkOptions
 from hullrecon.vision.pairs.pair_match import Reason, failed_match
 from hullrecon.vision.pairs.selection import Proposal
+
+LINKS = stage("links")
 
 
 @pytest.fixture(scope="module")

@@ -19,11 +19,13 @@ from hullrecon.dive.config import schema
 from hullrecon.errors import ContradictionError
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import PositionTies
-from hullrecon.steps.adjust import STAGE as ADJUST
 from hullrecon.steps.artifacts import AdjustArtifact, LinksArtifact
-from hullrecon.steps.links import STAGE as LINKS
+from hullrecon.steps.chain import stage
 from hullrecon.studies.scenes.ellipsoid_dive import TRAY_ORIGIN_M
 from hullrecon.vision.options import LinkOptions, MatchOptions
+
+ADJUST = stage("adjust")
+LINKS = stage("links")
 
 
 def sections(**links):

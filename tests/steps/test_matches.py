@@ -12,7 +12,9 @@ from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.poses import exp
 from hullrecon.records.serialisation import from_arrays
 from hullrecon.records.tracks import Tracks
-from hullrecon.steps.matches import STAGE
+from hullrecon.steps.chain import stage
+
+STAGE = stage("matches")
 
 
 @pytest.fixture(scope="module")

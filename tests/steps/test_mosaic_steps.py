@@ -29,9 +29,11 @@ from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import Trajectory, VehicleTrack
 from hullrecon.rig import rig_from_settings
-from hullrecon.steps import mosaic_optical, mosaic_sonar, mosaics
+from hullrecon.steps import mosaics
+from hullrecon.steps.chain import stage
 from hullrecon.steps.sonar import sonar_poses
 
+OPTICAL, SONAR = stage("mosaic-optical"), stage("mosaic-sonar")
 NODES = 9
 CAMERA = {"width": 160, "height": 120, "fx": 160.0, "fy": 160.0, "cx": 79.5, "cy": 59.5}
 BAG = Logs(files=("dive.mcap",))
@@ -139,7 +141,7 @@ def settings(sonar: Sonar | None = None) -> dict[str, Any]:
 def test_optical_mosaic_of_reckoned_dive_shows_disc_in_place(
     passed: dict[str, Path], tmp_path: Path
 ) -> None:
-    out = run_stage(mosaic_optical.STAGE, settings(), passed, tmp_path / "out", source=tmp_path)
+    out = run_stage(OPTICAL, settings(), passed, tmp_path / "out", source=tmp_path)
     document = json.loads((out / "mosaic.json").read_text())
     picture = tifffile.imread(out / "ortho.tif")
     assert {p.name for p in out.iterdir()} == {
@@ -170,7 +172,7 @@ def test_optical_mosaic_of_reckoned_dive_shows_disc_in_place(
 
 def test_a_mosaic_run_twice_gives_the_same_bytes(passed: dict[str, Path], tmp_path: Path) -> None:
     one, two = (
-        run_stage(mosaic_optical.STAGE, settings(), passed, tmp_path / n, source=tmp_path)
+        run_stage(OPTICAL, settings(), passed, tmp_path / n, source=tmp_path)
         for n in ("one", "two")
     )
     for name in (
@@ -193,7 +195,7 @@ def test_a_fault_of_the_3d_tiles_costs_them_alone(
         raise ZeroDivisionError("torn")
 
     monkeypatch.setattr(mosaics, "write_tileset", torn)
-    out = run_stage(mosaic_optical.STAGE, settings(), passed, tmp_path / "out", source=tmp_path)
+    out = run_stage(OPTICAL, settings(), passed, tmp_path / "out", source=tmp_path)
     assert (out / "mosaic.glb").is_file()
     assert not (out / "tiles" / "tileset.json").exists()
     warnings = json.loads((out / "manifest.json").read_text())["warnings"]
@@ -213,7 +215,7 @@ def test_the_raster_of_the_support_says_what_it_counts(
     save(tmp_path / "detect", "as_found.npz", to_arrays(wall()))
     (tmp_path / "detect" / "detect.json").write_text(json.dumps(facts))
     out = run_stage(
-        mosaic_optical.STAGE,
+        OPTICAL,
         settings(),
         {**passed, "detect": tmp_path / "detect"},
         tmp_path / "out",
@@ -237,7 +239,7 @@ def test_the_sonar_mosaic_needs_no_camera(passed: dict[str, Path], tmp_path: Pat
     sonar = Sonar(mount=(0.0, 0.0, 0.0, -90.0, 90.0, 0.0), elevation_deg=20.0)
     loose = Sonar(mount=sonar.mount, elevation_deg=20.0, mount_sigma=(0.0, 0.0, 0.0, 2.0, 2.0, 2.0))
     blind = {**settings(sonar), "camera": Cameras()}
-    out = run_stage(mosaic_sonar.STAGE, blind, passed, tmp_path / "out")
+    out = run_stage(SONAR, blind, passed, tmp_path / "out")
     document = json.loads((out / "mosaic.json").read_text())
     assert document["poses"] == "dead reckoned"
     assert document["pings"] == NODES
@@ -249,7 +251,7 @@ def test_the_sonar_mosaic_needs_no_camera(passed: dict[str, Path], tmp_path: Pat
     )
     assert document["position_sigma_m"] == pytest.approx(0.0200, abs=1e-3)
     assert "known to 20 mm (one sigma)" in document["caption"]
-    out = run_stage(mosaic_sonar.STAGE, {**blind, "sonar": loose}, passed, tmp_path / "loose")
+    out = run_stage(SONAR, {**blind, "sonar": loose}, passed, tmp_path / "loose")
     worse = json.loads((out / "mosaic.json").read_text())
     assert worse["position_sigma_of_mount_m"] == pytest.approx(
         np.hypot(0.01, 1.05 * np.radians(2.0)), abs=2e-3
@@ -270,7 +272,10 @@ def test_sonar_that_misses_surface_is_refused_with_its_reach(
     sonar = Sonar(mount=(0.0, 0.0, 0.0, 90.0, 90.0, 0.0), elevation_deg=20.0)
     with pytest.raises(StageError, match=r"no sonar mosaic.*pings to 0\.4 m"):
         run_stage(
-            mosaic_sonar.STAGE, {**settings(sonar), "camera": Cameras()}, passed, tmp_path / "out"
+            SONAR,
+            {**settings(sonar), "camera": Cameras()},
+            passed,
+            tmp_path / "out",
         )
 
 
@@ -281,15 +286,11 @@ def test_steps_apply_only_where_their_sensor_was_carried(tmp_path: Path) -> None
         "topics": Topics(sonar="/s"),
         "logs": BAG,
     }
-    assert mosaic_optical.applies(carried, tmp_path) is None
-    assert mosaic_sonar.applies(carried, tmp_path) is None
+    assert OPTICAL.applies(carried, tmp_path) is None
+    assert SONAR.applies(carried, tmp_path) is None
+    assert OPTICAL.applies({"camera.top.time_offset": None}, tmp_path) == "no camera was carried"
     assert (
-        mosaic_optical.applies({"camera.top.time_offset": None}, tmp_path)
-        == "no camera was carried"
-    )
-    assert (
-        mosaic_sonar.applies({**carried, "sonar.mount": None}, tmp_path)
-        == "no imaging sonar was carried"
+        SONAR.applies({**carried, "sonar.mount": None}, tmp_path) == "no imaging sonar was carried"
     )
 
 
@@ -301,15 +302,11 @@ def test_sonar_in_log_without_topics_gets_its_mosaic(topics: Topics, tmp_path: P
     carried = {"sonar.mount": Sonar().mount, "topics": topics}
     for beside in ("s.aris", "s.OCULUS", "tables"):
         assert (
-            mosaic_sonar.applies({**carried, "logs": Logs(files=("dive.mcap", beside))}, tmp_path)
-            is None
+            SONAR.applies({**carried, "logs": Logs(files=("dive.mcap", beside))}, tmp_path) is None
         )
     for beside in ("absent", "dvl.pd0", "others"):
         logs = Logs(files=("dive.mcap", beside))
-        assert (
-            mosaic_sonar.applies({**carried, "logs": logs}, tmp_path)
-            == "no imaging sonar was carried"
-        )
+        assert SONAR.applies({**carried, "logs": logs}, tmp_path) == "no imaging sonar was carried"
 
 
 def test_the_file_of_a_sonar_is_known_by_its_first_bytes(tmp_path: Path) -> None:
@@ -319,7 +316,7 @@ def test_the_file_of_a_sonar_is_known_by_its_first_bytes(tmp_path: Path) -> None
         "topics": Topics(dvl="/dvl"),
         "logs": Logs(files=("dive.mcap", "pings.dat")),
     }
-    assert mosaic_sonar.applies(carried, tmp_path) is None
+    assert SONAR.applies(carried, tmp_path) is None
 
 
 def _still_track(nodes: int) -> VehicleTrack:

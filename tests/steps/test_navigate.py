@@ -38,7 +38,9 @@ from hullrecon.records.trajectory import (
 )
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
-from hullrecon.steps.navigate import STAGE
+from hullrecon.steps.chain import stage
+
+STAGE = stage("navigate")
 
 SECOND = 10**9
 JANUS = np.array(

@@ -18,14 +18,13 @@ from hullrecon.artifacts.stage import StageSettings
 from hullrecon.dive.config.schema import Dive, DiveConfig, Logs
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import Trajectory
+from hullrecon.report.options import ReportOptions
 from hullrecon.report.survey import SurfaceFacts
-from hullrecon.steps.report import (
-    STAGE,
-    TRACEBACKS,
-    ReportOptions,
-    failed_delivery,
-    files_of_package,
-)
+from hullrecon.steps.chain import stage
+from hullrecon.steps.conditions import files_to_report
+from hullrecon.steps.finished_run import TRACEBACKS, failed_delivery
+
+STAGE = stage("report")
 
 
 def save(folder: Path, name: str, record: object) -> None:
@@ -216,7 +215,7 @@ def test_the_page_says_what_the_package_says_of_the_inspection(
 def test_another_logo_makes_the_report_out_of_date(tmp_path: Path) -> None:
     def files(**options: str) -> list[Path]:
         sections = {"logs": Logs(files=("logs/dive.mcap",)), "report": ReportOptions(**options)}
-        return files_of_package(StageSettings("report", sections), tmp_path)
+        return files_to_report(StageSettings("report", sections), tmp_path)
 
     assert files(logo="brand/logo.png") == [Path("brand/logo.png")]
     assert files() == []

@@ -21,13 +21,16 @@ from hullrecon.artifacts.manifest import Manifest, Recipe, hash_file, write_mani
 from hullrecon.artifacts.runner import RunContext, StepOutcome, run_chain
 from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.artifacts.workspace import Workspace
+from hullrecon.change.options import EarlierDive
 from hullrecon.dive.config.schema import Dive, Hull
 from hullrecon.geometry.poses import identity
 from hullrecon.records.change import HullSurvey
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.solution import Landmarks, Mounts, Solution
 from hullrecon.records.surface import DeviationSplit
-from hullrecon.steps.change import STAGE, EarlierDive
+from hullrecon.steps.chain import stage
+
+STAGE = stage("change")
 
 T_NS = 1_780_000_000_000_000_000
 # three structures more, the lump gone, the cylinder 3 cm higher

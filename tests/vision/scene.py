@@ -7,9 +7,8 @@ import numpy as np
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import identity
 from hullrecon.rig import Rig
-from hullrecon.vision.features.extraction import FeatureOptions
 from hullrecon.vision.odometry import StereoOdometer
-from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.options import FeatureOptions, MatchOptions
 
 
 def camera_rig(

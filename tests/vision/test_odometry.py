@@ -9,14 +9,14 @@ from vision.scene import follow_nodes
 
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import exp
-from hullrecon.vision.features.extraction import FeatureOptions, no_features
+from hullrecon.vision.features.extraction import no_features
 from hullrecon.vision.odometry import (
     MeasuredMotion,
     StereoOdometer,
     _with_disagreement,
     stereo_odometer,
 )
-from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.options import FeatureOptions, MatchOptions
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.stereo_adjustment import CalibrationEvidence
 from hullrecon.vision.stereo.node_view import NodeFeatures

@@ -25,7 +25,6 @@ from hullrecon.dive.check.time_overlap import Stream
 from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.mounts import (
-    DEFAULTS,
     ChosenMount,
     choose_mounts,
     describe_mounts,
@@ -33,7 +32,7 @@ from hullrecon.dive.config.mounts import (
     guess_sigma,
     refuse_parted_tray,
 )
-from hullrecon.dive.config.schema import DiveConfig, Hull
+from hullrecon.dive.config.schema import DEFAULT_MOUNTS, DiveConfig, Hull
 from hullrecon.dive.images.sink import SampledImages
 from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest
 from hullrecon.dive.logs.messages.samples import TYPES
@@ -256,7 +255,7 @@ def _fill_mounts(
 
     Returns the configuration and these mounts by key.
     """
-    declared = {key: loaded.value(key) for key in DEFAULTS}
+    declared = {key: loaded.value(key) for key in DEFAULT_MOUNTS}
     if found.records.tray is not None and len(found.records.tray.t_ns):
         with problems.collect():
             refuse_parted_tray(declared, found.sensors)

@@ -11,7 +11,7 @@ from collections.abc import Sequence, Set
 from pathlib import Path
 
 from hullrecon.dive.config.load import LoadedConfig
-from hullrecon.dive.config.mounts import DEFAULTS
+from hullrecon.dive.config.schema import DEFAULT_MOUNTS
 from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.findings.finding import Finding
 from hullrecon.findings.package import MEANING
@@ -77,9 +77,9 @@ def to_fill_in(
         is_needed = bool(sensors & SENSORS.get(key, sensors))
         if value is None or not is_needed or key in loaded.given | (logged or set()):
             continue
-        default = DEFAULTS.get(key, value)
+        default = DEFAULT_MOUNTS.get(key, value)
         shown = list(default) if isinstance(default, tuple) else default
-        by_log = logged is None and key in DEFAULTS
+        by_log = logged is None and key in DEFAULT_MOUNTS
         out.append(Finding("key-open", {"key": key, "default": shown, "log_first": by_log}))
     return out + [
         Finding("calibration-open", {"key": f"{c.section}.calibration", "camera": c.key})

@@ -12,7 +12,7 @@ import numpy as np
 from msgspec import Struct, structs
 
 from hullrecon.dive.config.load import LoadedConfig
-from hullrecon.dive.config.schema import FROM_LOG, DiveConfig
+from hullrecon.dive.config.schema import DEFAULT_MOUNTS, FROM_LOG, DiveConfig
 from hullrecon.dive.logs.fixed_frames import RIG, FixedSensor
 from hullrecon.dive.logs.messages.descriptions import mount_of
 from hullrecon.errors import InputError
@@ -21,18 +21,6 @@ from hullrecon.geometry.poses import Poses, from_mount, up_in
 from hullrecon.typing import Array
 
 Numbers = tuple[float, ...]
-DEFAULTS: Mapping[str, Numbers] = MappingProxyType(
-    {
-        "tray.origin": (0.0, 0.0, 0.0),
-        "pressure.origin": (0.0, 0.0, 0.0),
-        "position.origin": (0.0, 0.0, 0.0),
-        "dvl.mount": (0.0, 0.0, 0.0, 0.0, 90.0, 0.0),
-        "camera.top.mount": (0.0, 0.0, 0.0, 90.0, 0.0, 90.0),
-        "camera.bottom.pose_in_top": (0.0, 0.1, 0.0, 0.0, 0.0, 0.0),
-        "sonar.origin": (0.0, 0.0, 0.0),
-        "sonar.mount": (0.0, 0.0, 0.0, 0.0, 90.0, 0.0),
-    }
-)
 ON_SERVO = {  # sensor and servo of each mount
     "dvl.mount": ("dvl", "tray.origin"),
     "camera.top.mount": ("camera_top", "tray.origin"),
@@ -45,7 +33,7 @@ TILT_DEG, HEADING_DEG = 1.0, 5.0
 
 @dataclass(frozen=True, kw_only=True)
 class ChosenMount:
-    """The value chosen for a key of DEFAULTS."""
+    """The value chosen for a key of DEFAULT_MOUNTS."""
 
     value: Numbers
     source: str = ""  # where in the log they come from; "" for a default
@@ -54,7 +42,7 @@ class ChosenMount:
 def choose_mounts(
     values: Mapping[str, object], sensors: Mapping[str, FixedSensor]
 ) -> dict[str, ChosenMount]:
-    """Choose the mounts for the keys of DEFAULTS that dive.toml leaves to the log.
+    """Choose the mounts for the keys of DEFAULT_MOUNTS that dive.toml leaves to the log.
 
     A mount on a servo is relative to the servo's axis: that of dive.toml, else the servo's own
     frame, else the vehicle's origin.
@@ -78,7 +66,7 @@ def choose_mounts(
             )
         elif servo and not any(s.on_servo for s in servo):
             chosen[key] = ChosenMount(
-                value=DEFAULTS[key],
+                value=DEFAULT_MOUNTS[key],
                 source="tf_static, which has no frame of the servo: the vehicle's origin",
             )
     origins = {
@@ -88,7 +76,9 @@ def choose_mounts(
     }
     for key, (sensor, origin) in ON_SERVO.items():
         if sensor in sensors:
-            at = origins.get(origin, chosen[origin].value if origin in chosen else DEFAULTS[origin])
+            at = origins.get(
+                origin, chosen[origin].value if origin in chosen else DEFAULT_MOUNTS[origin]
+            )
             chosen[key] = ChosenMount(
                 value=_on_servo(sensors[sensor], at),
                 source=f"tf_static, frame {sensors[sensor].frame}",
@@ -110,8 +100,8 @@ def choose_mounts(
             value=tuple(mount_of(pose)), source=f"tf_static, frame {bottom.frame}"
         )
     return {
-        key: chosen.get(key, ChosenMount(value=DEFAULTS[key]))
-        for key in DEFAULTS
+        key: chosen.get(key, ChosenMount(value=DEFAULT_MOUNTS[key]))
+        for key in DEFAULT_MOUNTS
         if values.get(key) == FROM_LOG
     }
 

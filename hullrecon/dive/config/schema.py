@@ -10,7 +10,9 @@ vector in degrees.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from datetime import datetime
+from types import MappingProxyType
 from typing import Annotated, Literal
 
 from msgspec import Meta, Struct, field
@@ -460,3 +462,25 @@ class DiveConfig(Section, frozen=True):
     sonar: Sonar | None = None
     position: Position = field(default_factory=Position)
     hull: Hull | None = None  # absent: no CAD model
+
+
+# The keys of dive.toml that a rig without priors is made of: what a step declares to be handed them
+RIG_KEYS = (
+    "tray.origin", "pressure.origin", "dvl.mount", "camera.top.mount", "camera.bottom.pose_in_top",
+    "sonar.origin", "sonar.mount",
+)  # fmt: skip
+# The sections that a rig with priors is made of
+RIG_SECTIONS = ("tray", "imu", "pressure", "dvl", "camera.top", "camera.bottom")
+# Where a sensor sits if neither dive.toml nor the log says so
+DEFAULT_MOUNTS: Mapping[str, tuple[float, ...]] = MappingProxyType(
+    {
+        "tray.origin": (0.0, 0.0, 0.0),
+        "pressure.origin": (0.0, 0.0, 0.0),
+        "position.origin": (0.0, 0.0, 0.0),
+        "dvl.mount": (0.0, 0.0, 0.0, 0.0, 90.0, 0.0),
+        "camera.top.mount": (0.0, 0.0, 0.0, 90.0, 0.0, 90.0),
+        "camera.bottom.pose_in_top": (0.0, 0.1, 0.0, 0.0, 0.0, 0.0),
+        "sonar.origin": (0.0, 0.0, 0.0),
+        "sonar.mount": (0.0, 0.0, 0.0, 0.0, 90.0, 0.0),
+    }
+)

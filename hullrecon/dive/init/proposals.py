@@ -12,8 +12,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.config.calibration import is_camchain, read_pose_in_top
-from hullrecon.dive.config.mounts import DEFAULTS, ChosenMount, choose_mounts, parted_on_tray
-from hullrecon.dive.config.schema import FROM_LOG
+from hullrecon.dive.config.mounts import ChosenMount, choose_mounts, parted_on_tray
+from hullrecon.dive.config.schema import DEFAULT_MOUNTS, FROM_LOG
 from hullrecon.dive.init.log_summary import LogSummary, TopicNote, guess_topics
 from hullrecon.dive.logs.dvl_beams import ask_for_beams
 from hullrecon.dive.logs.fixed_frames import fixed_sensors, frame_of
@@ -138,7 +138,7 @@ def proposed_mounts(
     }
     tree = frame_tree(message for note in summary.topics for message in note.frames)
     sensors = fixed_sensors(tree, frames, joints)
-    found = choose_mounts(dict.fromkeys(DEFAULTS, FROM_LOG), sensors)
+    found = choose_mounts(dict.fromkeys(DEFAULT_MOUNTS, FROM_LOG), sensors)
     # Proposed, they would be taken for what somebody has looked at; left to the log, `check` says
     # what is wrong with them.
     doubtful = (

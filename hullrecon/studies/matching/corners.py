@@ -28,7 +28,6 @@ from hullrecon.vision.features.descriptors import (
     root_sift,
 )
 from hullrecon.vision.features.extraction import (
-    FeatureOptions,
     Features,
     describe,
     find_sift,
@@ -36,6 +35,7 @@ from hullrecon.vision.features.extraction import (
     level_image,
     to_raw_pixels,
 )
+from hullrecon.vision.options import FeatureOptions
 
 ORDER = 12  # largest n: 48 moments without the mean
 RINGS, ANGLES = 8, 48  # exact from ORDER / 2 + 1 rings and 2 ORDER + 1 angles

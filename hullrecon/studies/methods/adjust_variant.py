@@ -13,6 +13,7 @@ from hullrecon import native
 from hullrecon.adjustment.options import AdjustOptions, Strategy
 from hullrecon.artifacts.stage import Context
 from hullrecon.steps import adjust
+from hullrecon.steps.chain import stage
 from hullrecon.studies.methods import hard_em
 
 # Off the hull beyond this a landmark is a mismatch. Pulled to the hull, one near the camera passes
@@ -59,4 +60,4 @@ def run(context: Context[VariantOptions]) -> None:
     adjust.run_adjustment(context, strategy_of(context.parameters))
 
 
-STAGE = replace(adjust.STAGE, parameters=VariantOptions, run=run)
+STAGE = replace(stage("adjust"), parameters=VariantOptions, run=run)

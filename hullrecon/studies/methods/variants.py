@@ -177,7 +177,8 @@ def read_dead_reckoning(dive: DiveRun) -> DeadReckoning:
     Raises InputError where navigate left nothing.
     """
     from hullrecon.artifacts.stage import StageSettings
-    from hullrecon.rig import RIG_KEYS, rig_from_settings
+    from hullrecon.dive.config.schema import RIG_KEYS
+    from hullrecon.rig import rig_from_settings
     from hullrecon.steps.artifacts import InputArtifacts
     from hullrecon.studies.methods.comparison import DeadReckoning
 

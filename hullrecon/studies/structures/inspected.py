@@ -25,7 +25,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import Rig, rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
-from hullrecon.steps.mosaic_optical import CAMERA_KEYS
+from hullrecon.steps.keys import CAMERA_KEYS
 from hullrecon.studies.methods.method_figures import stamps
 from hullrecon.typing import Array
 

@@ -20,6 +20,7 @@ from hullrecon.geometry.poses import identity
 from hullrecon.records.surface import Surface
 from hullrecon.steps import detect, surface
 from hullrecon.steps.artifacts import AdjustArtifact, DetectArtifact, SurfaceArtifact
+from hullrecon.steps.chain import stage
 from hullrecon.studies.methods.variants import build_step
 from hullrecon.studies.surfaces.regression import (
     RadialKernel,
@@ -31,20 +32,21 @@ from hullrecon.studies.surfaces.regression import (
 )
 from hullrecon.surface.build import gaussian_process
 
-_RUN = surface.run
+SURFACE, _RUN = stage("surface"), surface.run
 SURFACES = {  # stages that take the place of the step surface
-    "linear": replace(surface.STAGE, run=partial(_RUN, regression=by_triangles)),
+    "linear": replace(SURFACE, run=partial(_RUN, regression=by_triangles)),
     "radial kernel": replace(
-        surface.STAGE, run=partial(_RUN, regression=partial(gaussian_process, form=RadialKernel))
+        SURFACE, run=partial(_RUN, regression=partial(gaussian_process, form=RadialKernel))
     ),
     "wendland kernel": replace(
-        surface.STAGE, run=partial(_RUN, regression=partial(gaussian_process, form=WendlandKernel))
+        SURFACE,
+        run=partial(_RUN, regression=partial(gaussian_process, form=WendlandKernel)),
     ),
-    "offsets from a plane": replace(surface.STAGE, run=partial(_RUN, reference=offsets_from_plane)),
-    "heights over a plane": replace(surface.STAGE, run=partial(_RUN, reference=heights_over_plane)),
+    "offsets from a plane": replace(SURFACE, run=partial(_RUN, reference=offsets_from_plane)),
+    "heights over a plane": replace(SURFACE, run=partial(_RUN, reference=heights_over_plane)),
 }
 # and the place of the step detect
-AS_FOUND = {"rays": replace(detect.STAGE, run=partial(detect.run, fusion=move_along_rays))}
+AS_FOUND = {"rays": replace(stage("detect"), run=partial(detect.run, fusion=move_along_rays))}
 VariantFigures = dict[str, object]  # by name, or why there are none
 TABLE = {"rmse_m": "rms, mm", "p95_m": "95 %, mm", "share_within_1.96_sigma": "in 1.96 sigma"}
 MIN_SUPPORT = 1  # returns or views behind a vertex that is scored
@@ -66,11 +68,11 @@ def compare_surfaces(
             remedy="take a dive with a CAD model",
         )
     figures = {"surface, product": _score(_surface_in(dive.workspace), truth)}
-    for name, stage in SURFACES.items():
-        figures[f"surface, {name}"] = _figures_of(dive, name, stage, truth, run_context)
+    for name, step in SURFACES.items():
+        figures[f"surface, {name}"] = _figures_of(dive, name, step, truth, run_context)
     figures["as found, product"] = _score(_as_found_in(dive.workspace), truth)
-    for name, stage in AS_FOUND.items():
-        figures[f"as found, {name}"] = _figures_of(dive, name, stage, truth, run_context)
+    for name, step in AS_FOUND.items():
+        figures[f"as found, {name}"] = _figures_of(dive, name, step, truth, run_context)
     return figures
 
 

@@ -19,6 +19,7 @@ from hullrecon.records.trajectory import Returns, VehicleTrack
 from hullrecon.rig import Rig
 from hullrecon.steps import adjust
 from hullrecon.steps.artifacts import AdjustArtifact, IngestArtifact, LinksArtifact
+from hullrecon.steps.chain import stage
 from hullrecon.studies.methods.variants import build_step, find_objects
 from hullrecon.studies.paths.path_figures import linked_track, path_by_planes, place_on_cad_model
 from hullrecon.studies.study import StudyDive
@@ -27,7 +28,7 @@ from hullrecon.typing import Array
 RECKONED, PLANES, CAMERA = "dead reckoned", "planes", "planes and camera"
 WITHOUT_HULL, ADJUSTED = "bundle adjusted, no hull", "bundle adjusted to the CAD model"
 WITHOUT_HULL_STAGE = replace(
-    adjust.STAGE, run=partial(adjust.run_adjustment, strategy=replace(PRODUCT, hull=False))
+    stage("adjust"), run=partial(adjust.run_adjustment, strategy=replace(PRODUCT, hull=False))
 )
 
 

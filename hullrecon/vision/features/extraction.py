@@ -10,15 +10,13 @@ follows the light, and features are kept clear of the border.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
-from msgspec import Meta
 from numpy.typing import NDArray
 
-from hullrecon.dive.config.schema import Section
 from hullrecon.typing import Floats32, Ints, Mask, Pixels
 from hullrecon.vision.features.descriptors import WIDTH, first_at_place, root_sift
+from hullrecon.vision.options import FeatureOptions
 
 # SIFT [Lowe2004]: its own defaults but for the contrast, which levelled images have more of
 CONTRAST_THRESHOLD = 0.02
@@ -38,29 +36,6 @@ CLEAR_WINDOWS = 1.5
 
 WORD_BITS = 8  # of saliency's words: as many planes cut descriptor space
 WORD_SEED = 20130629  # of these planes: any serve, but always the same
-
-
-class FeatureOptions(Section, frozen=True):
-    """Section [features] of dive.toml."""
-
-    level_window: Annotated[
-        float,
-        Meta(
-            ge=0.0,
-            le=0.1,
-            description="ratio, sigma of the window that levels contrast to the image's width; "
-            "0 leaves the image as it is",
-        ),
-    ] = 0.025
-    max_features: Annotated[
-        int, Meta(ge=50, le=100_000, description="features of an image; the strongest are kept")
-    ] = 4000
-    reduction: Annotated[
-        float,
-        Meta(
-            ge=1.0, le=8.0, description="ratio, images are shrunk by this before SIFT doubles them"
-        ),
-    ] = 2.0
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,8 @@ from hullrecon.records.sensors import DvlPings
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Floats32, Ints, Pixels
 from hullrecon.vision.features.descriptors import MAX_DISTANCE, RATIO, best_of_all, to_unit
-from hullrecon.vision.features.extraction import FeatureOptions, Features, extract, no_features
+from hullrecon.vision.features.extraction import Features, extract, no_features
+from hullrecon.vision.options import FeatureOptions
 from hullrecon.vision.pairs.mono_motion import refine
 from hullrecon.vision.pairs.two_view import TwoView, essential_of, motions_of, sampson_squared
 from hullrecon.vision.stereo.delay import Delay, MatchedRays, estimate_delay, move_to_top

@@ -9,21 +9,21 @@ import numpy as np
 import pytest
 
 from benchmarks.fuzz.seed_aris import aris_file
-from hullrecon.artifacts.stage import StageSettings
+from hullrecon.change.options import EarlierDive
 from hullrecon.dive.check.package_check import check_package, defaults_of
 from hullrecon.dive.check.requirements import missing, needs
 from hullrecon.dive.config.load import load_config
 from hullrecon.findings.finding import sentences
-from hullrecon.steps.change import EarlierDive
-from hullrecon.steps.ingest import USES, request_of
-from hullrecon.steps.report import ReportOptions
+from hullrecon.report.options import ReportOptions
+from hullrecon.steps.ingest import ingest_settings, request_of
 from tests.dive.readers.test_pd0 import ensemble_bytes
 
 
 def check(package: Path, *overrides: str):
     loaded = load_config(package, {}, overrides)
     return check_package(
-        loaded, request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES}))
+        loaded,
+        request_of(ingest_settings(loaded)),
     )
 
 
@@ -443,7 +443,7 @@ def test_package_without_named_sensors_gets_a_verdict(package):
 
 def test_a_logo_that_is_not_there_is_missed(package):
     loaded = load_config(package, {"report": ReportOptions}, ["report.logo=logo.png"])
-    request = request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES}))
+    request = request_of(ingest_settings(loaded))
     assert sentences(check_package(loaded, request).missing_files) == [
         "missing: logo.png (report.logo)"
     ]
@@ -453,7 +453,7 @@ def test_a_logo_that_is_not_there_is_missed(package):
 
 def test_missing_earlier_dive_is_warned_of_and_run_possible(package):
     loaded = load_config(package, {"change": EarlierDive}, ["change.earlier=runs/may"])
-    request = request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES}))
+    request = request_of(ingest_settings(loaded))
     found = check_package(loaded, request)
     assert (
         "change.earlier names no folder: runs/may; the report will not say what changed"

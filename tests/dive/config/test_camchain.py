@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from hullrecon.dive.config.calibration import read_camera, read_pose_in_top
-from hullrecon.dive.config.mounts import DEFAULTS, choose_mounts
-from hullrecon.dive.config.schema import FROM_LOG
+from hullrecon.dive.config.mounts import choose_mounts
+from hullrecon.dive.config.schema import DEFAULT_MOUNTS, FROM_LOG
 from hullrecon.dive.logs.fixed_frames import RIG, FixedSensor
 from hullrecon.errors import InputError
 from hullrecon.geometry.frames import Camera
@@ -52,7 +52,7 @@ def test_the_rostopic_says_which_camera_is_the_upper_one(tmp_path):
 def test_the_chains_pose_is_that_of_the_lower_camera_in_the_upper(tmp_path):
     pose = read_pose_in_top(camchain(tmp_path / "camchain.yaml"), {})
     assert pose == pytest.approx(POSE_IN_TOP, abs=1e-6)
-    left = dict.fromkeys(DEFAULTS, FROM_LOG)
+    left = dict.fromkeys(DEFAULT_MOUNTS, FROM_LOG)
     mounts = choose_mounts(left, {RIG: FixedSensor(frame="camchain.yaml", pose=pose)})
     assert mounts["camera.bottom.pose_in_top"].value == pose
     assert "camchain.yaml" in mounts["camera.bottom.pose_in_top"].source

@@ -9,19 +9,18 @@ import pytest
 
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.config.mounts import (
-    DEFAULTS,
     choose_mounts,
     describe_mounts,
     filled_in,
     numbers_of,
     refuse_parted_tray,
 )
-from hullrecon.dive.config.schema import FROM_LOG
+from hullrecon.dive.config.schema import DEFAULT_MOUNTS, FROM_LOG
 from hullrecon.dive.logs.fixed_frames import FixedSensor
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import sentences
 
-LEFT = dict.fromkeys(DEFAULTS, FROM_LOG)
+LEFT = dict.fromkeys(DEFAULT_MOUNTS, FROM_LOG)
 ORIGIN = (0.45, 0.0, 0.1)
 DVL = FixedSensor(frame="d", pose=(0.45, 0.0, 0.18, 0.0, 90.0, 0.0), servo_origin=ORIGIN)
 
@@ -32,7 +31,7 @@ def values(mounts):
 
 def test_without_tf_static_the_defaults_stand():
     chosen = choose_mounts(LEFT, {})
-    assert values(chosen) == DEFAULTS
+    assert values(chosen) == DEFAULT_MOUNTS
     assert sentences(describe_mounts(chosen)) == []
 
 
@@ -112,14 +111,14 @@ def test_mounts_are_filled_in_only_where_sections_exist(tmp_path):
     )
     loaded = load_config(tmp_path)
     assert loaded.value("dvl.mount") == FROM_LOG
-    mounts = choose_mounts({key: loaded.value(key) for key in DEFAULTS}, {"dvl": DVL})
+    mounts = choose_mounts({key: loaded.value(key) for key in DEFAULT_MOUNTS}, {"dvl": DVL})
     assert not any(key.startswith(("sonar", "camera.bottom")) for key in mounts)
     filled = filled_in(loaded, mounts)
     assert filled.value("dvl.mount") == filled.config.dvl.mount == (0.0, 0.0, 0.08, 0.0, 90.0, 0.0)
     assert (
         filled.config.camera.top.mount
         == filled.value("camera.top.mount")
-        == DEFAULTS["camera.top.mount"]
+        == DEFAULT_MOUNTS["camera.top.mount"]
     )
     assert (filled.config.dvl.scale_sigma, filled.config.sonar, filled.given) == (
         0.1,

@@ -5,12 +5,11 @@
 import numpy as np
 import pytest
 
-from hullrecon.artifacts.stage import StageSettings
 from hullrecon.dive.check.package_check import check_package
 from hullrecon.dive.config.calibration import read_camera
 from hullrecon.dive.config.load import load_config
 from hullrecon.findings.finding import sentences
-from hullrecon.steps.ingest import USES, request_of
+from hullrecon.steps.ingest import ingest_settings, request_of
 
 KIND = "sensor_msgs/msg/CameraInfo"
 LENS = (-0.1, 0.02, 0.001, -0.002, 0.003)
@@ -63,7 +62,8 @@ def check(package, *overrides):
     path.write_text(path.read_text().replace('calibration = "calibration/camera_top.yaml"\n', ""))
     loaded = load_config(package, {}, overrides)
     return check_package(
-        loaded, request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES}))
+        loaded,
+        request_of(ingest_settings(loaded)),
     )
 
 

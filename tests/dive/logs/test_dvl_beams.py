@@ -5,7 +5,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hullrecon.artifacts.stage import StageSettings
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.logs.dvl_beams import (
     A50,
@@ -21,7 +20,7 @@ from hullrecon.dive.logs.samples import DvlSample
 from hullrecon.dive.logs.streams import dvl_pings
 from hullrecon.errors import InputError, UsageError
 from hullrecon.findings.finding import sentences
-from hullrecon.steps.ingest import USES, request_of
+from hullrecon.steps.ingest import ingest_settings, request_of
 
 JANUS = tilted_beams(30.0, (180.0, 0.0, 90.0, -90.0))
 
@@ -134,7 +133,7 @@ def test_vectors_are_brought_to_length_one():
 
 def beams_of(package, *overrides):
     loaded = load_config(package, {}, overrides)
-    return request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES})).beams
+    return request_of(ingest_settings(loaded)).beams
 
 
 def test_the_configuration_gives_beams_by_angle_and_azimuth(package):

@@ -5,13 +5,12 @@
 import numpy as np
 import pytest
 
-from hullrecon.artifacts.stage import StageSettings
 from hullrecon.dive.check.package_check import check_package
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.logs.fixed_frames import FixedSensor, fixed_sensors
 from hullrecon.dive.logs.messages.descriptions import frame_tree
 from hullrecon.findings.finding import sentences
-from hullrecon.steps.ingest import USES, request_of
+from hullrecon.steps.ingest import ingest_settings, request_of
 from tests.dive.init.test_proposals import entries_of, static
 
 JOINTS = {"tray": "tray", "sonar_tray": "other"}
@@ -53,7 +52,8 @@ def test_a_frame_of_another_servo_says_nothing(kit):
 def check(package, *overrides):
     loaded = load_config(package, {}, overrides)
     return check_package(
-        loaded, request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES}))
+        loaded,
+        request_of(ingest_settings(loaded)),
     )
 
 

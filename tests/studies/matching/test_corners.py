@@ -15,7 +15,8 @@ from hullrecon.studies.matching.corners import (
     zernike_magnitudes,
 )
 from hullrecon.vision.features.descriptors import sparse_distance, to_unit
-from hullrecon.vision.features.extraction import FeatureOptions, extract
+from hullrecon.vision.features.extraction import extract
+from hullrecon.vision.options import FeatureOptions
 
 NO_SIFT = np.zeros((0, 2), np.float32)
 CENTRE = np.array([[60.0, 60.0]], np.float32)

@@ -11,11 +11,13 @@ from steps.painted_wall import CAMERA, WALL_M, build_dive, run_links, run_matche
 
 from hullrecon.geometry.frames import Camera
 from hullrecon.steps.artifacts import LinksArtifact
-from hullrecon.steps.links import STAGE as LINKS
+from hullrecon.steps.chain import stage
 from hullrecon.studies.matching.corners import MatchWithCorners, extract_with_corners
 from hullrecon.vision.features.store import FeatureStore
 from hullrecon.vision.pairs.matching import MatchStrategy
 from hullrecon.vision.stereo.node_view import NodeFeatures
+
+LINKS = stage("links")
 
 SHARE = 0.3
 

@@ -5,7 +5,8 @@ import pytest
 from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
 
-from hullrecon.vision.features.extraction import FeatureOptions, extract, no_features, root_sift
+from hullrecon.vision.features.extraction import extract, no_features, root_sift
+from hullrecon.vision.options import FeatureOptions
 
 
 @pytest.fixture

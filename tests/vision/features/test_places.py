@@ -9,8 +9,8 @@ import pytest
 
 from hullrecon.geometry.poses import exp
 from hullrecon.vision.features.descriptors import Putative, first_at_place, match_places
-from hullrecon.vision.features.extraction import FeatureOptions, Features, extract, no_features
-from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.features.extraction import Features, extract, no_features
+from hullrecon.vision.options import FeatureOptions, MatchOptions
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.matching import PairMatcher
 from hullrecon.vision.pairs.pair_match import Reason

@@ -10,8 +10,8 @@ from vision.scene import camera_rig
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_rpy
-from hullrecon.vision.features.extraction import FeatureOptions, extract, no_features
-from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.features.extraction import extract, no_features
+from hullrecon.vision.options import FeatureOptions, MatchOptions
 from hullrecon.vision.pairs.matching import PairMatcher
 from hullrecon.vision.pairs.pair_match import Reason
 from hullrecon.vision.stereo.matching import no_matches

@@ -13,7 +13,8 @@ from vision.scene import camera_rig, follow_nodes
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
-from hullrecon.vision.features.extraction import FeatureOptions, extract
+from hullrecon.vision.features.extraction import extract
+from hullrecon.vision.options import FeatureOptions
 from hullrecon.vision.stereo.node_view import NodeFeatures
 
 PAIRS = range(26, 42)
