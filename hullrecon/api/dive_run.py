@@ -256,7 +256,7 @@ def _refuse_costs(dive: DiveRun, outlook: Outlook, memory_gb: float | None) -> N
 
     Raises InputError as `check` would for too little memory, StorageError for too little disk.
     """
-    if not steps:
+    if not outlook.steps:
         return
     from hullrecon.api.costs import findings_of, predict, size_of_run
 
