@@ -49,10 +49,27 @@ class Schur {
   // The step in halves. Of a part there stand between them condensed() and condensed_gradient(), on interface and border, in
   // the last entries of a StepVector's `reduced`; finish() finds their step in those of `step`.
   bool condense(const StepVector& damping);
+  StepVector no_damping() const {
+    return {Eigen::VectorXd::Zero(gradient_.landmark.size()), Eigen::VectorXd::Zero(gradient_.reduced.size())};
+  }
   bool finish(StepVector& step);
   int interior() const { return reduced_->interior(); }                      // entries of `reduced` before them
   Eigen::Map<Eigen::MatrixXd> condensed() { return reduced_->condensed(); }  // its lower half
   auto condensed_gradient() const { return -rhs_.tail(rhs_.size() - interior()); }
+
+  // Marginals (19), after a condense() without damping; of a part, condensed() then holds those of interface and border.
+  bool determines_all() const;  // to working precision; of a part, its own
+  void invert() { reduced_->invert(); }
+  Eigen::MatrixXd covariance(int a, int b) const { return reduced_->block(a, b); }  // of blocks of the layout that meet
+  struct LandmarkCovariance {
+    Mat3 own;
+    Eigen::Matrix<double, 3, 6> with_hull;  // with T_g_M
+    // What its factors say of it and of the blocks that they meet, the border the last; and their covariance times that.
+    std::vector<int> block, column;
+    Eigen::Matrix3Xd cross;
+    Eigen::MatrixX3d spread;
+  };
+  void covariance_of_landmark(int64_t rank, LandmarkCovariance& out) const;
 
   const StepVector& gradient() const { return gradient_; }
   const StepVector& diagonal() const { return diagonal_; }
@@ -63,6 +80,7 @@ class Schur {
   const ReducedLayout& layout() const { return layout_; }
   int offset(int block) const { return reduced_->offset(block); }
   int64_t rank(int64_t landmark) const { return images_.rank(landmark); }
+  int32_t landmark(int64_t rank) const { return images_.landmark(rank); }
 
   struct Seconds {
     double eliminate = 0, factor = 0, back_substitute = 0;

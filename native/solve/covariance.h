@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "solve/information.h"
 #include "solve/joined_problem.h"
 
 namespace hullrecon {
@@ -32,7 +31,7 @@ Covariance covariance(Model& model);
 // The same of the parts of a problem, of each what it holds: marginals of the whole problem.
 std::vector<Covariance> covariance(const std::vector<ProblemPart>& parts);
 
-// Marginals of a model whose information has been replaced by the entries of its inverse.
-Covariance marginals(const Model& model, const Information& inverse);
+// Marginals of a model whose system without landmarks has been inverted.
+Covariance marginals(const Model& model, const Schur& inverse);
 
 }  // namespace hullrecon

@@ -76,7 +76,7 @@ std::vector<int> fill_reducing_order(const Pairs& pairs, const std::vector<int>&
 }  // namespace
 
 void LandmarkInformation::gather(const Model& model, const std::vector<int64_t>& factors, const std::vector<int>& position,
-                                 LinearFactor& linear, BlockMatrix* rest) {
+                                 LinearFactor& linear, BlockMatrix& rest) {
   own.setZero();
   places.clear(), cross.clear();
   for (int64_t i : factors) {
@@ -95,9 +95,9 @@ void LandmarkInformation::gather(const Model& model, const std::vector<int64_t>&
         cross.push_back(Eigen::MatrixXd::Zero(3, linear.by[k].cols()));
       }
       cross[at].noalias() += information * linear.by[self].transpose() * linear.by[k];
-      for (size_t m = 0; rest && m <= k; ++m) {
+      for (size_t m = 0; m <= k; ++m) {
         if (position[linear.blocks[m]] >= 0)
-          rest->add(place, position[linear.blocks[m]], information * linear.by[k].transpose() * linear.by[m]);
+          rest.add(place, position[linear.blocks[m]], information * linear.by[k].transpose() * linear.by[m]);
       }
     }
   }
@@ -191,7 +191,7 @@ void Information::eliminate(const Model& model) {
   }
   LandmarkInformation landmark;
   for (size_t l = 0; l < of_landmark_.size(); ++l) {
-    landmark.gather(model, of_landmark_[l], position_, linear, &reduced_);
+    landmark.gather(model, of_landmark_[l], position_, linear, reduced_);
     const Eigen::Matrix3d covariance = invert(landmark, static_cast<int64_t>(l));
     for (size_t a = 0; a < landmark.places.size(); ++a) {
       const Eigen::MatrixXd gain = landmark.cross[a].transpose() * covariance;

@@ -17,9 +17,9 @@ struct LandmarkInformation {
   std::vector<int32_t> places;         // positions of those blocks in the order
   std::vector<Eigen::MatrixXd> cross;  // (3, width) each
 
-  // From its factors. With `rest`, what they say of the other blocks alone is added there.
+  // From its factors. What they say of the other blocks alone is added to `rest`.
   void gather(const Model& model, const std::vector<int64_t>& factors, const std::vector<int>& position, LinearFactor& linear,
-              BlockMatrix* rest);
+              BlockMatrix& rest);
 };
 
 class Information {
@@ -30,10 +30,7 @@ class Information {
   BlockMatrix& reduced() { return reduced_; }
   const BlockMatrix& reduced() const { return reduced_; }
   int position(int block) const { return position_[block]; }  // -1: held, or a landmark
-  const std::vector<int>& positions() const { return position_; }
   int block_at(int position) const { return order_[position]; }
-  const std::vector<int64_t>& factors_of(int64_t landmark) const { return of_landmark_[landmark]; }
-  const std::vector<int64_t>& factors_of_no_landmark() const { return free_of_landmarks_; }
 
   // Inverse of a landmark's own information. Throws StageError with the direction that nothing determines.
   static Eigen::Matrix3d invert(const LandmarkInformation& landmark, int64_t index);

@@ -7,7 +7,10 @@
 #include <numeric>
 #include <set>
 
+#include "common/blas_guard.h"
 #include "common/errors.h"
+#include "solve/covariance.h"
+#include "solve/information.h"
 
 namespace hullrecon {
 namespace {
@@ -285,6 +288,51 @@ double JoinedProblem::gradient_norm() {
 
 void JoinedProblem::end() {
   each([](Part& part) { part.set(part.x), part.model.refresh(false, true); });
+}
+
+std::vector<Covariance> JoinedProblem::marginals() {
+  const BlasGuard guard;
+  bool determined = true;
+  top_->clear();
+  each([&](Part& part) {
+    part.model.refresh(false, true);
+    part.schur.linearise();
+    determined = determined && part.schur.condense(part.schur.no_damping()) && part.schur.determines_all();
+    if (determined) join(part);
+  });
+  constexpr double kVanished = 1e-12;  // of a pivot, as of a whole problem
+  if (!determined || !top_->factor() || !(top_->least_pivot() > kVanished)) {
+    for (const auto& part : parts_) Information{part->model};  // names a landmark that its own factors do not determine
+    throw StageError("the factors leave a direction undetermined", "parts", "add a prior or hold a block");
+  }
+  top_->invert();
+  std::vector<Covariance> out;
+  each([&](Part& part) {
+    take_inverse(part);
+    part.schur.invert();
+    out.push_back(hullrecon::marginals(part.model, part.schur));
+  });
+  return out;
+}
+
+// Gives a part the inverse of its interface and border.
+void JoinedProblem::take_inverse(Part& part) {
+  auto left = part.schur.condensed();
+  const ReducedLayout& layout = part.schur.layout();
+  const int first = part.offset(layout.blocks()), width = layout.border();
+  for (size_t i = 0; i < part.interface.size(); ++i) {
+    const int column = part.offset(part.interface[i]), columns = layout.width(part.interface[i]);
+    for (size_t j = i; j < part.interface.size(); ++j) {
+      const int row = part.offset(part.interface[j]), rows = layout.width(part.interface[j]);
+      left.block(row, column, rows, columns) = top_->block(part.number[j], part.number[i]);
+    }
+    left.block(first, column, width, columns) = top_->block(shared_, part.number[i])(part.border, Eigen::all);
+  }
+  left.block(first, first, width, width) = top_->block(shared_, shared_)(part.border, part.border);
+}
+
+std::vector<Covariance> covariance(const std::vector<ProblemPart>& parts) {
+  return JoinedProblem(parts).marginals();
 }
 
 Schur::Seconds JoinedProblem::seconds() const {

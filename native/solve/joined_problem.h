@@ -15,6 +15,8 @@
 
 namespace hullrecon {
 
+struct Covariance;  // solve/covariance.h
+
 // A block that several parts hold.
 struct SharedBlock {
   int block;   // of a part's model, a free one that is neither a landmark nor a global
@@ -51,6 +53,8 @@ class JoinedProblem final : public LeastSquares {
   double gradient_norm() override;
   void end() override;
   Schur::Seconds seconds() const override;
+  // Marginals at the model's unknowns, of each part what it holds. Throws StageError where something is not determined.
+  std::vector<Covariance> marginals();
 
  private:
   struct Part;
@@ -60,6 +64,7 @@ class JoinedProblem final : public LeastSquares {
   void place(Part& part);
   void count_once();
   void join(Part& part);
+  void take_inverse(Part& part);
   double model_change() const;
   Eigen::VectorXd of_part(const Part& part, const Eigen::VectorXd& of_top) const;
 

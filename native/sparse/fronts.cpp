@@ -3,6 +3,7 @@
 #include "sparse/fronts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 
 #include "common/parallel.h"
@@ -13,6 +14,9 @@ void dtrsm_(const char* side, const char* uplo, const char* trans, const char* d
             const double* alpha, const double* a, const int* lda, double* b, const int* ldb);
 void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha, const double* a,
             const int* lda, const double* beta, double* c, const int* ldc);
+void dsymm_(const char* side, const char* uplo, const int* m, const int* n, const double* alpha, const double* a,
+            const int* lda, const double* b, const int* ldb, const double* beta, double* c, const int* ldc);
+void dpotri_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k, const double* alpha,
             const double* a, const int* lda, const double* b, const int* ldb, const double* beta, double* c, const int* ldc);
 }
@@ -63,6 +67,7 @@ Fronts::Fronts(FrontTree tree, int threads, bool keeps_root, std::pmr::memory_re
       keeps_root_(keeps_root),
       value_(tree_.values(), pages),
       rest_(tree_.fronts().size()),
+      least_pivot_(tree_.fronts().size(), 1.0),
       pool_(threads_) {
   grain_ = tree_.fronts().back().work / (kGrains * threads_);
   carried_start_.assign(1, 0);
@@ -132,8 +137,18 @@ bool Fronts::factor() {
 void Fronts::factor_front(int front) {
   const Front& f = tree_.fronts()[front];
   rest_[front] = std::make_unique_for_overwrite<double[]>(int64_t{f.below()} * f.below());
+  std::vector<double> own(f.size);
+  for (int c = 0; c < f.size; ++c) own[c] = *at(front, c, c);
   for (int child : tree_.children(front)) take_own(child);
-  if (!is_kept(front)) eliminate(front);
+  if (!is_kept(front)) {
+    eliminate(front);
+    double least = 1;
+    for (int c = 0; c < f.size; ++c) {
+      const double pivot = *at(front, c, c) * *at(front, c, c) / own[c];
+      least = std::isnan(pivot) ? 0 : std::min(least, pivot);
+    }
+    least_pivot_[front] = least;
+  }
   for (int child : tree_.children(front)) take_rest(child), rest_[child].reset();
 }
 
@@ -235,9 +250,9 @@ void Fronts::backward(int front, Eigen::VectorXd& x) {
 }
 
 void Fronts::invert() {
-  for (int front = root(); front >= 0; --front) {
+  visit_all(Order::Down, [&](int front) {
     if (!is_kept(front)) invert_front(front);
-  }
+  });
 }
 
 // Z_RR of a front, its lower half, from the fronts above it: R is a clique of the filled graph.
@@ -259,18 +274,29 @@ Eigen::MatrixXd Fronts::inverse_below(int front) const {
   return out;
 }
 
+// Lower halves alone are read and written.
 void Fronts::invert_front(int front) {
   const Front& f = tree_.fronts()[front];
   if (f.size == 0) return;
-  Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> panel(at(front, 0, 0), f.height, f.size, Eigen::OuterStride<>(f.height));
-  Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(f.size, f.size);
-  panel.topRows(f.size).triangularView<Eigen::Lower>().solveInPlace(inverse);
-  const Eigen::MatrixXd y = panel.bottomRows(f.below()) * inverse;
-  panel.topRows(f.size) = inverse.transpose() * inverse;
-  if (f.below() == 0) return;
-  const Eigen::MatrixXd z_rj = -(inverse_below(front).selfadjointView<Eigen::Lower>() * y);
-  panel.topRows(f.size) -= y.transpose() * z_rj;
-  panel.bottomRows(f.below()) = z_rj;
+  const double one = 1, minus = -1, zero = 0;
+  const int below = f.below();
+  double *const own = at(front, 0, 0), *const y = own + f.size;
+  if (below > 0) dtrsm_("R", "L", "N", "N", &below, &f.size, &one, own, &f.height, y, &f.height);
+  int info = 0;
+  dpotri_("L", &f.size, own, &f.height, &info);
+  if (below == 0) return;
+  const Eigen::MatrixXd z_rr = inverse_below(front);
+  Eigen::MatrixXd z_rj(below, f.size);
+  by_tiles(pool_, f.size, [&](int column, int count) {
+    double* const to = z_rj.col(column).data();
+    dsymm_("L", "L", &below, &count, &minus, z_rr.data(), &below, y + int64_t{column} * f.height, &f.height, &zero, to, &below);
+  });
+  by_tiles(pool_, f.size, [&](int column, int count) {
+    const int rows = f.size - column;
+    dgemm_("T", "N", &rows, &count, &below, &minus, y + int64_t{column} * f.height, &f.height, z_rj.col(column).data(), &below,
+           &one, at(front, column, column), &f.height);
+  });
+  for (int c = 0; c < f.size; ++c) std::copy_n(z_rj.col(c).data(), below, at(front, f.size, c));
 }
 
 }  // namespace hullrecon

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <memory_resource>
@@ -31,6 +32,8 @@ class Fronts {
     return value_.data() + f.value + int64_t{column} * f.height + row;
   }
   bool factor();  // the lower half becomes the factor's; false: not positive definite
+  // Of a factor: its least pivot, as a share of the matrix's own diagonal there: one less the squared multiple correlation.
+  double least_pivot() const { return *std::min_element(least_pivot_.begin(), least_pivot_.end()); }
   // x := inverse(L) x, then x := inverse(L') x. A kept root has the right side that belongs to it after the first, and must
   // have its solution before the second.
   void forward(Eigen::VectorXd& x);
@@ -66,6 +69,7 @@ class Fronts {
   double grain_;  // work of a subtree that one thread does alone
   std::pmr::vector<double> value_;
   std::vector<std::unique_ptr<double[]>> rest_;  // what a front leaves to its parent until that took it: lower half, by columns
+  std::vector<double> least_pivot_;              // of each front
   std::vector<int64_t> carried_start_;
   std::vector<double> carried_;  // the same of the right side
   std::atomic<bool> definite_ = true;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <new>
+#include <utility>
 
 namespace hullrecon {
 namespace {
@@ -101,12 +102,16 @@ ReducedSystem::ReducedSystem(std::vector<int> width, int border, const std::vect
   fronts_ = std::make_unique<Fronts>(FrontTree(width_at, below_start, below, kept), threads, kept > 0, pages);
 }
 
-Eigen::MatrixXd ReducedSystem::block(int a, int b) const {
-  if (position_[a] < position_[b]) return block(b, a).transpose();
+Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>> ReducedSystem::lower(int a, int b) const {
+  if (is_later(b, a)) std::swap(a, b);
   const auto [front, r, c] = tree().position(position_[a], position_[b]);
-  const int rows = tree().width(position_[a]), columns = tree().width(position_[b]), height = tree().fronts()[front].height;
-  Eigen::MatrixXd m = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>(fronts_->at(front, r, c), rows, columns,
-                                                                                 Eigen::OuterStride<>(height));
+  return {fronts_->at(front, r, c), tree().width(position_[a]), tree().width(position_[b]),
+          Eigen::OuterStride<>(tree().fronts()[front].height)};
+}
+
+Eigen::MatrixXd ReducedSystem::block(int a, int b) const {
+  if (is_later(b, a)) return block(b, a).transpose();
+  Eigen::MatrixXd m = lower(a, b);
   if (a == b) m.triangularView<Eigen::StrictlyUpper>() = m.transpose();
   return m;
 }

@@ -50,6 +50,7 @@ class ReducedSystem {
   void add_diagonal(const Eigen::VectorXd& d);
 
   bool factor() { return fronts_->factor(); }  // false: not positive definite. The matrix is gone then.
+  double least_pivot() const { return fronts_->least_pivot(); }
   void solve(Eigen::VectorXd& x) { forward(x), backward(x); }
 
   // Of a part: its solution in halves, between which the interface's is put into x (fronts.h).
@@ -65,6 +66,9 @@ class ReducedSystem {
   // Of a factor: its matrix's inverse, read by block. Of a part condensed() has to hold that of interface and border.
   void invert() { fronts_->invert(); }
   Eigen::MatrixXd block(int a, int b) const;  // (width of a, width of b), where the factor has an entry
+  // The same where it stands: rows of that of both which is_later(); of a block with itself the lower half counts.
+  Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>> lower(int a, int b) const;
+  bool is_later(int a, int b) const { return position_[a] > position_[b]; }
 
  private:
   template <class Product>

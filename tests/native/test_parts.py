@@ -192,3 +192,16 @@ def test_a_number_that_no_part_has_is_refused(side):
     part = Part(problem=side[0], shared_poses=np.array([[3, 1]], np.int32))
     with pytest.raises(InputError, match="no part has shared block 0"):
         solve_parts([part], Options())
+
+
+def test_marginals_repeat_their_bytes_on_any_number_of_threads(side):
+    problem, stripe = side
+    parts = list(SubProblems(problem, stripe // 2).parts())
+    one, three = (
+        [covariance(problem, options), *covariance_parts(parts, options)]
+        for options in (Options(threads=1), Options(threads=3))
+    )
+    for here, there in zip(one, three, strict=True):
+        for name in ("pose", "pose_T_g_M", "landmark", "landmark_T_g_M", "T_g_M", "navigation"):
+            assert getattr(here, name).tobytes() == getattr(there, name).tobytes(), name
+        assert here.leverage_by_factor == there.leverage_by_factor
