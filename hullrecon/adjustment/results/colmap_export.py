@@ -19,7 +19,7 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.tracks import Tracks
-from hullrecon.typing import Array, Ints, Mask
+from hullrecon.typing import Array, Ints, Ints32, Mask
 
 TOP, BOTTOM = 1, 2  # camera ids; the rig has id 1
 
@@ -97,23 +97,23 @@ def _camera(number: int, camera: CameraModel) -> Any:
 class _Seen:
     """Observations, sorted by (image, landmark)."""
 
-    image: Ints  # id
-    landmark: Ints
-    pixel: Array
-    keypoint: Ints  # number within the image
+    image: Ints32  # id
+    row: Ints32  # of the tracks
+    keypoint: Ints32  # number within the image
 
 
 def _observations(model: SparseModel) -> _Seen:
     tracks, known = model.tracks, np.isfinite(model.position[:, 0])
-    top, bottom = (use & known[tracks.landmark] for use in (model.top, model.bottom))
-    image = np.r_[2 * tracks.node[top] + TOP, 2 * tracks.node[bottom] + BOTTOM]
-    landmark = np.r_[tracks.landmark[top], tracks.landmark[bottom]]
-    pixel = np.vstack([tracks.top[top], tracks.bottom[bottom]]) + 0.5
-    order = np.lexsort((landmark, image))
-    image, landmark, pixel = image[order], landmark[order], pixel[order]
+    top, bottom = (
+        np.flatnonzero(use & known[tracks.landmark]).astype(np.int32)
+        for use in (model.top, model.bottom)
+    )
+    image = np.r_[2 * tracks.node[top] + TOP, 2 * tracks.node[bottom] + BOTTOM].astype(np.int32)
+    order = np.argsort(image, kind="stable")  # tracks are sorted by landmark
+    image, row = image[order], np.r_[top, bottom][order]
     first = np.r_[0, np.flatnonzero(np.diff(image)) + 1] if len(image) else np.zeros(0, int)
-    start = np.repeat(first, np.diff(np.r_[first, len(image)]))
-    return _Seen(image, landmark, pixel, np.arange(len(image)) - start)
+    start = np.repeat(first.astype(np.int32), np.diff(np.r_[first, len(image)]))
+    return _Seen(image, row, np.arange(len(image), dtype=np.int32) - start)
 
 
 def _add_images(reconstruction: Any, model: SparseModel, seen: _Seen) -> None:
@@ -140,8 +140,12 @@ def _add_images(reconstruction: Any, model: SparseModel, seen: _Seen) -> None:
         for image_id, camera_id, stamp in ids:
             rows = slice(*np.searchsorted(seen.image, [image_id, image_id + 1]))
             name = f"{(Camera.TOP if camera_id == TOP else Camera.BOTTOM).key}/{stamp}.jpg"
+            pixels = model.tracks.top if camera_id == TOP else model.tracks.bottom
             image = pycolmap.Image(
-                name=name, keypoints=seen.pixel[rows], camera_id=camera_id, image_id=image_id
+                name=name,
+                keypoints=pixels[seen.row[rows]] + 0.5,
+                camera_id=camera_id,
+                image_id=image_id,
             )
             image.frame_id = int(node) + 1
             reconstruction.add_image(image)
@@ -151,18 +155,15 @@ def _add_images(reconstruction: Any, model: SparseModel, seen: _Seen) -> None:
 def _add_points(reconstruction: Any, model: SparseModel, seen: _Seen) -> None:
     import pycolmap
 
-    order = np.lexsort((seen.image, seen.landmark))
-    landmark, image, keypoint = (
-        seen.landmark[order],
-        seen.image[order].tolist(),
-        seen.keypoint[order].tolist(),
-    )
+    landmark = model.tracks.landmark[seen.row].astype(np.int32)
+    order = np.lexsort((seen.image, landmark))
+    landmark, image, keypoint = landmark[order], seen.image[order], seen.keypoint[order]
     edges = np.r_[0, np.flatnonzero(np.diff(landmark)) + 1, len(landmark)].tolist()
     for low, high in pairwise(edges):
         number = int(landmark[low])
         elements = [
             pycolmap.TrackElement(i, p)
-            for i, p in zip(image[low:high], keypoint[low:high], strict=True)
+            for i, p in zip(image[low:high].tolist(), keypoint[low:high].tolist(), strict=True)
         ]
         point = pycolmap.Point3D(
             xyz=model.position[number],
