@@ -31,7 +31,7 @@ from hullrecon.adjustment.partition.plan import plan_along
 from hullrecon.adjustment.problem.lens import mode_shares
 from hullrecon.typing import Array, Ints
 
-REACH_M = 0.7  # of what a pose sees from where it looks
+REACH_M = 0.45  # of what a pose sees from where it looks: some 35 poses share landmarks
 START_M, START_RAD, LANDMARK_M = 0.005, 0.001, 0.01  # sigmas of the start
 LENS_PX = 0.1
 
@@ -41,8 +41,8 @@ def make(poses: int, landmarks: int, legs: int, views: float, seed: int = 0) -> 
     size = Size(poses, poses, landmarks, stereo=True, legs=legs)
     problem, truth = simulate(size, seed)
     rng = np.random.default_rng(seed + 1)
-    node, landmark = _views(size, truth, views, rng)
-    pixel = _pixels(truth, node, landmark) + NOISE_PX * rng.standard_normal((len(node), 4))
+    node, landmark = views_of(size, truth, views, rng)
+    pixel = pixels_of(truth, node, landmark) + NOISE_PX * rng.standard_normal((len(node), 4))
     start = truth.nodes.translation + START_M * rng.standard_normal((poses, 3))
     pose = np.hstack([start, truth.nodes.quaternion, truth.tray[:, None]])
     pose[:, 3:6] += 0.5 * START_RAD * rng.standard_normal((poses, 3))
@@ -64,14 +64,14 @@ def make(poses: int, landmarks: int, legs: int, views: float, seed: int = 0) -> 
     return replace(problem, unknowns=unknowns, stereo=stereo, lenses=lenses)
 
 
-def _views(size: Size, truth: Truth, views: float, rng: np.random.Generator) -> tuple[Ints, Ints]:
+def views_of(size: Size, truth: Truth, views: float, rng: np.random.Generator) -> tuple[Ints, Ints]:
     """Choose who sees what, (m,) nodes and landmarks, of all views that there are."""
     x, z = tracks(size)
     in_hull = truth.global_from_hull.inverse().apply(truth.landmark)
     near = cKDTree(np.stack([x, z], axis=1)).query_ball_point(in_hull[:, [0, 2]], REACH_M)
     landmark = np.repeat(np.arange(len(near)), [len(k) for k in near])
     node = np.concatenate([np.asarray(k, np.int64) for k in near])
-    whole = within(_pixels(truth, node, landmark))
+    whole = within(pixels_of(truth, node, landmark))
     node, landmark = node[whole], landmark[whole]
     kept = rng.random(len(node)) < views * size.landmarks / max(1, len(node))
     twice = np.bincount(landmark[kept], minlength=size.landmarks)[landmark] < 2
@@ -79,7 +79,7 @@ def _views(size: Size, truth: Truth, views: float, rng: np.random.Generator) -> 
     return node[kept], landmark[kept]
 
 
-def _pixels(truth: Truth, node: Ints, landmark: Ints) -> Array:
+def pixels_of(truth: Truth, node: Ints, landmark: Ints) -> Array:
     return project(
         truth.nodes[node], truth.tray[node], truth.landmark[landmark], TRAY_FROM_TOP, stereo=True
     )
