@@ -105,7 +105,10 @@ def fit_of_positions(
     """
     if ties is None:
         return None
-    found = native.evaluate(problem, options, jacobian=False)
+    alone = native.Problem(
+        unknowns=replace(problem.unknowns, landmark=np.zeros((0, 3))), positions=problem.positions
+    )
+    found = native.evaluate(alone, options, jacobian=False)
     rows = found.residual[found.factor == native.FACTORS.index("position")].reshape(-1, 2)
     away = np.linalg.norm(rows, axis=1)
     rms = float(np.median(away)) / MEDIAN_OF_NORM

@@ -16,7 +16,7 @@ from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.adjustment.problem.triangulation import camera_poses, reprojection_errors
 from hullrecon.geometry.robust import robust_sigma
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array, Ints, Ints32
 
 MIN_RESIDUALS = 100  # from which a sigma is estimated
 RESPONSE_GROUPS = 12
@@ -98,28 +98,36 @@ def estimate_pixel_sigmas(
     """
     if m.tracks is None or state.mounts.tray_from_top is None:
         return MIN_SIGMA_PX, weights.pixel_ratio
-    poses = camera_poses(m.rig, state)
-    errors = reprojection_errors(m.tracks, state.landmark, *poses, m.rig)
     count, landmark = selection.landmark_count(m), m.tracks.landmark
-    seen = chosen.top.astype(float) + chosen.bottom
+    seen = chosen.top.astype(np.int8) + chosen.bottom
     rays = np.bincount(landmark, seen, minlength=count)
-    known = np.isin(landmark, chosen.landmarks)
-    well = (rays[landmark] >= min(MIN_RAYS, np.percentile(rays[chosen.landmarks], 75))) & known
-    row = np.r_[np.flatnonzero(well & chosen.top), np.flatnonzero(well & chosen.bottom)]
-    length = np.r_[errors[0][well & chosen.top], errors[1][well & chosen.bottom]]
-    if len(length) < MIN_RESIDUALS:
+    used = np.zeros(count, bool)
+    used[chosen.landmarks] = rays[chosen.landmarks] >= min(
+        MIN_RAYS, np.percentile(rays[chosen.landmarks], 75)
+    )
+    of_top, of_bottom = (np.flatnonzero(used[landmark] & k) for k in (chosen.top, chosen.bottom))
+    row = np.r_[of_top, of_bottom].astype(np.int32)
+    if len(row) < MIN_RESIDUALS:
         return max(MIN_SIGMA_PX, m.rig.priors.pixel_sigma_px), np.ones_like(weights.pixel_ratio)
+    length = _residual_lengths(m, state, of_top, of_bottom)
     weight = weights.pixel_ratio**-2
     whole = np.bincount(landmark, weight * seen, minlength=count)
     # of the two coordinates of a ray
-    freedom = 1 - 1.5 * (weight / np.maximum(whole[landmark], weight))[row]
+    freedom = 1 - 1.5 * (weight[row] / np.maximum(whole[landmark[row]], weight[row]))
     pixel = max(MIN_SIGMA_PX, _sigma_of_lengths(length, freedom))
     by_response = _sigma_by_response(m.tracks.response, row, length, freedom, pixel)
     return pixel, np.maximum(by_response, MIN_SIGMA_PX) / pixel
 
 
+def _residual_lengths(m: Measurements, state: State, of_top: Ints, of_bottom: Ints) -> Array:
+    """Compute the reprojection errors of rows in the top camera, then of rows in the bottom one."""
+    assert m.tracks is not None  # which have these rows
+    top, bottom = reprojection_errors(m.tracks, state.landmark, *camera_poses(m.rig, state), m.rig)
+    return np.asarray(np.r_[top[of_top], bottom[of_bottom]])
+
+
 def _sigma_by_response(
-    response: Array, row: Ints, length: Array, freedom: Array, pixel: float
+    response: Array, row: Ints32, length: Array, freedom: Array, pixel: float
 ) -> Array:
     """Estimate the sigma (m,) of each observation from its group of like response.
 
@@ -136,12 +144,14 @@ def _sigma_by_response(
     edges = np.unique(
         np.quantile(of_length[responds], np.arange(1, RESPONSE_GROUPS) / RESPONSE_GROUPS)
     )
-    group = np.searchsorted(edges, of_length[responds], side="right")
-    groups = [responds[group == k] for k in range(len(edges) + 1)]
-    groups = [rows for rows in groups if len(rows) >= MIN_RESIDUALS]
-    if groups:
-        found = [_sigma_of_lengths(length[rows], freedom[rows]) for rows in groups]
-        center = [np.median(of_length[rows]) for rows in groups]
+    group = np.searchsorted(edges, of_length[responds], side="right").astype(np.int8)
+    center, found = [], []
+    for k in range(len(edges) + 1):
+        rows = responds[group == k]
+        if len(rows) >= MIN_RESIDUALS:
+            center.append(np.median(of_length[rows]))
+            found.append(_sigma_of_lengths(length[rows], freedom[rows]))
+    if found:
         known = np.flatnonzero(response > 0)
         sigma[known] = np.exp(np.interp(np.log(response[known]), np.log(center), np.log(found)))
     return sigma
