@@ -20,7 +20,7 @@ bool Schur::determines_all() const {
 
 // With H between the landmark and the rest, and Z the rest's covariance: K + K H Z H' K, and -K H Z against T_g_M (19).
 void Schur::covariance_of_landmark(int64_t rank, LandmarkCovariance& out) const {
-  auto& [own, with_hull, block, column, cross, spread] = out;
+  auto& [own, with_hull, block, column, cross, turned] = out;
   const auto views = images_.views_of_landmark(rank);
   const auto terms = surface_.of_landmark(rank);
   const int border = layout_.blocks(), width = layout_.width(0);
@@ -53,24 +53,34 @@ void Schur::covariance_of_landmark(int64_t rank, LandmarkCovariance& out) const 
       cross.col(place(layout_.node(nodes[k]), 1)) += (s.by_field * weights[k]) * s.n;
   }
   for (int c = 0; c < intrinsics_; ++c) cross.col(of_border + intrinsics_in_border(c)) += intrinsics_of(rank).col(c);
-  spread.setZero(columns, 3);
+  turned = cross.transpose();
+  with_hull.setZero();
+  Mat3 squares = Mat3::Zero(), products = Mat3::Zero();  // of H Z H'
+  const auto of = [&](size_t k, const auto& z) { return turned.middleRows(column[k], z); };
+  const auto add_hull = [&](const auto& by_border, size_t k) {
+    if (hull_ >= 0) with_hull += (by_border.template middleRows<6>(hull_).lazyProduct(of(k, by_border.cols()))).transpose();
+  };
   for (size_t a = 0; a < block.size(); ++a) {
-    const auto z_aa = reduced_->lower(block[a], block[a]);
-    const auto by_a = cross.middleCols(column[a], z_aa.cols());
-    spread.middleRows(column[a], z_aa.rows()).noalias() += z_aa.selfadjointView<Eigen::Lower>() * by_a.transpose();
+    const auto z = reduced_->lower(block[a], block[a]);
+    const Eigen::MatrixX3d by = of(a, z.cols());
+    Eigen::MatrixX3d moved(z.rows(), 3);
+    for (int c = 0; c < 3; ++c) moved.col(c).noalias() = z.selfadjointView<Eigen::Lower>() * by.col(c);
+    squares += by.transpose().lazyProduct(moved);
+    if (block[a] == border && hull_ >= 0) with_hull += moved.middleRows<6>(hull_).transpose();
     for (size_t b = 0; b < a; ++b) {
-      const bool turned = reduced_->is_later(block[b], block[a]);
-      const size_t row = turned ? b : a, other = turned ? a : b;
-      const auto z = reduced_->lower(block[a], block[b]);
-      spread.middleRows(column[row], z.rows()).noalias() += z * cross.middleCols(column[other], z.cols()).transpose();
-      spread.middleRows(column[other], z.cols()).noalias() +=
-          z.transpose() * cross.middleCols(column[row], z.rows()).transpose();
+      const bool is_later = reduced_->is_later(block[a], block[b]);
+      const size_t row = is_later ? a : b, other = is_later ? b : a;
+      const auto below = reduced_->lower(block[a], block[b]);
+      const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, 7, 3> half =
+          below.transpose().lazyProduct(of(row, below.rows()));
+      products += half.transpose().lazyProduct(of(other, below.cols()));
+      if (block[row] == border) add_hull(below, other);
     }
   }
   const Mat3 k = inverse(rank);
-  own = k + k * (cross * spread) * k;
+  own = k + k * (squares + products + products.transpose()) * k;
   own = (0.5 * (own + own.transpose())).eval();
-  if (hull_ >= 0) with_hull = -k * spread.middleRows<6>(of_border + hull_).transpose();
+  with_hull = (-k * with_hull).eval();
 }
 
 }  // namespace hullrecon

@@ -64,10 +64,10 @@ class Schur {
   struct LandmarkCovariance {
     Mat3 own;
     Eigen::Matrix<double, 3, 6> with_hull;  // with T_g_M
-    // What its factors say of it and of the blocks that they meet, the border the last; and their covariance times that.
+    // The blocks that its factors meet, the border the last, their first columns, and what they say of it and of these.
     std::vector<int> block, column;
     Eigen::Matrix3Xd cross;
-    Eigen::MatrixX3d spread;
+    Eigen::MatrixX3d turned;  // the same by columns
   };
   void covariance_of_landmark(int64_t rank, LandmarkCovariance& out) const;
 
