@@ -26,11 +26,13 @@ from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.adjustment.rounds import (
     Estimate,
+    Keep,
     Report,
     RoundResult,
     RoundSolver,
     Stage,
     Verdict,
+    make_anew,
 )
 from hullrecon.adjustment.stereo_calibration import free_contradicted_rig
 from hullrecon.rig import Rig
@@ -65,7 +67,11 @@ class Adjusted:
 
 
 def adjust(
-    measured: Measurements, options: AdjustOptions, report: Report, strategy: Strategy = PRODUCT
+    measured: Measurements,
+    options: AdjustOptions,
+    report: Report,
+    strategy: Strategy = PRODUCT,
+    keep: Keep = make_anew,
 ) -> Adjusted:
     """Adjust images, ranges, navigation and the CAD model of a dive together.
 
@@ -79,6 +85,8 @@ def adjust(
         Told a line after each round and decision.
     strategy
         What is solved for. The sources' variants are in hullrecon/studies.
+    keep
+        Finds the stages that a run which did not end has left.
 
     Raises
     ------
@@ -87,8 +95,10 @@ def adjust(
     ContradictionError
         When measurements contradict each other by more than a correction may take out.
     """
-    solver = RoundSolver(calibrated=measured.rig, options=options, strategy=strategy, report=report)
-    settled = solve_path_and_place(measured, solver)
+    solver = RoundSolver(
+        calibrated=measured.rig, options=options, strategy=strategy, report=report, keep=keep
+    )
+    settled = solver.stage(lambda: solve_path_and_place(measured, solver), "path and place")
 
     # Then labels and ranges: all landmarks, with the CAD model if it is accepted.
     return solve_all_landmarks(settled, solver)
@@ -97,7 +107,7 @@ def adjust(
 def solve_path_and_place(measured: Measurements, solver: RoundSolver) -> Stage:
     """Solve the path, and the CAD model's place on it. Raises as `adjust`."""
     # First the path, from images and navigation.
-    path = solve_path(measured, solver)
+    path = solver.stage(lambda: solve_path(measured, solver), "path")
 
     # Then the place: the CAD model registered to that path, and judged.
     placed = None

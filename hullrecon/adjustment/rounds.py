@@ -8,7 +8,7 @@ import logging
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
 
@@ -32,6 +32,20 @@ if TYPE_CHECKING:
     from hullrecon.adjustment.suspects import Trial
 
 Report = Callable[[str], None]
+Made = TypeVar("Made")
+
+
+class Keep(Protocol):
+    """Makes something that takes long, or finds it by its label where it was made before."""
+
+    def __call__(self, make: Callable[[], Made], label: str, /) -> Made: ...
+
+
+def make_anew(make: Callable[[], Made], label: str) -> Made:
+    """Keep nothing. A `Keep`."""
+    return make()
+
+
 OUTLIER_SIGMAS = 5.0  # observations with larger residuals are left out
 LEAST_MAX_PX = 2.0  # outlier limit of rounds before the last, whose path may still be off
 # Damping holds what many measurements share, a single camera's scale and the bends of a long path,
@@ -154,6 +168,13 @@ class RoundSolver:
     anchors: int = ANCHORS
     history: list[iteration_history.Round] = field(default_factory=list)
     begun_s: float = field(default_factory=time.perf_counter)
+    keep: Keep = make_anew  # finds the stages of a run that did not end
+
+    def stage(self, solve: Callable[[], Stage], label: str) -> Stage:
+        """Solve a stage, unless a run that did not end has left it."""
+        stage, rounds = self.keep(lambda: (solve(), tuple(self.history)), label)
+        self.history[:] = rounds
+        return stage
 
     @property
     def settings(self) -> native.Options:

@@ -14,10 +14,13 @@ import io
 import logging
 import pickle
 import shutil
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import is_dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TypeVar
+
+import msgspec
 
 from hullrecon.artifacts.disk import remove, replace_file, storage_errors
 from hullrecon.artifacts.documents import digest
@@ -71,6 +74,7 @@ class PartStore:
         items: Sequence[Item],
         compute: Callable[[Sequence[Item]], Iterator[Result]],
         depends: Depends[Item] | None = None,
+        given: Mapping[str, object] = MappingProxyType({}),
     ) -> tuple[int, Iterator[Result]]:
         """Compute the results of the items that have no part yet, and keep them.
 
@@ -83,6 +87,8 @@ class PartStore:
         depends
             All of the inputs' content that the item's result depends on, in place of the item and
             the inputs as a whole.
+        given
+            Objects that results may hold and every run has, by name: a part names them only.
 
         Returns
         -------
@@ -93,7 +99,7 @@ class PartStore:
         """
         parts = [self._place(label, item, depends) for item in items]
         missing = [_read(part) is None for part in parts]
-        return len(items) - sum(missing), self._results(items, parts, missing, compute)
+        return len(items) - sum(missing), self._results(items, parts, missing, compute, given)
 
     def _results(
         self,
@@ -101,25 +107,36 @@ class PartStore:
         parts: Sequence[Path],
         missing: Sequence[bool],
         compute: Callable[[Sequence[Item]], Iterator[Result]],
+        given: Mapping[str, object],
     ) -> Iterator[Result]:
         lacking = [item for item, lacks in zip(items, missing, strict=True) if lacks]
-        computed = iter(compute(lacking))
+        computed = iter(compute(lacking) if lacking else ())
         for item, part, lacks in zip(items, parts, missing, strict=True):
             data = None if lacks else _read(part)
-            if data is None:
-                result = next(computed) if lacks else next(iter(compute([item])))
-                data = pickle.dumps(result, protocol=5)
-                self._keep(part, data)
-            yield _PlainData(io.BytesIO(data)).load()
+            if data is not None:
+                yield _PlainData(data, given).load()
+            else:
+                made = next(computed) if lacks else next(iter(compute([item])))
+                yield self._keep(part, made, given)
 
     def _place(self, label: str, item: Item, depends: Depends[Item] | None) -> Path:
         decided = (self._inputs, item) if depends is None else depends(item)
         return self._folder / _value_hash((label, decided))
 
-    def _keep(self, part: Path, data: bytes) -> None:
+    def _keep(self, part: Path, made: Result, given: Mapping[str, object]) -> Result:
+        """Write a result, and return it as it is read, so that a later run has the same."""
+        try:
+            data = _write(made, given)
+            read: Result = _PlainData(data, given).load()
+        except (pickle.PicklingError, pickle.UnpicklingError, AttributeError, TypeError) as error:
+            log.warning("%s: a finished part cannot be kept: %s", self._step, error)
+            return made
+        if self._keeps:
+            self._write(part, data)
+        return read
+
+    def _write(self, part: Path, data: bytes) -> None:
         """Write a part. Where the disk is short of room, remove all and keep none from now on."""
-        if not self._keeps:
-            return
         with storage_errors(self._all):
             try:
                 self._folder.mkdir(parents=True, exist_ok=True)
@@ -159,14 +176,39 @@ def _read(part: Path) -> bytes | None:
     return data if hashlib.sha256(data).digest() == content[:_HASH_BYTES] else None
 
 
+def _write(result: object, given: Mapping[str, object]) -> bytes:
+    """Pickle a result, with what is given by name."""
+    data = io.BytesIO()
+    _Naming(data, given).dump(result)
+    return data.getvalue()
+
+
+class _Naming(pickle.Pickler):
+    """Writes the name of what is given in its place."""
+
+    def __init__(self, file: io.BytesIO, given: Mapping[str, object]) -> None:
+        super().__init__(file, protocol=5)
+        self._names = {id(value): name for name, value in given.items() if value is not None}
+
+    def persistent_id(self, value: object) -> str | None:
+        return self._names.get(id(value))
+
+
 class _PlainData(pickle.Unpickler):
     """Reads data classes, enumerations and arrays, and calls nothing else."""
+
+    def __init__(self, data: bytes, given: Mapping[str, object]) -> None:
+        super().__init__(io.BytesIO(data))
+        self._given = given
+
+    def persistent_load(self, name: str) -> object:
+        return self._given[name]
 
     def find_class(self, module: str, name: str) -> Any:
         found = super().find_class(module, name)
         package = module.partition(".")[0]
         if package == "numpy" and (name in _OF_NUMPY or module.startswith("numpy.dtypes")):
             return found
-        if isinstance(found, type) and (is_dataclass(found) or issubclass(found, enum.Enum)):
+        if is_dataclass(found) or isinstance(found, enum.EnumType | msgspec.StructMeta):
             return found
         raise pickle.UnpicklingError(f"{module}.{name} is no data that a part may hold")

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Siz
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -192,6 +193,25 @@ class Context(Generic[Parameters]):
     ) -> list[Result]:
         """Compute results in order, as `stream` does by the executor."""
         return list(self.stream(function, items, label))
+
+    def once(
+        self,
+        make: Callable[[], Result],
+        label: str,
+        given: Mapping[str, object] = MappingProxyType({}),
+    ) -> Result:
+        """Make something that takes long, unless a run which did not end has left it.
+
+        `given`: objects that it may hold and every run has, by name.
+        """
+        if self._parts is None:
+            return make()
+        compute: Callable[[Sequence[str]], Iterator[Result]] = lambda _: iter([make()])  # noqa: E731
+        kept, results = self._parts.resume(label, [label], compute, given=given)
+        if kept:
+            log.info("%s: %s: there from a run that did not end", self._stage.name, label)
+            self._outlook.resume()
+        return next(results)
 
     def warn(self, message: str) -> None:
         """Add a sentence to the log, the manifest and summary.json."""

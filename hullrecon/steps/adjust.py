@@ -7,6 +7,7 @@ from __future__ import annotations
 import logging
 import tempfile
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -46,7 +47,14 @@ def run_adjustment(context: Context[Options], strategy: Strategy) -> None:
     measured = _measurements(context)
     if not strategy.hull:
         measured = replace(measured, cad_model=None, planes=None)
-    adjusted = adjust(measured, context.parameters, logging.getLogger(__name__).info, strategy)
+    given = {name: getattr(measured, name) for name in measured.__dataclass_fields__}
+    adjusted = adjust(
+        measured,
+        context.parameters,
+        logging.getLogger(__name__).info,
+        strategy,
+        partial(context.once, given=given),
+    )
     outcome = summarise_adjustment(measured, adjusted, context.parameters)
     for sentence in [
         *guess_without_depth(measured.cad_model, measured.attitude),

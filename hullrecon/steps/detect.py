@@ -47,8 +47,11 @@ def run(context: Context[DetectOptions], fusion: Fusion = fuse_heights) -> None:
         depth_sigma_m=depth_sigma_m,
     )
     views = _views(context, inputs, solution)
-    structures = find_structures(
-        base, solution.landmarks, solution.deviation_field, views, context.parameters, fusion
+    structures = context.once(
+        lambda: find_structures(
+            base, solution.landmarks, solution.deviation_field, views, context.parameters, fusion
+        ),
+        "structures",
     )
     if structures.as_found is not None:
         context.out.arrays("as_found.npz", to_arrays(structures.as_found))

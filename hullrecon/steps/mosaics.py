@@ -98,7 +98,9 @@ def write_mosaic(
         max_faces=context.parameters.max_faces,
         facts={**facts, "surface": inputs.surface_name},
     )
-    made = make_deliverables(inputs.surface, store, presentation)
+    made = context.once(
+        lambda: make_deliverables(inputs.surface, store, presentation), "textured mesh"
+    )
     context.out.bytes("ortho.png", made.preview)
     if made.textured_mesh is not None:
         context.out.bytes("mosaic.glb", made.textured_mesh)

@@ -7,8 +7,10 @@ parts are, and the bytes are those of an undisturbed run.
 from __future__ import annotations
 
 import errno
+import hashlib
 import os
 import pickle
+import re
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -23,6 +25,7 @@ from benchmarks.lasting_bytes import lasting_hashes
 from hullrecon.artifacts import parts
 from hullrecon.artifacts.chain import Chain
 from hullrecon.artifacts.executor import Executor
+from hullrecon.artifacts.manifest import Recipe
 from hullrecon.artifacts.parts import PartStore
 from hullrecon.artifacts.runner import RunContext, run_chain
 from hullrecon.artifacts.stage import Context, Stage
@@ -96,6 +99,10 @@ class Bench:
             self.run()
         self.deaths = []
         return self.made
+
+    def store(self) -> PartStore:
+        recipe = Recipe(stage="sizes", version=1, settings={})
+        return PartStore(self.folder, recipe)
 
     @property
     def folder(self) -> Path:
@@ -208,8 +215,7 @@ def _twice(items: Sequence[object]) -> Iterator[object]:
 
 def test_a_part_is_found_by_value_not_by_what_is_shared(bench: Bench) -> None:
     bench.run_killed_at("bow")
-    recipe = SimpleNamespace(version=1, settings={}, stage="sizes", content={})
-    store = PartStore(bench.folder, recipe)  # type: ignore[arg-type]
+    store = bench.store()
     shared = np.arange(3.0)
     list(store.resume("pairs", [(shared, shared)], _twice)[1])
     assert store.resume("pairs", [(shared.copy(), shared.copy())], _twice)[0] == 1
@@ -221,9 +227,36 @@ class Command:
         return os.getenv, ("HOME",)
 
 
-def test_a_part_calls_nothing_when_it_is_read() -> None:
-    recipe = SimpleNamespace(version=1, settings={}, stage="sizes", content={})
-    store = PartStore(Path("/nowhere"), recipe)  # type: ignore[arg-type]
-    store._keeps = False
+def test_what_is_no_data_is_not_kept(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
+    store = bench.store()
+    command = Command()
+    assert list(store.resume("commands", ["x"], lambda items: iter([command]))[1]) == [command]
+    assert re.search(r"a finished part cannot be kept: \w+.getenv is no data", caplog.text)
+    assert not bench.folder.exists()
+
+
+def test_a_forged_part_runs_nothing(bench: Bench) -> None:
+    store = bench.store()
+    list(store.resume("words", ["x"], lambda items: iter(["y"]))[1])
+    (part,) = bench.parts()
+    data = pickle.dumps(Command())
+    part.write_bytes(hashlib.sha256(data).digest() + data)
     with pytest.raises(pickle.UnpicklingError, match="getenv is no data"):
-        list(store.resume("commands", ["x"], lambda items: iter([Command()]))[1])
+        list(store.resume("words", ["x"], lambda items: iter(["y"]))[1])
+
+
+def test_what_every_run_has_is_not_written_into_a_part(bench: Bench) -> None:
+    store = bench.store()
+    given = {"images": np.zeros(100_000)}
+
+    def make(items: object) -> Iterator[object]:
+        return iter([(given["images"], 5)])
+
+    ((first, _),) = store.resume("stage", ["x"], make, given=given)[1]
+    assert first is given["images"]
+    assert sum(part.stat().st_size for part in bench.parts()) < 200
+    given = {"images": np.ones(100_000)}
+    nobody: list[Iterator[object]] = []  # nothing is left to be made
+    ((again, number),) = store.resume("stage", ["x"], lambda _: nobody.pop(), given=given)[1]
+    assert again is given["images"]
+    assert number == 5
