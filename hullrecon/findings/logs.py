@@ -156,6 +156,8 @@ NOTES: dict[str, Words] = {
         f"by when they were logged, its clock runs {abs(per_million):.0f} millionths "
         f"{'fast' if per_million > 0 else 'slow'}; its stamps were put right"
     ),
+    "stamps-fall-behind": "its stamps fall evenly behind when they were logged, by {seconds:.2f} s "
+    "over the log: its clock is slow, or its messages waited longer and longer; they were kept",
     # streams of one sensor
     "readings-not-finite": "{lost} of {count} readings are no finite numbers and were left out",
     "ranges-all-lost": "every range is lost; it measures no distance to the hull",

@@ -70,14 +70,15 @@ class BagStamps:
     def drift(self) -> tuple[float, Ints] | None:
         """Measure how much faster the clock runs than the logger's, and its delays by that, ns.
 
-        None where the delays do not grow or shrink along a line, as those of a clock do.
+        None where the delays do not grow or shrink along a line, as those of a clock do. A clock
+        that is slow by more than FASTEST_DRIFT cannot be told from a queue that grows.
         """
         at_s = (self.logged_ns - self.logged_ns[0]) / NS
         delay_s = (self.delay_ns - self.delay_ns[0]) / NS
         slope, start_s = np.polyfit(at_s, delay_s, 1) if np.ptp(at_s) > 0 else (0.0, 0.0)
         grown_s = abs(slope) * float(np.ptp(at_s))
         low, high = np.percentile(delay_s - start_s - slope * at_s, [10, 90])
-        if not -FASTEST_AHEAD < slope < FASTEST_DRIFT:
+        if abs(slope) > FASTEST_AHEAD:
             return None
         if max(LEAST_DRIFT_S, (high - low) / STRAIGHT) > grown_s:
             return None
@@ -104,6 +105,12 @@ def join_time_bases(
     shifts: dict[str, Ints] = {}
     notes: list[Finding] = []
     drifts = {name: found for name in known if (found := known[name].drift()) is not None}
+    behind = [name for name, (rate, _) in drifts.items() if rate < -FASTEST_DRIFT]
+    for name in behind:
+        _, delay_ns = drifts.pop(name)
+        if len(behind) < len(known):  # else the logger's clock is fast
+            seconds = float(delay_ns[-1] - delay_ns[0]) / NS
+            notes.append(Finding("stamps-fall-behind", {"seconds": seconds}, name))
     if 0 < len(drifts) < len(right):
         straight_ns = round(float(np.median([offset_ns[n] for n in right if n not in drifts])))
         for name, (rate, delay_ns) in drifts.items():

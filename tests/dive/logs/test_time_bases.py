@@ -112,6 +112,10 @@ def test_a_queue_that_empties_is_no_drift_of_a_clock():
     assert join_time_bases(sensors) == ({}, [])
 
 
-def test_a_queue_that_grows_is_no_drift_of_a_clock():
+def test_a_queue_that_grows_keeps_its_stamps_and_is_told():
     sensors = {"imu": logged(), "pressure": logged(), "dvl": logged(rate=0.98)}
-    assert join_time_bases(sensors) == ({}, [])
+    shifts, notes = join_time_bases(sensors)
+    assert shifts == {}
+    (said,) = sentences(notes)
+    assert said.startswith("dvl: its stamps fall evenly behind")
+    assert join_time_bases({name: logged(rate=0.98) for name in sensors}) == ({}, [])
