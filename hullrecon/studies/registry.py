@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from hullrecon.errors import UsageError
 from hullrecon.studies.association.entries import ASSOCIATION_STUDIES
+from hullrecon.studies.aulinas_studies import AULINAS_STUDIES
 from hullrecon.studies.engine_studies import ENGINE_STUDIES
 from hullrecon.studies.hull_studies import HULL_STUDIES
 from hullrecon.studies.ozog_studies import OZOG_STUDIES
@@ -20,6 +21,7 @@ STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
     *HULL_STUDIES,
     *OZOG_STUDIES,
     *SESSION_STUDIES,
+    *AULINAS_STUDIES,
     *SUBMAP_STUDIES,
     *ASSOCIATION_STUDIES,
     *TARGET_STUDIES,

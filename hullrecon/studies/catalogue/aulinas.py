@@ -30,19 +30,31 @@ _INTRODUCTION = Chapter(
         Part(
             "Fig. 2.3",
             "tree of joins (divide and conquer)",
-            absent=Absence.NOT_BUILT,
+            studies=("joining-schemes/tree_of_joins",),
+            code=("hullrecon/studies/schemes/schemes_study.py:tree_of_joins",),
+            tests=(
+                "tests/studies/schemes/test_schemes.py::test_a_tree_of_joins_ends_with_every_landmark_once",
+            ),
             differs=_ONE_PROBLEM,
         ),
         Part(
             "Fig. 2.4",
             "graph of submaps (hierarchical)",
-            absent=Absence.NOT_BUILT,
+            studies=("joining-schemes/graph_of_submaps",),
+            code=("hullrecon/studies/schemes/schemes_study.py:graph_over_time",),
+            tests=(
+                "tests/studies/schemes/test_schemes.py::test_a_closed_loop_shrinks_the_last_frame",
+            ),
             differs=_ONE_PROBLEM,
         ),
         Part(
             "Fig. 2.5",
             "submaps that share variables (conditionally independent)",
-            absent=Absence.NOT_BUILT,
+            studies=("joining-schemes/shared_variables",),
+            code=("hullrecon/studies/schemes/shared_variables.py:in_two_submaps",),
+            tests=(
+                "tests/studies/schemes/test_schemes.py::test_two_submaps_that_share_variables_are_one_estimate",
+            ),
             differs=_ONE_PROBLEM,
         ),
         Part(
@@ -399,12 +411,16 @@ _FEATURES = Chapter(
             "Fig. 4.23",
             "calibration from images of a board",
             printed="principal point known to some 10 px",
-            absent=Absence.NOT_BUILT,
+            studies=("board-calibration/board_views",),
+            tests=(
+                "tests/studies/calibration/test_board.py::test_sigmas_are_those_of_the_scatter",
+            ),
             code=(
+                "hullrecon/studies/calibration/board.py:calibrate",
                 "hullrecon/adjustment/problem/intrinsics.py:free_intrinsics",
                 "hullrecon/dive/config/calibration.py",
             ),
-            differs="calibrations are read; the adjustment corrects them",
+            differs="in the product calibrations are read, and the adjustment corrects them",
         ),
     ),
 )

@@ -75,7 +75,11 @@ _INTRODUCTION = Chapter(
         Part(
             "1.3.2, incremental solve",
             "smoothing while the vehicle dives",
-            absent=Absence.NOT_BUILT,
+            studies=("incremental/columns_touched",),
+            code=("hullrecon/studies/sessions/incremental.py:SquareRoot",),
+            tests=(
+                "tests/studies/sessions/test_incremental.py::test_pose_by_pose_ends_where_the_batch_does",
+            ),
             differs="dives are processed afterwards, in one batch",
         ),
         Part(
@@ -180,12 +184,17 @@ _SINGLE = Chapter(
         Part(
             "2.3.4.3, eqs (2.4), (2.5), Figs 2.6, 2.7",
             "range of a single beam to a plane that is known",
-            code=("native/factors/plane_residuals.h:PlaneRange",),
+            studies=("lone-beams/lone_beams",),
+            code=(
+                "native/factors/plane_residuals.h:PlaneRange",
+                "hullrecon/studies/sessions/factors.py:Beams",
+            ),
             tests=(
                 "tests/native/test_planes.py::test_a_beam_meets_a_wall_where_the_corrected_formula_says",
             ),
             differs=(
-                "windows whose beams give no patch are left out; with a CAD model every beam counts"
+                "in the product windows whose beams give no patch are left out; with a CAD model "
+                "every beam counts"
             ),
         ),
         Part(
@@ -237,21 +246,36 @@ _SESSIONS = Chapter(
         Part(
             "2.4.3.1, Fig. 2.10",
             "particle filter that finds the vehicle in an old graph by planes",
-            absent=Absence.NOT_BUILT,
+            printed="cells within 3 m of a plane; search below 250 m²",
+            studies=("reacquisition/particles_on_map",),
+            code=("hullrecon/studies/sessions/particles.py:plane_distances",),
+            tests=(
+                "tests/studies/sessions/test_particles.py::test_the_vehicle_is_among_the_candidates",
+            ),
             differs=_ONE_DIVE,
         ),
         Part(
             "2.4.3.2, Algorithm 1",
             "key frames of candidates are matched until one has 12 inliers",
-            code=("hullrecon/vision/appearance/recognition.py:recognise_places",),
+            studies=("reacquisition",),
+            code=(
+                "hullrecon/studies/sessions/particles.py:candidates",
+                "hullrecon/vision/appearance/recognition.py:recognise_places",
+            ),
             benchmarks=("benchmarks/outage.py",),
             tests=("tests/vision/appearance/test_recognition.py",),
-            differs="places are found again inside one dive, with a control for what looks alike",
+            differs=(
+                "the study finds candidates and takes images of one place to match; the product "
+                "finds places again inside one dive, with a control for what looks alike"
+            ),
         ),
         Part(
             "2.4.3.3, Fig. 2.11, eq (D.12)",
             "periscope pairs, gated by a plane above water",
-            absent=Absence.NOT_BUILT,
+            printed="99 % ellipses; similar rows",
+            studies=("periscope/periscope_ellipses",),
+            code=("hullrecon/studies/sessions/periscope.py:transferred",),
+            tests=("tests/studies/sessions/test_periscope.py::test_ellipses_hold_what_is_drawn",),
             differs=_NO_PERISCOPE,
         ),
         Part(
@@ -287,9 +311,14 @@ _SESSIONS = Chapter(
                 "7.1, 143.2 s, none; 5.2, 20.6, 15.3 s; recall 27.7 and 100 %, precision 12.1 and "
                 "3.0 %"
             ),
+            studies=("reacquisition",),
+            code=("hullrecon/studies/sessions/particles_study.py",),
             benchmarks=("benchmarks/appearance.py", "benchmarks/fabmap.py"),
             tests=("tests/benchmarks/test_appearance.py",),
-            differs="inside one dive, FAB-MAP beside our words: no particle filter, no past graph",
+            differs=(
+                "the particle filter as a study of a simulated ship, FAB-MAP inside one dive as a "
+                "benchmark: not side by side on the same images"
+            ),
         ),
         Part(
             "Figs 2.19 to 2.21",
@@ -656,13 +685,19 @@ _FUTURE = Chapter(
         Part(
             "5.2, active SLAM",
             "where to drive, by planes",
-            absent=Absence.NOT_BUILT,
+            studies=("next-leg/next_legs",),
+            code=("hullrecon/studies/sessions/next_leg.py:foreseen_sigma",),
+            tests=(
+                "tests/studies/sessions/test_next_leg.py::test_a_leg_that_meets_an_old_one_is_worth_more",
+            ),
             differs="dives are processed afterwards; coverage.json names holes",
         ),
         Part(
             "5.2, sonar features",
             "structure from motion by sonar, its servo as an unknown, registered to the CAD model",
-            absent=Absence.NOT_BUILT,
+            studies=("sonar-structure/sonar_features",),
+            code=("hullrecon/studies/sonar/structure.py:estimate",),
+            tests=("tests/studies/sonar/test_structure.py::test_the_hull_resolves_elevation",),
             differs=_SONAR_BLENDS,
         ),
         Part(
@@ -777,12 +812,18 @@ _APPENDICES = Chapter(
             "D.3, Fig. D.4",
             "is a transferred point Gaussian?",
             printed="fairly, except where uncertainty is large",
-            code=("hullrecon/vision/pairs/gating.py:transfer",),
-            studies=("scene-figures/search_ellipses",),
+            code=(
+                "hullrecon/vision/pairs/gating.py:transfer",
+                "hullrecon/studies/sessions/periscope.py:transferred",
+            ),
+            studies=("scene-figures/search_ellipses", "periscope"),
             tests=(
                 "tests/studies/test_scene_figures.py::test_transfer_is_gaussian_unless_the_pose_is_hardly_known",
             ),
-            differs="a depth with sigma in place of a plane with covariance",
+            differs=(
+                "in the product a depth with sigma in place of a plane with covariance; the plane "
+                "as printed in the study of the periscope"
+            ),
         ),
     ),
 )
@@ -845,14 +886,19 @@ _MISPRINTS = (
     Misprint(
         where="2.4.3.1",
         printed="w = d²(z, x_gi ⊟ x_gi')",
-        right="pi_gi', and exp(-d²/2): else the worst fit weighs most",
-        checked="reading",
+        right="the particle's own pose, pi_gi', and exp(-d²/2): else the worst fit weighs most",
+        tests=(
+            "tests/studies/sessions/test_particles.py::test_the_right_pose_has_the_largest_weight_and_not_as_printed",
+            "tests/studies/sessions/test_particles.py::test_the_print_takes_the_nodes_pose_for_the_particles_own",
+        ),
     ),
     Misprint(
         where="2.4.3.1, Fig. 2.10",
         printed="cells outside the nearest plane are free; cells within 3 m of a plane",
         right="both together",
-        checked="reading",
+        tests=(
+            "tests/studies/sessions/test_particles.py::test_particles_start_before_the_hull_within_three_metres",
+        ),
     ),
     Misprint(
         where="Fig. 2.16",

@@ -89,13 +89,17 @@ def legs(
     return facing(*surface(x, np.repeat(depths_m, len(along))))
 
 
+def ranges(places: Array, rays: Array, axes_m: Array = AXES_M) -> Array:
+    """Compute how far the hull is from places (n, 3) along unit rays (n, 3)."""
+    here, way = places / axes_m, rays / axes_m
+    a, b, c = (np.sum(u * v, axis=1) for u, v in ((way, way), (here, way), (here, here)))
+    return np.asarray((-b - np.sqrt(b**2 - a * (c - 1))) / a)
+
+
 def planes_before(poses: Poses, axes_m: Array = AXES_M) -> Array:
     """Compute the planes (n, 3) that touch the hull ahead, in the frames of poses."""
     ahead = poses.rotation.apply(np.tile([1.0, 0, 0], (len(poses), 1)))
-    here, way = poses.translation / axes_m, ahead / axes_m
-    a, b, c = (np.sum(u * v, axis=1) for u, v in ((way, way), (here, way), (here, here)))
-    reach = (-b - np.sqrt(b**2 - a * (c - 1))) / a
-    points = poses.translation + reach[:, None] * ahead
+    points = poses.translation + ranges(poses.translation, ahead, axes_m)[:, None] * ahead
     normal = points / axes_m**2
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     # towards the origin of g, times the distance from it
