@@ -14,7 +14,7 @@ from pathlib import Path
 from hullrecon.studies.catalogue import SOURCES, Absence, Part, Source, Status
 from hullrecon.studies.catalogue.part import Misprint, Survey
 
-_RANGE = re.compile(r"(\(?)([A-E\d]\.)(\d+)(\)?) to \(?\2(\d+)\)?")
+_RANGE = re.compile(r"(\(?)([A-E\d]\.(?:\d+\.)*)(\d+)(\)?) to \(?\2(\d+)\)?")
 HEAD = """# Sources
 
 Every part of the three works that this system implements: where it is here, what reproduces it,
@@ -24,8 +24,9 @@ catalogue in `hullrecon/studies/catalogue` (`python docs/generate_sources.py`), 
 to the code.
 
 To find a part, search this page for its number as the source prints it (`4.12`, `(3.13)`,
-`Algorithm 5`), inside the chapters of the source. Where several files are named, the first is the
-method.
+`Algorithm 5`), inside the chapters of the source. A number without a row of its own is inside the
+section above it, and sections that only introduce, review the literature or conclude have none.
+Where several files are named, the first is the method.
 """
 
 

@@ -42,7 +42,16 @@ _INTRODUCTION = Chapter(
             ),
             differs="any beam angle, three beams where one is lost, lever arm and covariance",
         ),
-        Part("Figs 1.8, 1.9", "beacons; SLAM as a factor graph", absent=Absence.PICTURE),
+        Part(
+            "1.2.2, Fig. 1.8",
+            "acoustic beacons beside dead reckoning",
+            code=("hullrecon/estimation/position_tables.py", "hullrecon/dive/logs/positions.py"),
+            tests=(
+                "tests/navigation/test_positions.py::test_fixes_bound_the_drift_of_a_dive_without_a_camera",
+            ),
+            differs="positions of USBL or GPS, no ranges to beacons",
+        ),
+        Part("Fig. 1.9", "SLAM as a factor graph", absent=Absence.PICTURE),
         Part(
             "1.3.1, Fig. 1.10",
             "toy graph of three poses and a closure",
@@ -102,7 +111,7 @@ _INTRODUCTION = Chapter(
     ),
 )
 _SINGLE = Chapter(
-    title="2.3, 2.5.6. Planes and cameras in one session",
+    title="2.3, 2.5.6. Underwater visual SLAM with planar constraints, in one session",
     parts=(
         Part(
             "2.3.1, Figs 2.2 to 2.4",
@@ -210,7 +219,7 @@ _SINGLE = Chapter(
     ),
 )
 _SESSIONS = Chapter(
-    title="2.4, 2.5. Many sessions",
+    title="2.4, 2.5. Multi-session SLAM, experimental trials",
     parts=(
         Part(
             "Figs 2.1, 2.8, 2.9, eqs (2.7) to (2.9)",
@@ -331,7 +340,7 @@ _SESSIONS = Chapter(
     ),
 )
 _SONAR = Chapter(
-    title="3. Sonar mosaics",
+    title="3. 3D photomosaicing, sonar mosaics",
     parts=(
         Part(
             "Figs 3.1, 3.4 to 3.6",
@@ -471,7 +480,7 @@ _SONAR = Chapter(
     ),
 )
 _MODEL = Chapter(
-    title="4.2. Bundle adjustment with a CAD model",
+    title="4.2. Model-assisted bundle adjustment with a CAD model",
     parts=(
         Part(
             "Figs 4.1, 4.2, 4.5 to 4.7",
@@ -566,7 +575,7 @@ _MODEL = Chapter(
     ),
 )
 _SHAPES = Chapter(
-    title="4.3, 4.4. Shapes and experiments",
+    title="4.3, 4.4. Model-assisted visual mapping, results",
     parts=(
         Part(
             "Algorithm 4, Fig. 4.8",

@@ -75,7 +75,7 @@ def study() -> StudyResult:
     )
     on_map = there > 0
     found = [t for t in trials if t.found]
-    figure = draw(known, trials[0])
+    figure = draw(known, max(trials, key=lambda t: len(t.shown)))
     return StudyResult(
         figures=(figure,),
         compared=(

@@ -367,7 +367,7 @@ def draw_ellipses(small: Map, full: Map) -> PublishedFigure:
             table.append(f"{name},{at[0]:.3f},{at[1]:.3f},{high / 6:.5f},{wide / 6:.5f}")
         axis.plot([], [], color=ink, label=name)
     axis.plot(*small.truth.translation[:, :2].T, ".", ms=2, color=INK, label="truth")
-    axis.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
+    axis.set(xlabel="x (m)", ylabel="y (m)")
     axis.legend(fontsize=8, frameon=False)
     return finish_figure(
         "ellipses_of_both",
