@@ -222,7 +222,7 @@ _SESSIONS = Chapter(
     title="2.4, 2.5. Multi-session SLAM, experimental trials",
     parts=(
         Part(
-            "Figs 2.1, 2.8, 2.9, eqs (2.7) to (2.9)",
+            "2.4.2, Figs 2.1, 2.8, 2.9, eqs (2.7) to (2.9)",
             "sessions aligned by anchors and merged",
             printed="without any loss of information",
             studies=("sessions/sessions_aligned",),
@@ -239,7 +239,7 @@ _SESSIONS = Chapter(
             ),
         ),
         Part(
-            "2.4.2, eq (2.6)",
+            "2.4.1, eq (2.6)",
             "nodes removed by generic linear constraints, sparse by a Chow-Liu tree",
             studies=("node-removal",),
             code=(
@@ -288,7 +288,7 @@ _SESSIONS = Chapter(
             differs=_NO_PERISCOPE,
         ),
         Part(
-            "Algorithm 2, Figs 2.12 to 2.14",
+            "2.4.3.4, Algorithm 2, Fig. 2.12",
             "at most three views kept of a place",
             printed="1.5 m, three views",
             studies=("node-removal",),
@@ -299,14 +299,26 @@ _SESSIONS = Chapter(
             differs=_ONE_DIVE,
         ),
         Part(
-            "Table 2.1, Figs 2.15, 2.18",
-            "8 and 12 surveys of two ships in one frame",
-            printed="2,619 m and 7,540 m",
-            absent=Absence.DATA,
-            differs=_ONE_DIVE,
+            "Figs 2.13, 2.14",
+            "images of different years that are matched, and two that are not",
+            absent=Absence.PICTURE,
         ),
         Part(
-            "Fig. 2.16",
+            "2.5.1, Table 2.1",
+            "8 and 12 surveys of two ships",
+            printed="2,619 m and 7,540 m",
+            absent=Absence.DATA,
+            differs="the surveys of two ships by the source's own vehicle",
+        ),
+        Part(
+            "2.5.2, Figs 2.15, 2.18",
+            "surveys aligned with a sparsified graph, and the full graph of all",
+            studies=("node-removal/ellipses_of_both", "sessions/sessions_aligned"),
+            code=("hullrecon/studies/sessions/removal_study.py:many_sessions",),
+            differs=f"eight simulated sessions; {_ONE_DIVE}",
+        ),
+        Part(
+            "2.5.3, Fig. 2.16",
             "size of the graph by session with and without removal",
             printed="no real time after session 3 without",
             studies=("node-removal/graph_complexity",),
@@ -314,7 +326,7 @@ _SESSIONS = Chapter(
             differs=_ONE_DIVE,
         ),
         Part(
-            "Fig. 2.17, Table 2.2, Algorithm 3",
+            "2.5.4, Fig. 2.17, Table 2.2, Algorithm 3",
             "FAB-MAP beside the particle filter",
             printed=(
                 "7.1, 143.2 s, none; 5.2, 20.6, 15.3 s; recall 27.7 and 100 %, precision 12.1 and "
@@ -330,7 +342,7 @@ _SESSIONS = Chapter(
             ),
         ),
         Part(
-            "Figs 2.19 to 2.21",
+            "2.5.5, Figs 2.19 to 2.21",
             "sparsified graph beside the full one",
             printed="well within a metre, 95 % of the nodes removed",
             studies=("node-removal/sparsified_beside_full", "node-removal/ellipses_of_both"),
@@ -714,7 +726,10 @@ _FUTURE = Chapter(
             "registered data to learn features from",
             absent=Absence.NOT_BUILT,
             code=("hullrecon/api/export.py",),
-            differs="`export colmap` for images; pings are not exported",
+            differs=(
+                "future work in the source, without a method or a number; `export colmap` gives "
+                "images with poses and tracks, pings are not exported"
+            ),
         ),
     ),
 )
