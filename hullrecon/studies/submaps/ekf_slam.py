@@ -55,14 +55,15 @@ class PathPoint:
 class EkfMap:
     """A car and landmarks in the frame of the first pose, in one state (3.16)."""
 
-    def __init__(self, effort: Effort) -> None:
+    def __init__(self, effort: Effort, whole: bool = False) -> None:
         self.mean = np.zeros(3)
         self.covariance = np.eye(3) * START
         self.fixed = 3  # rows before the landmarks: the car's pose, and what a method adds
         self.truth: list[int] = []  # true number of each landmark, only for judging
         self.path: list[PathPoint] = []
         self.wrong_pairs = 0  # against the truth
-        self._moved = np.eye(3)  # Jacobian of the motion since the last scan
+        # multiply F and H as they are printed; else leave out their ones and zeros
+        self._whole = whole
         self._effort = effort
 
     @property
@@ -70,29 +71,27 @@ class EkfMap:
         """Places of the landmarks (n, 2)."""
         return self.mean[self.fixed :].reshape(-1, 2)
 
-    def predict(self, car: Car, odometry: Array, step_s: float, noise: Array) -> None:
-        """Move the car (3.7); landmarks stay."""
-        speed, steering = odometry
-        by_pose, by_odometry = car.move_jacobians(self.mean[:3], speed, steering, step_s)
-        self.mean[:3] = car.move(self.mean[:3], speed, steering, step_s)
-        own = by_pose @ self.covariance[:3, :3] @ by_pose.T
-        self.covariance[:3, :3] = own + by_odometry @ noise @ by_odometry.T
-        self._moved = by_pose @ self._moved
-
-    def settle(self) -> None:
-        """Carry the car's motion into its correlation with the landmarks, once for many steps."""
-        cross = self._moved @ self.covariance[:3, 3:]
-        self.covariance[:3, 3:], self.covariance[3:, :3] = cross, cross.T
-        self._moved = np.eye(3)
-        self._effort.count(3, 3, len(self.mean))
+    def predict(self, car: Car, odometry: Array, step_s: Array, noise: Array) -> None:
+        """Move the car by what its counters told since the last scan (3.7); landmarks stay."""
+        self.mean[:3], by_pose, spread = car.move_steps(self.mean[:3], odometry, step_s, noise)
+        size = len(self.mean)
+        if self._whole:
+            moved = np.eye(size)  # F
+            moved[:3, :3] = by_pose
+            self.covariance = moved @ self.covariance @ moved.T
+            self._effort.count(2, size, size, size)
+        else:
+            self.covariance[:3] = by_pose @ self.covariance[:3]
+            self.covariance[:, :3] = self.covariance[:, :3] @ by_pose.T
+            self._effort.count(2, 3, 3, size)
+        self.covariance[:3, :3] += spread
 
     def observe(self, step: int, scan: Scan, noise: Array) -> None:
         """Pair a scan's readings with landmarks, update by them, add the new ones."""
-        self.settle()
         found, near, distance = self._associate(scan.readings, noise)
         landmarks = [int(near[i]) for i, _ in found.pairs]
         readings = [j for _, j in found.pairs]
-        nis = self._update(landmarks, scan.readings[readings], noise) if found.pairs else 0.0
+        nis = self.update(landmarks, scan.readings[readings], noise) if found.pairs else 0.0
         self._judge(scan, landmarks, readings)
         best = distance.min(axis=0, initial=np.inf)
         new = np.setdiff1d(np.flatnonzero(best > chi_square(NEW_CONFIDENCE, 2)), readings)
@@ -128,19 +127,17 @@ class EkfMap:
         )
         return pair_points(sets), near, sets.squared_distances
 
-    def _update(self, landmarks: list[int], readings: Array, noise: Array) -> float:
+    def update(self, landmarks: list[int], readings: Array, noise: Array) -> float:
         """Update by readings (m, 2) of landmarks (m), and return the innovation squared."""
         points = self.landmarks[landmarks]
         by_pose, by_point = observe_jacobians(self.mean[:3], points)
-        rows = self.rows(np.array(landmarks))
-        # P H', by the few columns that H has
-        by_landmark = self.covariance[:, rows].reshape(-1, len(landmarks), 2)
-        carried = np.einsum("nka,kba->nkb", by_landmark, by_point).reshape(len(self.mean), -1)
-        carried += self.covariance[:, :3] @ by_pose.reshape(-1, 3).T
-        spread = by_pose.reshape(-1, 3) @ carried[:3]
-        spread += np.einsum(
-            "kba,kam->kbm", by_point, carried[rows].reshape(len(landmarks), 2, -1)
-        ).reshape(spread.shape)
+        columns = np.r_[:3, self.rows(np.array(landmarks))]
+        jacobian = np.concatenate([by_pose.reshape(-1, 3), _block_diagonal(by_point)], axis=1)
+        if self._whole:
+            jacobian, columns = self._printed(jacobian, columns), np.arange(len(self.mean))
+        carried = self.covariance[:, columns] @ jacobian.T
+        spread = jacobian @ carried[columns]
+        self._effort.count(len(jacobian), len(columns), len(self.mean) + len(jacobian))
         spread += np.kron(np.eye(len(landmarks)), noise)
         innovation = readings - observe(self.mean[:3], points)
         innovation[:, 1] = wrap(innovation[:, 1])
@@ -148,6 +145,12 @@ class EkfMap:
         self.mean[2] = wrap(self.mean[2])
         self._effort.count(len(self.mean), len(self.mean), 2 * len(landmarks))
         return nis
+
+    def _printed(self, jacobian: Array, columns: Ints) -> Array:
+        """Fill H up with its zeros, as (3.20) prints it."""
+        whole = np.zeros((len(jacobian), len(self.mean)))
+        whole[:, columns] = jacobian
+        return whole
 
     def _add(self, new: list[int], scan: Scan, noise: Array) -> None:
         """Add readings as landmarks, with the covariance that the car and the laser give them."""
@@ -217,28 +220,38 @@ def pair_points(sets: PointSets) -> Association:
 
 
 def build_map(
-    log: Log, first_step: int, limits: Limits | None, effort: Effort
+    log: Log, first_step: int, limits: Limits | None, effort: Effort, whole: bool = False
 ) -> tuple[EkfMap, int]:
-    """Build one map from a step on, until it is full, or to the end where there are no limits.
+    """Build one map from a step on, until it is full, or to the last scan where it has no limits.
+
+    Parameters
+    ----------
+    log
+        The mission.
+    first_step
+        First step of the map. Its frame is that of the car before this step.
+    limits
+        When it is full.
+    effort
+        What it costs is added here.
+    whole
+        Multiply F and H as they are printed, or leave out their zeros.
 
     Returns
     -------
     EkfMap
-        In the frame of the car before `first_step`.
+        The map, whose car is where the last scan was taken.
     int
         The step after its last.
     """
-    built, step = EkfMap(effort), first_step
-    noise = log.noise.odometry
-    while step < len(log.odometry):
-        built.predict(log.car, log.odometry[step], float(log.step_s[step]), noise)
-        scan = log.scans.get(step)
-        if scan is not None:
-            built.observe(step, scan, log.noise.laser)
-        step += 1
-        if scan is not None and limits is not None and _full(built, limits):
+    built, step = EkfMap(effort, whole), first_step
+    for number in sorted(number for number in log.scans if number >= first_step):
+        moved = slice(step, number + 1)
+        built.predict(log.car, log.odometry[moved], log.step_s[moved], log.noise.odometry)
+        built.observe(number, log.scans[number], log.noise.laser)
+        step = number + 1
+        if limits is not None and _full(built, limits):
             break
-    built.settle()
     return built, step
 
 

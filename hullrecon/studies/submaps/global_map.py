@@ -64,6 +64,24 @@ class GlobalMap:
         """Chain all transforms to the poses (n + 1, 3) of all frames in frame 0."""
         return chain(self.mean.reshape(-1, 3))
 
+    def spreads_seen_from_each(self, frame: int) -> Array:
+        """Compute the covariance (k, 3, 3) of frame k's pose in each of the k frames before it.
+
+        Their axes are the mission's. What a link moves does not depend on where the chain starts,
+        so that all chains are sums over the same terms.
+        """
+        poses = self.frames()[: frame + 1]
+        cos, sin = np.cos(poses[:-1, 2]), np.sin(poses[:-1, 2])
+        ahead = poses[-1, :2] - poses[1:, :2]
+        by_link = np.zeros((frame, 3, 3))
+        by_link[:, 0] = np.column_stack([cos, -sin, -ahead[:, 1]])
+        by_link[:, 1] = np.column_stack([sin, cos, ahead[:, 0]])
+        by_link[:, 2, 2] = 1.0
+        blocks = self.covariance[: 3 * frame, : 3 * frame].reshape(frame, 3, frame, 3)
+        terms = by_link[:, None] @ blocks.transpose(0, 2, 1, 3) @ by_link.swapaxes(1, 2)
+        sums = terms[::-1, ::-1].cumsum(axis=0).cumsum(axis=1)[::-1, ::-1]
+        return np.asarray(sums[np.arange(frame), np.arange(frame)])
+
     def last_frame(self) -> tuple[Array, Array]:
         """Compute pose and covariance of the last frame in frame 0."""
         pose, jacobian = self.relative(0, len(self))
@@ -109,14 +127,9 @@ class Submap:
         change[2::3] = wrap(change[2::3])
         return np.asarray(self.mean + self.gain @ change)
 
-    def with_transforms(self, world: GlobalMap) -> Array:
-        """Compute the covariance (2n, g) between the landmarks and all transforms of now."""
-        return np.asarray(self.gain @ world.covariance[: len(self.given)])
-
-    def covariance(self, world: GlobalMap) -> Array:
-        """Compute the landmarks' covariance (2n, 2n)."""
-        size = len(self.given)
-        return np.asarray(self.rest + self.gain @ world.covariance[:size, :size] @ self.gain.T)
+    def gain_of(self, size: int) -> Array:
+        """Give the gain (2n, size) by all transforms of now: it does not depend on later ones."""
+        return np.pad(self.gain, ((0, 0), (0, size - self.gain.shape[1])))
 
 
 def append_submap(world: GlobalMap, built: EkfMap) -> Submap:

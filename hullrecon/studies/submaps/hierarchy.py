@@ -15,7 +15,7 @@ from hullrecon.studies.submaps.effort import Effort
 from hullrecon.studies.submaps.ekf_slam import EkfMap
 from hullrecon.studies.submaps.global_map import GlobalMap
 from hullrecon.studies.submaps.join import refer_to_base
-from hullrecon.studies.submaps.loops import pair_maps, possible_loops
+from hullrecon.studies.submaps.loops import Area, pair_maps, proximity
 from hullrecon.studies.submaps.models import place, place_by_pose, rotation, wrap
 from hullrecon.studies.submaps.sequence import PlainMap, plain_map
 from hullrecon.typing import Array
@@ -45,17 +45,20 @@ class Hierarchy:
             self._maps.append(newest)
             self._links.append((newest.mean[:3], newest.covariance[:3, :3]))
             self.world.append(newest.mean[:3].copy(), newest.covariance[:3, :3])
-            places = [(number, m.points) for number, m in enumerate(self._maps[:-2])]
-            found = [
-                loop
-                for other in possible_loops(self.world, places, (base, newest.points))
-                if (loop := self._close(other, base)) is not None
-            ]
+            near, frames = proximity(self.world, self._effort), self.world.frames()
+            *areas, own = (
+                Area(frames=(number,), points=place(frames[number], m.points))
+                for number, m in enumerate(self._maps)
+            )
+            found = []
+            for number, area in enumerate(areas[:-1]):
+                if len(near.overlap(area, own)[1]) >= LEAST_SHARED:
+                    found += self._close(number, base)
             if found:
                 self.loops += found
                 self._adjust()
 
-    def _close(self, first: int, second: int) -> Loop | None:
+    def _close(self, first: int, second: int) -> list[Loop]:
         old, new = self._maps[first], self._maps[second]
         pose, jacobian = self.world.relative(first, second)
         points, covariance = refer_to_base(
@@ -67,12 +70,13 @@ class Hierarchy:
             first_covariance=old.covariance[3:, 3:],
             second_covariance=covariance,
         )
+        self._effort.count(3, len(self.world.mean), len(self.world.mean))
         self._effort.count(len(covariance), len(covariance), 3)
         with self._effort.stage("association"):
             pairs = pair_maps(sets, self._rng).pairs
         if len(pairs) < LEAST_SHARED:
-            return None
-        return (first, second, *register(old, new, pairs, pose))
+            return []
+        return [(first, second, *register(old, new, pairs, pose))]
 
     def _adjust(self) -> None:
         """Adjust all transforms to what the maps and the loops say, by Gauss and Newton."""

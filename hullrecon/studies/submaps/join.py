@@ -10,10 +10,9 @@ import numpy as np
 
 from hullrecon.studies.association.point_sets import Pair, PointSets, rows_of
 from hullrecon.studies.submaps.effort import Effort
-from hullrecon.studies.submaps.ekf_slam import update_state
 from hullrecon.studies.submaps.global_map import GlobalMap, Submap
 from hullrecon.studies.submaps.models import place, place_by_pose, rotation, wrap
-from hullrecon.typing import Array
+from hullrecon.typing import Array, Ints
 
 ITERATIONS = 3  # of an update
 SAME_M2 = 1e-8  # variance by which two estimates of one landmark may differ: none, but for rounding
@@ -40,136 +39,146 @@ def refer_to_base(
     return place(transform, points), by_point @ covariance @ by_point.T + carried
 
 
-@dataclass(frozen=True, kw_only=True)
-class Joined:
-    """The transforms and the landmarks of two submaps in one state, each in its own frame."""
+def landmarks_in_one_frame(
+    world: GlobalMap, first: Submap, second: Submap, marks: tuple[Ints, Ints], effort: Effort
+) -> PointSets:
+    """Give some landmarks of two submaps in the first's frame, correlated as they are.
 
-    mean: Array  # (g + 2n + 2m,)
-    covariance: Array
-    first: Submap
-    second: Submap
-
-    @property
-    def parts(self) -> tuple[slice, slice, slice]:
-        """Rows of the transforms, of the first's landmarks and of the second's."""
-        split = len(self.mean) - 2 * self.second.count
-        cut = split - 2 * self.first.count
-        return slice(0, cut), slice(cut, split), slice(split, None)
-
-    def moved(self, mean: Array) -> tuple[Array, Array]:
-        """Refer the second's landmarks of a state to the first's frame, with the derivative.
-
-        Returns
-        -------
-        Array
-            The landmarks (m, 2).
-        Array
-            Derivative (2m, g + 2n + 2m) by the state: J_T and J_j of (3.14), chained.
-        """
-        links, _, own = self.parts
-        world = GlobalMap()
-        world.mean = mean[links]
-        transform, by_links = world.relative(self.first.base, self.second.base)
-        points = mean[own].reshape(-1, 2)
-        jacobian = np.zeros((2 * len(points), len(mean)))
-        jacobian[:, links] = place_by_pose(transform, points) @ by_links
-        jacobian[:, own] = np.kron(np.eye(len(points)), rotation(transform[2]))
-        return place(transform, points), jacobian
-
-    def point_sets(self) -> PointSets:
-        """Give both maps' landmarks in the first's frame, to be paired."""
-        _, held, _ = self.parts
-        points, jacobian = self.moved(self.mean)
-        carried = self.covariance @ jacobian.T
-        return PointSets(
-            first=self.mean[held].reshape(-1, 2),
-            second=points,
-            first_covariance=self.covariance[held, held],
-            second_covariance=jacobian @ carried,
-            cross_covariance=carried[held],
-        )
-
-
-def join(world: GlobalMap, first: Submap, second: Submap, effort: Effort) -> Joined:
-    """Put two submaps and the transforms between them into one state (3.13).
-
-    The thesis takes both maps and the chain between them for independent. They are at first but
-    for the transform that ends a map, and no longer after a fusion: the correlations are kept.
+    Given the transforms, the maps are independent, and the transforms that tell of them are those
+    from the oldest of their frames on: only that part of the covariance is multiplied.
     """
-    held, own = first.with_transforms(world), second.with_transforms(world)
-    # both are independent but for the transforms
-    between = first.gain @ own[:, : len(first.given)].T
-    effort.count(len(world.mean), len(world.mean), 2 * second.count)
-    return Joined(
-        mean=np.concatenate([world.mean, first.now(world), second.now(world)]),
-        covariance=np.block(
-            [
-                [world.covariance, held.T, own.T],
-                [held, first.covariance(world), between],
-                [own, between.T, second.covariance(world)],
-            ]
-        ),
-        first=first,
-        second=second,
+    start, size = 3 * min(*first.frames, *second.frames), len(world.mean)
+    rows, twins = (rows_of(side.tolist(), 2) for side in marks)
+    transform, by_links = world.relative(first.base, second.base)
+    points = second.now(world)[twins].reshape(-1, 2)
+    turn = np.kron(np.eye(len(points)), rotation(transform[2]))
+    moved = place_by_pose(transform, points) @ by_links + turn @ second.gain_of(size)[twins]
+    by_world = np.concatenate([first.gain_of(size)[rows], moved])[:, start:]
+    carried = by_world @ world.covariance[start:, start:] @ by_world.T
+    effort.count(len(by_world), by_world.shape[1], by_world.shape[1] + len(by_world))
+    split, rest = len(rows), turn @ second.rest[np.ix_(twins, twins)] @ turn.T
+    return PointSets(
+        first=first.now(world)[rows].reshape(-1, 2),
+        second=place(transform, points),
+        first_covariance=carried[:split, :split] + first.rest[np.ix_(rows, rows)],
+        second_covariance=carried[split:, split:] + rest,
+        cross_covariance=carried[:split, split:],
     )
 
 
-def fuse(world: GlobalMap, joined: Joined, pairs: tuple[Pair, ...], effort: Effort) -> Submap:
-    """Make two joined submaps one, given their common landmarks, and update the global map.
+@dataclass(frozen=True, kw_only=True)
+class Tie:
+    """Common landmarks of two submaps: what their difference, which is zero, says (3.15).
+
+    The difference d = T(second) - first is linear in the transforms, but for noise that does not
+    depend on them: d = ahead + by_world (transforms - transforms of before) + noise.
+    """
+
+    ahead: Array  # (2k,) m
+    by_world: Array  # (2k, g)
+    noise: Array  # (2k, 2k) m^2
+    from_first: Array  # (2n, 2k) covariance of the first's landmarks with the noise
+    from_second: Array  # (2m, 2k) the same of the second's
+
+
+def fuse(
+    world: GlobalMap, first: Submap, second: Submap, pairs: tuple[Pair, ...], effort: Effort
+) -> Submap:
+    """Make two submaps one, given their common landmarks, and update the global map.
 
     Both estimates of a common landmark are the same place: an observation of their difference,
-    which is zero (3.15). One update corrects the landmarks and the transforms.
+    which is zero (3.15). It updates the transforms as any filter's state; then the landmarks are
+    updated given the transforms, of which the two maps are independent of each other. This is the
+    update of the joint state without its size.
+
+    A loop turns what lies behind a long chain by degrees; one update, as in the thesis, leaves
+    maps that are surer than they may be. It is linearised again where the update leads.
     """
-    first, second = joined.first, joined.second
-    mean, covariance = _update(joined, pairs, effort)
-    links, held, _ = joined.parts
-    updated = Joined(mean=mean, covariance=covariance, first=first, second=second)
-    points, jacobian = updated.moved(mean)
-    # each common landmark once
+    before, size = world.mean.copy(), len(world.mean)
+    gains = first.gain_of(size), second.gain_of(size)
+    means = first.now(world), second.now(world)
+    seconds = rows_of([j for _, j in pairs], 2)
+    at, shared = before.copy(), means[1][seconds]
+    for _ in range(ITERATIONS):
+        tie = _tie(before, at, shared, (first, second), pairs)
+        carried = world.covariance @ tie.by_world.T
+        spread = tie.by_world @ carried + tie.noise
+        change = -carried @ np.linalg.solve(spread, tie.ahead)
+        at = before + change
+        left = np.linalg.solve(tie.noise, tie.ahead + tie.by_world @ change)
+        shared = (means[1] + gains[1] @ change - tie.from_second @ left)[seconds]
+        effort.count(size, size, len(seconds))
+        effort.count(len(seconds), len(seconds), size)
+    at[2::3] = wrap(at[2::3])
+    world.mean = at
+    world.covariance = world.covariance - carried @ np.linalg.solve(spread, carried.T)
+    effort.count(size, size, len(seconds))
+    updated = []
+    for mean, gain, covariance in zip(means, gains, (tie.from_first, tie.from_second), strict=True):
+        weight = np.linalg.solve(tie.noise, covariance.T).T
+        updated.append((mean + gain @ change - covariance @ left, gain - weight @ tie.by_world))
+        effort.count(len(mean), len(seconds), size)
+    return _merge(world, (first, second), updated, tie, pairs, effort)
+
+
+def _tie(
+    before: Array, at: Array, shared: Array, maps: tuple[Submap, Submap], pairs: tuple[Pair, ...]
+) -> Tie:
+    """Linearise the difference of common landmarks at transforms and at the second's landmarks."""
+    first, second = maps
+    rows, twins = (rows_of(list(side), 2) for side in zip(*pairs, strict=True))
+    world = GlobalMap()
+    world.mean = at
+    transform, by_links = world.relative(first.base, second.base)
+    points, turn = shared.reshape(-1, 2), np.kron(np.eye(len(pairs)), rotation(transform[2]))
+    by_transform = place_by_pose(transform, points) @ by_links
+    start = GlobalMap()
+    start.mean = before
+    off = before - at
+    off[2::3] = wrap(off[2::3])
+    ahead = place(transform, points).ravel() + by_transform @ off
+    ahead += turn @ (second.now(start)[twins] - shared) - first.now(start)[rows]
+    gains = first.gain_of(len(at))[rows], second.gain_of(len(at))[twins]
+    from_first, from_second = -first.rest[:, rows], second.rest[:, twins] @ turn.T
+    return Tie(
+        ahead=ahead,
+        by_world=by_transform + turn @ gains[1] - gains[0],
+        noise=turn @ from_second[twins] - from_first[rows] + SAME_M2 * np.eye(len(rows)),
+        from_first=from_first,
+        from_second=from_second,
+    )
+
+
+def _merge(
+    world: GlobalMap,
+    maps: tuple[Submap, Submap],
+    updated: list[tuple[Array, Array]],
+    tie: Tie,
+    pairs: tuple[Pair, ...],
+    effort: Effort,
+) -> Submap:
+    """Put the updated landmarks of two maps into one, each common one once."""
+    first, second = maps
+    (mean, gain), (own_mean, own_gain) = updated
     mates = {second_point for _, second_point in pairs}
     left = [j for j in range(second.count) if j not in mates]
     rows = rows_of(left, 2)
-    kept = np.concatenate([np.eye(len(mean))[held], jacobian[rows]])
-    carried = kept @ covariance
-    spread = carried @ kept.T
-    world.mean, world.covariance = mean[links].copy(), covariance[links, links].copy()
-    gain = np.asarray(np.linalg.solve(world.covariance, carried[:, links].T).T)
-    size = len(world.mean)
-    effort.count(size, size, size + len(kept))
-    rest = spread - gain @ carried[:, links].T
+    transform, by_links = world.relative(first.base, second.base)
+    points = own_mean[rows].reshape(-1, 2)
+    turn = np.kron(np.eye(len(left)), rotation(transform[2]))
+    told = np.concatenate([tie.from_first, turn @ tie.from_second[rows]])
+    rest = -told @ np.linalg.solve(tie.noise, told.T)
+    effort.count(len(told), len(told), len(tie.ahead))
+    split = len(mean)
+    rest[:split, :split] += first.rest
+    rest[split:, split:] += turn @ second.rest[np.ix_(rows, rows)] @ turn.T
+    by_world = place_by_pose(transform, points) @ by_links + turn @ own_gain[rows]
     return Submap(
         base=first.base,
         frames=tuple(sorted({*first.frames, *second.frames})),
-        mean=np.concatenate([mean[held], points.ravel()[rows]]),
-        gain=gain,
+        mean=np.concatenate([mean, place(transform, points).ravel()]),
+        gain=np.concatenate([gain, by_world]),
         given=world.mean.copy(),
         rest=(rest + rest.T) / 2,
         truth=first.truth + tuple(second.truth[j] for j in left),
     )
-
-
-def _update(joined: Joined, pairs: tuple[Pair, ...], effort: Effort) -> tuple[Array, Array]:
-    """Update by the pairs, linearised again where the update leads.
-
-    A loop turns what lies behind a long chain by degrees; one update, as in the thesis, leaves
-    maps that are surer than they may be (`submap-consistency`).
-    """
-    links, held, _ = joined.parts
-    firsts, seconds = (list(side) for side in zip(*pairs, strict=True))
-    rows, twins = rows_of(firsts, 2), rows_of(seconds, 2)
-    state = joined.mean.copy()
-    for _ in range(ITERATIONS):
-        points, jacobian = joined.moved(state)
-        by_state = jacobian[twins]
-        by_state[np.arange(len(rows)), held.start + rows] -= 1.0
-        carried = joined.covariance @ by_state.T
-        spread = by_state @ carried + SAME_M2 * np.eye(len(rows))
-        difference = points.ravel()[twins] - state[held][rows]
-        change = joined.mean - state
-        change[2 : links.stop : 3] = wrap(change[2 : links.stop : 3])
-        mean, covariance = joined.mean.copy(), joined.covariance.copy()
-        update_state(mean, covariance, carried, spread, -difference - by_state @ change)
-        mean[2 : links.stop : 3] = wrap(mean[2 : links.stop : 3])
-        state = mean
-        effort.count(len(mean), len(mean), len(rows))
-    return mean, covariance

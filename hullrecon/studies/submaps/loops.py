@@ -4,44 +4,72 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hullrecon.studies.association.methods import joint_compatibility, randomised_compatibility
 from hullrecon.studies.association.point_sets import Association, PointSets
+from hullrecon.studies.submaps.effort import Effort
 from hullrecon.studies.submaps.global_map import GlobalMap
-from hullrecon.studies.submaps.models import place
-from hullrecon.typing import Array
+from hullrecon.typing import Array, Ints
 
 CONFIDENCE = 0.99
 SEARCHED_WHOLE = 25  # points in the overlap up to which joint compatibility is searched through
 MOST_TESTS = 3000
 
-Place = tuple[int, Array]  # a map's frame, and its landmarks (n, 2) in it
+OWN_M = 1.5  # how far off two estimates of a landmark in their own maps may be, generously
 
 
-def possible_loops(world: GlobalMap, maps: list[Place], newest: Place) -> list[int]:
-    """Find the maps that may overlap the newest, the nearest first.
+@dataclass(frozen=True, kw_only=True)
+class Area:
+    """Where a map lies."""
 
-    The thesis says `by proximity at the global level`. Here: the circles around the landmarks
-    touch within three standard deviations of the distance of their middles.
+    frames: tuple[int, ...]  # that it was built from
+    points: Array  # (n, 2) m, its landmarks in the mission's frame
+
+
+@dataclass(frozen=True, kw_only=True)
+class Proximity:
+    """How far the newest map may be off, seen from every other [Aulinas2011 3.3.4].
+
+    The thesis says `by proximity at the global level`. Here: landmarks may be the same that are
+    nearer than three standard deviations of the transforms between the newest frame and the frame
+    of the other map that lies nearest to it.
     """
-    middle, radius = _circle(newest[1])
-    found = []
-    for number, (base, points) in enumerate(maps):
-        other, other_radius = _circle(points)
-        pose, jacobian = world.relative(base, newest[0])
-        distance = float(np.linalg.norm(place(pose, middle[None])[0] - other))
-        spread = jacobian[:2] @ world.covariance @ jacobian[:2].T
-        if distance < radius + other_radius + 3 * np.sqrt(np.trace(spread)):
-            found.append((distance, number))
-    return [number for _, number in sorted(found)]
+
+    frames: Array  # (k, 3) poses in the mission's frame, the newest map's the last
+    spreads: Array  # (k - 1, 3, 3) covariance of the newest frame, seen from every other
+
+    def overlap(self, other: Area, newest: Area) -> tuple[Ints, Ints]:
+        """List the landmarks of two maps that may be one of the other's."""
+        off = np.linalg.norm(other.points[:, None] - newest.points[None], axis=2)
+        near = off < self._reach_m(other, newest)
+        return np.flatnonzero(near.any(axis=1)), np.flatnonzero(near.any(axis=0))
+
+    def distance_m(self, other: Area) -> float:
+        """Measure how far the newest frame is from the nearest frame of a map."""
+        return float(self._distances(other).min())
+
+    def _distances(self, other: Area) -> Array:
+        off = self.frames[list(other.frames), :2] - self.frames[-1, :2]
+        return np.asarray(np.linalg.norm(off, axis=1))
+
+    def _reach_m(self, other: Area, newest: Area) -> Array:
+        spread = self.spreads[other.frames[int(np.argmin(self._distances(other)))]]
+        lever = newest.points - self.frames[-1, :2]
+        variance = np.trace(spread[:2, :2]) + (lever**2).sum(axis=1) * spread[2, 2]
+        variance += 2 * (lever[:, 0] * spread[1, 2] - lever[:, 1] * spread[0, 2])
+        return np.asarray(OWN_M + 3 * np.sqrt(variance))
 
 
-def _circle(points: Array) -> tuple[Array, float]:
-    middle = points.mean(axis=0)
-    return middle, float(np.linalg.norm(points - middle, axis=1).max())
+def proximity(world: GlobalMap, effort: Effort) -> Proximity:
+    """Find how sure the newest map's frame is, seen from every other frame."""
+    newest = len(world) - 1
+    effort.count(27, newest, newest)
+    return Proximity(
+        frames=world.frames()[: newest + 1], spreads=world.spreads_seen_from_each(newest)
+    )
 
 
 def pair_maps(sets: PointSets, rng: np.random.Generator) -> Association:

@@ -55,20 +55,20 @@ class Track:
         return np.asarray(np.einsum("ni,ni->n", off, solved))
 
 
-def build_submaps(log: Log, limits: Limits, effort: Effort) -> list[EkfMap]:
+def build_submaps(log: Log, limits: Limits, effort: Effort, whole: bool = False) -> list[EkfMap]:
     """Build the submaps of a mission one after the other; steps after the last scan are left."""
     submaps, step, last = [], 0, max(log.scans)
     with effort.stage("local"):
         while step <= last:
-            built, step = build_map(log, step, limits, effort)
+            built, step = build_map(log, step, limits, effort, whole)
             submaps.append(built)
     return submaps
 
 
-def run_filter(log: Log, effort: Effort) -> tuple[EkfMap, Track]:
+def run_filter(log: Log, effort: Effort, whole: bool = False) -> tuple[EkfMap, Track]:
     """Run one filter over the whole mission."""
     with effort.stage("local"):
-        built, _ = build_map(log, 0, None, effort)
+        built, _ = build_map(log, 0, None, effort, whole)
     return built, track_of([(np.zeros(3), np.zeros((3, 3)), built)])
 
 
@@ -81,6 +81,12 @@ def run_strategy(submaps: Sequence[EkfMap], strategy: Strategy) -> Track:
         strategy.add(built)
         frame, covariance = strategy.last_frame()
     return track_of(parts)
+
+
+def final_track(submaps: Sequence[EkfMap], frames: Array) -> Track:
+    """Place each submap's path in the frames (n, 3) as they are known in the end."""
+    unknown = np.full((3, 3), np.nan)  # how sure a frame is in the end is not asked for
+    return track_of([(f, unknown, built) for f, built in zip(frames, submaps, strict=False)])
 
 
 def track_of(parts: list[tuple[Array, Array, EkfMap]]) -> Track:

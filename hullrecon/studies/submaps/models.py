@@ -114,27 +114,51 @@ class Car:
         moved[2] = wrap(moved[2])
         return moved
 
-    def move_jacobians(
-        self, pose: Array, speed: float, steering: float, step_s: float
-    ) -> tuple[Array, Array]:
-        """Differentiate `move` by the pose (3, 3), as (3.18), and by speed and steering (3, 2)."""
-        cos, sin = np.cos(pose[2]), np.sin(pose[2])
-        a, b = self.laser_ahead_m, self.laser_left_m
+    def move_steps(
+        self, pose: Array, odometry: Array, step_s: Array, noise: Array
+    ) -> tuple[Array, Array, Array]:
+        """Move the laser by many steps (3.17), all at once: the same as one after the other.
+
+        Parameters
+        ----------
+        pose
+            Before the steps.
+        odometry
+            Speed and steering (k, 2).
+        step_s
+            Duration (k,) of each step.
+        noise
+            Covariance (2, 2) of a step's speed and steering.
+
+        Returns
+        -------
+        Array
+            The pose after them.
+        Array
+            Derivative (3, 3) by the pose, which is F of (3.7).
+        Array
+            Covariance (3, 3) that the odometry adds, G Q G' of (3.7).
+        """
+        speed, steering = odometry.T
         turn = speed / self.wheelbase_m * np.tan(steering)
-        swing = -(a * sin + b * cos), a * cos - b * sin  # of the laser, by the turn
+        heading = pose[2] + np.concatenate([[0.0], np.cumsum(step_s * turn)])
+        cos, sin = np.cos(heading[:-1]), np.sin(heading[:-1])
+        a, b = self.laser_ahead_m, self.laser_left_m
+        swing = np.array([-(a * sin + b * cos), a * cos - b * sin])  # of the laser, by the turn
+        moves = step_s * (speed * np.array([cos, sin]) + turn * swing)
+        ahead = moves.sum(axis=1, keepdims=True) - moves.cumsum(axis=1)  # what follows a step
+        after = np.array([*(pose[:2] + moves.sum(axis=1)), float(wrap(heading[-1]))])
         by_pose = np.eye(3)
-        by_pose[0, 2] = -step_s * (speed * sin + turn * swing[1])
-        by_pose[1, 2] = step_s * (speed * cos + turn * swing[0])
-        more = np.tan(steering) / self.wheelbase_m  # turn, by the speed
-        sharper = speed / self.wheelbase_m / np.cos(steering) ** 2  # turn, by the steering
-        by_odometry = np.array(
-            [
-                [cos + swing[0] * more, swing[0] * sharper],
-                [sin + swing[1] * more, swing[1] * sharper],
-                [more, sharper],
-            ]
-        )
-        return by_pose, step_s * by_odometry
+        by_pose[0, 2], by_pose[1, 2] = pose[1] - after[1], after[0] - pose[0]
+        # by speed and by steering of each step: the laser moves, and what follows is turned
+        more = np.tan(steering) / self.wheelbase_m
+        sharper = speed / self.wheelbase_m / np.cos(steering) ** 2
+        lever = swing + np.array([-ahead[1], ahead[0]])
+        by_speed = np.array([cos + lever[0] * more, sin + lever[1] * more, more])
+        by_steering = np.array([lever[0] * sharper, lever[1] * sharper, sharper])
+        by_odometry = np.concatenate([step_s * by_speed, step_s * by_steering], axis=1)
+        spread = by_odometry @ np.kron(noise, np.eye(len(speed))) @ by_odometry.T
+        return after, by_pose, spread
 
 
 def observe(pose: Array, points: Array) -> Array:

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.studies.association.point_sets import Association, PointSets
 from hullrecon.studies.submaps.effort import Effort
 from hullrecon.studies.submaps.ekf_slam import EkfMap
 from hullrecon.studies.submaps.global_map import GlobalMap, Submap, append_submap
-from hullrecon.studies.submaps.join import fuse, join
-from hullrecon.studies.submaps.loops import CONFIDENCE, pair_maps, possible_loops
+from hullrecon.studies.submaps.join import fuse, landmarks_in_one_frame
+from hullrecon.studies.submaps.loops import CONFIDENCE, Area, pair_maps, proximity
 from hullrecon.studies.submaps.models import place
-from hullrecon.typing import Array
+from hullrecon.typing import Array, Ints
 
 SEED = 5  # of random draws
 LEAST_SHARED = 2  # landmarks that fix a relative pose
@@ -49,26 +48,52 @@ class SelectiveJoining:
         """Add a finished submap, and close loops that it shows."""
         with self._effort.stage("global"):
             newest = append_submap(self.world, built)
-            self.submaps.append(newest)
-            points = newest.now(self.world).reshape(-1, 2)
             # the predecessor's map is left out: what they share is the border, not a loop
-            others = [m for m in self.submaps[:-1] if newest.base - 1 not in m.frames]
-            places = [(m.base, m.now(self.world).reshape(-1, 2)) for m in others]
-            for number in possible_loops(self.world, places, (newest.base, points)):
-                newest = self._try(others[number], newest)
+            others = [m for m in self.submaps if newest.base - 1 not in m.frames]
+            self.submaps.append(newest)
+            near = proximity(self.world, self._effort)
+            areas = {m.base: self._area(m) for m in others}
+            others.sort(key=lambda m: near.distance_m(areas[m.base]))
+            for candidate in others:
+                marks = near.overlap(areas[candidate.base], self._area(newest))
+                if len(marks[1]) < self._least:
+                    continue
+                fused = self._try(candidate, newest, marks)
+                if fused is not None:
+                    newest, near = fused, proximity(self.world, self._effort)
 
-    def _try(self, candidate: Submap, newest: Submap) -> Submap:
+    def _area(self, submap: Submap) -> Area:
+        points = submap.now(self.world).reshape(-1, 2)
+        self._effort.count(*submap.gain.shape)
+        return Area(frames=submap.frames, points=place(self.world.frames()[submap.base], points))
+
+    def _try(self, candidate: Submap, newest: Submap, marks: tuple[Ints, Ints]) -> Submap | None:
+        """Fuse two maps whose landmarks `marks` may be common, if enough of them are."""
         self.tried += 1
-        joined = join(self.world, candidate, newest, self._effort)
-        sets = joined.point_sets()
-        if np.sum(sets.compatible(CONFIDENCE).any(axis=0)) <= self._least:
-            return newest
+        sets = landmarks_in_one_frame(self.world, candidate, newest, marks, self._effort)
+        if np.sum(sets.compatible(CONFIDENCE).any(axis=0)) < self._least:
+            return None
         with self._effort.stage("association"):
             found = pair_maps(sets, self._rng)
         if len(found.pairs) < self._least:
-            return newest
-        fused = fuse(self.world, joined, found.pairs, self._effort)
-        self.fusions.append(_describe(sets, candidate, newest, found, fused.now(self.world)))
+            return None
+        pairs = tuple((int(marks[0][i]), int(marks[1][j])) for i, j in found.pairs)
+        transform, _ = self.world.relative(candidate.base, newest.base)
+        before = place(transform, newest.now(self.world).reshape(-1, 2))
+        old = candidate.now(self.world).reshape(-1, 2)
+        fused = fuse(self.world, candidate, newest, pairs, self._effort)
+        firsts, seconds = (list(side) for side in zip(*pairs, strict=True))
+        after = fused.now(self.world).reshape(-1, 2)
+        self.fusions.append(
+            Fusion(
+                shared=len(pairs),
+                wrong=sum(candidate.truth[i] != newest.truth[j] for i, j in pairs),
+                old_points=old,
+                new_points=before,
+                fused_points=after,
+                moved_m=float(np.linalg.norm(after[firsts] - before[seconds], axis=1).mean()),
+            )
+        )
         self.submaps = [m for m in self.submaps if m is not candidate and m is not newest]
         self.submaps.append(fused)
         return fused
@@ -85,18 +110,3 @@ class SelectiveJoining:
             points = place(frames[submap.base], submap.now(self.world).reshape(-1, 2))
             places += list(zip(submap.truth, points, strict=True))
         return places
-
-
-def _describe(
-    sets: PointSets, old: Submap, new: Submap, found: Association, fused: Array
-) -> Fusion:
-    firsts, seconds = (list(side) for side in zip(*found.pairs, strict=True))
-    after = fused.reshape(-1, 2)
-    return Fusion(
-        shared=len(found.pairs),
-        wrong=sum(old.truth[i] != new.truth[j] for i, j in found.pairs),
-        old_points=sets.first,
-        new_points=sets.second,
-        fused_points=after,
-        moved_m=float(np.linalg.norm(after[firsts] - sets.second[seconds], axis=1).mean()),
-    )

@@ -58,13 +58,12 @@ class SharedSeparators:
     def run(self, log: Log) -> Track:
         """Run a mission."""
         noise, filters = log.noise.odometry, [self._filter]
-        for step, odometry in enumerate(log.odometry):
-            self._filter.predict(log.car, odometry, float(log.step_s[step]), noise)
-            scan = log.scans.get(step)
-            if scan is None:
-                continue
+        first = 0
+        for step, scan in sorted(log.scans.items()):
+            moved = slice(first, step + 1)
+            self._filter.predict(log.car, log.odometry[moved], log.step_s[moved], noise)
+            first = step + 1
             with self._effort.stage("global"):
-                self._filter.settle()
                 self._revisit()
             before = len(self._filter.landmarks)
             with self._effort.stage("local"):

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hullrecon.studies.association.point_sets import chi_square
 from hullrecon.studies.figure_style import (
     COLOURS,
     GREEN,
@@ -21,10 +20,17 @@ from hullrecon.studies.figure_style import (
 )
 from hullrecon.studies.study import StudyResult
 from hullrecon.studies.submaps.ekf_slam import Limits
+from hullrecon.studies.submaps.repeated import (
+    Repeated,
+    compare_repeated,
+    mean_band,
+    repeat_world,
+)
 from hullrecon.studies.submaps.selective import Fusion, SelectiveJoining
 from hullrecon.studies.submaps.world_study import (
     EKF,
     HEADS,
+    SEEDS,
     SELECTIVE,
     Mission,
     compare,
@@ -117,33 +123,34 @@ def _fusion_caption(fusion: Fusion) -> str:
     )
 
 
-def draw_consistency(missions: list[Mission], world: World) -> PublishedFigure:
-    """Draw the normalised error squared of every method over the mission [Fig. 3.6]."""
+def draw_consistency(repeated: Repeated) -> PublishedFigure:
+    """Draw the mean normalised error squared of several missions, with its band [Fig. 3.6]."""
     canvas, rows = new_canvas(8.0, 3.6)
-    axis, bound = rows[0][0], chi_square(0.95, 3)
-    indices = {mission.name: mission.track.nees(world) for mission in missions}
-    steps = missions[0].track.steps.astype(int)
-    for name, nees in indices.items():
+    axis = rows[0][0]
+    means = {name: nees.mean(axis=0) for name, nees in repeated.nees.items()}
+    runs, scans = repeated.nees[EKF].shape
+    low, high = mean_band(runs)
+    for name, mean in means.items():
         axis.plot(
-            steps * world.log.step_s[0],
-            np.maximum(nees, 1e-2),
+            range(scans),
+            np.maximum(mean, 1e-2),
             color=METHOD_COLOURS[name],
-            lw=1.6 if name == SELECTIVE else 0.7,
-            label=f"{name}: {100 * np.mean(nees < bound):.0f} % within",
+            lw=1.2,
+            label=f"{name}: {100 * np.mean(mean < high):.0f} % below",
         )
-    axis.axhline(bound, color=RED, ls="--", lw=1, label="95 % of chi-square, 3 degrees")
+    axis.axhspan(low, high, color=LIGHT, alpha=0.6, label="95 % of chi-square, 3 degrees")
     axis.set_yscale("log")
-    axis.set_xlabel("time (s)")
-    axis.set_ylabel("NEES of the pose")
+    axis.set_xlabel("scan")
+    axis.set_ylabel(f"NEES of the pose, mean of {runs}")
     axis.legend(frameon=False, fontsize=7, ncols=3)
-    lines = ["step," + ",".join(indices)]
-    for number, step in enumerate(steps):
-        lines.append(",".join([str(step), *(f"{nees[number]:.3f}" for nees in indices.values())]))
+    lines = ["scan," + ",".join(means)]
+    for number in range(scans):
+        lines.append(",".join([str(number), *(f"{m[number]:.3f}" for m in means.values())]))
     return finish_figure(
         "submap-nees",
         canvas,
         lines,
-        "Normalised estimation error squared of the car's pose over the mission, and its bound.",
+        f"Normalised estimation error squared of the car's pose, mean of {runs} missions.",
     )
 
 
@@ -151,15 +158,16 @@ def study_world() -> StudyResult:
     """Run the 441 landmarks by every method, and draw them."""
     world = simulate_world()
     missions = run_missions(world, Limits())
+    repeated = repeat_world(SEEDS)
     selective = missions[-1]
     return StudyResult(
         figures=(
             draw_world(world, selective),
             draw_fusion(selective),
-            draw_consistency(missions, world),
+            draw_consistency(repeated),
         ),
         values={m.name: m.effort.total_multiplications for m in missions},
         heads=HEADS,
         rows=table(missions, world),
-        compared=compare(missions, world),
+        compared=(*compare(missions, world), *compare_repeated(repeated)),
     )

@@ -79,6 +79,7 @@ class Survey:
     step_s: float = 0.05
     steps_a_scan: int = 5
     view_m: float = 8.0  # range of the laser, all around
+    blind_m: float = 2.0  # nearer than this nothing is seen: the car would run over it
 
 
 def lawnmower_controls(survey: Survey) -> Array:
@@ -152,7 +153,7 @@ def simulate(
     for step, (speed, steering) in enumerate(controls):
         track[step + 1] = car.move(track[step], speed, steering, step_s[step])
         if (step + 1) % survey.steps_a_scan == 0:
-            scans[step] = _scan(track[step + 1], landmarks, noise, survey.view_m, rng)
+            scans[step] = _scan(track[step + 1], landmarks, noise, survey, rng)
     sigmas = [noise.speed_m_s, noise.steering_rad]
     odometry = controls + rng.standard_normal(controls.shape) * sigmas
     log = Log(car=car, noise=noise, step_s=step_s, odometry=odometry, scans=scans)
@@ -160,9 +161,10 @@ def simulate(
 
 
 def _scan(
-    pose: Array, landmarks: Array, noise: Noise, view_m: float, rng: np.random.Generator
+    pose: Array, landmarks: Array, noise: Noise, survey: Survey, rng: np.random.Generator
 ) -> Scan:
-    seen = np.flatnonzero(np.linalg.norm(landmarks - pose[:2], axis=1) < view_m)
+    off = np.linalg.norm(landmarks - pose[:2], axis=1)
+    seen = np.flatnonzero((off > survey.blind_m) & (off < survey.view_m))
     sigmas = [noise.range_m, noise.bearing_rad]
     readings = observe(pose, landmarks[seen]) + rng.standard_normal((len(seen), 2)) * sigmas
     return Scan(readings=readings, truth=tuple(int(number) for number in seen))

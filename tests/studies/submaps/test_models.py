@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import pytest
@@ -81,19 +82,24 @@ def test_car_moves_by_its_steering_not_by_its_heading_as_printed() -> None:
     assert abs(printed - exact[0]) > 0.5
 
 
-def test_jacobians_of_the_car_are_derivatives() -> None:
-    car = Car()
-    by_pose, by_odometry = car.move_jacobians(POSE, SPEED, STEERING, STEP_S)
-    np.testing.assert_allclose(
-        by_pose,
-        differentiate(lambda p: car.move(p, SPEED, STEERING, STEP_S), POSE),
-        atol=1e-8,
-    )
-    np.testing.assert_allclose(
-        by_odometry,
-        differentiate(lambda u: car.move(POSE, *u, STEP_S), np.array([SPEED, STEERING])),
-        atol=1e-7,
-    )
+def test_many_steps_of_the_car_are_one_after_the_other() -> None:
+    """With the derivatives of (3.18), and noise that each step adds to what follows it."""
+    car, rng, count = Car(), np.random.default_rng(3), 4
+    odometry, noise = rng.normal([3.0, 0.2], [1.0, 0.2], (count, 2)), np.diag([0.09, 0.01])
+    step_s = rng.uniform(0.1, 0.5, count)
+
+    def drive(pose: Array, controls: Array) -> Array:
+        for (speed, steering), seconds in zip(controls.reshape(-1, 2), step_s, strict=True):
+            pose = car.move(pose, speed, steering, seconds)
+        return pose
+
+    pose, by_pose, spread = car.move_steps(POSE, odometry, step_s, noise)
+    np.testing.assert_allclose(pose, drive(POSE, odometry), atol=1e-12)
+    numeric = differentiate(partial(drive, controls=odometry), POSE)
+    np.testing.assert_allclose(by_pose, numeric, atol=1e-8)
+    by_odometry = differentiate(partial(drive, POSE), odometry.ravel())
+    expected = by_odometry @ np.kron(np.eye(count), noise) @ by_odometry.T
+    np.testing.assert_allclose(spread, expected, atol=1e-8)
 
 
 def test_wheel_that_counts_is_slower_than_the_axle_in_a_left_turn() -> None:
