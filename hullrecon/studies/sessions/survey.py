@@ -155,8 +155,8 @@ def plane_factors(seers: Ints, seen: Array, truth: Poses) -> list[Factors]:
 def plane_pairs(pairs: Ints, poses: Ints, first: Poses, second: Poses, seen: Array) -> PlanePairs:
     """Hold planes (m, 2) to differ as the hull's characteristic radii say [Ozog2016 eq. 2.3].
 
-    The print holds them equal and counts the difference as noise, which flattens the hull: all
-    pairs err to one side. first and second: where the poses are that see them.
+    The print holds them equal and counts the difference as noise. first and second: where the
+    poses are that see them.
     """
     between_them = between(first[pairs[:, 0]], second[pairs[:, 1]])[0].translation
     radii = (np.full(len(pairs), r) for r in (RADIUS_AZIMUTH_M, RADIUS_ELEVATION_M))
