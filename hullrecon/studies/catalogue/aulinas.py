@@ -372,7 +372,7 @@ _FEATURES = Chapter(
             studies=("side-scan-cascade",),
             code=("hullrecon/studies/targets/detector_trials.py:try_cascade",),
             tests=(
-                "tests/studies/targets/test_side_scan.py::test_cascade_detects_99_percent_at_few_percent_false",
+                "tests/studies/targets/test_side_scan.py::test_cascade_detects_99_percent_at_1_percent_false_with_4_features",
             ),
             differs=_NO_SONAR_OBJECTS,
         ),

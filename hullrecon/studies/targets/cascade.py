@@ -85,8 +85,9 @@ def train_cascade(
 ) -> list[Layer]:
     """Train layer by layer until the rates of each are met on the validation set.
 
-    Where a layer's false positives are met already, it is to halve them. Training ends where few
-    of the others are left to learn from, or where a layer refuses none of them.
+    Where a layer's false positives are met already, it is to halve them. Training ends where the
+    false positives of the last layer are met, where few of the others are left to learn from, or
+    where a layer refuses none of them.
 
     Parameters
     ----------
@@ -100,7 +101,8 @@ def train_cascade(
     layers: list[Layer] = []
     left, check = np.ones(len(values), bool), np.ones(len(validation), bool)
     for detection, false, most in targets:
-        if np.sum(left & ~is_target) < 10:
+        met = check[~validation_target].mean() <= targets[-1][1]
+        if met or np.sum(left & ~is_target) < 10:
             break
         layer = _train_layer(
             values[left],

@@ -102,10 +102,13 @@ def _near(detection: Detection, thing: Thing) -> Mask:
 def try_cascade(
     seed: int, tiles: int, positives: int = POSITIVES, negatives: int = NEGATIVES
 ) -> CascadeTrial:
-    """Train cascades on patches made more by augmentation, and try them on patches as cut."""
+    """Train cascades on patches made more by augmentation, and try them on patches as cut.
+
+    Thresholds are set on patches as cut too: an augmented target may be dimmer than any that a
+    sonar shows, and a threshold that keeps it lets a tenth of the bright spots pass.
+    """
     training = augment(cut_patches(seed, tiles), seed, positives, negatives)
-    validation = augment(cut_patches(seed + 1, tiles), seed + 1, positives, negatives)
-    tested = cut_patches(seed + 2, tiles)
+    validation, tested = (cut_patches(seed + k, 2 * tiles) for k in (1, 2))
     values, names = describe(training.picture)
     check, _ = describe(validation.picture)
     new, _ = describe(tested.picture)
