@@ -263,7 +263,10 @@ _RESULTS = Chapter(
                 "path-figures/sigma_along_path",
                 "one-camera-survey/sigma_along_path",
             ),
-            differs="horizontal position alone, adjusted path as third curve",
+            differs=(
+                "horizontal position alone; dead reckoning by white noise alone, as the paper has "
+                "it, and with errors that last, whose sigma falls on the way back"
+            ),
         ),
         Part(
             "Fig. 5(a)",
@@ -282,6 +285,11 @@ _RESULTS = Chapter(
             studies=("one-camera-survey/two_view_models", "path-figures/two_view_models"),
             tests=(
                 "tests/end_to_end/test_path_figures.py::test_path_of_chosen_models_is_the_runs_with_its_true_error",
+            ),
+            differs=(
+                "navigation refuses links that would turn the path: by either model it lies "
+                "within its sigma, and the choice joins twice as many pairs as the essential "
+                "matrix alone"
             ),
         ),
         Part(

@@ -305,11 +305,7 @@ def by_two_view_model(
             replace(stage, run=links_of) if stage.name == "links" else stage
             for stage in dive.chain.stages
         )
-        workspace = (
-            dive.workspace
-            if model == "automatic"
-            else Workspace(dive.workspace.root / COMPARE_FOLDER / f"links-{model}")
-        )
+        workspace = workspace_of_model(dive, model)
         with dive.workspace.lock():
             chain = replace(dive.chain, stages=stages)
             build_step("links", chain, dive.workspace, workspace, run_context)
@@ -319,6 +315,13 @@ def by_two_view_model(
             track=linked_track(trajectory, links.path), joined=int(links.pairs.joined.sum())
         )
     return found
+
+
+def workspace_of_model(dive: DiveRun, model: str) -> Workspace:
+    """Choose where links of a two-view model lie: those by choice are the run's own."""
+    if model == "automatic":
+        return dive.workspace
+    return Workspace(dive.workspace.root / COMPARE_FOLDER / f"links-{model}")
 
 
 def _distances(

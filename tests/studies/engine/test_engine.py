@@ -8,11 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses, exp
+from hullrecon.navigation.dead_reckoning.error_propagation import trajectory_covariance
+from hullrecon.records.links import CameraLinks
+from hullrecon.records.trajectory import Trajectory, TrajectoryErrorModel
 from hullrecon.studies.engine.fly_through import (
     FOCAL_PX,
     HEIGHT,
@@ -22,6 +26,7 @@ from hullrecon.studies.engine.fly_through import (
     TexturedHull,
     film,
 )
+from hullrecon.studies.engine.link_errors import link_errors
 from hullrecon.studies.engine.one_camera import TrueCamera
 from hullrecon.studies.engine.pair_overlap import ComparedPair
 from hullrecon.studies.engine.pair_stages import five_numbers
@@ -31,7 +36,13 @@ from hullrecon.studies.engine.planar_adjustment import (
     whitened_transfer,
 )
 from hullrecon.studies.engine.relief_views import relief_views
-from hullrecon.studies.engine.survey import largest_fall, leave_blank
+from hullrecon.studies.engine.survey import (
+    largest_fall,
+    leave_blank,
+    share_of_falls,
+    without_lasting_errors,
+)
+from hullrecon.studies.paths.link_plots import horizontal_sigma
 
 MODEL = CameraModel(width=400, height=300, fx=500.0, fy=500.0, cx=199.5, cy=149.5)
 
@@ -108,6 +119,51 @@ def test_a_blank_takes_the_images_between_two_times(tmp_path: Path) -> None:
     table.write_text("t,file\n1.0,a\n2.0,b\n3.5,c\n4.0,d\n")
     leave_blank(table, 1.5, 3.6)
     assert table.read_text() == "t,file\n1.0,a\n4.0,d\n"
+
+
+def test_links_errors_are_of_rotation_and_direction_alone() -> None:
+    hull_from_camera = Poses(
+        np.tile([0.0, 0, 0, 1], (2, 1)), np.array([[0.0, 0, 0], [-1.0, 0, 0]])
+    )  # first to second: 1 m along x
+    links = CameraLinks(
+        first=np.array([0]),
+        second=np.array([1]),
+        translation=np.array([[0.5, 0.005, 0.0]]),  # half as long, 10 mrad off
+        quaternion=Rotation.from_rotvec([[0.0, 0.0, 2e-3]]).as_quat(),
+        covariance=np.diag([1.0, 0.005, 0.005, 1e-3, 1e-3, 1e-3])[None] ** 2,
+        scaled=np.array([False]),
+        bottom=np.zeros((1, 2), bool),
+    )
+    found = link_errors(links, hull_from_camera)
+    assert found.direction_rad == pytest.approx(0.010, rel=1e-3)
+    assert found.rotation_rad == pytest.approx(0.002, rel=1e-6)
+    assert found.chi2 == pytest.approx(1.0 + 4.0, rel=1e-3)
+
+
+def test_white_noise_alone_lets_no_sigma_fall() -> None:
+    """A wrong scale errs by the way from the start, which gets shorter on the way back."""
+    out = np.array([0.0, 1.0, 2.0, 3.0, 2.0, 1.0])
+    count = len(out)
+    poses = Poses(np.tile([0.0, 0, 0, 1], (count, 1)), np.column_stack([out, 0 * out, 0 * out]))
+    by_error = np.zeros((count, 6, 1))
+    by_error[:, 0, 0] = out
+    walk = np.arange(count)[:, None, None] * np.diag([1.0, 1, 1, 0, 0, 0]) * 1e-6
+    errors = TrajectoryErrorModel(
+        by_error=by_error,
+        error_covariance=np.array([[1e-4]]),
+        walk=walk,
+        white=np.zeros((count, 6, 6)),
+    )
+    trajectory = Trajectory(
+        t_ns=np.arange(count),
+        quaternion=poses.rotation.as_quat(),
+        translation=poses.translation,
+        covariance=trajectory_covariance(errors, poses),
+        tray=np.zeros(count),
+        image=np.full((count, 2), -1),
+    )
+    assert share_of_falls(horizontal_sigma(trajectory.track())) == pytest.approx(2 / 5)
+    assert share_of_falls(horizontal_sigma(without_lasting_errors(trajectory, errors))) == 0.0
 
 
 def test_the_largest_fall_of_a_sigma_is_told_by_the_way() -> None:

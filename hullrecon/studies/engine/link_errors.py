@@ -1,0 +1,43 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Links of one camera beside the truth: how far off each is, and whether its covariance says so."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.geometry.poses import Poses
+from hullrecon.records.links import CameraLinks
+from hullrecon.typing import Array
+from hullrecon.vision.pairs import mono_motion
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkErrors:
+    """Errors of links, whose lengths one camera does not measure."""
+
+    rotation_rad: Array  # (m,)
+    direction_rad: Array  # (m,) of the translation
+    chi2: Array  # (m,) of both together, by their covariance: five degrees of freedom
+
+
+def link_errors(links: CameraLinks, hull_from_camera: Poses) -> LinkErrors:
+    """Compare links (m,) with the true poses (n,) of the camera at the nodes."""
+    true = hull_from_camera[links.second].inverse() @ hull_from_camera[links.first]
+    turn = true.rotation.inv() * Rotation.from_quat(links.quaternion)
+    errors = []
+    for k, rotation in enumerate(turn.as_rotvec()):
+        length = float(np.linalg.norm(links.translation[k]))
+        wanted = true.translation[k] / np.linalg.norm(true.translation[k])
+        across = mono_motion.tangent_basis(wanted)
+        off = across.T @ links.translation[k] / length
+        by = np.zeros((5, 6))
+        by[:2, :3], by[2:, 3:] = across.T / length, np.eye(3)
+        whole = np.concatenate([off, rotation])
+        chi2 = whole @ np.linalg.solve(by @ links.covariance[k] @ by.T, whole)
+        errors.append((np.linalg.norm(rotation), np.linalg.norm(off), chi2))
+    rotation, direction, chi2 = np.array(errors).reshape(-1, 3).T
+    return LinkErrors(rotation_rad=rotation, direction_rad=direction, chi2=chi2)
