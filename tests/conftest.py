@@ -79,7 +79,7 @@ def once(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Once:
         with (folder / "lock").open("w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             if not (folder / "done").exists():
-                fill(Shell(folder, pdf=True))
+                fill(Shell(folder))
                 (folder / "done").touch()
         return folder
 
@@ -88,10 +88,9 @@ def once(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Once:
 
 @pytest.fixture(scope="session")
 def demo_run(once: Once) -> Path:
-    """The folder of a whole run over sample_data/demo."""
-    return (
-        once("demo", lambda shell: shell("run", SAMPLE, "--runs", "out", "--jobs", 2)) / "out/demo"
-    )
+    """The folder of a whole run over sample_data/demo, with a PDF."""
+    run = ("run", SAMPLE, "--runs", "out", "--jobs", 2)
+    return once("demo", lambda shell: Shell(shell.folder, pdf=True)(*run)) / "out/demo"
 
 
 @pytest.fixture(scope="session")

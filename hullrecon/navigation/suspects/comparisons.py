@@ -38,7 +38,7 @@ from hullrecon.navigation.clocks.comparisons import (
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.smoothing import local_line
-from hullrecon.navigation.suspects.views import fit_turn
+from hullrecon.navigation.suspects.views import fit_turns
 from hullrecon.records.clock import NS, period, seconds
 from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples, SensorRecords
 from hullrecon.rig import Rig
@@ -337,6 +337,19 @@ class Track:
     way: Integral  # (n, 3) of the velocity in `global`, m
     lever: Array  # (n, 3) from pressure sensor to DVL in `global`
 
+    @cached_property
+    def sunk_by_tilt(self) -> Array:
+        """Integrate how much deeper the way is of a DVL turned by TILT_RAD about each of its axes.
+
+        (n, 3) m.
+        """
+        own = self.global_from_dvl.inv().apply(self.way.signal)
+        turned = [
+            integral(self.way.t_s, self.global_from_dvl.apply(np.cross(axis, own))[:, 2]).total
+            for axis in np.eye(3)
+        ]
+        return np.asarray(TILT_RAD * np.stack(turned, axis=1))
+
 
 def track_of(records: SensorRecords, rig: Rig) -> Track | None:
     """Integrate the DVL's velocity in the axes of `global`. None without DVL or IMU."""
@@ -390,22 +403,10 @@ def compare_depth(records: SensorRecords, track: Track) -> Comparison | None:
         sensors=frozenset({Sensor.PRESSURE, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}),
         residual=sunk,
         sigma=np.sqrt(2 * left**2 + DEPTH_SIGMA_M**2 + (ROUGH_SHARE * late) ** 2),
-        nuisance=np.column_stack([_tilted(track, windows, way), late]),
+        nuisance=np.column_stack([_over(track.sunk_by_tilt, windows), SCALE * way[:, 2], late]),
         first=_over(smooth, windows),
         second=way[:, 2],
     )
-
-
-def _tilted(track: Track, windows: Ints, way: Array) -> Array:
-    """Compute what a DVL turned by TILT_RAD about each of its axes, or SCALE, would sink by."""
-    own = track.global_from_dvl.inv().apply(track.way.signal)
-    t_s = track.way.t_s
-    turned = [
-        integral(t_s, track.global_from_dvl.apply(np.cross(axis, own))[:, 2]).total
-        for axis in np.eye(3)
-    ]
-    columns = [TILT_RAD * _over(one, windows) for one in turned]
-    return np.stack([*columns, SCALE * way[:, 2]], axis=1)
 
 
 def compare_ranges(ping_ns: Ints, hull: HullPlanes, track: Track) -> list[Comparison]:
@@ -547,6 +548,13 @@ def compare_flow(views: Sequence[View]) -> Comparison | None:
     )
 
 
+def _together(poses: Sequence[Poses]) -> Poses:
+    return Poses(
+        np.concatenate([one.quaternion for one in poses]),
+        np.concatenate([one.translation for one in poses]),
+    )
+
+
 def compare_view(views: Sequence[View]) -> Comparison | None:
     """Compare the turn that features show with that by attitude and tray.
 
@@ -556,8 +564,11 @@ def compare_view(views: Sequence[View]) -> Comparison | None:
     views = [view for view in views if view.depth > 0]
     if len(views) < LEAST_WINDOWS:
         return None
-    fits = [fit_turn(v.second_from_first, v.flow.first, v.flow.second) for v in views]
-    turn, sigma = (np.array(column) for column in zip(*fits, strict=True))
+    turn, sigma = fit_turns(
+        _together([v.second_from_first for v in views]),
+        [v.flow.first for v in views],
+        [v.flow.second for v in views],
+    )
     backlash = TILT_RAD * np.array([view.tray_axis for view in views])
     lag = np.array([view.late for view in views])
     made = np.array(

@@ -8,10 +8,13 @@ hull seems to bend, and an orientation tells that it did not (docs/methods.md, S
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Sequence
 
-from hullrecon.geometry.poses import Poses, exp
-from hullrecon.geometry.robust import robust_sigma
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array
 
@@ -22,40 +25,57 @@ STEPS = 3  # of Gauss and Newton
 HUBER = 2.0  # sigmas of a residual beyond which its weight falls
 
 
-def fit_turn(motion: Poses, first: Array, second: Array) -> tuple[Array, Array]:
-    """Fit the turn that images show beyond a known motion.
+def fit_turns(
+    motion: Poses, first: Sequence[Array], second: Sequence[Array]
+) -> tuple[Array, Array]:
+    """Fit the turns that pairs of images show beyond known motions.
 
     Parameters
     ----------
     motion
-        second_from_first of the camera, a batch of one.
+        second_from_first (n) of the camera.
     first, second
-        Features (m, 2), ideal coordinates.
+        Features (m, 2) of each pair, ideal coordinates.
 
     Returns
     -------
     turn, sigma
-        (3,) rad, in the second camera's axes.
+        (n, 3) rad, in the second camera's axes.
     """
-    rows = np.unique(np.linspace(0, len(first) - 1, MOST_FEATURES).astype(np.int64))
-    a, b = (np.column_stack([of[rows], np.ones(len(rows))]) for of in (first, second))
-    way, rotation = motion.translation[0], motion.rotation.as_matrix()[0]
-    across = np.linalg.norm(way) * np.linalg.svd(way[None])[2][1:]
-    unknowns, information = np.zeros(5), np.eye(5)
+    a, b = (_rays(of) for of in (first, second))
+    way, rotation = motion.translation, motion.rotation.as_matrix()
+    length = np.linalg.norm(way, axis=1)[:, None, None]
+    across = length * np.linalg.svd(way[:, None])[2][:, 1:]
+    unknowns, information = np.zeros((len(way), 5)), np.zeros((len(way), 5, 5))
     for _ in range(STEPS):
-        turned = exp(np.r_[0.0, 0.0, 0.0, unknowns[:3]][None]).rotation.as_matrix()[0] @ rotation
-        moved = cross_matrix(way + unknowns[3:] @ across)
+        turned = Rotation.from_rotvec(unknowns[:, :3]).as_matrix() @ rotation
+        moved = cross_matrix(way + np.einsum("nk,nkx->nx", unknowns[:, 3:], across))
         essential = moved @ turned
-        by_unknown = np.concatenate(
-            [moved @ cross_matrix(np.eye(3)) @ turned, cross_matrix(across) @ turned]
+        by_turn = moved[:, None] @ cross_matrix(np.eye(3)) @ turned[:, None]
+        by_unknown = np.concatenate([by_turn, cross_matrix(across) @ turned[:, None]], axis=1)
+        lines = np.concatenate(
+            [a @ essential[:, :2].transpose(0, 2, 1), b @ essential[:, :, :2]], axis=2
         )
-        lines = np.hstack([a @ essential.T[:, :2], b @ essential[:, :2]])
-        size = np.sqrt(np.maximum((lines**2).sum(axis=1), 1e-18))
-        left = ((b @ essential) * a).sum(axis=1) / size
-        jacobian = ((b @ by_unknown) * a).sum(axis=2).T / size[:, None]
-        sigma = max(robust_sigma(left, about=0.0), LEAST_SIGMA)
-        weighted = jacobian.T * np.minimum(1, HUBER * sigma / np.maximum(abs(left), 1e-12))
-        information = weighted @ jacobian / sigma**2 + np.diag(FREE_RAD**-2)
-        gradient = weighted @ left / sigma**2 + unknowns / FREE_RAD**2
-        unknowns = unknowns - np.linalg.solve(information, gradient)
-    return unknowns[:3], np.sqrt(np.diag(np.linalg.inv(information)))[:3]
+        size = np.sqrt(np.maximum((lines**2).sum(axis=2), 1e-18))
+        left = ((b @ essential) * a).sum(axis=2) / size
+        jacobian = ((b[:, None] @ by_unknown) * a[:, None]).sum(axis=3) / size[:, None]
+        sigma = np.maximum(NORMAL_MAD * np.nanmedian(np.abs(left), axis=1), LEAST_SIGMA)[:, None]
+        weight = np.minimum(1, HUBER * sigma / np.maximum(np.abs(left), 1e-12)) / sigma**2
+        known = np.isfinite(left)
+        weight, left = np.where(known, weight, 0.0), np.where(known, left, 0.0)
+        jacobian = np.where(known[:, None], jacobian, 0.0)
+        weighted = jacobian * weight[:, None]
+        information = weighted @ jacobian.transpose(0, 2, 1) + np.diag(FREE_RAD**-2)
+        gradient = np.einsum("nkm,nm->nk", weighted, left) + unknowns / FREE_RAD**2
+        unknowns = unknowns - np.linalg.solve(information, gradient[..., None])[..., 0]
+    variance = np.diagonal(np.linalg.inv(information), axis1=1, axis2=2)
+    return unknowns[:, :3], np.sqrt(variance[:, :3])
+
+
+def _rays(features: Sequence[Array]) -> Array:
+    """Choose rays (n, m, 3) to at most MOST_FEATURES of each image, NaN beyond its number."""
+    rays = np.full((len(features), min(MOST_FEATURES, max(map(len, features))), 3), np.nan)
+    for ray, of in zip(rays, features, strict=True):
+        rows = np.unique(np.linspace(0, len(of) - 1, MOST_FEATURES).astype(np.int64))
+        ray[: len(rows), :2], ray[: len(rows), 2] = of[rows], 1.0
+    return rays
