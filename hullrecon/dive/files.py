@@ -24,6 +24,10 @@ KINDS = (
 )
 
 
+LFS_POINTER = b"version https://git-lfs"
+LFS_WORDS = "a pointer of Git LFS: the file itself was not fetched", "fetch it with git lfs pull"
+
+
 def open_regular(path: Path) -> BinaryIO:
     """Open a file to be read.
 

@@ -109,6 +109,7 @@ class IngestResult:
     sensors: dict[str, FixedSensor] = field(default_factory=dict)  # those that tf_static leads to
     # topics that are a DVL's by their names, of types that are not read
     unread_dvls: list[str] = field(default_factory=list)
+    is_whole: bool = True  # every log was read to its end
     attitude_is_dvls: bool = False  # by the DVL's own sensors, as no IMU was logged
     lost: list[Finding] = field(default_factory=list)
     hull_notes: list[Finding] = field(default_factory=list)  # what was found and repaired
@@ -187,7 +188,8 @@ def ingest(
         request.offset_ns,
     )
     # a log that could not be read may hold the topics that seem to be missing
-    if len(logs) == len(request.logs) and not found.unread:
+    out.is_whole = len(logs) == len(request.logs) and not found.unread
+    if out.is_whole:
         _check_topics(topics, found, problems)
     calibrations.check_constant(problems)
     bags = [number for number, log in enumerate(logs) if not log.gives_samples]
@@ -538,7 +540,8 @@ def _check_joints(source: _Source) -> None:
             if held or record != "tray":
                 source.notes.append(Finding("joint-absent", {"joint": joint}, where))
             continue
-        near = difflib.get_close_matches(joint, held, 1, 0.5)
+        others = held - set(source.request.joints.values())  # of another servo, as is dive.toml's
+        near = difflib.get_close_matches(joint, others, 1, 0.6)
         remedy = f'name one of them, or set {where} = "" if nothing turns there'
         if near:
             remedy = f'did you mean "{near[0]}"?'

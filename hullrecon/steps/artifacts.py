@@ -22,7 +22,7 @@ from hullrecon.artifacts.stage import StageSettings, load_arrays
 from hullrecon.dive.config.mounts import (
     ChosenMount,
     choose_mounts,
-    refuse_parted_tray,
+    refuse_mounts,
     with_value,
 )
 from hullrecon.dive.config.schema import DEFAULT_MOUNTS
@@ -316,14 +316,13 @@ class InputArtifacts:
     def mounts(self, settings: Mapping[str, object]) -> dict[str, ChosenMount]:
         """Choose each lever arm and mount: by dive.toml, else by the log, else its default.
 
-        Raises InputError for a tray that carries only one of DVL and camera.
+        Raises InputError where tf_static cannot give one.
         """
         # a dict: settings raise for keys that the step did not declare
         declared = dict(settings)
         values = {key: _value(declared, key) for key in DEFAULT_MOUNTS}
         tray = self.ingest.tray
-        if tray is not None and len(tray.t_ns):
-            refuse_parted_tray(values, self.ingest.sensors)
+        refuse_mounts(values, self.ingest.sensors, tray is not None and len(tray.t_ns) > 0)
         return choose_mounts(values, self.ingest.sensors)
 
     def mounted(self, settings: StageSettings) -> StageSettings:

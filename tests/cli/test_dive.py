@@ -157,7 +157,7 @@ def test_check_never_tells_one_to_see_check(capsys, package, what):
 def test_wrong_set_option_of_check_does_not_blame_the_file(capsys, package):
     code, line = complaint(capsys, "check", package, "--set", "tray.sigma_deg=wide")
     assert code == 2
-    assert line.startswith("error: tray.sigma_deg = 'wide': expected float")
+    assert line.startswith("error: tray.sigma_deg = 'wide': expected a number")
     assert line.endswith("(from --set)")
 
 

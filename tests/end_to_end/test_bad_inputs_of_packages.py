@@ -179,7 +179,7 @@ REFUSED = {
     "a file name of 5,000 characters": (
         toml('["logs"]', f'["{"x" * 5000}"]'),
         2,
-        r"expected str of length <= 1000",
+        r"expected text of length <= 1000",
     ),
     "a column is missing": (
         table("pressure", "t,bar\n0,1\n"),

@@ -20,7 +20,12 @@ from hullrecon.dive.check.consistency_checks import (
 from hullrecon.dive.check.contents import describe_start_offset
 from hullrecon.dive.check.hull_checks import describe_bow, describe_regions, refuse_far_hull
 from hullrecon.dive.check.motion_offset import add_motion
-from hullrecon.dive.check.requirements import missing, needs, to_fill_in
+from hullrecon.dive.check.requirements import (
+    configured_sensors,
+    missing,
+    needs,
+    to_fill_in,
+)
 from hullrecon.dive.check.time_overlap import Stream
 from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.config.load import LoadedConfig
@@ -30,7 +35,7 @@ from hullrecon.dive.config.mounts import (
     describe_mounts,
     filled_in,
     guess_sigma,
-    refuse_parted_tray,
+    refuse_mounts,
 )
 from hullrecon.dive.config.schema import DEFAULT_MOUNTS, DiveConfig, Hull
 from hullrecon.dive.images.sink import SampledImages
@@ -209,6 +214,7 @@ def check_package(
     logged = named | (TYPES.keys() & found.counts.keys())
     # where something cannot be used, the reason is told elsewhere
     known = present | logged if problems.found else present
+    known |= set() if found.is_whole else configured_sensors(loaded)
     bow, stations_off = _bow(loaded.config.hull, found.hull, problems)
     regions, empty_regions = describe_regions(loaded.config.hull, found.hull if bow else None)
     records, judged, suspects = found.records, list[Finding](), list[dict[str, object]]()
@@ -256,9 +262,9 @@ def _fill_mounts(
     Returns the configuration and these mounts by key.
     """
     declared = {key: loaded.value(key) for key in DEFAULT_MOUNTS}
-    if found.records.tray is not None and len(found.records.tray.t_ns):
-        with problems.collect():
-            refuse_parted_tray(declared, found.sensors)
+    tray = found.records.tray
+    with problems.collect():
+        refuse_mounts(declared, found.sensors, tray is not None and len(tray.t_ns) > 0)
     mounts = choose_mounts(declared, found.sensors)
     of_log = {key: mount for key, mount in mounts.items() if mount.source}
     return filled_in(loaded, mounts), of_log

@@ -8,7 +8,7 @@ import difflib
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import get_args
+from typing import get_args, get_type_hints
 
 import msgspec
 from msgspec import Struct
@@ -21,6 +21,13 @@ ONE_LINE = (
 )
 LONGEST_SHOWN = 60  # characters of a foreign value in a message
 LONGEST_REASON = 200  # characters of what a parser says
+TYPES = {  # of msgspec's messages, in words
+    "float": "a number",
+    "int": "a whole number",
+    "str": "text",
+    "bool": "true or false",
+    "array": "a list",
+}
 DEEPEST = 30  # tables and lists within each other; the schema has five
 
 
@@ -57,6 +64,12 @@ def explain_error(
         .replace("Object", "table")
         .replace("object", "table")
     )
+    for name, word in TYPES.items():
+        wanted = re.sub(rf"\b{name}\b", word, wanted)
+    if text.startswith("Invalid enum value"):
+        wanted = f"expected {_values_of(kind, path)}"
+    if text == "Invalid RFC3339 encoded datetime":
+        wanted = "expected a date and time such as 2026-05-04T09:30:00Z"
     if text.endswith(f"matching regex {ONE_LINE!r}"):
         wanted = "expected text on one line, without control characters"
     shown = show_value(_look_up(raw, path))
@@ -101,6 +114,28 @@ def known_keys(kind: type, prefix: str = "") -> Iterator[str]:
         yield dotted
         for part in _structs_in(field.type):
             yield from known_keys(part, dotted)
+
+
+def _values_of(kind: type, path: Sequence[str]) -> str:
+    """List the texts that a key may have, by the type of the table and the key's way in it."""
+    found: object = kind
+    for name in path:
+        hints = get_type_hints(_struct_of(found)) if not name.startswith("[") else {}
+        found = hints.get(name, found)
+    return " or ".join(f'"{value}"' for value in _literals(found)) or "another value"
+
+
+def _struct_of(kind: object) -> type:
+    return next(_structs_in(kind), Struct)
+
+
+def _literals(kind: object) -> Iterator[str]:
+    """Yield the texts of the literals in a type."""
+    for part in get_args(kind):
+        if isinstance(part, str):
+            yield part
+        else:
+            yield from _literals(part)
 
 
 def _structs_in(kind: object) -> Iterator[type[Struct]]:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import posixpath
+import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -22,10 +23,13 @@ from hullrecon.dive.config.config_errors import (
     refuse_not_finite,
     shorten,
 )
+from hullrecon.dive.config.mount_units import refuse_lever_arm, refuse_radians
 from hullrecon.dive.config.schema import DiveConfig, Dvl, HullRegion, Topics
 from hullrecon.dive.files import MIB, read_text
 from hullrecon.errors import InputError, UsageError
 
+BYTE_ORDER_MARK = "\ufeff"  # with which some editors of Windows begin a file
+LEAST_AIR_PA = 50_000.0  # at 5 km above the sea; weather moves it by 5,000
 FILE = "dive.toml"
 # of dive.toml; one with everything set and explained has some ten thousand
 LARGEST_BYTES = MIB // 4
@@ -91,7 +95,7 @@ def load_config(
 def _read(package: Path) -> Table:
     path = package / FILE
     try:
-        text = read_text(path, LARGEST_BYTES)
+        text = read_text(path, LARGEST_BYTES).removeprefix(BYTE_ORDER_MARK)
         if max(line.count(".") for line in text.split("\n")) > MOST_DOTS:
             raise UsageError(
                 f"{FILE} is not valid: a line with more than {MOST_DOTS} dots", where=str(path)
@@ -104,10 +108,14 @@ def _read(package: Path) -> Table:
         raise InputError(f"{FILE} cannot be read: {error.strerror}", where=str(path)) from None
     except tomllib.TOMLDecodeError as error:
         raise UsageError(
-            f"{FILE} is not valid TOML: {shorten(str(error), 160)}", where=str(path)
+            f"{FILE} is not valid TOML: {shorten(str(error), 160)}{_line_of(str(error), text)}",
+            where=str(path),
+            remedy="write paths with / between folders" if "Unescaped" in str(error) else "",
         ) from None
     except UnicodeDecodeError as error:
-        raise UsageError(f"{FILE} is not UTF-8: byte {error.start}", where=str(path)) from None
+        raise UsageError(
+            f"{FILE} is not UTF-8: byte {error.start}", where=str(path), remedy="save it as UTF-8"
+        ) from None
     except RecursionError:
         raise UsageError(
             f"{FILE} is not valid TOML: its values are nested too deeply", where=str(path)
@@ -116,6 +124,14 @@ def _read(package: Path) -> Table:
         raise UsageError(
             f"{FILE} is not valid TOML: {str(error).partition(';')[0]}", where=str(path)
         ) from None
+
+
+def _line_of(error: str, text: str) -> str:
+    """Show the line that an error of tomllib names. "" where it names none."""
+    named = re.search(r"at line (\d+)", error)
+    lines = text.split("\n")
+    number = int(named[1]) if named else 0
+    return f": {shorten(lines[number - 1].strip())}" if 0 < number <= len(lines) else ""
 
 
 def _apply(raw: Table, text: str) -> None:
@@ -175,6 +191,7 @@ def _check_whole(config: DiveConfig) -> None:
             remedy="give each beam as x, y, z of length 1",
         )
     _check_tilt(config.dvl)
+    _check_units(config)
     _check_regions(() if config.hull is None else config.hull.region or ())
 
 
@@ -217,6 +234,35 @@ def _check_regions(regions: Sequence[HullRegion]) -> None:
                     where=FILE,
                     remedy="give the lower limit first",
                 )
+
+
+def _check_units(config: DiveConfig) -> None:
+    """Check that lever arms can be metres, mounts' angles degrees and the air's pressure Pa."""
+    top, bottom, hull = config.camera.top, config.camera.bottom, config.hull
+    mounts = {
+        "dvl.mount": config.dvl.mount,
+        "sonar.mount": None if config.sonar is None else config.sonar.mount,
+        "camera.top.mount": None if top is None else top.mount,
+        "camera.bottom.pose_in_top": None if bottom is None else bottom.pose_in_top,
+    }
+    origins = {
+        "tray.origin": config.tray.origin,
+        "pressure.origin": config.pressure.origin,
+    }
+    for key, numbers in (mounts | origins).items():
+        if isinstance(numbers, tuple):
+            refuse_lever_arm(key, numbers)
+    turned = mounts | {"hull.pose": None if hull is None else hull.pose}
+    for key, numbers in (turned | {"imu.mount_deg": config.imu.mount_deg}).items():
+        if isinstance(numbers, tuple):
+            refuse_radians(key, numbers)
+    atmosphere = config.pressure.atmosphere
+    if 0 < atmosphere < LEAST_AIR_PA:
+        raise UsageError(
+            f"pressure.atmosphere = {atmosphere:g}: no air is that thin: is it in hPa?",
+            where=FILE,
+            remedy="give it in Pa; 0 where the sensor shows the pressure above the air's",
+        )
 
 
 def _check_tilt(dvl: Dvl) -> None:

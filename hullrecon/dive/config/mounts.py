@@ -12,6 +12,7 @@ import numpy as np
 from msgspec import Struct, structs
 
 from hullrecon.dive.config.load import LoadedConfig
+from hullrecon.dive.config.mount_units import refuse_lever_arm
 from hullrecon.dive.config.schema import DEFAULT_MOUNTS, FROM_LOG, DiveConfig
 from hullrecon.dive.logs.fixed_frames import RIG, FixedSensor
 from hullrecon.dive.logs.messages.descriptions import mount_of
@@ -25,6 +26,11 @@ ON_SERVO = {  # sensor and servo of each mount
     "dvl.mount": ("dvl", "tray.origin"),
     "camera.top.mount": ("camera_top", "tray.origin"),
     "sonar.mount": ("sonar", "sonar.origin"),
+}
+KEY_OF = {sensor: key for key, (sensor, _) in ON_SERVO.items()} | {
+    "camera_bottom": "camera.bottom.pose_in_top",
+    "pressure": "pressure.origin",
+    "position": "position.origin",
 }
 LEVEL_M, VERTICAL_M = 1.0, 0.3  # the draught is known better than the berth
 # heel and trim are small and read off; the heading is that of a compass near steel
@@ -52,6 +58,7 @@ def choose_mounts(
     values : by dotted key, as in dive.toml
     sensors : the place of each in tf_static ("dvl", "camera_top", ...)
     """
+    sensors = {name: sensor for name, sensor in sensors.items() if not sensor.doubt}
     chosen: dict[str, ChosenMount] = {}
     for key in ("tray.origin", "sonar.origin"):
         servo = [
@@ -123,11 +130,30 @@ def parted_on_tray(sensors: Mapping[str, FixedSensor]) -> tuple[FixedSensor, Fix
     return (on[0], fixed[0]) if on and fixed else None
 
 
-def refuse_parted_tray(values: Mapping[str, object], sensors: Mapping[str, FixedSensor]) -> None:
+def refuse_mounts(
+    values: Mapping[str, object], sensors: Mapping[str, FixedSensor], has_tray: bool
+) -> None:
+    """Raise InputError where tf_static cannot give a mount that dive.toml leaves to it.
+
+    Mounts given by dive.toml are trusted. Parameters as in choose_mounts.
+
+    has_tray: the angles of a tray were logged.
+    """
+    for sensor, key in KEY_OF.items():
+        if values.get(key) == FROM_LOG and sensor in sensors and sensors[sensor].doubt:
+            raise InputError(sensors[sensor].doubt, where=key, remedy=f"give {key} in dive.toml")
+    known = {name: sensor for name, sensor in sensors.items() if not sensor.doubt}
+    if has_tray:
+        _refuse_parted_tray(values, known)
+    for key, mount in choose_mounts(values, known).items():
+        if mount.source:
+            refuse_lever_arm(key, mount.value, mount.source)
+
+
+def _refuse_parted_tray(values: Mapping[str, object], sensors: Mapping[str, FixedSensor]) -> None:
     """Raise InputError where tf_static has only one of DVL and upper camera on the tray's servo.
 
-    One tray carries both, so that the fixed sensor would turn as well. Mounts given by dive.toml
-    are trusted. Parameters as in choose_mounts.
+    One tray carries both, so that the fixed sensor would turn as well.
     """
     parted = parted_on_tray(sensors)
     if parted is not None and FROM_LOG in [

@@ -208,7 +208,7 @@ class Pressure(Section, frozen=True):
             "REP 103, depths down)"
         ),
     ] = None
-    density: Annotated[Positive, Meta(description="kg/m3, of the water")] = 1025.0
+    density: Annotated[float, Meta(ge=900, le=1300, description="kg/m3, of the water")] = 1025.0
     density_sigma: Annotated[
         NotNegative,
         Meta(
@@ -216,7 +216,7 @@ class Pressure(Section, frozen=True):
             "smaller where it was measured"
         ),
     ] = 2.05
-    gravity: Annotated[Positive, Meta(description="m/s2, of gravity")] = 9.81
+    gravity: Annotated[float, Meta(ge=9.7, le=9.9, description="m/s2, of gravity")] = 9.81
     atmosphere: Annotated[NotNegative, Meta(description="Pa, pressure at the water's surface")] = (
         101325.0
     )

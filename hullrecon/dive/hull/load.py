@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hullrecon.dive.config.config_errors import shorten
-from hullrecon.dive.files import MIB, gunzip, read_regular
+from hullrecon.dive.files import LFS_POINTER, LFS_WORDS, MIB, gunzip, read_regular
 from hullrecon.dive.hull.hidden_faces import leave_out_hidden
 from hullrecon.dive.hull.mirrors import ends_at_a_plane, find_boundary
 from hullrecon.dive.hull.orientation import orient_outward
@@ -44,6 +44,21 @@ FINEST_M = 1e-6  # no CAD model is finer
 COARSEST_STEP_M, FINE_STEP_M = 0.01, 0.001
 # magic, version, length; length and type of the first chunk, which is JSON
 GLB_HEAD = struct.Struct("<4sIIII")
+STL_HEAD, STL_FACE = 84, 50  # bytes of a binary STL: before its faces, and of each
+_SAY_SO = "name it by what it is"
+# what a file begins with: what it is, and what to do
+OTHER_KINDS = (
+    (re.compile(re.escape(LFS_POINTER)), LFS_WORDS),
+    (
+        re.compile(rb"\s*ISO-10303-21"),
+        ("a STEP file", f"export a mesh of its surface as {', '.join(FORMATS)}"),
+    ),
+    (re.compile(rb"\s*<"), ("a page of the web or XML", "fetch the file itself")),
+    (re.compile(rb"(\s*#[^\n]*\n)*\s*(mtllib|o|g|v)\s"), ("an obj file", _SAY_SO)),
+    (re.compile(rb"ply\s"), ("a ply file", _SAY_SO)),
+    (re.compile(rb"glTF"), ("a glb file", _SAY_SO)),
+)
+DECIMAL_COMMA = re.compile(rb"vertex\s+[-+]?\d+,\d")
 ROOM = 1_000_000  # values or faces beyond one a byte
 MOST_PROPERTIES = 200  # and elements of a PLY; its parser takes the square of their number
 PROPERTY = re.compile(rb"^[ \t]*(?:property|element)\b", re.MULTILINE)
@@ -109,6 +124,7 @@ def _load(path: Path) -> tuple[Array, Ints32, bool]:
         raise InputError(
             f"the CAD model {path.name} cannot be read: {why}", where=str(path.parent)
         ) from None
+    _refuse_other_kind(data, kind, path)
     vertices, faces = _parse(data, kind, path)
     if not len(faces):
         raise InputError(
@@ -122,6 +138,26 @@ def _load(path: Path) -> tuple[Array, Ints32, bool]:
         )
     is_binary_stl = kind == "stl" and not data[:5].lower().startswith(b"solid")
     return vertices, faces.astype(np.int32), is_binary_stl
+
+
+def _refuse_other_kind(data: bytes, kind: str, path: Path) -> None:
+    """Raise InputError for a file that is not what its name says, or cut off."""
+    found = [words for magic, words in OTHER_KINDS if magic.match(data)]
+    if found and kind not in found[0][0]:
+        what, remedy = found[0]
+        raise InputError(
+            f"the CAD model {path.name} is {what}", where=str(path.parent), remedy=remedy
+        )
+    is_binary_stl = kind == "stl" and not data[:5].lower().startswith(b"solid")
+    if is_binary_stl and len(data) >= STL_HEAD:
+        claimed = int.from_bytes(data[STL_HEAD - 4 : STL_HEAD], "little")
+        held = (len(data) - STL_HEAD) // STL_FACE
+        if claimed > held:
+            raise InputError(
+                f"the CAD model {path.name} is cut off: it holds {held} of {claimed} faces",
+                where=str(path.parent),
+                remedy="copy or export it again",
+            )
 
 
 def _parse(data: bytes, kind: str, path: Path) -> tuple[Array, Ints]:
@@ -153,9 +189,9 @@ def _check_extent(corners: Array, units: str, path: Path, notes: list[Finding]) 
             f"the CAD model {path.name} has coordinates that are not finite", where=str(path.parent)
         )
     length = float(np.ptp(corners, axis=0).max())
+    _refuse_stray(corners, length, path)
     if SHORTEST_M <= length <= LONGEST_M:
         return
-    _refuse_stray(corners, length, path)
     length_text = (
         f"the CAD model {path.name} is {length:.4g} m long when read in {UNIT_NAMES[units]}"
     )
@@ -182,15 +218,15 @@ def _check_extent(corners: Array, units: str, path: Path, notes: list[Finding]) 
 
 
 def _refuse_stray(corners: Array, length: float, path: Path) -> None:
-    """Raise InputError where a few faces make a ship's CAD model longer than any ship is.
+    """Raise InputError where a few faces lie more than the ship's length away from all others.
 
     corners: (3 m, 3) of the m faces.
     """
     low, high = np.percentile(corners, [STRAY_PERCENT, 100 - STRAY_PERCENT], axis=0)
     size = float((high - low).max())
-    if length <= LONGEST_M or not SHORTEST_M <= size <= LONGEST_M:
-        return
     away = ((corners < low - size) | (corners > high + size)).any(axis=1).reshape(-1, 3)
+    if not away.any() or not SHORTEST_M <= size <= LONGEST_M:
+        return
     place = ", ".join(f"{value:.1f}" for value in corners[int(np.argmax(away.ravel()))])
     raise InputError(
         f"{int(away.any(axis=1).sum())} of {len(away)} faces of {path.name} lie or reach far from "
@@ -260,6 +296,8 @@ def prepare(data: bytes, kind: str) -> bytes:
         _check_accessors(data)
     if kind == "ply" and len(PROPERTY.findall(data.partition(b"end_header")[0])) > MOST_PROPERTIES:
         raise ValueError(f"its header has more than {MOST_PROPERTIES} properties")
+    if kind == "stl" and DECIMAL_COMMA.search(data[:MIB]):
+        raise ValueError("its numbers have decimal commas: export it with points")
     if kind == "obj" or (kind == "stl" and data[:5].lower() == b"solid"):
         return _join_groups(data, kind)
     return data

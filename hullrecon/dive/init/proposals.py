@@ -21,6 +21,7 @@ from hullrecon.dive.logs.messages.decode import ENCODINGS, type_name
 from hullrecon.dive.logs.messages.descriptions import (
     CAMERA_INFO,
     calibration_yaml,
+    frame_doubts,
     frame_tree,
     lies_beside,
 )
@@ -136,8 +137,8 @@ def proposed_mounts(
         and type_name(note.channel) not in WITHOUT_HEADER
         and (frame := frame_of(note.first)) is not None
     }
-    tree = frame_tree(message for note in summary.topics for message in note.frames)
-    sensors = fixed_sensors(tree, frames, joints)
+    messages = [message for note in summary.topics for message in note.frames]
+    sensors = fixed_sensors(frame_tree(messages), frames, joints, frame_doubts(messages))
     found = choose_mounts(dict.fromkeys(DEFAULT_MOUNTS, FROM_LOG), sensors)
     # Proposed, they would be taken for what somebody has looked at; left to the log, `check` says
     # what is wrong with them.

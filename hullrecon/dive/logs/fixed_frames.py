@@ -6,14 +6,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 from hullrecon.dive.logs.messages.decode import ENCODINGS, Fields, decode, type_name
 from hullrecon.dive.logs.messages.descriptions import (
     FRD_FROM_FLU,
     TRANSFORMS,
     Tree,
+    frame_doubts,
     frame_tree,
     mount_of,
+    names_above,
     way_up,
 )
 from hullrecon.dive.logs.messages.samples import WITHOUT_HEADER
@@ -39,6 +42,7 @@ class FixedSensor:
     on_servo: bool = False
     # where the servo turns, m in the vehicle; None where no frame on the way is the servo's
     servo_origin: tuple[float, ...] | None = None
+    doubt: str = ""  # why tf_static does not tell it
 
 
 @dataclass
@@ -61,7 +65,8 @@ class FrameListener:
 
         joints: names of the servos by record ("tray", "sonar_tray").
         """
-        return fixed_sensors(frame_tree(self.tree_messages), self.frames, joints)
+        doubts = frame_doubts(self.tree_messages)
+        return fixed_sensors(frame_tree(self.tree_messages), self.frames, joints, doubts)
 
     def _note(self, message: Message) -> None:
         channel = message.channel
@@ -83,11 +88,23 @@ class FrameListener:
 
 
 def fixed_sensors(
-    tree: Tree, frames: Mapping[str, str], joints: Mapping[str, str]
+    tree: Tree,
+    frames: Mapping[str, str],
+    joints: Mapping[str, str],
+    doubts: Mapping[str, str] = MappingProxyType({}),
 ) -> dict[str, FixedSensor]:
-    """Locate the sensors whose frames tf_static reaches, by sensor."""
+    """Locate the sensors whose frames tf_static reaches, by sensor.
+
+    doubts: why the place of a frame is not known.
+    """
     found = {}
     for sensor, frame in frames.items():
+        doubt = next((doubts[at] for at in names_above(frame, tree) if at in doubts), "")
+        if doubt:
+            found[sensor] = FixedSensor(
+                frame=printable(frame), pose=(0.0,) * 6, doubt=printable(doubt)
+            )
+            continue
         servo = joints.get(SERVO_OF.get(sensor, ""), "")
         way = way_up(frame, tree, {f"{servo}{ending}" for ending in ENDINGS} if servo else set())
         if way.vehicle is not None:

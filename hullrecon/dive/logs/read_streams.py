@@ -11,6 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from hullrecon.dive.logs.fixed_frames import frame_of
 from hullrecon.dive.logs.messages.decode import decode, describe, type_name
 from hullrecon.dive.logs.messages.samples import TYPES, WITHOUT_HEADER, stamp_ns
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Loss, Message
@@ -38,6 +39,38 @@ LIMIT_NS = 1 << 62  # the year 2116; differences of such stamps are int64 too
 MOST_REASONS = 5  # a topic for which messages could not be used, that are told apart
 MOST_DEFINITIONS = 16  # a topic: each is compiled anew
 SENSORS = tuple(TYPES)
+# two sensors on one topic: each sends a tenth of its messages at least, and they take turns
+LEAST_SHARE, LEAST_TURNS = 0.1, 10
+MOST_FRAMES = 16  # of a topic: damaged messages may each have a name of their own
+
+
+@dataclass
+class FrameNames:
+    """The frames that the messages of one topic name."""
+
+    counts: Counter[str] = field(default_factory=Counter)
+    turns: int = 0  # messages of another frame than the one before
+    last: str = ""
+
+    def add(self, frame: str) -> None:
+        """Count a message's frame."""
+        self.turns += bool(self.counts) and frame != self.last
+        self.last = frame
+        if frame in self.counts or len(self.counts) < MOST_FRAMES:
+            self.counts[frame] += 1
+
+    def refuse_two(self, topic: str) -> None:
+        """Raise InputError where messages of two frames take turns: these are two sensors."""
+        both = self.counts.most_common(2)
+        least = LEAST_SHARE * self.counts.total()
+        if len(both) < 2 or both[1][1] < least or self.turns < LEAST_TURNS:
+            return
+        shown = " and ".join(f"{printable(name) or 'none'} ({count})" for name, count in both)
+        raise InputError(
+            f"its messages are of two frames in turn, {shown}: two sensors share the topic",
+            where=topic,
+            remedy="give a log in which each has a topic of its own",
+        )
 
 
 @dataclass(kw_only=True)
@@ -58,9 +91,11 @@ class LogContents:
     outside: int = 0
     # by joint, the last angle before the time window, when that was logged, and its log
     joints_before: dict[str, tuple[JointSample, int, int]] = field(default_factory=dict)
-    used: set[str] = field(default_factory=set)  # topics of which a message could be used
+    # topics of which a message could be used, and the sensors that took it
+    used: set[tuple[str, str]] = field(default_factory=set)
     # the channels by which a topic was decoded
     definitions: dict[str, set[Channel]] = field(default_factory=dict)
+    frames: dict[str, FrameNames] = field(default_factory=dict)  # by topic
     notes: list[Finding] = field(default_factory=list)
     unread: int = 0  # logs that could not be read to their end
 
@@ -92,7 +127,8 @@ def read_streams(
     Raises
     ------
     InputError
-        A topic of a type that is not read, or a log of which nothing can be read.
+        A topic of a type that is not read or that two sensors share, or a log of which nothing
+        can be read.
     """
     out, problems = LogContents(), problems or Problems()
     refused: set[Channel] = set()
@@ -112,7 +148,10 @@ def read_streams(
         name = printable(log.path.name)
         out.losses += [(name, loss) for loss in log.losses()]
         out.notes += [note.inside(name) for note in log.notes]
-    unread = {topic for topic, _ in out.undecoded} - out.used
+    for topic, frames in sorted(out.frames.items()):
+        with problems.collect():
+            frames.refuse_two(topic)
+    unread = {topic for topic, _ in out.undecoded} - {topic for topic, _ in out.used}
     for (topic, why), n in sorted(out.undecoded.items()):
         out.notes.append(Finding("messages-unusable", {"count": n, "why": why}, topic))
         if topic in unread and not {c.key for c in Camera}.isdisjoint(topics.get(topic, ())):
@@ -228,7 +267,7 @@ def _samples(
         except DamagedError as error:
             out.undecoded[channel.topic, _reason(channel.topic, str(error), out)] += 1
             continue
-        out.used.add(channel.topic)
+        out.used.add((channel.topic, sensor))
         yield from ((sensor, sample) for sample in found)
 
 
@@ -240,7 +279,7 @@ def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> 
     """
     channel = message.channel
     translate = TYPES[sensor].get(type_name(channel))
-    if translate is None and channel.topic in out.used:
+    if translate is None and (channel.topic, sensor) in out.used:
         raise DamagedError(f"they are {channel.type}, unlike those before")
     if translate is None:
         raise InputError(
@@ -266,6 +305,8 @@ def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> 
         ) from None
     if stamp == 0:
         out.unstamped[channel.topic] += 1
+    if sensor != "joints":  # of which each servo's driver may send its own
+        out.frames.setdefault(channel.topic, FrameNames()).add(frame_of(fields) or "")
     return found
 
 

@@ -60,6 +60,9 @@ HIGHEST_DECK_M = 6.0  # from which a vehicle is launched; zero pascal is 10 m ab
 DEEPEST_HULL_M = 40.0  # the largest ships draw 25 m
 PASCALS = {"Pa": 1.0, "mbar": 1e2, "hPa": 1e2, "kPa": 1e3, "psi": 6894.757, "dbar": 1e4, "bar": 1e5}
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
+FARTHEST_MEDIAN_M = 100.0  # of the DVL's ranges at a hull: the instruments reach 50 to 200 m
+WHOLE_TURN_DEG = 360.0
+LEAST_UNIT = 0.1  # of an IMU's quaternions: fewer are of unit length by chance
 METRES_A_SECOND = {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3}
 GRAVITY_M_S2, NEAR_GRAVITY = 9.80665, 0.1  # by CIPM; share by which a vehicle moves it
 LEAST_FELT_M_S2 = GRAVITY_M_S2 / 2  # of an accelerometer at rest; less has gravity taken off
@@ -119,6 +122,7 @@ def dvl_pings(
             ranges[row] = sample.ranges
     ranges[~((ranges > 0) & np.isfinite(ranges))] = np.nan  # no return
     ranges = drop_ranges_at_limit(ranges, notes)
+    _refuse_far(ranges)
     if width and not np.isfinite(ranges).any():
         notes.append(Finding("ranges-all-lost", where="dvl"))
         ranges, width = ranges[:, :0], 0
@@ -149,6 +153,19 @@ def dvl_pings(
         ranges=ranges,
         beams=directions,
     )
+
+
+def _refuse_far(ranges: Array) -> None:
+    """Raise InputError for ranges (n, b), m, that only another unit explains."""
+    known = ranges[np.isfinite(ranges)]
+    median = float(np.median(known)) if len(known) else 0.0
+    if median > FARTHEST_MEDIAN_M:
+        raise InputError(
+            f"half of the DVL's ranges are {median:.4g} m or more, as none along a hull is: are "
+            "they in centimetres or millimetres?",
+            where="dvl",
+            remedy="log them in metres, or leave the ranges away",
+        )
 
 
 def _refuse_fast(speed: Array, unit: str) -> None:
@@ -192,17 +209,14 @@ def imu_samples(
     Raises
     ------
     InputError
-        No row has an attitude, all have one that is not filled in, or it is a DVL's and
+        Most rows have no attitude, all have one that is not filled in, or it is a DVL's and
         mount_deg is missing.
     """
     quaternion = np.array([s.quaternion for s in samples]).reshape(-1, 4)
-    is_unit = np.abs(np.linalg.norm(quaternion, axis=1) - 1) < UNIT_QUATERNION
-    good = is_unit & ~is_false_attitude(quaternion)
-    if len(samples) and not good.any():
-        raise InputError(
-            "the IMU's messages hold no attitude (no unit quaternion)",
-            remedy="log an IMU that gives orientation",
-        )
+    length = np.linalg.norm(quaternion, axis=1)
+    good = (np.abs(length - 1) < UNIT_QUATERNION) & ~is_false_attitude(quaternion)
+    if len(samples) and np.count_nonzero(good) < LEAST_UNIT * len(samples):
+        raise _no_attitude(length, int(np.count_nonzero(good)))
     if not good.all():
         lacking = {"lacking": int(np.count_nonzero(~good)), "count": len(good)}
         notes.append(Finding("attitudes-lacking", lacking, "imu"))
@@ -230,6 +244,20 @@ def imu_samples(
         quaternion=rotation.as_quat(),
         angular_velocity=rates,
         acceleration=acceleration,
+    )
+
+
+def _no_attitude(length: Array, unit: int) -> InputError:
+    """Make the error for an IMU of which few quaternions, of lengths (n,), are of length 1."""
+    given = length[np.isfinite(length) & (length > 0)]
+    how = "they are lost, all zero, or marked as not measured by their covariance"
+    if 2 * len(given) > len(length):
+        how = f"half of them are {np.median(given):.3g} long or more: are they angles?"
+    return InputError(
+        f"the IMU's messages hold no attitude: {unit or 'none'} of {len(length)} quaternions "
+        f"{'is' if unit == 1 else 'are'} of length 1; {how}",
+        where="imu",
+        remedy="log an IMU that gives orientation as a quaternion x, y, z, w",
     )
 
 
@@ -395,10 +423,13 @@ def joint_samples(
         return None
     largest_rad = float(np.abs(angle[good]).max())
     if largest_rad > 2 * np.pi and record == "tray":
+        is_degrees = unit == "rad" and largest_rad <= WHOLE_TURN_DEG
         raise InputError(
             f"the angles of {name} reach {largest_rad:.1f} rad, more than a whole turn",
             where="tray.joint_unit",
-            remedy='give tray.joint_unit = "deg" where they are degrees',
+            remedy='give tray.joint_unit = "deg" where they are degrees'
+            if is_degrees
+            else "log them in radians or degrees: they are neither (a servo's pulse or counts?)",
         )
     if largest_rad > 2 * np.pi:
         notes.append(Finding("angles-in-degrees", {"largest_rad": largest_rad}, f"joint {name}"))

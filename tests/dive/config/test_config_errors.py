@@ -50,7 +50,7 @@ def test_a_step_section_has_its_name_in_front():
     )
     assert (
         told({"clahe": "x"}, Step, "features")
-        == "features.clahe = 'x': expected float, got str (dive.toml)"
+        == "features.clahe = 'x': expected a number, got text (dive.toml)"
     )
 
 
@@ -69,7 +69,7 @@ def test_a_long_value_is_shown_in_part():
 
 
 def test_a_table_in_place_of_a_value_is_called_a_table():
-    assert "imu.sigma_roll_pitch_deg = a table: expected float" in told(
+    assert "imu.sigma_roll_pitch_deg = a table: expected a number" in told(
         PLAIN | {"imu": {"sigma_roll_pitch_deg": {"a": 1}}}
     )
 

@@ -304,3 +304,48 @@ def test_regions_of_the_hull_have_a_name_and_limits(package):
 def test_region_that_is_empty_or_not_uniquely_named_is_refused(package, regions, words):
     with_regions(package, *regions)
     assert words in refusal(package)
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("dvl.mount=[0, 0, 80, 0, 90, 0]", r"dvl.mount reaches 80 m.*is it in millimetres"),
+        ("tray.origin=[450, 0, 100]", r"tray.origin reaches 450 m"),
+        ("dvl.mount=[0, 0, 0.08, 0, 1.5708, 0]", r"angle of 1.5708, which is 90 degrees in rad"),
+        ("imu.mount_deg=[3.1416, 0, 0]", r"imu.mount_deg has an angle of 3.1416"),
+    ],
+)
+def test_mounts_in_millimetres_or_radians_are_refused(package, override, words):
+    with pytest.raises(InputError, match=words):
+        load_config(package, {}, [override])
+
+
+def test_mounts_of_a_few_degrees_are_believed(package):
+    assert load_config(package, {}, ["dvl.mount=[0, 0, 0.08, 3.1, 90, 1.5]"]).config.dvl.mount
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("pressure.density=1.025", "expected a number >= 900"),
+        ("pressure.atmosphere=1013.25", "is it in hPa"),
+        ('hull={mesh="a.stl", units="meters"}', 'expected "m" or "mm"'),
+        ('imu.frame="NED"', 'expected "ned" or "enu"'),
+        ('dive.date="4 May"', "expected a date and time such as"),
+    ],
+)
+def test_values_of_another_unit_or_form_are_told_what_is_expected(package, override, words):
+    assert words in refusal(package, override)
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_a_file_of_a_windows_editor_is_read(package, end):
+    (package / "dive.toml").write_bytes(("\ufeff" + PLAIN.replace("\n", end)).encode())
+    assert load_config(package).config.dive.name == "x"
+
+
+def test_invalid_toml_is_shown_by_its_line(package):
+    (package / "dive.toml").write_text(PLAIN + '[hull]\nmesh = "cad\\hull.stl"\n')
+    with pytest.raises(UsageError, match=r'"cad\\hull\.stl"') as caught:
+        load_config(package)
+    assert caught.value.remedy == "write paths with / between folders"

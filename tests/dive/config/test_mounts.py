@@ -13,7 +13,7 @@ from hullrecon.dive.config.mounts import (
     describe_mounts,
     filled_in,
     numbers_of,
-    refuse_parted_tray,
+    refuse_mounts,
 )
 from hullrecon.dive.config.schema import DEFAULT_MOUNTS, FROM_LOG
 from hullrecon.dive.logs.fixed_frames import FixedSensor
@@ -83,11 +83,11 @@ def test_camera_on_servo_beside_fixed_dvl_is_refused(camera):
     with pytest.raises(
         InputError, match="optical on the tray's servo and dvl_link fixed to the vehicle"
     ) as error:
-        refuse_parted_tray(LEFT, sensors)
+        refuse_mounts(LEFT, sensors, True)
     assert error.value.exit_code == 3
-    refuse_parted_tray({**LEFT, "dvl.mount": (0.0,) * 6, "camera.top.mount": (0.0,) * 6}, sensors)
-    refuse_parted_tray(LEFT, {"dvl": DVL, "camera_top": camera})
-    refuse_parted_tray(LEFT, {"dvl": FIXED_DVL})
+    refuse_mounts({**LEFT, "dvl.mount": (0.0,) * 6, "camera.top.mount": (0.0,) * 6}, sensors, True)
+    refuse_mounts(LEFT, {"dvl": DVL, "camera_top": camera}, True)
+    refuse_mounts(LEFT, {"dvl": FIXED_DVL}, True)
 
 
 def test_servo_origin_is_not_claimed_for_a_fixed_sensor():
@@ -130,3 +130,19 @@ def test_mounts_are_filled_in_only_where_sections_exist(tmp_path):
 def test_a_mount_that_is_left_to_the_log_is_no_numbers():
     with pytest.raises(TypeError, match="tf_static"):
         numbers_of(FROM_LOG)
+
+
+def test_a_place_of_which_tf_static_says_two_has_to_be_given():
+    sensors = {"dvl": replace(DVL, doubt="tf_static gives d two parents, a and b")}
+    with pytest.raises(InputError, match="two parents") as caught:
+        refuse_mounts(LEFT, sensors, True)
+    assert caught.value.remedy == "give dvl.mount in dive.toml"
+    given = LEFT | {"dvl.mount": (0.0, 0.0, 0.08, 0.0, 90.0, 0.0)}
+    refuse_mounts(given, sensors, True)
+    assert values(choose_mounts(given, sensors))["tray.origin"] == DEFAULT_MOUNTS["tray.origin"]
+
+
+def test_lever_arms_in_millimetres_are_refused():
+    far = replace(DVL, pose=(450.0, 0.0, 180.0, 0.0, 90.0, 0.0), servo_origin=(450.0, 0.0, 100.0))
+    with pytest.raises(InputError, match=r"tray\.origin reaches 450 m by tf_static.*millimetres"):
+        refuse_mounts(LEFT, {"dvl": far}, True)

@@ -338,3 +338,47 @@ def test_moebius_strip_has_an_edge_of_inconsistent_winding():
     assert any(
         "cannot have a consistent winding on both sides" in line for line in sentences(notes)
     )
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        (b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n", "a pointer of Git LFS"),
+        (b"ISO-10303-21;\nHEADER;\n", "a STEP file"),
+        (b"<!DOCTYPE html><html>", "a page of the web"),
+        (b"# exported\nmtllib a.mtl\nv 0 0 0\n", "an obj file"),
+        (b"ply\nformat ascii 1.0\n", "a ply file"),
+    ],
+)
+def test_a_file_that_is_not_what_its_name_says_is_named(tmp_path, data, words):
+    (tmp_path / "hull.stl").write_bytes(data)
+    with pytest.raises(InputError, match=words):
+        read_hull(tmp_path / "hull.stl", "m", [])
+
+
+def test_a_binary_stl_that_is_cut_off_is_named(tmp_path):
+    whole = trimesh.Trimesh(*tube_arrays()).export(file_type="stl")
+    (tmp_path / "hull.stl").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(InputError, match=r"is cut off: it holds \d+ of \d+ faces"):
+        read_hull(tmp_path / "hull.stl", "m", [])
+
+
+def test_decimal_commas_of_an_stl_are_named(tmp_path):
+    text = trimesh.exchange.stl.export_stl_ascii(trimesh.Trimesh(*tube_arrays()))
+    (tmp_path / "hull.stl").write_text(text.replace(".", ","))
+    with pytest.raises(InputError, match="decimal commas"):
+        read_hull(tmp_path / "hull.stl", "m", [])
+
+
+def test_a_body_far_from_the_ship_is_refused(tmp_path):
+    ship = trimesh.Trimesh(*tube_arrays())
+    box = trimesh.creation.box((2.0, 2.0, 1.0))
+    box.apply_translation((90.0, 0.0, 0.0))
+    trimesh.util.concatenate([ship, box]).export(tmp_path / "hull.stl")
+    with pytest.raises(InputError, match=r"12 of .* faces of hull\.stl lie or reach far"):
+        read_hull(tmp_path / "hull.stl", "m", [])
+
+
+def tube_arrays():
+    mesh = tube()
+    return mesh.vertices, mesh.faces

@@ -8,7 +8,7 @@ import pytest
 from hullrecon.dive.check.package_check import check_package
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.logs.fixed_frames import FixedSensor, fixed_sensors
-from hullrecon.dive.logs.messages.descriptions import frame_tree
+from hullrecon.dive.logs.messages.descriptions import frame_doubts, frame_tree
 from hullrecon.findings.finding import sentences
 from hullrecon.steps.ingest import ingest_settings, request_of
 from tests.dive.init.test_proposals import entries_of, static
@@ -19,8 +19,9 @@ FLIPPED = (0.4, -0.2, 0.0, 180.0, 0.0, 0.0)
 
 
 def sensors(kit, *steps, frames=None, joints=JOINTS):
-    tree = frame_tree(static(kit, *step) for step in steps)
-    return fixed_sensors(tree, frames or {"dvl": "x"}, joints)
+    messages = [static(kit, *step) for step in steps]
+    frames, doubts = frames or {"dvl": "x"}, frame_doubts(messages)
+    return fixed_sensors(frame_tree(messages), frames, joints, doubts)
 
 
 def test_a_sensor_is_placed_on_the_vehicle(kit):
@@ -47,6 +48,39 @@ def test_a_frame_of_another_servo_says_nothing(kit):
     assert sensors(kit, ("other_link", "x", 0.1)) == {}
     assert sensors(kit, ("tray_link", "x", 0.1), joints={}) == {}
     assert sensors(kit, ("other_link", "x", 0.1), frames={"sonar": "x"})["sonar"].on_servo
+
+
+@pytest.mark.parametrize("parent", ["x", "rig"])
+def test_a_vehicle_that_hangs_on_its_sensor_places_it(kit, parent):
+    steps = [(parent, "base_link", -0.4)] + ([("rig", "x", 0.0)] if parent == "rig" else [])
+    (found,) = sensors(kit, *steps).values()
+    moved = (0.4, 0.0) if parent == "rig" else (0.4, 0.1)
+    assert found.pose == (*moved, 0.0, 180.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("again", "why"),
+    [
+        (("rig", "x", 0.3), "two places in rig, [0.1, 0.1, 0, 0, 0, 0] and [0.3, 0.1, 0, 0, 0, 0]"),
+        (("world", "x", 0.1), "two parents, rig and world"),
+    ],
+)
+def test_a_frame_with_two_places_is_not_placed(kit, again, why):
+    steps = [("base_link", "rig", 0.3), ("rig", "x", 0.1), again]
+    assert sensors(kit, *steps)["dvl"].doubt == f"tf_static gives x {why}"
+
+
+def test_a_frame_that_is_sent_again_has_one_place(kit):
+    steps = [("base_link", "rig", 0.3), ("rig", "x", 0.1)]
+    assert sensors(kit, *steps, *steps) == sensors(kit, *steps)
+
+
+def test_a_frame_without_rotation_is_named(kit):
+    message = static(kit, "base_link", "x", 0.1)
+    message.transforms[0].transform.rotation.w = 0.0
+    doubts = frame_doubts([message])
+    found = fixed_sensors(frame_tree([message]), {"dvl": "x"}, JOINTS, doubts)
+    assert "x no rotation" in found["dvl"].doubt
 
 
 def check(package, *overrides):

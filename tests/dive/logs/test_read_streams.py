@@ -232,3 +232,23 @@ def test_names_of_joints_do_not_reach_the_terminal_as_they_are(kit):
         read_streams([log], {"/t": ("joints",)}, lambda *_: None).samples["joints"][0].name
         == "tray\\x1b[31m"
     )
+
+
+def test_two_sensors_on_one_topic_are_refused(kit, tmp_path):
+    entries = kit.dive()
+    for number, entry in enumerate(e for e in entries if e.topic == "/imu"):
+        entry.message.header.frame_id = "ahrs" if number % 3 else "dvl"
+    with pytest.raises(InputError, match=r"two frames in turn, ahrs \(26\) and dvl \(14\)"):
+        run(kit.mcap(tmp_path / "x.mcap", entries))
+
+
+def test_a_frame_that_is_renamed_once_is_no_second_sensor(kit, tmp_path):
+    entries = kit.dive()
+    for number, entry in enumerate(e for e in entries if e.topic == "/imu"):
+        entry.message.header.frame_id = "imu" if number < 20 else "imu_link"
+    assert len(run(kit.mcap(tmp_path / "x.mcap", entries))[0].samples["imu"]) == 40
+
+
+def test_a_topic_named_for_two_sensors_has_to_be_of_both(kit, tmp_path):
+    with pytest.raises(InputError, match="/imu holds sensor_msgs/msg/Imu, which is not read as pr"):
+        run(kit.mcap(tmp_path / "x.mcap", kit.dive()), {"/imu": ("imu", "pressure")})

@@ -308,3 +308,21 @@ def test_black_pings_stay_black():
 
 def test_no_pings_are_no_record():
     assert streams.sonar_pings([], []) is None
+
+
+def test_ranges_in_millimetres_are_refused():
+    with pytest.raises(InputError, match=r"half of the DVL's ranges are 2500 m or more"):
+        streams.dvl_pings([ping(ranges=(1000, 2000, 3000, 4000))], None, 0.003, [])
+
+
+def test_angles_of_a_servo_that_are_neither_radians_nor_degrees_are_refused():
+    samples = [JointSample(t, "tray", angle) for t, angle in enumerate((1500.0, 1580.0))]
+    with pytest.raises(InputError, match="more than a whole turn") as caught:
+        streams.joint_samples(samples, "tray", "tray", [])
+    assert "they are neither" in caught.value.remedy
+
+
+def test_angles_written_as_a_quaternion_are_refused_by_their_length():
+    samples = [imu(t, [1.0, -2.0, 3.0 * (t > 0), 0.0]) for t in range(20)]
+    with pytest.raises(InputError, match=r"none of 20 .* half of them are 3.74 long or more"):
+        streams.imu_samples(samples, "ned", [])

@@ -135,3 +135,20 @@ def test_log_is_found_by_first_bytes_whatever_its_name(kit, tmp_path, name):
     assert find_logs(tmp_path) == [tmp_path / name]
     kit.bag1(tmp_path / "recording.1", kit.dive(ros=1)[:10])
     assert {p.name for p in find_logs(tmp_path)} == {name, "recording.1"}
+
+
+POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 12345\n"
+
+
+@pytest.mark.parametrize("name", ["dive.mcap", "dive.bag", "dive.bin"])
+def test_a_pointer_of_git_lfs_is_named(tmp_path, name):
+    (tmp_path / name).write_bytes(POINTER)
+    with pytest.raises(InputError, match="a pointer of Git LFS") as caught:
+        open_log(tmp_path / name)
+    assert caught.value.remedy == "fetch it with git lfs pull"
+
+
+def test_a_path_of_windows_is_refused_with_how_to_write_it(tmp_path):
+    with pytest.raises(InputError, match="is missing") as caught:
+        open_log(tmp_path / "logs\\dive.mcap")
+    assert "write / between folders" in caught.value.remedy

@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 
+from hullrecon.dive.files import LFS_POINTER, LFS_WORDS
 from hullrecon.dive.images.encoded import IMAGE_SUFFIXES
 from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.dive.logs.readers.water_linked import holds_reports
@@ -26,6 +27,7 @@ TO_MCAP = f"convert it to MCAP, or {TO_TABLES}"
 PACKED = "packed by gzip"
 MESHES = (".stl", ".ply", ".obj", ".off", ".glb")
 BY_MAGIC: tuple[tuple[bytes, str, str], ...] = (
+    (LFS_POINTER, *LFS_WORDS),
     (
         b"SO",
         "pings of an Oculus sonar without the time of day",

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Set
+from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ COMPRESSED = "/compressed"  # what image_transport adds to a topic's name
 BASE_FRAMES = ("base_link", "base_footprint")  # REP 105: on the vehicle, x forward, y to port, z up
 FRD_FROM_FLU = Poses(Rotation.from_euler("x", 180, degrees=True).as_quat()[None], np.zeros((1, 3)))
 MOST_FRAMES, DEEPEST = 1000, 20
+SAME_M, SAME_RAD = 1e-3, 2e-3  # by which two places of a frame may differ and still be one
 BINNING = ("binning_x", "binning_y")  # fields of a CameraInfo, and of its roi
 REGION = ("x_offset", "y_offset", "width", "height")
 
@@ -31,6 +32,34 @@ def frame_tree(messages: Iterable[Fields]) -> dict[str, tuple[str, Poses]]:
     Frames without a rotation are left out, as are those whose logged type lacks a part.
     """
     tree: dict[str, tuple[str, Poses]] = {}
+    for child, parent, pose in _transforms(messages):
+        if pose is not None and len(tree) < MOST_FRAMES:
+            tree[child] = parent, pose
+    return tree
+
+
+def frame_doubts(messages: Iterable[Fields]) -> dict[str, str]:
+    """Say why the place of a frame is not known: it has two, or no rotation. By child."""
+    doubts: dict[str, str] = {}
+    places: dict[str, tuple[str, Poses]] = {}
+    for child, parent, pose in _transforms(messages):
+        if pose is None:
+            doubts[child] = f"tf_static gives {child} no rotation (x, y, z, w of no unit length)"
+            continue
+        first, place = places.setdefault(child, (parent, pose))
+        apart = place.inverse() @ pose
+        if first != parent:
+            doubts[child] = f"tf_static gives {child} two parents, {first} and {parent}"
+        elif np.linalg.norm(apart.translation) > SAME_M or apart.rotation.magnitude() > SAME_RAD:
+            both = " and ".join(
+                f"[{', '.join(f'{value:g}' for value in mount_of(one))}]" for one in (place, pose)
+            )
+            doubts[child] = f"tf_static gives {child} two places in {parent}, {both}"
+    return doubts
+
+
+def _transforms(messages: Iterable[Fields]) -> Iterator[tuple[str, str, Poses | None]]:
+    """Yield child, parent, and the child in the parent, None where it has no rotation."""
     for transform in (t for message in messages for t in getattr(message, "transforms", ())):
         try:
             r, child, parent = (
@@ -42,13 +71,12 @@ def frame_tree(messages: Iterable[Fields]) -> dict[str, tuple[str, Poses]]:
             shift = vector(transform.transform.translation)
         except AttributeError:
             continue
-        if (
-            abs(np.linalg.norm(quaternion) - 1) < 0.05
-            and np.isfinite(shift).all()
-            and len(tree) < MOST_FRAMES
-        ):
-            tree[_frame(child)] = (_frame(parent), Poses(quaternion[None], shift[None]))
-    return tree
+        is_whole = abs(np.linalg.norm(quaternion) - 1) < 0.05 and np.isfinite(shift).all()
+        yield (
+            _frame(child),
+            _frame(parent),
+            Poses(quaternion[None], shift[None]) if is_whole else None,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,14 +88,26 @@ class WayUp:
     vehicle_from_servo: Poses | None = None
 
 
+def names_above(frame: str, tree: Tree) -> list[str]:
+    """List a frame and those that it lies in, as far as base_link."""
+    names = [_frame(frame)]
+    while names[-1] in tree and names[-1].rpartition("/")[2] not in BASE_FRAMES:
+        if len(names) > DEEPEST:
+            break
+        names.append(tree[names[-1]][0])
+    return names
+
+
 def way_up(frame: str, tree: Tree, servos: Set[str] = frozenset()) -> WayUp:
-    """Locate a frame by the way up to base_link, in vehicle axes forward, starboard, down.
+    """Locate a frame by the way to base_link, in vehicle axes forward, starboard, down.
 
     servos: names of frames that a servo turns.
     """
     pose, at = identity(), _frame(frame)
     servo = above = None
+    passed: dict[str, Poses] = {}  # the frame in each that it lies in
     for _ in range(DEEPEST):
+        passed[at] = pose
         if servo is None and at.rpartition("/")[2] in servos:
             servo, above = pose, identity()
         if at.rpartition("/")[2] in BASE_FRAMES:
@@ -77,7 +117,24 @@ def way_up(frame: str, tree: Tree, servos: Set[str] = frozenset()) -> WayUp:
             break
         at, step = tree[at]
         pose, above = step @ pose, None if above is None else step @ above
-    return WayUp(vehicle=None, servo=servo)
+    return WayUp(vehicle=None if servo else _way_down(passed, tree), servo=servo)
+
+
+def _way_down(passed: Mapping[str, Poses], tree: Tree) -> Poses | None:
+    """Locate a frame where base_link hangs on it, or on one that it lies in itself.
+
+    passed: the frame in each frame that it lies in, itself included
+    """
+    for base in (name for name in tree if name.rpartition("/")[2] in BASE_FRAMES):
+        pose, at = identity(), base
+        for _ in range(DEEPEST):
+            if at in passed:
+                return FRD_FROM_FLU @ pose.inverse() @ passed[at]
+            if at not in tree:
+                break
+            at, step = tree[at]
+            pose = step @ pose
+    return None
 
 
 def mount_of(pose: Poses, digits: int = 4) -> list[float]:

@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from hullrecon.dive.files import LFS_POINTER
 from hullrecon.dive.logs.formats import bag_records, mcap_records, pd0_ensemble
 from hullrecon.dive.logs.formats.foreign_forms import PACKED, describe_file, describe_folder
 from hullrecon.dive.logs.readers import sqlite
@@ -76,7 +77,11 @@ def open_log(path: Path, package: Path | None = None) -> Log:
         start = _start(path)
     except FileNotFoundError:
         raise InputError(
-            f"the log {name} is missing{_beside(path)}", where=where, remedy="correct logs.files"
+            f"the log {name} is missing{_beside(path)}",
+            where=where,
+            remedy="write / between folders in logs.files"
+            if "\\" in path.name
+            else "correct logs.files",
         ) from None
     except OSError as error:
         raise InputError(f"the log {name} cannot be read: {error.strerror}", where=where) from None
@@ -92,7 +97,8 @@ def open_log(path: Path, package: Path | None = None) -> Log:
     by_name = BY_SUFFIX.get(Path(unpacked_name(path.name)).suffix.lower())
     if by_name is not None and start.startswith(ZSTD):
         return PackedLog(path, by_name)
-    found += [by_name] if by_name is not None else []
+    if by_name is not None and not start.startswith(LFS_POINTER):
+        found.append(by_name)
     if not found:
         raise _not_read(name, where, *describe_file(path, start))
     return found[0](path)

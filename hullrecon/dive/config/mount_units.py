@@ -1,0 +1,42 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tell lever arms that are no metres, and angles that are no degrees."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from hullrecon.errors import InputError
+
+FARTHEST_M = 20.0  # of a sensor from the vehicle's origin: no vehicle at a hull is as long
+# angles of mounts that are right angles in radians, and how close: three digits
+RIGHT_ANGLES_RAD, CLOSE_RAD = (0.5 * math.pi, math.pi, 1.5 * math.pi), 6e-4
+
+
+def refuse_lever_arm(key: str, numbers: Sequence[float], source: str = "") -> None:
+    """Raise InputError for x, y, z of a sensor that lie off any vehicle.
+
+    source: who gives them, such as tf_static; "" for dive.toml.
+    """
+    reach = max(abs(value) for value in numbers[:3])
+    if reach > FARTHEST_M:
+        by = f" by {source}" if source else ""
+        raise InputError(
+            f"{key} reaches {reach:g} m{by}, farther than any vehicle: is it in millimetres?",
+            where="dive.toml",
+            remedy=f"give {key} in metres",
+        )
+
+
+def refuse_radians(key: str, numbers: Sequence[float]) -> None:
+    """Raise InputError for roll, pitch, yaw of which one is a right angle in radians."""
+    for angle in numbers[-3:]:
+        for right in RIGHT_ANGLES_RAD:
+            if abs(abs(angle) - right) < CLOSE_RAD:
+                raise InputError(
+                    f"{key} has an angle of {angle:g}, which is {math.degrees(right):g} degrees in "
+                    "radians",
+                    where="dive.toml",
+                    remedy=f"give roll, pitch, yaw of {key} in degrees",
+                )
