@@ -122,7 +122,6 @@ def dvl_pings(
             ranges[row] = sample.ranges
     ranges[~((ranges > 0) & np.isfinite(ranges))] = np.nan  # no return
     ranges = drop_ranges_at_limit(ranges, notes)
-    _refuse_far(ranges)
     if width and not np.isfinite(ranges).any():
         notes.append(Finding("ranges-all-lost", where="dvl"))
         ranges, width = ranges[:, :0], 0
@@ -145,6 +144,7 @@ def dvl_pings(
     ranges[along_axis] = np.where(np.isfinite(along_beams) & (along_beams > 0), along_beams, np.nan)
     altitude = np.array([s.altitude for s in samples])
     ranges, mended = put_ranges_right(directions, ranges, altitude)
+    _refuse_far(ranges)
     notes += mended + check_beams(directions, ranges, altitude)
     return DvlPings(
         t_ns=t_ns,
