@@ -51,12 +51,13 @@ def landmarks_in_one_frame(
     rows, twins = (rows_of(side.tolist(), 2) for side in marks)
     transform, by_links = world.relative(first.base, second.base)
     points = second.now(world)[twins].reshape(-1, 2)
-    turn = np.kron(np.eye(len(points)), rotation(transform[2]))
-    moved = place_by_pose(transform, points) @ by_links + turn @ second.gain_of(size)[twins]
+    turn = rotation(transform[2])
+    moved = place_by_pose(transform, points) @ by_links
+    moved += turn_points(turn, second.gain_of(size)[twins])
     by_world = np.concatenate([first.gain_of(size)[rows], moved])[:, start:]
     carried = by_world @ world.covariance[start:, start:] @ by_world.T
     effort.count(len(by_world), by_world.shape[1], by_world.shape[1] + len(by_world))
-    split, rest = len(rows), turn @ second.rest[np.ix_(twins, twins)] @ turn.T
+    split, rest = len(rows), turn_both(turn, second.rest[np.ix_(twins, twins)])
     return PointSets(
         first=first.now(world)[rows].reshape(-1, 2),
         second=place(transform, points),
@@ -64,6 +65,16 @@ def landmarks_in_one_frame(
         second_covariance=carried[split:, split:] + rest,
         cross_covariance=carried[:split, split:],
     )
+
+
+def turn_points(turn: Array, rows: Array) -> Array:
+    """Turn what belongs to points (2n, k), two rows each, by a rotation (2, 2)."""
+    return np.asarray((turn @ rows.reshape(len(rows) // 2, 2, rows.shape[1])).reshape(rows.shape))
+
+
+def turn_both(turn: Array, covariance: Array) -> Array:
+    """Turn a covariance of points (2n, 2n) by a rotation (2, 2)."""
+    return turn_points(turn, turn_points(turn, covariance).T)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,14 +176,14 @@ def _merge(
     rows = rows_of(left, 2)
     transform, by_links = world.relative(first.base, second.base)
     points = own_mean[rows].reshape(-1, 2)
-    turn = np.kron(np.eye(len(left)), rotation(transform[2]))
-    told = np.concatenate([tie.from_first, turn @ tie.from_second[rows]])
+    turn = rotation(transform[2])
+    told = np.concatenate([tie.from_first, turn_points(turn, tie.from_second[rows])])
     rest = -told @ np.linalg.solve(tie.noise, told.T)
     effort.count(len(told), len(told), len(tie.ahead))
     split = len(mean)
     rest[:split, :split] += first.rest
-    rest[split:, split:] += turn @ second.rest[np.ix_(rows, rows)] @ turn.T
-    by_world = place_by_pose(transform, points) @ by_links + turn @ own_gain[rows]
+    rest[split:, split:] += turn_both(turn, second.rest[np.ix_(rows, rows)])
+    by_world = place_by_pose(transform, points) @ by_links + turn_points(turn, own_gain[rows])
     return Submap(
         base=first.base,
         frames=tuple(sorted({*first.frames, *second.frames})),
