@@ -77,7 +77,7 @@ STAGES = (
         summary="read the logs, the calibration and the CAD model",
         inputs=(),
         parameters=NoOptions,
-        version=15,
+        version=16,
         run=_later("ingest"),
         uses=INGEST_KEYS,
         external=files_to_ingest,
@@ -87,7 +87,7 @@ STAGES = (
         summary="compute the dead-reckoned trajectory",
         inputs=("ingest",),
         parameters=NoOptions,
-        version=26,
+        version=27,
         run=_later("navigate"),
         uses=(
             *SENSOR_KEYS,
@@ -138,7 +138,7 @@ STAGES = (
         optional=("links", "matches"),
         uses=(*RIG_SECTIONS, "hull"),
         parameters=AdjustOptions,
-        version=33,
+        version=34,
         run=_later("adjust"),
     ),
     Stage(

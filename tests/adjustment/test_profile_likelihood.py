@@ -13,10 +13,14 @@ from hullrecon.adjustment.hull_pose.profile_likelihood import (
     Valley,
     inflate_covariance,
     minimise_cost,
+    moment_of_minima,
     posterior_covariance,
     profile,
+    raise_to_moment,
 )
 from hullrecon.adjustment.hull_pose.registration import HullPoseCost, perturb_pose, thin_points
+from hullrecon.geometry import poses
+from hullrecon.geometry.pose_solver import LinearisedCost
 
 ALONG = np.array([1.0, 0.0, 0.0])
 
@@ -104,3 +108,47 @@ def test_sigma_of_parabolic_valley_is_that_of_hessian():
     hessian = np.sqrt(along @ posterior_covariance(valley, best) @ along)
     assert profile(valley, best, reach=0.2).sigma == pytest.approx(hessian, rel=0.1)
     assert hessian == pytest.approx(0.05, rel=0.1)
+
+
+class TwoHeights:
+    """A cost of the hull's pose that fits at two heights, with half the sum of squares of each."""
+
+    center = np.zeros(3)
+    widths_m = np.array([0.02, 0.05])
+
+    def __init__(self, apart_m, worse):
+        self.apart_m, self.worse = apart_m, worse
+
+    def linearise(self, pose):
+        height = pose.translation[0, 2]
+        off = (height - np.array([0.0, self.apart_m])) / self.widths_m
+        near = int(height > self.apart_m / 2)
+        information = np.diag([1.0, 1.0, self.widths_m[near] ** -2, 1.0, 1.0, 1.0])
+        gradient = np.zeros(6)
+        gradient[2] = off[near] / self.widths_m[near]
+        cost = 0.5 * off[near] ** 2 + near * self.worse
+        return LinearisedCost(cost=cost, gradient=gradient, information=information)
+
+    def update(self, pose, step):
+        return perturb_pose(pose, self.center, step)
+
+
+@pytest.mark.parametrize("worse", [0.0, 1.0, 30.0])
+def test_the_moment_of_two_minima_holds_both_as_they_weigh(worse):
+    apart_m = 2.0
+    valley = Valley(cost=TwoHeights(apart_m, worse), direction=np.array([0.0, 0.0, 1.0]))
+    lower = poses.from_rpy([0.0, 0.0, 0.0], [0.0, 0.0, 0.0])
+    starts = [poses.from_rpy([0.0, 0.0, h], [0.0, 0.0, 0.0]) for h in (-0.5, 1.7, 2.3)]
+    moment = moment_of_minima(valley, lower, starts)
+    narrow, wide = TwoHeights.widths_m
+    share = wide * np.exp(-worse) / (narrow + wide * np.exp(-worse))
+    expected = (1 - share) * narrow**2 + share * (wide**2 + apart_m**2)
+    assert moment[2, 2] == pytest.approx(expected, rel=0.01)
+    np.testing.assert_allclose(np.diag(moment)[[0, 1, 3, 4, 5]], 1.0)
+
+
+def test_a_covariance_is_raised_where_the_moment_exceeds_it_and_nowhere_else():
+    covariance, moment = np.diag([4.0, 1.0, 9.0]), np.diag([1.0, 25.0, 9.0])
+    turn = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
+    raised = raise_to_moment(turn @ covariance @ turn.T, turn @ moment @ turn.T)
+    np.testing.assert_allclose(turn.T @ raised @ turn, np.diag([4.0, 25.0, 9.0]), atol=1e-9)

@@ -15,6 +15,7 @@ from hullrecon.adjustment.hull_pose.registration import (
     register,
     thin_points,
 )
+from hullrecon.geometry.meshes.mesh import Mesh
 
 
 def test_a_curved_side_is_found_from_a_wrong_guess():
@@ -31,6 +32,20 @@ def test_a_curved_side_is_found_from_a_wrong_guess():
     assert step @ np.linalg.solve(found.covariance, step) < 16.8
     assert np.sqrt(np.mean(found.residual**2)) < 0.015
     assert found.fitness > 0.95
+
+
+def test_a_hull_of_unknown_height_is_found_metres_above_its_guess():
+    plain = side(1.0)
+    strakes = 0.15 * np.sin(2 * np.pi * plain.vertices[:, 2] / 1.6)  # it nearly fits each of them
+    mesh = Mesh(plain.vertices + np.c_[0 * strakes, strakes, 0 * strakes], plain.faces)
+    points = TRUTH.apply(survey(mesh, np.random.default_rng(0)))
+    given = cad_model(mesh, TRUTH, np.r_[0.2, 0.0, 1.8, np.zeros(3)])
+    sigma = given.guess_sigma.copy()
+    sigma[2] = 2.4  # as without a measured depth
+    found = register(points, replace(given, guess_sigma=sigma), 0.01)
+    apart = found.global_from_hull.apply(found.center[None]) - TRUTH.apply(found.center[None])
+    assert abs(apart[0, 2]) < 0.1
+    assert registration.at_other_heights(given.guess, given, found.center) == []
 
 
 def test_wider_search_keeps_sigma_of_package_guess(monkeypatch):

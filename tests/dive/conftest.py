@@ -103,7 +103,7 @@ class Kit:
             "dvl_type": 0,
             "velocity": self.vector(0.1, 0.2, 0.3, ros),
             "velocity_covar": np.diag([4e-6, 4e-6, 4e-6]).ravel(),
-            "altitude": 1.0,
+            "altitude": 2.5 * c,
             "course_gnd": 0.0,
             "speed_gnd": 0.0,
             "num_good_beams": 4,

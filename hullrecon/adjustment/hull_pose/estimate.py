@@ -221,15 +221,21 @@ def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
 
     It is what the CAD model's error, its facets and the package's prior leave open. The variances
     along the hull and along weak directions come from their profiles, as the posterior's second
-    moment about the delivered pose.
+    moment about the delivered pose. Where no depth was measured, so do other heights that fit.
     """
-    ship_axes = evidence.cad_model.chart.ship_axes
+    cad_model = evidence.cad_model
+    ship_axes = cad_model.chart.ship_axes
     out = profile_likelihood.posterior_covariance(_valley(evidence, pose, ship_axes[0]), pose)
     for direction in _directions(hull_axes(out, pose), ship_axes):
         found = _profile(evidence, pose, direction)
         out = profile_likelihood.inflate_covariance(
             out, replace(found, sigma=float(np.hypot(found.sigma, found.mean))), pose
         )
+    heights = registration.at_other_heights(pose, cad_model, evidence.center)
+    if heights:
+        valley = _valley(evidence, pose, ship_axes[2])
+        moment = profile_likelihood.moment_of_minima(valley, pose, heights)
+        out = profile_likelihood.raise_to_moment(out, moment)
     return np.asarray(out + _contradiction(evidence, pose))
 
 

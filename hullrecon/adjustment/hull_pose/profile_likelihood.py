@@ -10,6 +10,7 @@ the steps gives mean and sigma.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
 MAX_ITERATIONS = 40
+SAME_MINIMUM = 2.0  # sigmas, within which two fits are of one minimum
 MIN_DECREASE = 1e-3  # of half the sum of squares, in which one sigma costs 0.5
 
 
@@ -88,6 +90,40 @@ def inflate_covariance(covariance: Array, found: Profile, global_from_hull: Pose
     if lacking <= 0:
         return covariance
     return np.asarray(covariance + lacking * np.outer(found.tangent, found.tangent))
+
+
+def raise_to_moment(covariance: Array, moment: Array) -> Array:
+    """Raise a covariance (n, n) to a second moment (n, n) in the directions that exceed it."""
+    root = np.linalg.cholesky(covariance)
+    whitened = np.linalg.solve(root, np.linalg.solve(root, moment).T)
+    value, vector = np.linalg.eigh((whitened + whitened.T) / 2)
+    beyond = root @ vector * np.sqrt(np.maximum(value - 1, 0))
+    return np.asarray(covariance + beyond @ beyond.T)
+
+
+def moment_of_minima(v: Valley, pose: Poses, starts: Sequence[Poses]) -> Array:
+    """Compute the posterior's second moment (6, 6) about `pose` over the minima near `starts`.
+
+    Each minimum counts with its likelihood times the volume around it (Laplace). Starts that end in
+    the same minimum count once.
+    """
+    found = sorted((minimise_cost(v, start) for start in (pose, *starts)), key=lambda f: f[1])
+    steps: list[Array] = []
+    spreads: list[Array] = []
+    logs: list[float] = []
+    for at, cost in found:
+        step, spread = _between(pose, at, v.cost.center), posterior_covariance(v, at)
+        apart = [
+            (step - other) @ np.linalg.solve(wide + spread, step - other)
+            for other, wide in zip(steps, spreads, strict=True)
+        ]
+        if min(apart, default=np.inf) > SAME_MINIMUM**2:
+            steps.append(step)
+            spreads.append(spread)
+            logs.append(0.5 * float(np.linalg.slogdet(spread)[1]) - cost)
+    weight = np.exp(np.array(logs) - max(logs))
+    moments = np.array(spreads) + np.einsum("ki,kj->kij", steps, steps)
+    return np.asarray(np.tensordot(weight / weight.sum(), moments, axes=1))
 
 
 def minimise_cost(v: Valley, start: Poses) -> tuple[Poses, float]:

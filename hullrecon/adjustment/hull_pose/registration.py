@@ -33,6 +33,9 @@ GOOD_FITNESS = 0.6
 DISTANT_SIGMA = np.r_[5.0, 2.0, 0.5, np.radians([2.0, 2.0, 15.0])]
 DISTANT_STARTS = 8
 GUESS_SIGMAS = 3.5  # beyond which the package's guess is contradicted
+# m, of the guess's height from which a hull fits at several heights: without a measured depth it is
+# known to metres, and faces of a bilge lie so far apart
+OPEN_HEIGHT_M = 0.6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -172,7 +175,7 @@ def perturb_pose(global_from_hull: Poses, center: Array, step: Array) -> Poses:
 
 
 def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
-    """Make starts: the guess, and one sigma along the hull and in yaw around it."""
+    """Make starts: the guess, one sigma along the hull and in yaw around it, and other heights."""
     rotate = cad_model.guess.rotation.as_matrix()[0]
     forward, _, up = cad_model.chart.ship_axes
     starts = []
@@ -181,7 +184,23 @@ def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
             shift = rotate @ (along * forward * cad_model.guess_sigma[:3])
             turn = yaw * up * cad_model.guess_sigma[3:]
             starts.append(perturb_pose(cad_model.guess, center, np.r_[shift, turn]))
-    return starts
+    return [*starts, *at_other_heights(cad_model.guess, cad_model, center)]
+
+
+def at_other_heights(pose: Poses, cad_model: CadModel, center: Array) -> list[Poses]:
+    """Move a pose half a sigma and a sigma of the guess's height up and down, where that is open.
+
+    A fit finds the nearest height at which the hull's faces fit. Where depth was measured its
+    height is known well enough for that.
+    """
+    up = cad_model.chart.ship_axes[2]
+    shift = pose.rotation.as_matrix()[0] @ (up * cad_model.guess_sigma[:3])
+    if np.linalg.norm(shift) < OPEN_HEIGHT_M:
+        return []
+    return [
+        perturb_pose(pose, center, np.r_[sigmas * shift, np.zeros(3)])
+        for sigmas in (-1.0, -0.5, 0.5, 1.0)
+    ]
 
 
 def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:

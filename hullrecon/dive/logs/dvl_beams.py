@@ -150,11 +150,18 @@ def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[Finding]:
 
 
 def _over_altitude(beams: Array, ranges: Array, altitude: Array) -> float:
-    """Divide what ranges (n, b) reach along the axis by the altitude (n,). NaN: too few."""
+    """Divide what ranges (n, b) reach along the axis by the altitude (n,).
+
+    NaN where too few are known, or where the altitude stands still while the ranges change: a
+    driver that computes none may fill in any.
+    """
     whole = np.isfinite(ranges).all(axis=1) & np.isfinite(altitude)
     if not len(beams) or np.count_nonzero(whole) < FEW:
         return float("nan")
-    return float(np.median((ranges[whole] * beams[:, 2]).mean(axis=1) / altitude[whole]))
+    reach, said = (ranges[whole] * beams[:, 2]).mean(axis=1), altitude[whole]
+    if np.ptp(said) == 0 and np.ptp(reach) > SAME_ALTITUDE * np.median(reach):
+        return float("nan")
+    return float(np.median(reach / said))
 
 
 def _logged_beams(logged: Sequence[Array], configured: Array | None, notes: list[Finding]) -> Array:

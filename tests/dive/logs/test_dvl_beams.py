@@ -199,6 +199,13 @@ def test_ranges_that_no_beams_reconcile_with_the_altitude_are_refused(factor):
         put_ranges_right(a50_beams(), factor * ranges, altitude)
 
 
+def test_an_altitude_that_stands_still_says_nothing_of_the_ranges():
+    ranges, altitude = pings(a50_beams(), 2.0)
+    ranges = 1.3 * ranges * np.linspace(1, 1.1, len(ranges))[:, None]
+    assert put_ranges_right(a50_beams(), ranges, altitude) == (ranges, [])
+    assert check_beams(a50_beams(), ranges, altitude) == []
+
+
 @pytest.mark.parametrize(("unit", "metres"), [("mm", 0.001), ("cm", 0.01), ("ft", 0.3048)])
 def test_ranges_in_another_unit_than_the_altitude_are_put_right(unit, metres):
     ranges, altitude = pings(a50_beams(), 2.0)

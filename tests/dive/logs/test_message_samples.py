@@ -416,7 +416,7 @@ def test_a_dvl_of_the_deep_submergence_laboratory_is_read(kit):
 
 
 def test_the_altitude_of_a_ping_is_kept_where_it_is_one(kit):
-    assert dvl(kit.dvl(T)).altitude == 1.0
+    assert dvl(kit.dvl(T, altitude=1.0)).altitude == 1.0
     assert np.isnan(dvl(kit.dvl(T, altitude=-1.0)).altitude)
 
 
