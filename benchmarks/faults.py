@@ -298,7 +298,7 @@ def start(bench: Bench, runs: Path, step: str, *more: str) -> subprocess.Popen[s
     )
     assert process.stderr is not None
     for line in process.stderr:
-        if line.startswith(f"{step}: started"):
+        if f"{step}: started" in line:
             break
     return process
 
