@@ -15,6 +15,7 @@ from hullrecon.studies.catalogue import SOURCES, Absence, Part, Source, Status
 from hullrecon.studies.catalogue.part import Misprint, Survey
 
 _RANGE = re.compile(r"(\(?)([A-E\d]\.(?:\d+\.)*)(\d+)(\)?) to \(?\2(\d+)\)?")
+_FIGURES = re.compile(r"Figs ((?:(?:[A-E\d]+\.)?\d+(?:\(\w\))?(?!\.?\d)(?:, )?)+)")
 HEAD = """# Sources
 
 Every part of the three works that this system implements: where it is here, what reproduces it,
@@ -23,7 +24,7 @@ ours side by side on one page, `hullrecon study list` names them. This page is g
 catalogue in `hullrecon/studies/catalogue` (`python docs/generate_sources.py`), and a test holds it
 to the code.
 
-To find a part, search this page for its number as the source prints it (`4.12`, `(3.13)`,
+To find a part, search this page for its number as the source prints it (`Fig. 4.12`, `(3.13)`,
 `Algorithm 5`), inside the chapters of the source. A number without a row of its own is inside the
 section above it, and sections that only introduce, review the literature or conclude have none.
 Where several files are named, the first is the method.
@@ -76,8 +77,13 @@ def _row(part: Part) -> list[str]:
 
 
 def _spelled_out(number: str) -> str:
-    """Name every number of a range, so that a search finds it: `Figs 4.5 to 4.7`."""
-    return _RANGE.sub(_each, number)
+    """Name every number of a range and every figure, so that a search finds it: `Fig. 4.6`."""
+    return _FIGURES.sub(_each_figure, _RANGE.sub(_each, number))
+
+
+def _each_figure(found: re.Match[str]) -> str:
+    ends = ", " if found[1].endswith(", ") else ""
+    return ", ".join(f"Fig. {number}" for number in found[1].split(", ") if number) + ends
 
 
 def _each(found: re.Match[str]) -> str:

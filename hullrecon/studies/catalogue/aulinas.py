@@ -90,8 +90,8 @@ _INTRODUCTION = Chapter(
             differs="below, with ours as a row",
         ),
         Part(
-            "2.3, positioning",
-            "long, short and ultra-short baselines, GPS, smoothing",
+            "2.4, positioning",
+            "long, short and ultra-short baselines, GPS",
             code=("hullrecon/estimation/position_tables.py", "hullrecon/dive/logs/positions.py"),
             tests=(
                 "tests/navigation/test_positions.py::test_fixes_bound_the_drift_of_a_dive_without_a_camera",
@@ -271,9 +271,13 @@ _EXPERIMENTS = Chapter(
             "Victoria Park: track and trees beside GPS",
             printed="197 x 93 m, 4 km, 26 min",
             studies=("submap-park",),
-            code=("hullrecon/studies/submaps/park.py:read_victoria_park",),
+            code=(
+                "hullrecon/studies/submaps/park.py:read_victoria_park",
+                "hullrecon/studies/submaps/park_study.py:draw_track",
+            ),
             tests=("tests/studies/submaps/test_park.py",),
-            differs=_NO_LASER,
+            differs="a simulated park, unless `victoria-park/` holds the three public files; "
+            + _NO_LASER,
         ),
         Part("Fig. 3.8", "the car", absent=Absence.PICTURE),
         Part(
@@ -381,13 +385,15 @@ _FEATURES = Chapter(
             "images evened out, undistorted",
             studies=("regions-of-interest",),
             code=(
+                "hullrecon/studies/targets/regions.py:even_out",
                 "hullrecon/vision/features/extraction.py:_level",
                 "hullrecon/mosaic/imagery/radiometry.py:solve_light",
             ),
             tests=(
                 "tests/mosaic/test_radiometry.py::test_a_corrected_image_of_an_even_plate_is_even",
             ),
-            differs="the lamp's field is solved for from overlaps; sun flicker is not taken out",
+            differs="in the product the lamp's field is solved for from overlaps; sun flicker is "
+            "not taken out; the study's images have no distortion",
         ),
         Part(
             "4.4.1, Fig. 4.21",
@@ -440,15 +446,17 @@ _VEHICLES = Chapter(
             "5.2.1, 5.3.1, eqs (5.1), (5.2), (5.15)",
             "constant velocity in six or four degrees of freedom",
             code=(
-                "hullrecon/estimation/navigation_tables.py:velocity_table",
                 "hullrecon/studies/vehicles/motion.py:move",
                 "hullrecon/studies/vehicles/motion.py:move_level",
+                "hullrecon/estimation/navigation_tables.py:velocity_table",
             ),
+            studies=("remus-run", "sparus-run"),
             tests=(
                 "tests/studies/vehicles/test_models.py::test_motion_jacobian_is_the_numeric_one",
                 "tests/native/test_planes.py::test_a_vehicle_that_speeds_up_shows_its_change_of_velocity",
             ),
-            differs="in the product six; odometry by DVL and gyro wherever there is a DVL",
+            differs="both runs move in six, the form of four is held by a test alone; in the "
+            "product odometry by DVL and gyro wherever there is a DVL",
         ),
         Part(
             "5.2.2, eqs (5.4) to (5.14)",
@@ -498,11 +506,21 @@ _VEHICLES = Chapter(
             differs="simulated: the mission's sonar was never published",
         ),
         Part(
-            "Figs 5.6, 5.7",
-            "track beside the acoustic reference, with its bound",
+            "Fig. 5.6",
+            "short pieces of track by the acoustic reference, dead reckoning and submaps",
+            studies=("remus-run",),
+            code=("hullrecon/studies/vehicles/remus_figures.py:draw_pieces",),
+            differs="simulated: the acoustic reference was never published",
+        ),
+        Part(
+            "Fig. 5.7",
+            "discrepancy to the acoustic reference, with its bound",
             printed="always inside; outside with larger submaps",
             studies=("remus-run",),
-            code=("hullrecon/studies/vehicles/remus.py:discrepancy",),
+            code=(
+                "hullrecon/studies/vehicles/remus.py:discrepancy",
+                "hullrecon/studies/vehicles/remus_figures.py:draw_discrepancy",
+            ),
             tests=(
                 "tests/studies/vehicles/test_runs.py::test_discrepancy_to_lbl_stays_inside_its_bound",
                 "tests/studies/vehicles/test_runs.py::test_noise_stated_too_small_leaves_the_bound",
@@ -556,19 +574,33 @@ _APPENDIX = Chapter(
     parts=(
         Part("6", "conclusions and future work", absent=Absence.LITERATURE),
         Part(
-            "A.1 to A.3",
-            "composition and inverse of poses with derivatives",
+            "A.1, A.2",
+            "poses in the plane: composition and inverse with derivatives",
             code=(
+                "hullrecon/studies/submaps/models.py:compose",
+                "hullrecon/studies/submaps/models.py:compose_jacobians",
+                "hullrecon/studies/submaps/models.py:invert",
+                "hullrecon/studies/submaps/models.py:invert_jacobian",
+            ),
+            tests=(
+                "tests/studies/submaps/test_models.py::test_jacobians_of_composition_are_its_derivatives",
+            ),
+            differs="the product's poses are in space alone",
+        ),
+        Part(
+            "A.3",
+            "poses in space: composition and inverse with derivatives",
+            code=(
+                "hullrecon/studies/vehicles/transforms.py",
                 "hullrecon/geometry/poses.py",
                 "hullrecon/vision/pairs/gating.py:Motion",
                 "native/factors/motion.h",
-                "hullrecon/studies/vehicles/transforms.py",
             ),
             tests=(
                 "tests/geometry/test_poses.py",
                 "tests/vision/pairs/test_gating.py::test_inverse_carries_covariance_as_random_draws_do",
             ),
-            differs="in space alone, quaternions",
+            differs="quaternions in the product",
         ),
     ),
 )

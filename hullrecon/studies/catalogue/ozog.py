@@ -114,11 +114,23 @@ _SINGLE = Chapter(
     title="2.3, 2.5.6. Underwater visual SLAM with planar constraints, in one session",
     parts=(
         Part(
-            "2.3.1, Figs 2.2 to 2.4",
+            "2.3.1",
             "poses of six numbers, composed head to tail",
             code=("hullrecon/geometry/poses.py",),
             tests=("tests/geometry/test_poses.py",),
             differs="quaternions, perturbed on the right",
+        ),
+        Part("Figs 2.2, 2.3", "what links compose to; the vehicle's size", absent=Absence.PICTURE),
+        Part(
+            "Fig. 2.4",
+            "graph of two sessions: anchors, planes, cameras, priors",
+            code=(
+                "hullrecon/studies/sessions/factors.py",
+                "hullrecon/studies/sessions/anchors.py:Anchored",
+            ),
+            studies=("sessions",),
+            tests=("tests/studies/sessions/test_anchors.py",),
+            differs="planes are tied within a session only",
         ),
         Part(
             "2.3.2",
@@ -346,7 +358,10 @@ _SESSIONS = Chapter(
             "sparsified graph beside the full one",
             printed="well within a metre, 95 % of the nodes removed",
             studies=("node-removal/sparsified_beside_full", "node-removal/ellipses_of_both"),
-            code=("hullrecon/studies/sessions/removal_study.py:compare_maps",),
+            code=(
+                "hullrecon/studies/sessions/removal_study.py:compare_maps",
+                "hullrecon/studies/sessions/removal_study.py:draw_ellipses",
+            ),
             differs=_ONE_DIVE,
         ),
     ),
@@ -600,7 +615,10 @@ _SHAPES = Chapter(
         Part(
             "Algorithm 5, eq (4.15), Fig. 4.9",
             "shapes move vertices along rays, running mean",
-            code=("hullrecon/studies/surfaces/regression.py:fuse_shapes",),
+            code=(
+                "hullrecon/studies/surfaces/regression.py:fuse_shapes",
+                "hullrecon/detection/as_found/shapes.py:find_shape_hits",
+            ),
             studies=("shapes/fused_vertex", "surfaces"),
             tests=(
                 "tests/studies/test_ray_fusion.py::test_the_first_observation_replaces_the_prior",
