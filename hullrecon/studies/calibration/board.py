@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A camera calibrated by images of a board [Aulinas2011 4.5, Fig. 4.23]."""
+"""A camera calibrated by images of a board [Aulinas2011 4.4.3, Fig. 4.23]."""
 
 from __future__ import annotations
 

@@ -226,12 +226,15 @@ _RESULTS = Chapter(
             "seven legs of 30 m, 1,300 images, a blank in leg 2, a stern without texture",
             printed="offset of some 2 m without choice of model",
             studies=("one-camera-survey",),
-            code=("hullrecon/vision/appearance/recognition.py",),
-            benchmarks=("benchmarks/mono_survey.py", "benchmarks/outage.py"),
+            code=(
+                "hullrecon/navigation/pose_graph/start.py:path_along_links",
+                "hullrecon/vision/pairs/selection.py:propose_revisits",
+            ),
+            benchmarks=("benchmarks/mono_survey.py",),
             differs=(
                 "simulated, the images of the survey are not public: three legs of 5 m as a "
-                "study, seven "
-                "of 30 m as a benchmark"
+                "study, seven of 30 m as a benchmark; places found by how they look need two "
+                "cameras"
             ),
         ),
         Part(
@@ -337,7 +340,8 @@ _RESULTS = Chapter(
             "no truth at sea: a smooth surface argues for a consistent path",
             code=("hullrecon/adjustment/results/summary.py", "hullrecon/vision/pairs/cycles.py"),
             delivered=("summary.json", "plots/"),
-            differs="residuals by sensor in sigmas, cycles of links, contradictions named",
+            differs="residuals by sensor in sigmas, cycles of links, contradictions named; no "
+            "links held out, no heights between legs",
         ),
     ),
 )

@@ -125,7 +125,7 @@ def _ellipse(axis: Axes, middle: Array, covariance: Array, tint: str) -> None:
 
 
 def draw_map(survey: Survey, run: Run) -> PublishedFigure:
-    """Draw map and track from above and from the front [Aulinas2011 Figs 5.15, 5.17]."""
+    """Draw map and track from above and from the front [Aulinas2011 Fig. 5.17]."""
     canvas, axes = new_canvas(10.0, 7.0, 2, 2, height_ratios=(3.0, 1.0))
     shift = survey.mission.truth[0, :3]
     points = run.map.points + shift
