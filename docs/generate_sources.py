@@ -26,7 +26,8 @@ to the code.
 
 To find a part, search this page for its number as the source prints it (`Fig. 4.12`, `(3.13)`,
 `Algorithm 5`), inside the chapters of the source. A number without a row of its own is inside the
-section above it, and sections that only introduce, review the literature or conclude have none.
+section above it, and sections that only introduce, review the literature or conclude have none. A
+section's own row begins with its number (`| 4.2`).
 Where several files are named, the first is the method.
 """
 

@@ -118,7 +118,12 @@ _INTRODUCTION = Chapter(
 _FILTERS = Chapter(
     title="3.2. Filters",
     parts=(
-        Part("Table 3.1", "notation", absent=Absence.LITERATURE, code=("docs/conventions.md",)),
+        Part(
+            "Table 3.1",
+            "notation: its letters stand in the filters' docstrings",
+            code=("hullrecon/studies/submaps/filters.py",),
+            studies=("filters",),
+        ),
         Part(
             "3.2.2 to 3.2.4, Algorithm 1",
             "Kalman filter",
@@ -456,7 +461,7 @@ _VEHICLES = Chapter(
     title="5. Underwater vehicles",
     parts=(
         Part(
-            "Figs 5.1 to 5.4, 5.8 to 5.12",
+            "Figs 5.1 to 5.3, 5.8 to 5.11",
             "mosaics of others, vehicles, frames, sensor drawings",
             absent=Absence.PICTURE,
         ),
@@ -477,13 +482,13 @@ _VEHICLES = Chapter(
             "product odometry by DVL and gyro wherever there is a DVL",
         ),
         Part(
-            "5.2.2, eqs (5.4) to (5.14)",
+            "5.2.2, Fig. 5.4, eqs (5.4) to (5.14)",
             "IMU, DVL, pressure, altitude, side-scan point",
             studies=("remus-run",),
             code=(
+                "hullrecon/studies/vehicles/sensors.py",
                 "native/factors/navigation_residuals.h",
                 "native/factors/hull_residuals.h",
-                "hullrecon/studies/vehicles/sensors.py",
             ),
             tests=(
                 "tests/native/test_factors.py",
@@ -496,7 +501,7 @@ _VEHICLES = Chapter(
             ),
         ),
         Part(
-            "5.3.2, eqs (5.16) to (5.24)",
+            "5.3.2, Fig. 5.12, eqs (5.16) to (5.24)",
             "pinhole, landmarks by inverse depth",
             printed="0.1 as a new landmark's inverse depth",
             studies=("inverse-depth", "sparus-run"),
@@ -571,7 +576,10 @@ _VEHICLES = Chapter(
             "Fig. 5.16",
             "ellipses of landmarks seen again shrink",
             studies=("sparus-run",),
-            code=("hullrecon/estimation/landmark_variance.py",),
+            code=(
+                "hullrecon/studies/vehicles/sparus_figures.py:draw_frames",
+                "hullrecon/estimation/landmark_variance.py",
+            ),
             delivered=("landmarks.ply",),
             tests=(
                 "tests/estimation/test_landmark_variance.py",
@@ -583,7 +591,12 @@ _VEHICLES = Chapter(
             "Figs 5.17, 5.18",
             "map and track in three views",
             studies=("sparus-run",),
-            code=("hullrecon/report/figures/plan_view.py", "hullrecon/report/scene_view.py"),
+            code=(
+                "hullrecon/studies/vehicles/sparus_figures.py:draw_map",
+                "hullrecon/studies/vehicles/sparus_figures.py:draw_tracks",
+                "hullrecon/report/figures/plan_view.py",
+                "hullrecon/report/scene_view.py",
+            ),
             delivered=("report/",),
         ),
     ),

@@ -29,12 +29,10 @@ _INTRODUCTION = Chapter(
             differs=f"{_NO_PERISCOPE}; sigmas are keys of dive.toml",
         ),
         Part(
-            "1.2.1, Fig. 1.7, eq (1.1)",
-            "four Janus beams: velocity of the sensor, and points that the ranges meet",
+            "1.2.1, Fig. 1.7",
+            "four Janus beams: velocity of the sensor by those along the beams",
             code=(
-                "hullrecon/dive/logs/formats/pd0_ensemble.py",
-                "hullrecon/dive/logs/dvl_beams.py:tilted_beams",
-                "hullrecon/rig.py:dvl_points",
+                "hullrecon/dive/logs/readers/pd0.py:from_beams",
                 "hullrecon/navigation/dead_reckoning/reckoning.py:reckon",
             ),
             tests=(
@@ -50,6 +48,16 @@ _INTRODUCTION = Chapter(
                 "tests/navigation/test_positions.py::test_fixes_bound_the_drift_of_a_dive_without_a_camera",
             ),
             differs="positions of USBL or GPS, no ranges to beacons",
+        ),
+        Part(
+            "1.2.3, eq (1.1)",
+            "points of the hull that the DVL's ranges meet",
+            code=(
+                "hullrecon/rig.py:dvl_points",
+                "hullrecon/dive/logs/dvl_beams.py:tilted_beams",
+            ),
+            tests=("tests/test_rig.py",),
+            differs="any beams, the lever arm, poses of the last adjustment",
         ),
         Part("Fig. 1.9", "SLAM as a factor graph", absent=Absence.PICTURE),
         Part(
@@ -222,7 +230,7 @@ _SINGLE = Chapter(
             "2.5.6, Figs 2.22, 2.23",
             "the DVL's points on the CAD model without and with planes",
             printed="1.31 ± 1.38 m, 20 % above 1.5 m; 0.45 ± 0.19 m, 0 %",
-            code=("hullrecon/studies/paths/path_figures.py",),
+            code=("hullrecon/studies/paths/path_figures.py:distance_to_cad_model",),
             studies=("path-figures/distance_to_cad_model",),
             benchmarks=("benchmarks/planes.py",),
             tests=("tests/studies/test_distance_to_cad.py",),
@@ -510,7 +518,7 @@ _MODEL = Chapter(
     title="4.2. Model-assisted bundle adjustment with a CAD model",
     parts=(
         Part(
-            "Figs 4.1, 4.2, 4.5 to 4.7",
+            "Figs 4.1, 4.2, 4.5, 4.6",
             "overviews and drawings of the factors",
             absent=Absence.PICTURE,
         ),
@@ -672,7 +680,7 @@ _SHAPES = Chapter(
             tests=("tests/studies/test_dvl_residuals.py",),
         ),
         Part(
-            "Fig. 4.15",
+            "4.4.2.1, Fig. 4.15",
             "growth beside dense stereo",
             printed="0.06 to 0.18 m, 0.10 to 0.20 m",
             code=("hullrecon/studies/structures/dense_stereo.py",),
@@ -686,7 +694,7 @@ _SHAPES = Chapter(
             ),
         ),
         Part(
-            "Fig. 4.16",
+            "4.4.2.1, Fig. 4.16",
             "height of a cylinder that is known",
             printed="0.10 m for 0.11 m",
             code=("hullrecon/studies/methods/plots.py:structure_heights",),
@@ -694,7 +702,7 @@ _SHAPES = Chapter(
             delivered=("objects.json",),
         ),
         Part(
-            "Figs 4.17, 4.18",
+            "4.4.2.2, Figs 4.17, 4.18",
             "the remeshed hull at two thresholds",
             printed="0 and 0.06 m",
             code=(
@@ -706,7 +714,7 @@ _SHAPES = Chapter(
             delivered=("as_found.ply", "form.tif"),
         ),
         Part(
-            "Fig. 4.19",
+            "4.4.2.2, Fig. 4.19",
             "photomosaic on the remeshed hull and on the CAD model",
             code=(
                 "hullrecon/studies/surfaces/mosaics.py:close_up",
