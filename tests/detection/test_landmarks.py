@@ -39,6 +39,15 @@ def test_offset_foot_and_normal_are_those_of_the_surface() -> None:
     assert seen.row.tolist() == [0, 1]
 
 
+def test_offset_is_orthogonal_and_not_along_the_ray_as_printed() -> None:
+    """[Ozog2016 Fig. 4.8] has the deviation by the ray; Algorithm 4 the orthogonal distance."""
+    camera, feature = np.array([1.0, 1.07, 1]), np.array([2.0, 0.07, 1])
+    ray = (feature - camera) / np.linalg.norm(feature - camera)  # 45 degrees off the normal
+    printed = WALL.cast(camera, ray[None]) - np.linalg.norm(feature - camera)
+    assert np.allclose(printed, 0.07 * np.sqrt(2))
+    assert np.allclose(_measure([feature.tolist()]).offset, 0.07)
+
+
 def test_landmark_of_one_image_or_far_off_is_left_out() -> None:
     assert len(_measure([[1.0, 0.07, 2]], views=1)) == 0
     assert _measure([[np.nan, 0, 0], [1, 0.1, 1], [1, 0.8, 1]]).row.tolist() == [1]

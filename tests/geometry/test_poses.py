@@ -67,6 +67,17 @@ def test_composition_is_one_after_the_other(
     assert_same(poses.from_matrix(a.matrix() @ b.matrix()), a @ b)
 
 
+def test_pose_of_j_in_i_brings_points_to_i_not_to_j_as_printed() -> None:
+    """[Ozog2016 App. A] prints X_j = R X_i + t, with R and t of j in i."""
+    i_from_j = poses.from_rpy([2.0, 0, 0], [0, 0, np.pi / 2])
+    in_j = np.array([[1.0, 0, 0]])  # ahead of j, which looks along y of i
+    in_i = np.array([[2.0, 1, 0]])
+    assert np.allclose(i_from_j.apply(in_j), in_i)
+    assert np.allclose(i_from_j.inverse().apply(in_i), in_j)
+    printed = i_from_j.rotation.as_matrix()[0] @ in_i[0] + i_from_j.translation[0]
+    assert np.allclose(printed, [1, 2, 0])
+
+
 def test_one_pose_meets_many() -> None:
     many = poses.exp(np.eye(6)[:4])
     one = poses.from_mount([1, 0, 0, 0, 0, 90])

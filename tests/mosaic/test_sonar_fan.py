@@ -24,6 +24,31 @@ def test_bins_and_beams_are_those_of_the_image() -> None:
     np.testing.assert_allclose(pixel, [[25.0, 10.0]], atol=1e-9)
 
 
+def test_beam_by_range_and_bin_by_bearing_as_printed_are_outside_the_image() -> None:
+    """[Ozog2016 3.2.3] prints n_b by the range and n_r by the bearing."""
+    bearing, distance = BEARING[10], 4.5
+    point = distance * np.array([[0.0, np.sin(bearing), np.cos(bearing)]])
+    (found,), _ = FAN.locate(point)
+    np.testing.assert_allclose(found, [175.0, 10.0], atol=1e-9)
+    printed_beam = (distance - 1.0) * (201 - 1) / (5.0 - 1.0)
+    assert round(printed_beam) == round(found[0]) > len(BEARING)
+
+
+def test_four_coefficients_of_beams_are_of_third_degree_not_of_fourth_as_printed() -> None:
+    """[Ozog2016 3.2.3] calls (1, psi, psi^2, psi^3) of fourth degree."""
+    bearing, missed = np.linspace(-0.24, 0.24, 20001), []
+    for degree in (3, 4):
+        number = 28 + 100 * bearing + 4 * (bearing / 0.24) ** degree
+        psi = np.interp(np.arange(9.0, 52.0), number, bearing)
+        directions = np.stack([0 * psi, np.sin(psi), np.cos(psi)], axis=1)
+        fan = build_fan(directions, np.linspace(1.0, 5.0, 201), np.radians(14))
+        beam = fan.locate(2.0 * directions)[0][:, 1]
+        basis = np.vander(psi, 4)
+        missed.append(np.abs(basis @ np.linalg.lstsq(basis, beam, rcond=None)[0] - beam).max())
+    assert missed[0] < 1e-3
+    assert missed[1] > 0.1
+
+
 def test_elevation_does_not_change_range_and_beam_of_an_arc() -> None:
     theta = np.radians([-6.9, 0.0, 6.9])
     arc = 2.0 * np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=1)

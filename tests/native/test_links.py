@@ -116,6 +116,21 @@ def test_dynamic_scaling_weighs_links_as_published(square: float, empty: Empty) 
     assert evaluate(p, Options(link_phi=1e3)).cost_by_factor["link"] == pytest.approx(0.5 * square)
 
 
+def test_scale_alone_as_printed_makes_the_worse_link_cheaper(empty: Empty) -> None:
+    """[Ozog2016 eq. 2.1] prints s^2 chi^2: without what s costs itself, s = 0 costs nothing."""
+    found, printed = [], []
+    for square in (5.0, 20.0, 80.0):
+        p = empty(2)
+        p.unknowns.pose[1, 0] = np.sqrt(square)
+        one_link(p, np.array([0, 0, 0, 0, 0, 0, 1.0]), scaled=True, kernel=LinkKernel.SCALING)
+        e = evaluate(p)
+        found.append(e.cost_by_factor["link"])
+        printed.append(0.5 * float(np.sum((e.weight * e.residual) ** 2)))
+        assert printed[-1] == pytest.approx(0.5 * (10 / (5 + square)) ** 2 * square)
+    assert np.diff(found).min() > 0.5
+    assert np.diff(printed).max() < -0.5
+
+
 def test_a_switch_multiplies_its_link_and_is_drawn_to_one(empty: Empty) -> None:
     p = empty(2)
     p.unknowns.pose[1, 0] = 2.0

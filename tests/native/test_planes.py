@@ -26,6 +26,7 @@ from hullrecon.native import (
     curvature_difference,
     curvature_information,
 )
+from hullrecon.studies.sessions.motions import plane_in, plane_out
 
 Empty = Callable[[int], Draft]
 Survey = Callable[..., Draft]
@@ -56,6 +57,20 @@ def test_a_wall_seen_from_the_side_is_turned_and_nearer(empty: Empty) -> None:
     p.plane_sightings.sqrt_information = np.diag([1.0, 2.0, 1.0])[None]
     # 1.5 m away; the normal, -x of g, is +y of the turned vehicle
     np.testing.assert_allclose(residuals(p, "plane"), [0, 2 * (1.5 - 1.0), 0], atol=1e-12)
+
+
+def test_a_wall_is_led_into_a_frame_by_the_inverse_of_what_leads_it_out(empty: Empty) -> None:
+    """[Ozog2016 App. B] prints for the way into frame j the operator of the way out, [+]."""
+    p = empty(2)
+    ahead(p)
+    p.unknowns.pose[1, :3], p.unknowns.pose[1, 3:7] = [0.5, 7.0, -3.0], turned(2, np.pi / 2)
+    second = Poses(p.unknowns.pose[1:, 3:7], p.unknowns.pose[1:, :3])
+    seen = plane_in(second, p.unknowns.plane)[0]
+    np.testing.assert_allclose(plane_out(second, seen), p.unknowns.plane, atol=1e-12)
+    sight(p, 1, seen[0].tolist())
+    np.testing.assert_allclose(residuals(p, "plane"), 0, atol=1e-12)
+    sight(p, 1, plane_out(second, p.unknowns.plane)[0].tolist())  # as printed
+    assert np.abs(residuals(p, "plane")).max() > 1
 
 
 def test_a_sighting_from_the_anchor_compares_the_three_numbers(empty: Empty) -> None:
@@ -106,6 +121,25 @@ def test_a_beam_meets_a_wall_where_the_corrected_formula_says(empty: Empty) -> N
     p.plane_ranges.measured = np.array([1.0])
     e = evaluate(p)
     assert e.cost_by_factor["plane_range"] == pytest.approx(1.345 * 5 - 0.5 * 1.345**2)  # Huber's
+
+
+def test_length_of_a_beam_as_printed_is_negative_and_the_same_from_any_distance(
+    empty: Empty,
+) -> None:
+    """[Ozog2016 eq. 2.4] prints |x - pi| / (r' (x - pi)): no square, no sign."""
+    ray, sigma = np.array([0.8, 0.6, 0.0]), 0.1
+    for distance, hit in ((1.0, 1.25), (2.0, 2.5)):
+        p = empty(2)
+        ahead(p, distance)
+        p.unknowns.T_s_d = np.array([0, 0, 0, 0, 0, 0, 1.0])
+        p.plane_ranges.node, p.plane_ranges.plane = np.ones(1, np.int32), np.zeros(1, np.int32)
+        p.plane_ranges.offset = np.array([[0, 0, 0, 0, 0, 0, 1.0]])
+        p.plane_ranges.tray_offset, p.plane_ranges.measured = np.zeros(1), np.array([hit])
+        p.plane_ranges.beam, p.plane_ranges.sigma = ray[None], np.array([sigma])
+        np.testing.assert_allclose(residuals(p, "plane_range"), 0, atol=1e-12)
+        seen = p.unknowns.plane[0]
+        printed = np.linalg.norm(seen) / (ray @ seen)
+        assert printed == pytest.approx(-1.25)  # however far the wall is
 
 
 def test_a_pair_costs_the_square_in_the_inverse_of_its_covariance(empty: Empty) -> None:
@@ -331,6 +365,29 @@ def test_curvature_radii_by_azimuth_and_elevation_have_signs() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("wall", "moved", "leans"),
+    [
+        ([-2.0, 0, 0], [0, 0.1, 0], "the other way"),  # ahead
+        ([0, -2.0, 0], [-0.1, 0, 0], "not at all"),  # to starboard
+        ([2.0, 0, 0], [0, 0.1, 0], "right"),  # astern
+    ],
+)
+def test_lean_by_the_step_along_y_as_printed_is_right_for_a_hull_astern_alone(
+    wall: list[float], moved: list[float], leans: str
+) -> None:
+    """[Ozog2016 2.3.4.2] adds t_y / r_a to the normal's azimuth, wherever the hull is."""
+    plane, step, radius = np.array(wall), np.array(moved), 50.0
+    azimuth = np.arctan2(plane[1], plane[0]) + step[1] / radius
+    printed = 2.0 * np.array([np.cos(azimuth), np.sin(azimuth), 0]) - plane
+    found = curvature_difference(plane[None], step[None], np.array([radius]), np.array([np.inf]))[0]
+    assert found @ step > 0  # a convex hull leans towards where the vehicle has gone
+    if leans == "not at all":
+        np.testing.assert_allclose(printed, 0, atol=1e-12)
+    else:
+        assert (printed @ step > 0) == (leans == "right")
+
+
 def test_the_weight_counts_the_curvature_the_poses_and_the_floor() -> None:
     plane, moved, radius = (
         np.array([[-2.0, 0.1, 0.2]]),
@@ -357,6 +414,32 @@ def test_the_weight_counts_the_curvature_the_poses_and_the_floor() -> None:
     many = curvature_difference(np.repeat(plane, 20000, 0), back.inv().apply(there), radius, radius)
     spread = covariance(joint) - covariance(np.zeros((14, 14)))
     np.testing.assert_allclose(1e4 * np.cov(many.T), spread, atol=0.05 * np.abs(spread).max())
+
+
+def test_a_misfit_in_its_own_covariance_as_printed_costs_the_same_however_large(
+    empty: Empty,
+) -> None:
+    """[Ozog2016 2.3.4.2] prints the misfit to the curved surface as the sigma of that misfit."""
+    plane, moved, radius = np.array([[-2.0, 0, 0]]), np.array([[0, 0.1, 0.1]]), np.array([5.0])
+    predicted = curvature_difference(plane, moved, radius, radius)
+    turn, certain = np.eye(3)[None], np.zeros((1, 14, 14))
+    root = curvature_information(plane, moved, radius, radius, turn, certain, 0.01)
+    found, printed = [], []
+    for size in (1.0, 2.0):
+        misfit = size * np.array([0.02, -0.03, 0.01])
+        for costs, weight in ((found, root), (printed, np.diag(1 / np.abs(misfit))[None])):
+            p = empty(2)
+            p.unknowns.plane = np.vstack([plane, plane + predicted + misfit])
+            p.planes.anchor = np.zeros(2, np.int32)
+            p.plane_pairs.first, p.plane_pairs.second = np.zeros(1, np.int32), np.ones(1, np.int32)
+            p.plane_pairs.measured, p.plane_pairs.sqrt_information = predicted, weight
+            p.plane_pairs.point, p.plane_pairs.place = np.zeros((2, 1, 3))
+            p.plane_pairs.by_place = np.zeros((1, 3, 3))
+            costs.append(evaluate(p).cost_by_factor["plane_pair"])
+    explained = predicted[0] ** 2 + 0.01**2
+    once = 0.5 * np.sum(np.array([0.02, -0.03, 0.01]) ** 2 / explained)
+    np.testing.assert_allclose(found, [once, 4 * once])
+    np.testing.assert_allclose(printed, 0.5 * 3)
 
 
 def test_pairs_by_curvature_tie_a_spiral_around_a_sphere() -> None:

@@ -137,6 +137,26 @@ def test_radial_kernel_that_is_a_covariance_works() -> None:
     assert result.mean(at)[0] == pytest.approx(0.1, abs=0.01)
 
 
+def test_radius_of_the_kernel_needs_the_transpose_that_is_not_printed() -> None:
+    """[Ozog2016 3.2.2.2] prints (x - x') Omega (x - x') of columns: no product has these sizes."""
+    length, x, other = np.array([3.0, 15.0]), np.array([[1.0], [2.0]]), np.array([[0.4], [5.0]])
+    gap, omega = x - other, np.diag(length**-2)
+    radius = np.sqrt(gap.T @ omega @ gap)
+    kernel = RadialKernel((3.0, 15.0), 0.2)
+    np.testing.assert_allclose(kernel.matrix(x.T, other.T).toarray(), 0.04 * compact(radius))
+    with pytest.raises(ValueError, match="mismatch"):
+        _ = gap @ omega @ gap
+
+
+def test_training_by_the_second_coordinate_as_printed_makes_no_surface() -> None:
+    """[Ozog2016 3.2.2.2] prints training pairs (x_i, y_i), where y_i is a part of x_i."""
+    at, depth = CORNERS, np.array([0.02, 0.03, -0.01, 0.0, 0.05])
+    kernel, noise = Kernel((1.0, 1.0), 0.1), np.full(5, 1e-4)
+    np.testing.assert_allclose(fit(kernel, at, depth, noise).mean(at), depth, atol=1e-6)
+    printed = fit(kernel, at, at[:, 1], noise).mean(at)
+    assert np.abs(printed - depth).max() > 0.5
+
+
 def test_a_plane_is_reproduced_inside() -> None:
     values = 2 + 3 * CORNERS[:, 0] - CORNERS[:, 1]
     wanted = np.array([[0.2, 0.3], [0.9, 0.95]])

@@ -361,7 +361,10 @@ KIM = Source(
             where="III-B",
             printed="what an outlier counts, and sigma, are not said",
             right="a bound of 2 (4 - d) for each match, sigma of the features as found",
-            tests=("tests/vision/pairs/test_two_view.py::test_one_outlier_cannot_decide",),
+            tests=(
+                "tests/vision/pairs/test_two_view.py::test_one_outlier_cannot_decide",
+                "tests/vision/pairs/test_two_view.py::test_one_match_off_the_wall_decides_where_errors_are_not_bounded",
+            ),
         ),
         Misprint(
             where="III-C-2",

@@ -885,13 +885,18 @@ _MISPRINTS = (
         right="1 / (4 cos 30°); and the velocity is the sensor's with its sign changed",
         tests=(
             "tests/dive/readers/test_pd0.py::test_velocity_is_opposite_to_bottom_with_z_into_housing",
+            "tests/dive/readers/test_pd0.py::test_beam_velocities_are_inverted_also_with_one_beam_lost",
+            "tests/dive/readers/test_pd0.py::test_factor_of_all_beams_is_the_printed_number_not_the_printed_formula",
         ),
     ),
     Misprint(
         where="(2.1)",
         printed="cost scaled by s² alone",
         right="and Phi (1 - s)², else s = 0 costs nothing",
-        tests=("tests/native/test_links.py::test_dynamic_scaling_weighs_links_as_published",),
+        tests=(
+            "tests/native/test_links.py::test_dynamic_scaling_weighs_links_as_published",
+            "tests/native/test_links.py::test_scale_alone_as_printed_makes_the_worse_link_cheaper",
+        ),
     ),
     Misprint(
         where="(2.3)",
@@ -907,6 +912,7 @@ _MISPRINTS = (
         right="what curvature explains: a misfit would widen its own covariance",
         tests=(
             "tests/native/test_planes.py::test_the_weight_counts_the_curvature_the_poses_and_the_floor",
+            "tests/native/test_planes.py::test_a_misfit_in_its_own_covariance_as_printed_costs_the_same_however_large",
         ),
     ),
     Misprint(
@@ -915,6 +921,7 @@ _MISPRINTS = (
         right="signs by the normal's direction",
         tests=(
             "tests/native/test_planes.py::test_curvature_radii_by_azimuth_and_elevation_have_signs",
+            "tests/native/test_planes.py::test_lean_by_the_step_along_y_as_printed_is_right_for_a_hull_astern_alone",
         ),
     ),
     Misprint(
@@ -923,6 +930,7 @@ _MISPRINTS = (
         right="-|pi|² / (r' pi) with pi = x ⊟ pi",
         tests=(
             "tests/native/test_planes.py::test_a_beam_meets_a_wall_where_the_corrected_formula_says",
+            "tests/native/test_planes.py::test_length_of_a_beam_as_printed_is_negative_and_the_same_from_any_distance",
         ),
     ),
     Misprint(
@@ -948,6 +956,7 @@ _MISPRINTS = (
         right="both together",
         tests=(
             "tests/studies/sessions/test_particles.py::test_particles_start_before_the_hull_within_three_metres",
+            "tests/studies/sessions/test_particles.py::test_each_of_the_two_rules_for_free_cells_alone_as_printed_leaves_too_many",
         ),
     ),
     Misprint(
@@ -983,13 +992,20 @@ _MISPRINTS = (
         where="3.2.2.2",
         printed="training pairs (x_i, y_i); r without transpose",
         right="(x_i, z_i); (x - x')'",
-        checked="reading",
+        tests=(
+            "tests/studies/test_surface_variants.py::test_training_by_the_second_coordinate_as_printed_makes_no_surface",
+            "tests/studies/test_surface_variants.py::test_radius_of_the_kernel_needs_the_transpose_that_is_not_printed",
+        ),
     ),
     Misprint(
         where="3.2.3",
         printed="n_b from range, n_r from bearing; M_4 of fourth degree",
         right="the other way about; third degree",
-        tests=("tests/mosaic/test_sonar_fan.py::test_bins_and_beams_are_those_of_the_image",),
+        tests=(
+            "tests/mosaic/test_sonar_fan.py::test_bins_and_beams_are_those_of_the_image",
+            "tests/mosaic/test_sonar_fan.py::test_beam_by_range_and_bin_by_bearing_as_printed_are_outside_the_image",
+            "tests/mosaic/test_sonar_fan.py::test_four_coefficients_of_beams_are_of_third_degree_not_of_fourth_as_printed",
+        ),
     ),
     Misprint(
         where="3.3.2.1",
@@ -1017,7 +1033,9 @@ _MISPRINTS = (
         where="Fig. 4.8",
         printed="deviation along a ray",
         right="Algorithm 4 and 4.1.1: orthogonal distance",
-        checked="reading",
+        tests=(
+            "tests/detection/test_landmarks.py::test_offset_is_orthogonal_and_not_along_the_ray_as_printed",
+        ),
     ),
     Misprint(
         where="Algorithm 5, line 4", printed="Algorithm 1", right="Algorithm 4", checked="reading"
@@ -1038,13 +1056,19 @@ _MISPRINTS = (
         where="App. A",
         printed="X_j = R X_i + t",
         right="X_i = R X_j + t",
-        tests=("tests/geometry/test_poses.py::test_composition_is_one_after_the_other",),
+        tests=(
+            "tests/geometry/test_poses.py::test_composition_is_one_after_the_other",
+            "tests/geometry/test_poses.py::test_pose_of_j_in_i_brings_points_to_i_not_to_j_as_printed",
+        ),
     ),
     Misprint(
         where="App. B",
         printed="with respect to frame j: pi_ik = x_ij ⊞ pi_jk",
         right="frame i; ⊟ for the way back",
-        tests=("tests/native/test_planes.py::test_a_wall_seen_from_the_side_is_turned_and_nearer",),
+        tests=(
+            "tests/native/test_planes.py::test_a_wall_seen_from_the_side_is_turned_and_nearer",
+            "tests/native/test_planes.py::test_a_wall_is_led_into_a_frame_by_the_inverse_of_what_leads_it_out",
+        ),
     ),
     Misprint(
         where="D.1",
@@ -1058,7 +1082,10 @@ _MISPRINTS = (
         where="D.1.1",
         printed="Theta has P_1 to P_(M-5); S_X in the third line",
         right="(M - 5) / 3 points; its inverse",
-        checked="counting",
+        tests=(
+            "tests/studies/calibration/test_two_views.py::test_unknowns_of_two_views_hold_a_third_as_many_points_as_printed",
+            "tests/studies/calibration/test_two_views.py::test_covariance_of_a_fit_has_the_inverse_in_every_line_unlike_the_print",
+        ),
     ),
     Misprint(
         where="D.2.1",
@@ -1066,6 +1093,7 @@ _MISPRINTS = (
         right="algebraic: neither squared nor normalised",
         tests=(
             "tests/vision/pairs/test_two_view.py::test_sampson_error_is_distance_to_nearest_pair_that_fits",
+            "tests/vision/pairs/test_two_view.py::test_product_with_the_essential_matrix_is_no_squared_distance",
         ),
     ),
     Misprint(

@@ -145,6 +145,17 @@ def test_beam_velocities_are_inverted_also_with_one_beam_lost():
     assert np.isnan(from_beams(np.array([np.nan, np.nan, 0.1, 0.1]), angle)).any()
 
 
+def test_factor_of_all_beams_is_the_printed_number_not_the_printed_formula():
+    """[Ozog2016 1.2.1] prints b = 1 / cos 30 deg = 0.2887."""
+    angle = 30 * DEG
+    beams = np.full(4, 0.1 * np.cos(angle))  # 0.1 m/s towards the bottom
+    assert from_beams(beams, angle)[2] == pytest.approx(0.1)
+    assert from_beams(beams, angle)[2] / beams.sum() == pytest.approx(0.2887, abs=5e-5)
+    printed = 1 / np.cos(angle)
+    assert printed == pytest.approx(1.1547, abs=5e-5)
+    assert printed * beams.sum() == pytest.approx(0.4)
+
+
 def own_sensors(path, *contents):
     path.write_bytes(b"".join(contents))
     found = {}

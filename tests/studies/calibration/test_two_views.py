@@ -12,6 +12,7 @@ from hullrecon.adjustment.problem.intrinsics import prior_sigma
 from hullrecon.studies.calibration.two_views import TwoViews, first_order, sampled, unscented
 from hullrecon.studies.calibration.wall import CAMERA, views_of_wall
 from hullrecon.studies.calibration.wall import SECOND_FROM_FIRST as MOTION
+from hullrecon.vision.pairs.mono_motion import linearise
 
 SIGMA = prior_sigma(CAMERA, AdjustOptions())
 
@@ -51,3 +52,29 @@ def test_sigma_points_tell_large_errors_better(views: TwoViews) -> None:
     assert linear.max() > 0.1
     assert points.max() < 0.08
     assert points.max() < 0.6 * linear.max()
+
+
+def test_unknowns_of_two_views_hold_a_third_as_many_points_as_printed(views: TwoViews) -> None:
+    """[Ozog2016 D.1.1] prints points P_1 to P_(M-5) among M unknowns: each has three."""
+    numbers = linearise(MOTION, *views.ideal(np.zeros(9)))[1].shape[1]
+    points = np.zeros((len(views.first), 3))
+    unknowns = numbers + points.size
+    assert (unknowns - 5) / 3 == len(points)
+    assert unknowns - 5 != len(points)
+
+
+def test_covariance_of_a_fit_has_the_inverse_in_every_line_unlike_the_print(
+    views: TwoViews,
+) -> None:
+    """[Ozog2016 D.1.1] loses the inverse of S_X in the third line of its expansion."""
+    jacobian = linearise(MOTION, *views.ideal(np.zeros(9)))[1]
+    noise = np.diag(np.linspace(0.5, 2.0, len(jacobian)) ** 2)
+    weight = np.linalg.inv(noise)
+    information = jacobian.T @ weight @ jacobian
+    by_gradient = np.linalg.inv(2 * information)
+    first = by_gradient @ (2 * weight @ jacobian).T @ noise @ (2 * weight @ jacobian) @ by_gradient
+    right = 2 * np.linalg.inv(information) @ information @ by_gradient
+    printed = 2 * np.linalg.inv(jacobian.T @ noise @ jacobian) @ information @ by_gradient
+    scale = np.trace(first)
+    np.testing.assert_allclose(right, first, atol=1e-9 * scale)
+    assert np.abs(printed - first).max() > 0.1 * scale

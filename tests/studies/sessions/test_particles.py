@@ -21,6 +21,12 @@ from hullrecon.studies.sessions.particles_study import old_map, run
 MAP = old_map(np.random.default_rng(0))
 
 
+def metres_outside(place: np.ndarray) -> np.ndarray:
+    plane = MAP.planes[MAP.nearest(place)[0]]
+    norm = np.linalg.norm(plane, axis=1)
+    return np.asarray(-(np.sum(plane * place, axis=1) + norm**2) / norm)
+
+
 def test_the_vehicle_is_among_the_candidates() -> None:
     rng = np.random.default_rng(1)
     trials = [run(MAP, rng) for _ in range(3)]
@@ -31,12 +37,19 @@ def test_the_vehicle_is_among_the_candidates() -> None:
 
 def test_particles_start_before_the_hull_within_three_metres() -> None:
     particles = spread(MAP, 2.0, 300, np.random.default_rng(0))
-    place = as_poses(particles, 2.0).translation
-    plane = MAP.planes[MAP.nearest(place)[0]]
-    norm = np.linalg.norm(plane, axis=1)
-    outside = -(np.sum(plane * place, axis=1) + norm**2) / norm
+    outside = metres_outside(as_poses(particles, 2.0).translation)
     assert outside.min() > 0
     assert outside.max() < FREE_M
+
+
+def test_each_of_the_two_rules_for_free_cells_alone_as_printed_leaves_too_many() -> None:
+    """[Ozog2016 2.4.3.1] prints those outside the nearest plane, Fig. 2.10 those within 3 m."""
+    ends = np.array([of(MAP.poses.translation[:, :2], axis=0) for of in (np.min, np.max)])
+    x, y = np.meshgrid(*np.linspace(ends[0] - FREE_M, ends[1] + FREE_M, 40).T)
+    place = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, 2.0)])
+    outside = metres_outside(place)
+    assert (outside[outside > 0] > FREE_M).mean() > 0.3
+    assert (outside[np.abs(outside) < FREE_M] < 0).mean() > 0.3  # in the hull
 
 
 def test_the_right_pose_has_the_largest_weight_and_not_as_printed() -> None:

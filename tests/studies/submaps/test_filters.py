@@ -81,6 +81,25 @@ def test_innovation_needs_the_predicted_covariance_not_as_printed(observed) -> N
     assert np.abs(mean - solved.mean).max() > 0.05
 
 
+def test_innovation_by_the_motion_as_printed_misses_the_mean() -> None:
+    """[Aulinas2011 eq. 3.10] prints the motion's f for the observation's h."""
+    start = Gaussian(mean=np.array([1.0, 2.0]), covariance=np.diag([0.5, 0.2]))
+    move, seen, noise = np.array([[1.0, 0.5], [0.0, 1.0]]), np.diag([2.0, -1.0]), 0.1 * np.eye(2)
+    step = LinearStep(
+        by_state=move,
+        offset=np.zeros(2),
+        motion_noise=0.2 * np.eye(2),
+        observation=seen,
+        observed=np.array([4.3, -1.8]),
+        observation_noise=noise,
+    )
+    solved = solve_batch(start, [step])[-1].mean
+    np.testing.assert_allclose(filter_steps(start, [step])[-1].mean, solved, atol=1e-12)
+    predicted = predict(start, move @ start.mean, move, step.motion_noise)
+    printed = update(predicted, step.observed - move @ predicted.mean, seen, noise)
+    assert np.abs(printed.mean - solved).max() > 0.5
+
+
 def test_innovation_squared_is_chi_square_by_the_predicted_covariance_alone() -> None:
     rng = np.random.default_rng(2)
     covariance, seen, noise = np.diag([4.0, 1.0]), np.array([[1.0, 0.5]]), np.array([[0.25]])

@@ -65,6 +65,15 @@ def true_links(survey: Survey3) -> Array:
     return np.array([compose(invert(a), b) for a, b in pairwise(poses)])
 
 
+def test_441_landmarks_at_five_metres_take_100_metres_square_not_100_square_metres() -> None:
+    """[Aulinas2011 3.4.1] prints 100 m2, which hold nine."""
+    for cells, count, area_m2 in ((20, 441, 100.0**2), (2, 9, 100.0)):
+        field = Survey(cells=cells, jitter_m=0.0, leg_m=5.0, legs=1)
+        landmarks = simulate_survey(field, Noise(), seed=1).landmarks
+        assert len(landmarks) == count
+        assert np.prod(np.ptp(landmarks, axis=0)) == pytest.approx(area_m2)
+
+
 def test_submaps_hold_no_more_than_a_scan_above_their_limit(survey: Survey3) -> None:
     for built in survey.submaps[:-1]:
         assert 15 <= len(built.landmarks) < 15 + 13

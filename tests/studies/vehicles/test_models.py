@@ -64,6 +64,14 @@ def test_inverse_transform_has_the_translation_turned_back() -> None:
     np.testing.assert_allclose(product, np.eye(4), atol=1e-14)
 
 
+@pytest.mark.parametrize("stray", [0.0, 0.25, 4.0])
+def test_inverse_with_the_stray_factor_as_printed_leads_elsewhere(stray: float) -> None:
+    """[Aulinas2011 eq. A.4] prints a Delta before t, which is a step of time or a distance."""
+    printed = transforms.inverse_transform(POSE)
+    printed[:3, 3] = -transforms.rotation(ATTITUDE).T @ (stray * POSE[:3])
+    assert np.abs(transforms.transform(POSE) @ printed - np.eye(4)).max() > 1
+
+
 def test_rotation_derivatives_are_numeric_ones() -> None:
     expected = numeric(lambda a: transforms.rotation(a).ravel(), ATTITUDE).T.reshape(3, 3, 3)
     np.testing.assert_allclose(transforms.rotation_derivatives(ATTITUDE), expected, atol=1e-9)

@@ -40,6 +40,26 @@ def test_one_outlier_cannot_decide():
     assert two_view.criterion(np.array([1e6]), 2, 8) == 4 + 4 + 32
 
 
+def test_one_match_off_the_wall_decides_where_errors_are_not_bounded():
+    """A fish before a wall fits the motion, and no homography: its error is of 1e5 variances."""
+    fish = np.array([[0.05, 0.03, 0.3]])
+    there = fish @ MOTION[:3, :3].T + MOTION[:3, 3]
+    first, second = (
+        np.vstack([wall, point[:, :2] / point[:, 2:]])
+        for wall, point in zip(scene(0.0), (fish, there), strict=True)
+    )
+    both = two_view.fit_both(first, second, 2 / FOCAL)
+    essential, homography = (
+        scored.squared_error.sum() * FOCAL**2 + 2 * dimension * len(first) + 4 * parameters
+        for scored, (dimension, parameters) in (
+            (both.essential, two_view.ESSENTIAL),
+            (both.homography, two_view.HOMOGRAPHY),
+        )
+    )
+    assert homography > 1e5 > essential
+    assert both.homography.criterion < both.essential.criterion
+
+
 def test_flat_wall_is_homography_and_rough_one_is_not():
     assert two_view.fit(*scene(0.0), 2 / FOCAL).model == "homography"
     assert two_view.fit(*scene(0.2), 2 / FOCAL).model == "essential"
@@ -72,6 +92,20 @@ def test_sampson_error_is_distance_to_nearest_pair_that_fits():
         two_view.essential_of(sideways), np.array([[0.1, 0.0]]), np.array([[0.3, 0.02]])
     )
     np.testing.assert_allclose(error, 0.02**2 / 2)
+
+
+def test_product_with_the_essential_matrix_is_no_squared_distance():
+    """[Ozog2016 D.2.1] takes x' E x for one; it grows with E, whose size says nothing."""
+    first, second = np.array([[0.1, 0.0, 1.0]]), np.array([[0.3, 0.02, 1.0]])
+    sideways = np.eye(4)
+    sideways[0, 3] = 1.0  # the epipolar line is the row of the first, 0.02 from the second
+    found, printed = [], []
+    for size in (1.0, 3.0):
+        essential = size * two_view.essential_of(sideways)
+        found.append(two_view.sampson_squared(essential, first[:, :2], second[:, :2])[0])
+        printed.append(abs(second[0] @ essential @ first[0]))
+    np.testing.assert_allclose(2 * np.array(found), 0.02**2)  # shared by both images
+    np.testing.assert_allclose(printed, [0.02, 0.06])
 
 
 @pytest.mark.parametrize("relief_m", [0.0, 0.2])
