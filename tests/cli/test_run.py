@@ -348,16 +348,16 @@ def test_wrong_choice_by_set_lists_the_choices(program, package: Path, runs: Pat
     answer = program("run", package, "--runs", runs, "--set", "navigate.end=wel")
     assert answer.code == 2
     assert (
-        answer.err
-        == "error: navigate.end: 'wel' is not one of badly, fault, never, well (from --set)\n"
+        answer.err == 'error: navigate.end = \'wel\': expected "well" or "badly" or "never" or '
+        '"fault" (from --set)\n'
     )
     (package / "dive.toml").write_text(
         (package / "dive.toml").read_text() + '[navigate]\nend = "wel"\n'
     )
     answer = program("run", package, "--runs", runs)
     assert (
-        answer.err
-        == "error: navigate.end: 'wel' is not one of badly, fault, never, well (dive.toml)\n"
+        answer.err == 'error: navigate.end = \'wel\': expected "well" or "badly" or "never" or '
+        '"fault" (dive.toml)\n'
     )
 
 

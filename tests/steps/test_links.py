@@ -9,14 +9,12 @@ from steps.painted_wall import build_dive, run_links, with_navigation
 
 from hullrecon.geometry.poses import Poses, exp
 from hullrecon.records.trajectory import Trajectory
+from hullrecon.steps import links
 from hullrecon.steps.artifacts import LinksArtifact, NavigateArtifact
-from hullrecon.steps.chain import stage
 from hullrecon.vision.appearance.recognition import ALIKE, Recognition
 from hullrecon.vision.options import LinkOptions
 from hullrecon.vision.pairs.pair_match import Reason, failed_match
 from hullrecon.vision.pairs.selection import Proposal
-
-LINKS = stage("links")
 
 
 @pytest.fixture(scope="module")
@@ -154,7 +152,7 @@ def test_the_same_bytes_come_out_of_one_process_and_of_two(dive, linked, tmp_pat
 
 @pytest.mark.parametrize("kernel", ["switch", "none"])
 def test_any_kernel_gives_the_path_where_all_links_are_right(dive, linked, tmp_path, kernel):
-    found = run(dive, tmp_path, links_of=partial(LINKS.run, kernel=kernel), sequential=1)
+    found = run(dive, tmp_path, links_of=partial(links.run, kernel=kernel), sequential=1)
     np.testing.assert_allclose(found.path.pose[:, :3], linked.path.pose[:, :3], atol=0.004)
 
 

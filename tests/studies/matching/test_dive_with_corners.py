@@ -10,24 +10,22 @@ import pytest
 from steps.painted_wall import CAMERA, WALL_M, build_dive, run_links, run_matches
 
 from hullrecon.geometry.frames import Camera
+from hullrecon.steps import links
 from hullrecon.steps.artifacts import LinksArtifact
-from hullrecon.steps.chain import stage
 from hullrecon.studies.matching.corners import MatchWithCorners, extract_with_corners
 from hullrecon.vision.features.store import FeatureStore
 from hullrecon.vision.pairs.matching import MatchStrategy
 from hullrecon.vision.stereo.node_view import NodeFeatures
-
-LINKS = stage("links")
 
 SHARE = 0.3
 
 
 def run(dive, out, share=None):
     """The links and tracks of a dive, with corners up to a share of the matches, or as ever."""
-    links_of = LINKS.run
+    links_of = links.run
     if share is not None:
         links_of = partial(
-            LINKS.run, strategy=MatchStrategy(match_descriptors=MatchWithCorners(share))
+            links.run, strategy=MatchStrategy(match_descriptors=MatchWithCorners(share))
         )
     run_links(dive, out, links_of=links_of)
     run_matches(dive, out)
