@@ -8,6 +8,7 @@ once: whitened residuals (m, d), and their derivatives by each pose and plane.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -38,22 +39,23 @@ class Linear:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Factors(Rows):
+class Factors(Rows, ABC):
     """Factors of one kind."""
 
     poses: Ints  # (m, k)
     planes: Ints  # (m, l)
 
+    @abstractmethod
     def linearise(self, state: State) -> Linear:
         """Compute residuals and derivatives."""
-        raise NotImplementedError
 
     def renamed(self, poses: Ints, planes: Ints) -> Self:
         """Give the poses and planes other numbers: those at which the old numbers stand."""
         return replace(
-            self, poses=poses[self.poses] if len(poses) else self.poses,
+            self,
+            poses=poses[self.poses] if len(poses) else self.poses,
             planes=planes[self.planes] if len(planes) else self.planes,
-        )  # fmt: skip
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
