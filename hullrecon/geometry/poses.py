@@ -124,6 +124,14 @@ def identity(n: int = 1) -> Poses:
     return Poses(np.tile([0.0, 0.0, 0.0, 1.0], (n, 1)), np.zeros((n, 3)))
 
 
+def stacked(batches: Sequence[Poses]) -> Poses:
+    """Put batches of poses one after the other."""
+    return Poses(
+        np.concatenate([batch.quaternion for batch in batches]),
+        np.concatenate([batch.translation for batch in batches]),
+    )
+
+
 def exp(vectors: ArrayLike) -> Poses:
     """Make poses of translation and rotation vector (n, 6): the inverse of `Poses.log`."""
     v = np.atleast_2d(np.asarray(vectors, float))

@@ -27,7 +27,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.streams import GRAVITY_M_S2
-from hullrecon.geometry.poses import Poses, interpolate, tray_poses
+from hullrecon.geometry.poses import Poses, interpolate, stacked, tray_poses
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.navigation.clocks.comparisons import (
     felt_in_global,
@@ -548,13 +548,6 @@ def compare_flow(views: Sequence[View]) -> Comparison | None:
     )
 
 
-def _together(poses: Sequence[Poses]) -> Poses:
-    return Poses(
-        np.concatenate([one.quaternion for one in poses]),
-        np.concatenate([one.translation for one in poses]),
-    )
-
-
 def compare_view(views: Sequence[View]) -> Comparison | None:
     """Compare the turn that features show with that by attitude and tray.
 
@@ -565,7 +558,7 @@ def compare_view(views: Sequence[View]) -> Comparison | None:
     if len(views) < LEAST_WINDOWS:
         return None
     turn, sigma = fit_turns(
-        _together([v.second_from_first for v in views]),
+        stacked([v.second_from_first for v in views]),
         [v.flow.first for v in views],
         [v.flow.second for v in views],
     )

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hullrecon.geometry.poses import Poses, exp
+from hullrecon.geometry.poses import Poses, exp, stacked
 from hullrecon.studies.figure_style import (
     COLOURS,
     GREEN,
@@ -36,7 +36,7 @@ from hullrecon.studies.sessions.graph import (
     solve,
     whole,
 )
-from hullrecon.studies.sessions.motions import errors, stacked
+from hullrecon.studies.sessions.motions import errors
 from hullrecon.studies.sessions.survey import (
     ANCHOR_SIGMA,
     KNOWN_SIGMA,

@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.poses import Poses, stacked
 from hullrecon.studies.sessions.factors import Encounters, Factors, Priors, State, no_planes
 from hullrecon.studies.sessions.graph import Graph, whole
-from hullrecon.studies.sessions.motions import compose, errors, plane_in, stacked
+from hullrecon.studies.sessions.motions import compose, errors, plane_in
 from hullrecon.typing import Array, Ints
 
 

@@ -14,10 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import qr, solve_triangular
 
+from hullrecon.geometry.poses import stacked
 from hullrecon.studies.figure_style import COLOURS, RED, PublishedFigure, finish_figure, new_canvas
 from hullrecon.studies.sessions.factors import Factors, Links, State
 from hullrecon.studies.sessions.graph import Graph, linear_system, solve, stepped, whole
-from hullrecon.studies.sessions.motions import plane_out, stacked
+from hullrecon.studies.sessions.motions import plane_out
 from hullrecon.studies.sessions.survey import Session, legs, survey
 from hullrecon.studies.study import ComparedValue, StudyResult
 from hullrecon.typing import Array, Ints

@@ -9,8 +9,6 @@ distance from it, so that pi . x = -|pi|^2 for x on it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -83,14 +81,6 @@ def plane_out(poses: Poses, planes: Array) -> Array:
 def drawn(sigma: Array, rng: np.random.Generator, count: int) -> Poses:
     """Draw motions (count) with sigmas (6,) of translation and rotation."""
     return exp(rng.standard_normal((count, 6)) * sigma)
-
-
-def stacked(batches: Sequence[Poses]) -> Poses:
-    """Put batches of poses one after the other."""
-    return Poses(
-        np.concatenate([b.quaternion for b in batches]),
-        np.concatenate([b.translation for b in batches]),
-    )
 
 
 def _by_perturbation(turn: Array) -> Array:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.poses import Poses, stacked
 from hullrecon.studies.figure_style import (
     COLOURS,
     GREEN,
@@ -22,7 +22,7 @@ from hullrecon.studies.figure_style import (
 )
 from hullrecon.studies.sessions.factors import State
 from hullrecon.studies.sessions.graph import covariance, pose_covariances, whole
-from hullrecon.studies.sessions.motions import plane_out, stacked
+from hullrecon.studies.sessions.motions import plane_out
 from hullrecon.studies.sessions.survey import facing, legs, planes_before, surface, survey
 from hullrecon.studies.study import ComparedValue, StudyResult
 

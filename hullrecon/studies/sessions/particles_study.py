@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.geometry.poses import Poses, from_rpy
+from hullrecon.geometry.poses import Poses, from_rpy, stacked
 from hullrecon.studies.figure_style import (
     COLOURS,
     INK,
@@ -17,7 +17,7 @@ from hullrecon.studies.figure_style import (
     finish_figure,
     new_canvas,
 )
-from hullrecon.studies.sessions.motions import between, plane_out, stacked
+from hullrecon.studies.sessions.motions import between, plane_out
 from hullrecon.studies.sessions.particles import (
     PlaneMap,
     area_m2,

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.poses import Poses, exp
+from hullrecon.geometry.poses import Poses, exp, stacked
 from hullrecon.studies.figure_style import (
     COLOURS,
     INK,
@@ -29,7 +29,7 @@ from hullrecon.studies.sessions.graph import (
     solve,
     whole,
 )
-from hullrecon.studies.sessions.motions import errors, stacked
+from hullrecon.studies.sessions.motions import errors
 from hullrecon.studies.sessions.sparsify import (
     Candidates,
     Neighbourhood,

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from hullrecon.geometry.poses import Poses, from_rpy
+from hullrecon.geometry.poses import Poses, from_rpy, stacked
 from hullrecon.native.curvature import curvature_difference
 from hullrecon.studies.sessions.factors import (
     Encounters,
@@ -27,7 +27,7 @@ from hullrecon.studies.sessions.factors import (
     State,
     no_planes,
 )
-from hullrecon.studies.sessions.motions import between, drawn, plane_in, stacked
+from hullrecon.studies.sessions.motions import between, drawn, plane_in
 from hullrecon.typing import Array, Ints
 
 AXES_M = np.array([40.0, 8.0, 9.0])  # half axes: length, breadth, depth

@@ -6,9 +6,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from hullrecon.geometry.poses import stacked
 from hullrecon.studies.sessions import lone_beams
 from hullrecon.studies.sessions.factors import State
-from hullrecon.studies.sessions.motions import plane_out, stacked
+from hullrecon.studies.sessions.motions import plane_out
 from hullrecon.studies.sessions.next_leg import driven, foreseen_sigma, legs_to_choose
 from hullrecon.studies.sessions.survey import planes_before
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.geometry.poses import exp
+from hullrecon.geometry.poses import exp, stacked
 from hullrecon.studies.sessions.factors import Factors, Links, Priors, State, no_planes
 from hullrecon.studies.sessions.graph import (
     Graph,
@@ -17,7 +17,6 @@ from hullrecon.studies.sessions.graph import (
     solve,
     whole,
 )
-from hullrecon.studies.sessions.motions import stacked
 from hullrecon.studies.sessions.removal import (
     LinearFactors,
     linear_factor,
