@@ -371,16 +371,14 @@ def estimate_hull_pose(last: RoundResult, placed: Stage, solver: RoundSolver) ->
         ready.measured, ready.state, last.chosen, last.result.label
     )
     evidence, best = estimate.fit_hull_pose(
-        points.xyz, hull.global_from_hull, hull.cad_model, hull.survey_center, points.loose
+        points, hull.global_from_hull, hull.cad_model, hull.survey_center
     )
     form = compare_form(evidence, best)
     if form.contradicts:
         sigma = hull.cad_model.deviation_sigma * float(np.sqrt(form.deviation))
         wider = replace(hull.cad_model, deviation_sigma=sigma, contradicted=True)
         hull = replace(hull, cad_model=wider)
-        evidence, best = estimate.fit_hull_pose(
-            points.xyz, best, wider, hull.survey_center, points.loose
-        )
+        evidence, best = estimate.fit_hull_pose(points, best, wider, hull.survey_center)
     hull = replace(hull, global_from_hull=estimate.profile_mean_pose(evidence, best))
     return replace(
         placed,

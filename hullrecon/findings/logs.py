@@ -190,6 +190,9 @@ NOTES: dict[str, Words] = {
     "computed; they were put right",
     "ranges-along-axis": "its ranges are distances along its axis, not along the beams: so they "
     "fit the altitude that it computed; they were put right",
+    "ranges-unconfirmed": "its table has no altitude, which would tell ranges along the beams from "
+    "distances along its axis: they were taken along the beams. Without a camera positions on the "
+    "hull are known to {percent:.0f} % of a range (one sigma); a column altitude, in m, tells",
     "beams-change": "the beams' directions change during the dive; their mean was used",
     "beams-unlike-toml": "the beams of dive.toml are up to {degrees:.1f} degrees off those of the "
     "messages, which were used",

@@ -23,8 +23,10 @@ class DvlPings(Rows):
     velocity_sigma: Array  # (n,) m/s
     ranges: Array  # (n, b) m along the beams, NaN when lost
     beams: Array  # (b, 3) unit vectors in `dvl`
+    # share by which all ranges may be too long or short, beyond what the speed of sound makes
+    range_scale_sigma: Array = field(default_factory=lambda: np.array(0.0))
 
-    SHARED: ClassVar = frozenset({"beams"})
+    SHARED: ClassVar = frozenset({"beams", "range_scale_sigma"})
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
@@ -195,6 +195,10 @@ class Returns(Rows):
     beam: Array  # (m, 3) unit vector in `dvl`
     range_m: Array  # (m,)
     flagged: Mask  # (m,) disagrees with its neighbours
+    # share by which all ranges may be too long or short, beyond what the speed of sound makes
+    scale_sigma: Array = field(default_factory=lambda: np.array(0.0))
+
+    SHARED: ClassVar = frozenset({"scale_sigma"})
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -77,7 +77,7 @@ STAGES = (
         summary="read the logs, the calibration and the CAD model",
         inputs=(),
         parameters=NoOptions,
-        version=16,
+        version=17,
         run=_later("ingest"),
         uses=INGEST_KEYS,
         external=files_to_ingest,
@@ -87,7 +87,7 @@ STAGES = (
         summary="compute the dead-reckoned trajectory",
         inputs=("ingest",),
         parameters=NoOptions,
-        version=27,
+        version=28,
         run=_later("navigate"),
         uses=(
             *SENSOR_KEYS,
@@ -138,7 +138,7 @@ STAGES = (
         optional=("links", "matches"),
         uses=(*RIG_SECTIONS, "hull"),
         parameters=AdjustOptions,
-        version=34,
+        version=35,
         run=_later("adjust"),
     ),
     Stage(

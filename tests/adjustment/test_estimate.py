@@ -40,7 +40,8 @@ def placed(fullness, structure_m=0.0):
     center = TRUTH.inverse().apply(points).mean(0)
     model = cad_model(mesh, TRUTH, 0 * GUESS_ERROR)
     model = replace(model, guess=perturb_pose(TRUTH, center, GUESS_ERROR), deviation_sigma=0.01)
-    evidence, best = estimate.fit_hull_pose(points, model.guess, model, center)
+    on_hull = estimate.HullPoints(xyz=points, by_range=np.zeros_like(points))
+    evidence, best = estimate.fit_hull_pose(on_hull, model.guess, model, center)
     return evidence, best, estimate.profile_mean_pose(evidence, best)
 
 
@@ -162,6 +163,18 @@ def test_points_of_dive_are_landmarks_on_hull_and_returns():
     on = landmarks.position[landmarks.label == 1]
     nearest = np.linalg.norm(no_returns[:, None] - on[None], axis=2).min(1)
     assert nearest.max() < 0.15
+
+
+def test_ranges_to_no_scale_leave_the_hull_as_far_off():
+    """Ranges of 1.2 m that may all be 8 % long leave a side 0.1 m nearer or farther open."""
+    evidence, _, found = placed(CURVED)
+    across = TRUTH.rotation.apply([[0.0, 1.0, 0.0]])
+    doubtful = replace(evidence, by_range=0.08 * 1.2 * across * np.ones((len(evidence.points), 1)))
+    sure, open_ = (
+        np.sqrt(hull_axes(estimate.hull_pose_covariance(of, found), found)[1, 1])
+        for of in (evidence, doubtful)
+    )
+    assert np.sqrt(open_**2 - sure**2) == pytest.approx(0.096, rel=0.1)
 
 
 def test_a_few_wrong_points_get_no_more_than_their_share():

@@ -47,7 +47,10 @@ def compared(mesh, points):
     model = cad_model(mesh, TRUTH, np.zeros(6))
     kept = thin_points(TRUTH.apply(points), 0.2, 450)
     evidence, best = estimate.fit_hull_pose(
-        kept, model.guess, model, TRUTH.inverse().apply(kept).mean(0)
+        estimate.HullPoints(xyz=kept, by_range=np.zeros_like(kept)),
+        model.guess,
+        model,
+        TRUTH.inverse().apply(kept).mean(0),
     )
     return compare_form(evidence, best)
 

@@ -51,6 +51,7 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
         "velocity_sigma": "n",
         "ranges": "n b",
         "beams": "b 3",
+        "range_scale_sigma": "",
     },
     ImuSamples: {
         "t_ns": "n",
@@ -109,6 +110,7 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
         "beam": "m 3",
         "range_m": "m",
         "flagged": "m",
+        "scale_sigma": "",
     },
     PositionTies: {"t_ns": "m", "node": "m", "antenna": "m 3", "north_east": "m 2", "sigma": "m"},
     PlaneTable: {"anchor": "p"},

@@ -44,6 +44,7 @@ class HullPoints:
     """Points that lie on the hull."""
 
     xyz: Array  # (n, 3) m in g
+    by_range: Array  # (n, 3) m in g, by which one sigma of the scale of all ranges moves them
     loose: LoosePoints | None = None  # None where the path holds together
 
 
@@ -55,6 +56,7 @@ class HullPoseEvidence:
     cad_model: CadModel
     center: Array  # (3,) m in M, of the survey
     cad_error_model: CadError  # how wrong the CAD model may be
+    by_range: Array  # (n, 3) m in g, by which one sigma of the scale of all ranges moves them
     loose: LoosePoints | None = None  # None where the path holds together
 
     def distances_by_segments(self, pose: Poses) -> Array:
@@ -94,29 +96,45 @@ def collect_hull_points(
         if len(chosen.landmarks) == len(label)
         else chosen.landmarks[:0]
     )
-    parts = [state.landmark[on_hull]]
+    parts = [np.c_[state.landmark[on_hull], np.zeros((len(on_hull), 3))]]
     if m.returns is not None:
         ends = state.mounted(m.rig).dvl_points(m.returns, state.path)
-        parts.append(ends.points[chosen.returns])
+        reach = ends.directions * m.returns.range_m[:, None]
+        by_range = reach * _range_scale_sigma(m, seen=len(on_hull) > 0)
+        parts.append(np.c_[ends.points, by_range][chosen.returns])
     points, segments = np.vstack(parts), hull.segments
     if segments is None:
-        return HullPoints(xyz=thin_over_surface(points, hull.global_from_hull, hull.cad_model))
+        thinned = thin_over_surface(points, hull.global_from_hull, hull.cad_model)
+        return HullPoints(xyz=thinned[:, :3], by_range=thinned[:, 3:])
     nodes = [
         _first_nodes(m, on_hull),
         *([] if m.returns is None else [m.returns.node[chosen.returns]]),
     ]
     of_point, most = segments.of_node[np.concatenate(nodes)], MAX_POINTS // len(segments)
-    thinned = [
+    by_segment = [
         thin_over_surface(points[of_point == k], hull.global_from_hull, hull.cad_model, most)
         for k in range(len(segments))
     ]
+    thinned = np.vstack(by_segment)
     return HullPoints(
-        xyz=np.vstack(thinned),
+        xyz=thinned[:, :3],
+        by_range=thinned[:, 3:],
         loose=LoosePoints(
-            segment=np.repeat(np.arange(len(segments)), [len(own) for own in thinned]),
+            segment=np.repeat(np.arange(len(segments)), [len(own) for own in by_segment]),
             step=np.stack([segments.from_reference(k) for k in range(len(segments))]),
         ),
     )
+
+
+def _range_scale_sigma(m: Measurements, seen: bool) -> float:
+    """Compute the sigma of the scale that all ranges have in common.
+
+    The speed of sound that the DVL was set to scales them as it does its velocities. What else may
+    scale them is told where cameras have seen the hull.
+    """
+    assert m.returns is not None
+    of_sound = float(m.rig.priors.navigation_sigma[0])
+    return of_sound if seen else float(np.hypot(of_sound, m.returns.scale_sigma))
 
 
 def _first_nodes(m: Measurements, landmarks: Ints) -> Ints:
@@ -134,15 +152,15 @@ def thin_over_surface(
     """Thin points (n, 3) in g to one for each cell of the CAD model's surface.
 
     That is the mean of the half of the cell's points whose distances lie in the middle. Cells grow
-    until at most `most` are left.
+    until at most `most` are left. Further columns (n, 3 + k) are averaged with the points.
 
     Cells in space would give a few points off the surface cells of their own, and as much weight as
     all those that are right. Cells of M would hold other points wherever a first pose lies along
     the hull: they are cells of g.
     """
-    nearest = cad_model.mesh.index.closest(pose.inverse().apply(points))
+    nearest = cad_model.mesh.index.closest(pose.inverse().apply(points[:, :3]))
     foot, cell_m = (
-        points - nearest.distance[:, None] * pose.rotation.apply(nearest.gradient),
+        points[:, :3] - nearest.distance[:, None] * pose.rotation.apply(nearest.gradient),
         CELL_M,
     )
     while True:
@@ -154,7 +172,7 @@ def thin_over_surface(
 
 
 def _middle_half_means(points: Array, distance: Array, owner: Ints, count: Ints) -> Array:
-    """Average the points of each cell (c, 3) without its lowest and highest quarter of distances.
+    """Average the points of each cell (c, k) without its lowest and highest quarter of distances.
 
     The median point would change with the last digit of the path, with a noise of its own.
     """
@@ -164,14 +182,14 @@ def _middle_half_means(points: Array, distance: Array, owner: Ints, count: Ints)
     middle = order[(rank >= size // 4) & (rank < size - size // 4)]
     kept = np.bincount(owner[middle])
     return np.stack(
-        [np.bincount(owner[middle], points[middle, k]) / kept for k in range(3)], axis=1
+        [np.bincount(owner[middle], column) / kept for column in points[middle].T], axis=1
     )
 
 
 def fit_hull_pose(
-    points: Array, pose: Poses, cad_model: CadModel, center: Array, loose: LoosePoints | None = None
+    points: HullPoints, pose: Poses, cad_model: CadModel, center: Array
 ) -> tuple[HullPoseEvidence, Poses]:
-    """Fit the hull's pose to points (n, 3) in g, and reject points that the others contradict.
+    """Fit the hull's pose to points, and reject points that the others contradict.
 
     Parameters
     ----------
@@ -183,8 +201,6 @@ def fit_hull_pose(
         With its prior pose and stated error.
     center
         Of the survey (3,) in M.
-    loose
-        Segments of the path to which the points belong.
 
     Returns
     -------
@@ -193,7 +209,12 @@ def fit_hull_pose(
     """
     expected = cad_error.expected_cad_error(cad_model)
     evidence = HullPoseEvidence(
-        points=points, cad_model=cad_model, center=center, cad_error_model=expected, loose=loose
+        points=points.xyz,
+        cad_model=cad_model,
+        center=center,
+        cad_error_model=expected,
+        by_range=points.by_range,
+        loose=points.loose,
     )
     along = cad_model.chart.ship_axes[0]
     for _ in range(MAX_PASSES):
@@ -207,7 +228,8 @@ def fit_hull_pose(
         left = evidence.loose
         if left is not None:
             left = replace(left, segment=left.segment[~outlier])
-        evidence = replace(evidence, points=kept, loose=left)
+        by_range = evidence.by_range[~outlier]
+        evidence = replace(evidence, points=kept, by_range=by_range, loose=left)
     return evidence, pose
 
 
@@ -236,7 +258,7 @@ def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
         valley = _valley(evidence, pose, ship_axes[2])
         moment = profile_likelihood.moment_of_minima(valley, pose, heights)
         out = profile_likelihood.raise_to_moment(out, moment)
-    return np.asarray(out + _contradiction(evidence, pose))
+    return np.asarray(out + _by_range_scale(evidence, pose) + _contradiction(evidence, pose))
 
 
 def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid) -> Array:
@@ -253,6 +275,22 @@ def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid
     by_node = np.zeros((len(at), grid.size))
     np.put_along_axis(by_node, index.astype(np.int64), weight, axis=1)
     return np.asarray(by_motion.T @ cho_solve(_factor(evidence, pose), by_node))
+
+
+def _by_range_scale(evidence: HullPoseEvidence, pose: Poses) -> Array:
+    """Compute the covariance (6, 6) by which a common scale of the ranges moves the hull.
+
+    The scale is not estimated: what centimetres of the path bend would pass for one. So it is the
+    step of the fit where every range is longer by one sigma.
+    """
+    valley = _valley(evidence, pose, evidence.cad_model.chart.ship_axes[0])
+    _, jacobian = registration.signed_distances(
+        evidence.points, pose, evidence.center, evidence.cad_model.mesh
+    )
+    farther = -(jacobian[:, :3] * evidence.by_range).sum(axis=1)
+    pulled = jacobian.T @ cho_solve(valley.cost.factor, farther)
+    step = np.linalg.solve(valley.cost.linearise(pose).information, pulled)
+    return np.outer(step, step)
 
 
 def _contradiction(evidence: HullPoseEvidence, pose: Poses) -> Array:

@@ -79,7 +79,7 @@ def _evidence_afterwards(
     """Collect the evidence of the hull's pose from a single solve, which did not hold it."""
     points = estimate.collect_hull_points(m, adjusted.state, adjusted.chosen, adjusted.result.label)
     return estimate.fit_hull_pose(
-        points.xyz, hull.global_from_hull, hull.cad_model, hull.survey_center, points.loose
+        points, hull.global_from_hull, hull.cad_model, hull.survey_center
     )[0]
 
 

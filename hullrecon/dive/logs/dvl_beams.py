@@ -34,6 +34,7 @@ FAR_ALTITUDE = 0.13
 SAME_COSINE = 0.015  # share; on the slope of a hull an altitude is no mean of the beams
 # of ranges beside an altitude in m, and how far (log) their ratio may be off
 SMALL_UNITS, SAME_UNIT = {"mm": 1e-3, "cm": 1e-2, "ft": 0.3048}, 0.15
+OTHER_READING = 3.0  # sigmas, within which another reading lies that nothing excludes
 FEW = 10  # pings whose ranges and altitude are compared
 
 
@@ -147,6 +148,29 @@ def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[Finding]:
         values = {"percent": 100 * abs(ratio - 1), "side": side}
         out.append(Finding("beams-against-altitude", values, "dvl"))
     return out
+
+
+def range_scale_sigma(
+    beams: Array, ranges: Array, altitude: Array, by_hand: bool
+) -> tuple[float, list[Finding]]:
+    """Compute by what share all ranges may be wrong together (one sigma).
+
+    Where the altitude contradicts them, one of the two is wrong by that much. Where there is none,
+    a table may hold distances along the axis, as PD0 and others give them, and nothing else of a
+    dive without cameras tells: that reading has to lie within OTHER_READING sigmas.
+
+    by_hand: of a table, the rest as of `check_beams`.
+    """
+    if not len(beams):
+        return 0.0, []
+    ratio = _over_altitude(beams, ranges, altitude)
+    if np.isfinite(ratio):
+        off = abs(ratio - 1)
+        return off if off > SAME_ALTITUDE else 0.0, []
+    if not by_hand:
+        return 0.0, []
+    sigma = float(1 / beams[:, 2].mean() - 1) / OTHER_READING
+    return sigma, [Finding("ranges-unconfirmed", {"percent": 100 * sigma}, "dvl")]
 
 
 def _over_altitude(beams: Array, ranges: Array, altitude: Array) -> float:

@@ -15,7 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.logs.dvl_beams import check_beams, choose_beams, put_ranges_right, unit
+from hullrecon.dive.logs.dvl_beams import (
+    check_beams,
+    choose_beams,
+    put_ranges_right,
+    range_scale_sigma,
+    unit,
+)
 from hullrecon.dive.logs.lost_values import (
     UNFILLED,
     drop_lost_velocities,
@@ -146,12 +152,16 @@ def dvl_pings(
     ranges, mended = put_ranges_right(directions, ranges, altitude)
     _refuse_far(ranges)
     notes += mended + check_beams(directions, ranges, altitude)
+    by_hand = any(s.by_hand for s in samples)
+    scale_sigma, unconfirmed = range_scale_sigma(directions, ranges, altitude, by_hand)
+    notes += unconfirmed
     return DvlPings(
         t_ns=t_ns,
         velocity=velocity,
         velocity_sigma=np.where(np.isfinite(given) & (given > 0), given, sigma),
         ranges=ranges,
         beams=directions,
+        range_scale_sigma=np.array(scale_sigma),
     )
 
 

@@ -39,6 +39,7 @@ def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Mask) -> Re
         beam=dvl.beams[beam],
         range_m=dvl.ranges[ping, beam],
         flagged=flagged[ping, beam],
+        scale_sigma=dvl.range_scale_sigma,
     )
 
 

@@ -12,6 +12,7 @@ from hullrecon.dive.logs.dvl_beams import (
     check_beams,
     choose_beams,
     put_ranges_right,
+    range_scale_sigma,
     tilted_beams,
     unit,
 )
@@ -228,3 +229,24 @@ def test_ranges_stay_where_beams_are_guessed_or_no_altitude_tells(guess):
     ranges, altitude = pings(a50_beams(), 2.0)
     assert put_ranges_right(guess, ranges, altitude)[0] is ranges
     assert put_ranges_right(guess, ranges * 0.924, np.full(12, np.nan))[1] == []
+
+
+@pytest.mark.parametrize(
+    ("factor", "by_hand", "sigma", "said"),
+    [(1.0, True, 0.0, []), (1.08, True, 0.08, []), (np.nan, False, 0.0, [])],
+)
+def test_ranges_are_as_sure_as_their_altitude(factor, by_hand, sigma, said):
+    """A contradicted altitude leaves the scale of all ranges open by as much."""
+    ranges = np.full((12, 4), 1.5) / a50_beams()[:, 2]
+    altitude = np.full(12, 1.5)
+    found = range_scale_sigma(a50_beams(), ranges * factor, altitude, by_hand)
+    assert found == (pytest.approx(sigma), said)
+
+
+def test_ranges_of_a_table_without_altitude_are_unconfirmed():
+    ranges = np.full((12, 4), 1.5)
+    sigma, (note,) = range_scale_sigma(a50_beams(), ranges, np.full(12, np.nan), by_hand=True)
+    vertical = 1 / np.cos(np.radians(22.5)) - 1
+    assert 2 * sigma < vertical < 4 * sigma
+    assert note.severity == "note"
+    assert "column altitude" in note.sentence

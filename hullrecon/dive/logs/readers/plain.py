@@ -49,6 +49,7 @@ PING_FREE_BYTES, PING_RATIO = 1 << 26, 64
 LONGEST_FILE_NAME, LONGEST_PATH = 255, 1000
 RATES, ACCELERATION = ("wx", "wy", "wz"), ("ax", "ay", "az")
 WINDOW = ("range_from", "range_to")
+ALTITUDE = "altitude"
 
 
 class PlainLog:
@@ -280,7 +281,10 @@ def _dvl(row: Row) -> DvlSample:
     names.sort(key=lambda n: int(n[6:]))
     velocity = np.array([_number(row[name], lost=True) for name in ("vx", "vy", "vz")])
     ranges = np.array([_number(row[name], lost=True) for name in names])
-    return DvlSample(_ns(row), velocity, float("nan"), ranges, None)
+    altitude = _number(row[ALTITUDE], lost=True) if ALTITUDE in row else float("nan")
+    return DvlSample(
+        _ns(row), velocity, float("nan"), ranges, None, altitude=altitude, by_hand=True
+    )
 
 
 def _imu(row: Row) -> ImuSample:
