@@ -1,13 +1,19 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tables as dataclasses of columns, from which rows are selected."""
+"""Tables as dataclasses of columns, from which rows are selected, and rows read from a file."""
 
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from typing import Any, ClassVar, Self
+from mmap import mmap
+from typing import Any, ClassVar, Self, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hullrecon.typing import Ints, Mask
+
+Number = TypeVar("Number", bound=np.generic)
 
 
 class Rows:
@@ -33,3 +39,23 @@ def _take(column: Any, rows: Ints | Mask | slice) -> Any:
     if isinstance(column, Rows):
         return column.take(rows)
     return column[rows] if len(column) else column
+
+
+def read_rows(array: NDArray[Number], rows: slice) -> NDArray[Number]:
+    """Read rows of an array that may be mapped from a file.
+
+    The pages of a mapped file count as the process's memory for as long as the map is open. So
+    rows are read from the file itself, and the map only says where they are.
+    """
+    first, last, _ = rows.indices(len(array))
+    if not isinstance(array, np.memmap) or not isinstance(array.base, mmap):
+        return array[first:last]  # in memory, or a part of a map: its offset is that of the whole
+    assert array.filename is not None  # of a map of a file
+    items = int(np.prod(array.shape[1:]))
+    flat = np.fromfile(
+        array.filename,
+        array.dtype,
+        count=(last - first) * items,
+        offset=array.offset + first * items * array.dtype.itemsize,
+    )
+    return flat.reshape(-1, *array.shape[1:])

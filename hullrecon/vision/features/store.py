@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Features of many images on disk: .npy files that grow while written and are mapped when read."""
+"""Features of many images on disk: .npy files that grow while written, and are read by image."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.frames import Camera
+from hullrecon.rows import read_rows
 from hullrecon.typing import Array, Floats32, Ints
 from hullrecon.vision.features.extraction import Features
 
@@ -84,24 +85,26 @@ class FeatureStore:
         return np.asarray(size[images])
 
     def read(self, image: int) -> Features:
-        """Map the features of a row of the camera's ImageIndex. Empty for row -1."""
-        mapped = self._open()
-        first, last = (0, 0) if image < 0 else mapped.start[image : image + 2]
+        """Read the features of a row of the camera's ImageIndex. Empty for row -1."""
+        files = self._open()
+        rows = slice(0, 0) if image < 0 else slice(*files.start[image : image + 2])
         return Features(
-            mapped.keypoints[first:last], mapped.descriptors[first:last], mapped.color[first:last]
+            read_rows(files.keypoints, rows),
+            read_rows(files.descriptors, rows),
+            read_rows(files.color, rows),
         )
 
     def saliency(self, image: int) -> float:
         """Look up the local saliency of an image, 0 for -1."""
         return 0.0 if image < 0 else float(self._open().saliency[image])
 
-    def _open(self) -> _Mapped:
+    def _open(self) -> _Files:
         status = (self.folder / "index.npz").stat()
         return _map(self.folder, self.camera.key, (status.st_ino, status.st_mtime_ns))
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Mapped:
+class _Files:
     """The arrays of one camera, mapped."""
 
     start: Ints  # (images + 1,) first row of each image in the arrays below
@@ -112,7 +115,7 @@ class _Mapped:
 
 
 @lru_cache(maxsize=8)
-def _map(folder: Path, camera: str, stamp: tuple[int, int]) -> _Mapped:
+def _map(folder: Path, camera: str, stamp: tuple[int, int]) -> _Files:
     """Map the arrays of a camera. `stamp` tells builds of the artifact in one folder apart."""
     with np.load(folder / "index.npz", allow_pickle=False) as index:
         start = np.asarray(index[f"{camera}_start"], np.int64)
@@ -122,4 +125,4 @@ def _map(folder: Path, camera: str, stamp: tuple[int, int]) -> _Mapped:
         kind: np.load(folder / f"{kind}_{camera}.npy", mmap_mode=mode, allow_pickle=False)
         for kind in ("keypoints", "descriptors", "color")
     }
-    return _Mapped(start=start, saliency=saliency, **arrays)
+    return _Files(start=start, saliency=saliency, **arrays)
