@@ -7,11 +7,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.trajectory import VehiclePath
 from hullrecon.rows import Rows
-from hullrecon.typing import Array, Floats32, Ints, Mask
+from hullrecon.typing import Array, Ints, Mask
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,14 +63,17 @@ class NodePairs(Rows):
         return np.asarray((self.reason == 0) & ~self.rejected)
 
 
+# A feature that two nodes have in common: the rows of it among the leading cameras' features, and
+# the distance of its two descriptors.
+COMMON_FEATURE = np.dtype([("first", "<i4"), ("second", "<i4"), ("distance", "<f4")])
+
+
 @dataclass(frozen=True, kw_only=True)
 class PairFeatures:
     """Features that pairs have in common."""
 
     start: Ints  # (m + 1,) where each pair's rows begin
-    first: Ints  # (k,) rows of the leading camera's features at the first node
-    second: Ints  # (k,) rows of the leading camera's features at the second node
-    distance: Floats32  # (k,) of their descriptors
+    rows: NDArray[np.void]  # (k,) of COMMON_FEATURE, mapped from their file
 
 
 @dataclass(frozen=True, kw_only=True)

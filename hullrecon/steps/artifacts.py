@@ -13,7 +13,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import Generic, Literal, TypeVar
 
 import msgspec
 import numpy as np
@@ -63,6 +63,7 @@ Artifact = TypeVar("Artifact", bound="StepArtifact")
 Document = Mapping[str, object]
 MOUNTS = "mounts.json"
 SONAR_IMAGES = "sonar_image.npy"
+COMMON_FEATURES = "features.npy"
 CHANGE_CHAPTER, CHANGE_MAP = "chapter.json", "change.png"
 
 
@@ -189,12 +190,22 @@ class LinksArtifact(StepArtifact):
 
     pairs = RequiredFile("pairs.npz", NodePairs)
     compared = OptionalFile("pairs.npz", NodePairs)  # as `pairs`, None if no camera was carried
-    features = RequiredFile("features.npz", PairFeatures)
     links = RequiredFile("links.npz", CameraLinks)
     stereo = RequiredFile("stereo.npz", NodeStereo)
     planes = OptionalFile("planes.npz", TiedPlanes)  # that tie passes over the hull
     path = RequiredFile("path.npz", LinkedPath, keep=True)
     facts = JsonFile("links.json")
+
+    @property
+    def features(self) -> PairFeatures:
+        """The features that the joined pairs have in common, mapped from the file."""
+        index, rows = self.folder / "features.npz", self.folder / COMMON_FEATURES
+        for path in (index, rows):
+            if not path.exists():
+                raise self.missing(path.name)
+        start = load_arrays(index)["start"]
+        mode: Literal["r"] | None = "r" if start[-1] else None  # none cannot be mapped
+        return PairFeatures(start=start, rows=np.load(rows, mmap_mode=mode, allow_pickle=False))
 
 
 class MatchesArtifact(StepArtifact):

@@ -117,7 +117,7 @@ STAGES = (
         inputs=("ingest", "navigate"),
         optional=("features",),
         parameters=LinkOptions,
-        version=21,
+        version=22,
         run=_later("links"),
         uses=(*RIG_SECTIONS, "matches"),
     ),

@@ -11,14 +11,16 @@ from hullrecon.dive.config.schema import Tray
 from hullrecon.navigation.planes.planar_graph import PlanarSolution, planar_graph
 from hullrecon.navigation.pose_graph.graph import GraphSolution, PoseGraph
 from hullrecon.navigation.pose_graph.ties import describe_parts
-from hullrecon.records.links import no_links
+from hullrecon.records.links import COMMON_FEATURE, no_links
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.rig import rig_with_priors
-from hullrecon.steps.artifacts import InputArtifacts
+from hullrecon.steps.artifacts import COMMON_FEATURES, InputArtifacts
+from hullrecon.vision.compared_pairs import CommonFeatures
 from hullrecon.vision.link_images import NavigatedDive, PathSolver, link_images
 from hullrecon.vision.options import LinkOptions, MatchOptions
 from hullrecon.vision.pairs.match_worker import MatchWorker
 from hullrecon.vision.pairs.matching import MatchStrategy
+from hullrecon.vision.pairs.pair_match import FeatureSpool
 
 # Guards the path against wrong links: dynamic covariance scaling [docs/methods.md (51)].
 KERNEL = "scaling"
@@ -90,16 +92,18 @@ def _link_images(
         returns=navigate.returns,
         tray_sigma_rad=float(np.radians(settings.read("tray", Tray).sigma_deg)),
     )
-    found, solved = link_images(
-        worker,
-        dive,
-        solve,
-        context.map,
-        context.parameters.max_rounds,
-        context.parameters.appearance,
-    )
+    with context.out.scratch() as file:
+        found, solved = link_images(
+            worker,
+            dive,
+            solve,
+            context.stream,
+            FeatureSpool(file),
+            context.parameters.max_rounds,
+            context.parameters.appearance,
+        )
+        _write_features(context, found.features)
     context.out.arrays("pairs.npz", to_arrays(found.pairs))
-    context.out.arrays("features.npz", to_arrays(found.features))
     context.out.arrays("links.npz", to_arrays(found.links))
     context.out.arrays("stereo.npz", to_arrays(found.stereo))
     context.out.arrays("path.npz", to_arrays(found.path))
@@ -123,6 +127,18 @@ def _link_images(
     if found.appearance:
         facts["appearance"] = [asked.facts() for asked in found.appearance]
     return facts, solved
+
+
+def _write_features(context: Context[LinkOptions], features: CommonFeatures) -> None:
+    """Write the common features pair by pair, and where each pair's begin."""
+    start = features.start
+    context.out.arrays("features.npz", {"start": start})
+    with context.out.path(COMMON_FEATURES) as path, path.open("wb") as file:
+        layout = np.lib.format.dtype_to_descr(COMMON_FEATURE)
+        header = {"descr": layout, "fortran_order": False, "shape": (int(start[-1]),)}
+        np.lib.format.write_array_header_1_0(file, header)
+        for rows in features.blocks():
+            file.write(rows.tobytes())
 
 
 def _write_planes(context: Context[LinkOptions], solved: GraphSolution) -> dict[str, object]:

@@ -4,21 +4,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_matrix
-from hullrecon.records.links import CameraLinks, NodePairs, PairFeatures
+from hullrecon.records.links import CameraLinks, NodePairs
 from hullrecon.records.trajectory import VehiclePath
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.pairs.camera_track import CameraTrack, RelativeErrors, leading_cameras
 from hullrecon.vision.pairs.match_worker import MatchNode, MatchWorker, NodePair
-from hullrecon.vision.pairs.pair_match import PairMatch
+from hullrecon.vision.pairs.pair_match import FeatureSpool, PairMatch
 from hullrecon.vision.pairs.selection import Proposal
 
 BLOCK = 48  # pairs that one call of a worker compares: neighbours share views
@@ -31,7 +32,7 @@ class Map(Protocol):
 
     def __call__(
         self, function: Callable[[Item], Result], items: Sequence[Item], label: str
-    ) -> list[Result]: ...
+    ) -> Iterable[Result]: ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +41,7 @@ class LinkedScene:
 
     worker: MatchWorker
     map_items: Map
+    spool: FeatureSpool  # of the features that compared pairs have in common
     nodes: list[MatchNode]  # n
     depth_m: Array  # (n,) of the scene at each node, NaN where unknown
     bottom: Mask  # (n,) the bottom camera leads
@@ -56,7 +58,10 @@ class LinkedScene:
     def match(
         self, track: CameraTrack, proposal: Proposal, anywhere: bool = False
     ) -> list[PairMatch]:
-        """Match the proposed pairs, searching where the track expects them, or anywhere."""
+        """Match the proposed pairs, searching where the track expects them, or anywhere.
+
+        What they have in common is in the spool.
+        """
         expected = (
             [None] * len(proposal) if anywhere else track.motions(proposal.first, proposal.second)
         )
@@ -72,7 +77,24 @@ class LinkedScene:
             touched = sorted({p.first for p in part} | {p.second for p in part})
             blocks.append(({k: self.nodes[k] for k in touched}, part))
         found = self.map_items(self.worker.match_pairs, blocks, "pairs")
-        return [match for block in found for match in block]
+        return [self.spool.put(match) for block in found for match in block]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CommonFeatures:
+    """The common features of pairs, read pair by pair."""
+
+    spool: FeatureSpool
+    pairs: tuple[PairMatch, ...]  # m, whose features are in the spool
+
+    @property
+    def start(self) -> Ints:
+        """Where the rows of each pair (m + 1,) begin."""
+        return np.cumsum([0, *(len(pair.stored or ()) for pair in self.pairs)], dtype=np.int64)
+
+    def blocks(self) -> Iterator[NDArray[np.void]]:
+        """Read the rows of each pair."""
+        return (self.spool.get(pair) for pair in self.pairs)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -160,16 +182,9 @@ class ComparedPairs:
             bottom=np.column_stack([bottom[first], bottom[second]]),
         )
 
-    def features(self) -> PairFeatures:
-        """Collect the common features of the kept pairs."""
-        pairs = [self.found[k] for k in self.kept()]
-        none = np.zeros(0, np.int64)
-        return PairFeatures(
-            start=np.concatenate([[0], np.cumsum([len(p.first) for p in pairs], dtype=np.int64)]),
-            first=np.concatenate([none, *(p.first for p in pairs)]),
-            second=np.concatenate([none, *(p.second for p in pairs)]),
-            distance=np.concatenate([np.zeros(0, np.float32), *(p.distance for p in pairs)]),
-        )
+    def features(self, spool: FeatureSpool) -> CommonFeatures:
+        """Find the common features of the kept pairs."""
+        return CommonFeatures(spool=spool, pairs=tuple(self.found[k] for k in self.kept()))
 
     def record(self) -> NodePairs:
         """Record what was compared, with the reasons of failures."""

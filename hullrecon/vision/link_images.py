@@ -14,7 +14,7 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-from hullrecon.records.links import CameraLinks, LinkedPath, NodePairs, NodeStereo, PairFeatures
+from hullrecon.records.links import CameraLinks, LinkedPath, NodePairs, NodeStereo
 from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel, VehiclePath
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.appearance.recognition import (
@@ -23,7 +23,7 @@ from hullrecon.vision.appearance.recognition import (
     recognise_places,
     reject_look_alikes,
 )
-from hullrecon.vision.compared_pairs import ComparedPairs, LinkedScene, Map
+from hullrecon.vision.compared_pairs import CommonFeatures, ComparedPairs, LinkedScene, Map
 from hullrecon.vision.pairs.camera_track import (
     CameraTrack,
     RelativeErrors,
@@ -32,7 +32,7 @@ from hullrecon.vision.pairs.camera_track import (
 )
 from hullrecon.vision.pairs.cycles import contradicted_links
 from hullrecon.vision.pairs.match_worker import MatchNode, MatchWorker
-from hullrecon.vision.pairs.pair_match import Reason
+from hullrecon.vision.pairs.pair_match import FeatureSpool, Reason
 from hullrecon.vision.pairs.selection import (
     Proposal,
     propose_neighbours,
@@ -90,7 +90,7 @@ class LinkedImages:
     """The images of a dive linked."""
 
     pairs: NodePairs  # compared
-    features: PairFeatures  # common features of the pairs joined, in their order
+    features: CommonFeatures  # of the pairs joined, in their order
     links: CameraLinks  # relative poses of the pairs joined, in their order
     stereo: NodeStereo  # matches between the two cameras of each node
     path: LinkedPath
@@ -116,6 +116,7 @@ def link_images(
     dive: NavigatedDive,
     solve_path: PathSolver[Solved],
     map_items: Map,
+    spool: FeatureSpool,
     max_rounds: int,
     appearance: bool,
 ) -> tuple[LinkedImages, Solved]:
@@ -131,6 +132,8 @@ def link_images(
         Solves the path with links.
     map_items
         Spreads the matching over processes.
+    spool
+        Takes what compared pairs have in common.
     max_rounds
         Rounds across legs at most.
     appearance
@@ -142,7 +145,12 @@ def link_images(
     nodes, count, bottom, track = _match_cameras(worker, dive, map_items)
     depth_m = np.array([_scene_depth(node) for node in nodes])
     scene = LinkedScene(
-        worker=worker, map_items=map_items, nodes=nodes, depth_m=depth_m, bottom=bottom
+        worker=worker,
+        map_items=map_items,
+        spool=spool,
+        nodes=nodes,
+        depth_m=depth_m,
+        bottom=bottom,
     )
 
     # Match neighbours along the path of dead reckoning.
@@ -172,7 +180,7 @@ def link_images(
     final = compared.sorted()
     linked = LinkedImages(
         pairs=final.record(),
-        features=final.features(),
+        features=final.features(spool),
         links=final.links(bottom),
         stereo=_record_stereo(nodes, count),
         path=solved.record(),

@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -14,7 +16,8 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.records.links import CameraLinks, NodePairs, NodeStereo, PairFeatures
 from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Trajectory
-from hullrecon.typing import Array, Ints, Mask
+from hullrecon.rows import read_rows
+from hullrecon.typing import Array, Ints, Ints32, Mask
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.match_worker import MatchNode, MatchWorker
 from hullrecon.vision.pairs.pair_match import REASON_TEXTS, Reason
@@ -22,6 +25,8 @@ from hullrecon.vision.stereo.matching import StereoMatches
 from hullrecon.vision.stereo.node_view import NodeFeatures
 from hullrecon.vision.tracks.landmarks import FeatureMatches, build_tracks, first_numbers
 from hullrecon.vision.tracks.track_verification import Link, contradicted_observations
+
+BLOCK_ROWS = 1 << 18  # matches that are joined at a time
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,7 +116,6 @@ def join_images(
             where=f"links: {_most_frequent_reason(pairs)}",
             remedy=DVL_ALONE,
         )
-    size, start = np.diff(features.start), first_numbers(stereo.features)
     by_node, verified = stereo_by_node(stereo), _verified_links(links)
 
     def read(k: int) -> NodeFeatures:
@@ -122,7 +126,7 @@ def join_images(
             MatchNode(image=(top, bottom), depth=None, stereo=by_node[k], exposure=exposure)
         )
 
-    def contradicted(node: Ints, label: Ints, top: Array, bottom: Array) -> Mask:
+    def contradicted(node: Ints32, label: Ints, top: Array, bottom: Array) -> Mask:
         """Mark observations of a track that do not fit the verified relative poses."""
         return contradicted_observations(
             worker.rig, node, label, top, bottom, verified, worker.options.sigma_px
@@ -131,20 +135,40 @@ def join_images(
     tracks = build_tracks(
         stereo.features,
         by_node,
-        FeatureMatches(
-            first=np.repeat(start[links.first], size) + features.first,
-            second=np.repeat(start[links.second], size) + features.second,
-            distance=features.distance,
-        ),
+        _MatchesOnDisk(links, features, first_numbers(stereo.features)),
         read,
         worker.options.single_node,
         contradicted,
     )
     inliers = np.zeros(len(pairs), np.int64)
-    inliers[pairs.joined] = size
+    inliers[pairs.joined] = np.diff(features.start)
     return MatchedImages(
         tracks=tracks, pairs=pairs, inliers=inliers, keyframes=keyframes, nodes=len(trajectory.t_ns)
     )
+
+
+@dataclass(frozen=True)
+class _MatchesOnDisk:
+    """The common features of linked pairs as matches, read in blocks of pairs."""
+
+    links: CameraLinks  # m
+    features: PairFeatures  # of these
+    number: Ints  # (n + 1,) features before each node
+
+    def __iter__(self) -> Iterator[FeatureMatches]:
+        start = self.features.start
+        edges = np.searchsorted(
+            start, np.minimum(np.arange(0, start[-1] + BLOCK_ROWS, BLOCK_ROWS), start[-1])
+        )
+        for low, high in pairwise(edges.tolist()):
+            pairs = slice(low, high)
+            rows = read_rows(self.features.rows, slice(*start[[low, high]].tolist()))
+            size = np.diff(start[low : high + 1])
+            yield FeatureMatches(
+                first=np.repeat(self.number[self.links.first[pairs]], size) + rows["first"],
+                second=np.repeat(self.number[self.links.second[pairs]], size) + rows["second"],
+                distance=rows["distance"],
+            )
 
 
 def stereo_by_node(stereo: NodeStereo) -> list[StereoMatches]:

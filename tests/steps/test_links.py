@@ -92,13 +92,11 @@ def test_the_rounds_are_counted(linked):
 def test_the_features_of_each_pair_and_node_lie_together(linked):
     links, features, stereo = linked.links, linked.features, linked.stereo
     assert len(features.start) == len(links) + 1
-    assert (
-        features.start[-1] == len(features.first) == len(features.second) == len(features.distance)
-    )
+    assert features.start[-1] == len(features.rows)
     assert (np.diff(features.start) >= 12).all()
     top_count = stereo.features[links.first]
     for k in range(len(links)):
-        assert features.first[features.start[k] : features.start[k + 1]].max() < top_count[k]
+        assert features.rows["first"][features.start[k] : features.start[k + 1]].max() < top_count[k]
     assert len(stereo.start) == 11
     assert np.median(stereo.point[:, 2]) == pytest.approx(1.3, abs=0.02)
 
@@ -146,7 +144,15 @@ def test_without_rounds_only_neighbours_are_linked(dive, tmp_path):
 
 def test_the_same_bytes_come_out_of_one_process_and_of_two(dive, linked, tmp_path):
     found = run(dive, tmp_path, jobs=2, sequential=1)
-    for name in ("pairs.npz", "features.npz", "links.npz", "stereo.npz", "path.npz", "links.json"):
+    for name in (
+        "pairs.npz",
+        "features.npz",
+        "features.npy",
+        "links.npz",
+        "stereo.npz",
+        "path.npz",
+        "links.json",
+    ):
         assert (found.folder / name).read_bytes() == (linked.folder / name).read_bytes()
 
 

@@ -5,6 +5,7 @@ looks only where the path, within its covariance, has the other image.
 """
 
 from dataclasses import dataclass, field
+from io import BytesIO
 from types import SimpleNamespace
 
 import numpy as np
@@ -27,7 +28,7 @@ from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.vision.link_images import NavigatedDive, link_images
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.pairs.pair_match import PairMatch, Reason
+from hullrecon.vision.pairs.pair_match import FeatureSpool, PairMatch, Reason
 from hullrecon.vision.stereo.matching import StereoMatches
 
 PER_LEG, DEPTH_M, SEEN = 30, 1.6, 0.25
@@ -171,7 +172,10 @@ def link(drift, *, max_rounds=12, wrong=(), saliency=1.0, turn_sigma=LINK_SIGMA[
     graph = PoseGraph(
         trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig
     )
-    found, _ = link_images(worker, navigated, graph.solve, matcher, max_rounds, appearance=False)
+    spool = FeatureSpool(BytesIO())
+    found, _ = link_images(
+        worker, navigated, graph.solve, matcher, spool, max_rounds, appearance=False
+    )
     return SimpleNamespace(
         dive=dive, found=found, matcher=matcher, error_m=path_error_m(found, dive)
     )
@@ -282,7 +286,8 @@ def test_what_is_left_is_of_pairs_joined_in_their_order(small):
     np.testing.assert_array_equal(found.links.first, found.pairs.first[rows])
     np.testing.assert_array_equal(found.links.second, found.pairs.second[rows])
     np.testing.assert_array_equal(np.diff(found.features.start), 20)
-    np.testing.assert_array_equal(found.features.first[::20], found.links.first % 7)
+    first = [rows["first"][0] for rows in found.features.blocks()]
+    np.testing.assert_array_equal(first, found.links.first % 7)
     assert found.stereo.features.tolist() == [100] * 60
     np.testing.assert_array_equal(np.diff(found.stereo.start), 10)
     assert found.keyframes.tolist() == list(range(60))

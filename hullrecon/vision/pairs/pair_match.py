@@ -4,12 +4,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
+from io import SEEK_END
+from typing import BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from hullrecon.records.links import COMMON_FEATURE
 from hullrecon.typing import Floats32, Ints
 from hullrecon.vision.pairs import mono_motion
 from hullrecon.vision.pairs.gating import Motion
@@ -53,6 +57,40 @@ class PairMatch:
     motion: Motion | None = None  # between the leading cameras, None when the pair failed
     scaled: bool = True  # the motion's length is measured; with one camera it is navigation's, or 1
     calibration: CalibrationEvidence | None = None  # of a scaled motion
+    stored: range | None = None  # where a `FeatureSpool` has the features, in place of the above
+
+
+class FeatureSpool:
+    """The common features of compared pairs in a file, until it is known which pairs are kept."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file, self._rows = file, 0
+
+    def put(self, found: PairMatch) -> PairMatch:
+        """Write the features of a pair, and leave it without them."""
+        rows = np.empty(len(found.first), COMMON_FEATURE)
+        for name in COMMON_FEATURE.names or ():
+            rows[name] = getattr(found, name)
+        self._file.seek(0, SEEK_END)
+        self._file.write(rows.tobytes())
+        stored = range(self._rows, self._rows + len(rows))
+        self._rows = stored.stop
+        nothing = np.zeros(0, np.int64)
+        return replace(
+            found,
+            first=nothing,
+            second=nothing,
+            distance=np.zeros(0, np.float32),
+            stored=stored,
+        )
+
+    def get(self, found: PairMatch) -> NDArray[np.void]:
+        """Read the features (m,) of a pair that was put here."""
+        if found.stored is None:
+            raise ValueError("the features of this pair were not stored")
+        self._file.seek(found.stored.start * COMMON_FEATURE.itemsize)
+        data = self._file.read(len(found.stored) * COMMON_FEATURE.itemsize)
+        return np.frombuffer(data, COMMON_FEATURE)
 
 
 def failed_match(putative: int, reason: Reason) -> PairMatch:

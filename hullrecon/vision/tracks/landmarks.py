@@ -8,21 +8,22 @@ again, the best match first.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.records.tracks import Tracks
-from hullrecon.typing import Array, Floats32, Ints, Mask
+from hullrecon.rows import Rows
+from hullrecon.typing import Array, Floats32, Ints, Ints32, Mask
 from hullrecon.vision.stereo.matching import StereoMatches
 from hullrecon.vision.stereo.node_view import NodeFeatures
 
 
 @dataclass(frozen=True, kw_only=True)
-class FeatureMatches:
-    """Verified matches of all pairs of nodes."""
+class FeatureMatches(Rows):
+    """Verified matches of pairs of nodes."""
 
     first: Ints  # (m,) features of leading cameras, numbered through the dive
     second: Ints  # (m,)
@@ -37,10 +38,10 @@ def first_numbers(count: Ints) -> Ints:
 def build_tracks(
     count: Ints,
     stereo: Sequence[StereoMatches],
-    matches: FeatureMatches,
+    matches: Iterable[FeatureMatches],
     read: Callable[[int], NodeFeatures],
     single_node: bool,
-    find_outliers: Callable[[Ints, Ints, Array, Array], Mask] | None = None,
+    find_outliers: Callable[[Ints32, Ints, Array, Array], Mask] | None = None,
 ) -> Tracks:
     """Build the tracks of all landmarks.
 
@@ -51,7 +52,7 @@ def build_tracks(
     stereo
         Matches between each node's cameras.
     matches
-        Between nodes.
+        Between nodes, in blocks, which are gone through several times.
     read
         A node's features by its number.
     single_node
@@ -61,13 +62,13 @@ def build_tracks(
     """
     start = first_numbers(count)
     marked = np.zeros(start[-1], bool)
-    marked[matches.first] = marked[matches.second] = True
+    for block in matches:
+        marked[block.first] = marked[block.second] = True
     for k, node_stereo in enumerate(stereo if single_node else ()):
         marked[start[k] + node_stereo.top] = True
     used = np.flatnonzero(marked)
-    node = np.searchsorted(start, used, side="right") - 1
-    first, second = np.searchsorted(used, matches.first), np.searchsorted(used, matches.second)
-    label = join_matches(node, first, second, matches.distance)
+    node = (np.searchsorted(start, used, side="right") - 1).astype(np.int32)
+    label = join_matches(node, _Renumbered(matches, used))
     label[label < 0] = label.max(initial=-1) + 1 + np.arange(int((label < 0).sum()))
     top, bottom, response, color = _observations(used - start[node], node, stereo, read)
     keep = np.ones(len(used), bool)
@@ -77,21 +78,45 @@ def build_tracks(
     both = np.isfinite(top[:, 0]) & np.isfinite(bottom[:, 0])
     keep &= shared[label] | (both & single_node)
     label = np.unique(label[keep], return_inverse=True)[1].astype(np.int64)
-    order = np.lexsort((node[keep], label))
+    order = np.argsort(label, kind="stable")  # nodes ascend
     rows = np.flatnonzero(keep)[order]
+    mean_color = _mean_color(label, color[keep])
+    label = label[order]
+    # One after the other: what all observations take is freed by what is kept of it.
+    top = top[rows]
+    bottom = bottom[rows]
+    response = response[rows]
     return Tracks(
-        landmark=label[order],
-        node=node[rows],
-        top=top[rows],
-        bottom=bottom[rows],
-        response=response[rows],
-        color=_mean_color(label, color[keep]),
+        landmark=label,
+        node=node[rows].astype(np.int64),
+        top=top,
+        bottom=bottom,
+        response=response,
+        color=mean_color,
     )
 
 
+@dataclass(frozen=True)
+class _Renumbered:
+    """Matches in blocks, with features numbered as in `used` (u,), ascending, that has them all."""
+
+    matches: Iterable[FeatureMatches]
+    used: Ints
+
+    def __iter__(self) -> Iterator[FeatureMatches]:
+        for block in self.matches:
+            first, second = (
+                np.searchsorted(self.used, rows) for rows in (block.first, block.second)
+            )
+            yield FeatureMatches(first=first, second=second, distance=block.distance)
+
+
 def _observations(
-    row: Ints, node: Ints, stereo: Sequence[StereoMatches], read: Callable[[int], NodeFeatures]
-) -> tuple[Array, Array, Array, Array]:
+    row: Ints,
+    node: Ints32,
+    stereo: Sequence[StereoMatches],
+    read: Callable[[int], NodeFeatures],
+) -> tuple[Array, Array, Array, NDArray[np.uint8]]:
     """Look up observations: feature `row` (m,) of the leading camera of `node` (m,), ascending.
 
     Returns
@@ -104,7 +129,7 @@ def _observations(
         (m, 3).
     """
     top, bottom = np.full((len(row), 2), np.nan), np.full((len(row), 2), np.nan)
-    color, response = np.zeros((len(row), 3)), np.full(len(row), np.nan)
+    color, response = np.zeros((len(row), 3), np.uint8), np.full(len(row), np.nan)
     for k in np.unique(node):
         rows = slice(*np.searchsorted(node, [k, k + 1]))
         features = read(int(k))
@@ -125,13 +150,13 @@ def _observations(
     return top, bottom, response, color
 
 
-def _mean_color(label: Ints, color: Array) -> NDArray[np.uint8]:
+def _mean_color(label: Ints, color: NDArray[np.uint8]) -> NDArray[np.uint8]:
     count = np.maximum(np.bincount(label), 1)
     mean = np.stack([np.bincount(label, color[:, c]) / count for c in range(3)], axis=1)
     return np.rint(mean).astype(np.uint8)
 
 
-def join_matches(node_of: Ints, first: Ints, second: Ints, quality: NDArray[np.floating]) -> Ints:
+def join_matches(node_of: Ints32, matches: Iterable[FeatureMatches]) -> Ints:
     """Assign each feature (n,) a landmark, numbered by its first feature. -1 where unmatched.
 
     A component that would hold two features of one node is built again, best match first, leaving
@@ -141,47 +166,82 @@ def join_matches(node_of: Ints, first: Ints, second: Ints, quality: NDArray[np.f
     ----------
     node_of
         Node (n,) of each feature.
-    first, second
-        Matched features (m,).
-    quality
-        Of the matches (m,), smaller is better.
+    matches
+        Between these features, in blocks, which are gone through several times.
     """
-    label = _components(len(node_of), first, second)
+    label = _components(len(node_of), matches)
     torn = _conflicting(label, node_of)
-    edge_torn = torn[label[first]]
-    if edge_torn.any():
-        rows = np.flatnonzero(edge_torn)
-        rows = rows[np.lexsort((second[rows], first[rows], quality[rows]))]
-        kept = rows[_without_conflict(node_of, first[rows], second[rows])]
-        edges = np.sort(np.concatenate([np.flatnonzero(~edge_torn), kept]))
-        first, second = first[edges], second[edges]
-        label = _components(len(node_of), first, second)
+    if torn.any():
+        matches = _untangle(node_of, matches, torn[label])
+        label = _components(len(node_of), matches)
     matched = np.zeros(len(node_of), bool)
-    matched[first] = matched[second] = True
-    out = np.full(len(node_of), -1, np.int64)
-    _, start, inverse = np.unique(label[matched], return_index=True, return_inverse=True)
-    out[matched] = np.argsort(np.argsort(start))[inverse]
-    return out
+    for block in matches:
+        matched[block.first] = matched[block.second] = True
+    first = matched & (label == np.arange(len(label)))
+    return np.where(matched, (np.cumsum(first) - 1)[label], -1)
 
 
-def _components(n: int, first: Ints, second: Ints) -> Ints:
+def _components(n: int, matches: Iterable[FeatureMatches]) -> Ints32:
+    """Find the components that matches join n features to. Each has the number of its first."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    graph = coo_array((np.ones(len(first), np.int8), (first, second)), shape=(n, n))
-    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
+    label = np.arange(n, dtype=np.int32)
+    for block in matches:
+        # The components so far are the points that the block joins.
+        ends = label[np.concatenate([block.first, block.second])]
+        points, ends = np.unique(ends, return_inverse=True)
+        edges = ends.reshape(2, -1)
+        size = (len(points), len(points))
+        graph = coo_array((np.ones(edges.shape[1], np.int8), (edges[0], edges[1])), shape=size)
+        of_point = connected_components(graph, directed=False)[1]
+        _, least = np.unique(of_point, return_index=True)
+        joined = np.arange(n, dtype=np.int32)
+        joined[points] = points[least][of_point]
+        label = joined[label]
+    return label
 
 
-def _conflicting(label: Ints, node_of: Ints) -> Mask:
-    """Select the components with two features of one node."""
+def _conflicting(label: Ints32, node_of: Ints32) -> Mask:
+    """Select the components (by number) with two features of one node."""
     order = np.lexsort((node_of, label))
     same = (np.diff(label[order]) == 0) & (np.diff(node_of[order]) == 0)
-    out = np.zeros(int(label.max(initial=0)) + 1, bool)
+    out = np.zeros(len(label), bool)
     out[label[order[1:]][same]] = True
     return out
 
 
-def _without_conflict(node_of: Ints, first: Ints, second: Ints) -> Mask:
+@dataclass(frozen=True)
+class _Untangled:
+    """Matches in blocks, of features in torn components those alone that were kept."""
+
+    matches: Iterable[FeatureMatches]
+    torn: Mask  # (n,) features of components with two features of one node
+    kept: FeatureMatches
+
+    def __iter__(self) -> Iterator[FeatureMatches]:
+        for block in self.matches:
+            yield block.take(~self.torn[block.first])
+        yield self.kept
+
+
+def _untangle(node_of: Ints32, matches: Iterable[FeatureMatches], torn: Mask) -> _Untangled:
+    """Leave out the matches, the worst first, that join two features of one node.
+
+    `torn`: the features (n,) of components that hold such.
+    """
+    of_torn = [block.take(torn[block.first]) for block in matches]
+    first, second, distance = (
+        np.concatenate([getattr(block, name) for block in of_torn])
+        for name in ("first", "second", "distance")
+    )
+    tangled = FeatureMatches(first=first, second=second, distance=distance)
+    tangled = tangled.take(np.lexsort((second, first, distance)))
+    kept = tangled.take(_without_conflict(node_of, tangled.first, tangled.second))
+    return _Untangled(matches, torn, kept)
+
+
+def _without_conflict(node_of: Ints32, first: Ints, second: Ints) -> Mask:
     """Select the edges, taken in order, that join two groups without a common node.
 
     A loop, but only over the torn components.

@@ -7,7 +7,7 @@ A wrong match joins two points into one track. The links that did not make that 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +21,7 @@ from hullrecon.vision.pairs.two_view import essential_of, sampson_squared
 from hullrecon.vision.stereo.matching import rectify, triangulate
 
 ROUNDS = 3  # of votes: a rejected observation no longer counts against the others
+BLOCK = 1 << 16  # observations computed at a time
 LOOSER = 1.5  # factor on the limits of matching: a link's motion has an error of its own
 
 
@@ -36,7 +37,7 @@ class Link:
 
 def contradicted_observations(
     rig: Rig,
-    node: Ints,
+    node: Ints32,
     label: Ints,
     top: Array,
     bottom: Array,
@@ -92,18 +93,21 @@ class _Observations:
 
     def __init__(self, rig: Rig, top: Array, bottom: Array, sigma_px: float) -> None:
         self._rig, self._sigma = rig, sigma_px / rig.focal_px(Camera.TOP)
-        upper, lower = _undistort(rig, Camera.TOP, top), _undistort(rig, Camera.BOTTOM, bottom)
-        self._other = lower
-        # The bottom camera leads where it saw alone.
-        self._lead = np.where(np.isfinite(upper), upper, lower)
+        self._lead = _undistort(rig, Camera.TOP, top)
+        self._other = _undistort(rig, Camera.BOTTOM, bottom)
+        self._both = np.isfinite(self._lead[:, 0]) & np.isfinite(self._other[:, 0])
         self._depth = np.full(len(top), np.nan)
-        both = np.isfinite(upper[:, 0]) & np.isfinite(lower[:, 0])
         if rig.stereo_mount is not None:
             turned = rectify(rig.stereo_mount)
-            self._depth[both] = triangulate(
-                turned, turned.rectify_top(upper[both]), turned.rectify_bottom(lower[both])
-            )[:, 2]
-        self._both = both
+            for some in _in_blocks(np.flatnonzero(self._both)):
+                self._depth[some] = triangulate(
+                    turned,
+                    turned.rectify_top(self._lead[some]),
+                    turned.rectify_bottom(self._other[some]),
+                )[:, 2]
+        # The bottom camera leads where it saw alone.
+        alone = np.isnan(self._lead)
+        self._lead[alone] = self._other[alone]
 
     def agree(self, link: Link, a: Ints, b: Ints) -> Mask:
         """Test observations a, b on each other's epipolar lines and, with a depth, along them."""
@@ -133,7 +137,10 @@ class _Observations:
 
 def _undistort(rig: Rig, camera: Camera, pixels: Array) -> Array:
     out = np.full(pixels.shape, np.nan)
-    seen = np.isfinite(pixels[:, 0])
-    if seen.any():
-        out[seen] = rig.model(camera).undistort(pixels[seen])
+    for some in _in_blocks(np.flatnonzero(np.isfinite(pixels[:, 0]))):
+        out[some] = rig.model(camera).undistort(pixels[some])
     return out
+
+
+def _in_blocks(rows: Ints) -> Iterator[Ints]:
+    return (rows[k : k + BLOCK] for k in range(0, len(rows), BLOCK))

@@ -71,7 +71,7 @@ def test_corners_are_their_share_of_each_pairs_matches(both):
     links = both.found[SHARE].links.links
     counts = np.array(
         [
-            (corner[node][features.first[a:b]].sum(), b - a)
+            (corner[node][features.rows["first"][a:b]].sum(), b - a)
             for node, a, b in zip(links.first, features.start[:-1], features.start[1:], strict=True)
         ]
     )

@@ -5,6 +5,7 @@ may come again.
 """
 
 from dataclasses import dataclass, replace
+from io import BytesIO
 from types import SimpleNamespace
 
 import numpy as np
@@ -29,7 +30,7 @@ from hullrecon.vision.features.extraction import Features, root_sift
 from hullrecon.vision.link_images import NavigatedDive, link_images
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.pairs.pair_match import PairMatch, Reason, failed_match
+from hullrecon.vision.pairs.pair_match import FeatureSpool, PairMatch, Reason, failed_match
 from hullrecon.vision.pairs.selection import Proposal
 
 CELL_M, OUTAGE_SIGMA_M, OFF_M = 0.2, 3.0, np.array([0.3, 5.0, 0.2])
@@ -158,7 +159,8 @@ def link(dive, *, repeats_m=None, appearance=True, rig_of=2, looking=LookingMatc
         trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig
     )
     matcher = looking(dive, repeats_m=repeats_m)
-    found, _ = link_images(worker, navigated, graph.solve, matcher, 12, appearance)
+    spool = FeatureSpool(BytesIO())
+    found, _ = link_images(worker, navigated, graph.solve, matcher, spool, 12, appearance)
     return SimpleNamespace(found=found, error_m=path_error_m(found, dive), asked=asked)
 
 

@@ -124,7 +124,7 @@ def test_place_whose_description_changes_is_one_landmark():
     found = FeatureMatches(first=first, second=second, distance=np.zeros(2, np.float32))
     node = NodeFeatures(top=features, bottom=no_features())
     tracks = build_tracks(
-        np.full(3, len(features)), [no_matches()] * 3, found, lambda k: node, False
+        np.full(3, len(features)), [no_matches()] * 3, [found], lambda k: node, False
     )
     np.testing.assert_array_equal(tracks.landmark, [0, 0, 0])
     np.testing.assert_array_equal(tracks.node, [0, 1, 2])

@@ -45,7 +45,7 @@ def dive():
 
 
 def made(dive, found, single_node=True, find_outliers=None):
-    return build_tracks(dive.count, dive.stereo, found, dive.read, single_node, find_outliers)
+    return build_tracks(dive.count, dive.stereo, [found], dive.read, single_node, find_outliers)
 
 
 def test_track_holds_both_pixels_where_both_cameras_saw_it(dive):
@@ -69,7 +69,7 @@ def test_observation_has_mean_response_of_its_images(dive):
     tracks = build_tracks(
         np.array([3, 3]),
         [no_matches()] * 2,
-        matches((0, 1, 1, 1), (0, 2, 1, 2)),
+        [matches((0, 1, 1, 1), (0, 2, 1, 2))],
         nodes.__getitem__,
         False,
     )
@@ -108,5 +108,5 @@ def test_tracks_are_sorted_by_landmark_and_node_without_gaps(dive):
 
 
 def test_no_matches_make_no_tracks(dive):
-    empty = build_tracks(np.zeros(3, np.int64), [no_matches()] * 3, matches(), dive.read, True)
+    empty = build_tracks(np.zeros(3, np.int64), [no_matches()] * 3, [matches()], dive.read, True)
     assert len(empty.landmark) == len(empty.color) == 0

@@ -3,14 +3,17 @@
 import numpy as np
 import pytest
 
-from hullrecon.vision.tracks.landmarks import join_matches
+from hullrecon.vision.tracks.landmarks import FeatureMatches, join_matches
 
 
 def joined(node_of, edges, quality=None):
-    a, b = np.array(edges, np.int64).reshape(-1, 2).T
-    return join_matches(
-        np.array(node_of), a, b, np.zeros(len(a)) if quality is None else np.array(quality)
-    ).tolist()
+    quality = np.zeros(len(edges)) if quality is None else np.array(quality)
+    return join_matches(np.array(node_of), [matches_of(edges, quality)]).tolist()
+
+
+def matches_of(edges, quality):
+    first, second = np.array(edges, np.int64).reshape(-1, 2).T
+    return FeatureMatches(first=first, second=second, distance=quality)
 
 
 def test_chain_of_matches_is_one_landmark():
@@ -51,7 +54,10 @@ def test_no_landmark_of_random_matches_holds_node_twice(seed):
     node_of = np.sort(rng.integers(0, 12, 300))
     edges = rng.integers(0, 300, (260, 2))
     edges = edges[node_of[edges[:, 0]] != node_of[edges[:, 1]]]
-    label = join_matches(node_of, edges[:, 0], edges[:, 1], rng.random(len(edges)))
+    quality = rng.random(len(edges))
+    label = join_matches(node_of, [matches_of(edges, quality)])
+    blocks = [matches_of(edges[k::3], quality[k::3]) for k in range(3)]
+    np.testing.assert_array_equal(join_matches(node_of, blocks), label)
     rows = np.column_stack([label, node_of])[label >= 0]
     assert len(np.unique(rows, axis=0)) == len(rows)
     assert (np.bincount(label[label >= 0]) >= 2).all()
