@@ -22,6 +22,7 @@ from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.errors import StageError
 from hullrecon.findings.package import DVL_ALONE
+from hullrecon.memory import return_free_memory
 from hullrecon.records.iterations import reached_cost
 from hullrecon.rig import Rig
 from hullrecon.typing import Array
@@ -225,6 +226,7 @@ class RoundSolver:
         problem = lens.free_lenses(problem, measured, weights.lens)
         began_s = time.perf_counter() - self.begun_s
         plan = self._plan(problem, state) if final else None
+        return_free_memory()  # the solver's own comes from elsewhere
         result = self._solve(problem, plan)
         history = self._record(measured, result, weights, chosen, began_s)
 

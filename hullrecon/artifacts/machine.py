@@ -4,9 +4,7 @@
 
 from __future__ import annotations
 
-import ctypes
 import errno
-import gc
 import os
 import platform
 import resource
@@ -70,17 +68,6 @@ def reset_peak_rss() -> None:
     """Let `peak_rss` count from now on. If the kernel cannot, it counts over the whole run."""
     with suppress(OSError):
         Path("/proc/self/clear_refs").write_text(_RESET_PEAK)
-
-
-def return_free_memory() -> None:
-    """Give back to the system what earlier steps have freed.
-
-    Without it the allocator keeps it, and the next step's peak stands on top of it: 300 MB after
-    the adjustment of 232 stereo pairs. Other systems' C libraries than glibc have no such call.
-    """
-    gc.collect()
-    with suppress(OSError, AttributeError):
-        ctypes.CDLL(None).malloc_trim(0)
 
 
 def peak_rss(process: int | None = None) -> int:

@@ -24,7 +24,6 @@ from hullrecon.artifacts.machine import (
     peak_rss,
     refuse_small_address_space,
     reset_peak_rss,
-    return_free_memory,
     versions,
 )
 from hullrecon.artifacts.manifest import (
@@ -42,6 +41,7 @@ from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.artifacts.workspace import Workspace, removed_meanwhile
 from hullrecon.artifacts.writer import ArtifactWriter
 from hullrecon.errors import HullreconError, InputError, StageError
+from hullrecon.memory import return_free_memory
 
 log = logging.getLogger(__name__)
 Preflight = Callable[[list[StepStatus]], None]

@@ -17,6 +17,7 @@ from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.adjustment.results.covariance import points_in_hull, poses_in_hull
 from hullrecon.geometry import poses
+from hullrecon.memory import return_free_memory
 from hullrecon.records.solution import DeviationField, HullPose, Landmarks, Solution
 from hullrecon.typing import Array, Ints
 
@@ -31,6 +32,7 @@ def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covarian
     errors have the covariance of a hull left free: its height and a bias of the depth are one.
     Without a deviation field, covariances are the solve's own.
     """
+    return_free_memory()  # of the last solve
     hull = adjusted.state.hull
     if hull is None:
         return join.covariance(adjusted.problem, adjusted.plan, adjusted.settings)
@@ -38,17 +40,21 @@ def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covarian
     free = join.covariance(adjusted.problem.free("T_g_M"), adjusted.plan, adjusted.settings)
     if not adjusted.strategy.deviation_field:
         return free
+    navigation, deviation = free.navigation, free.deviation
+    with_hull = np.zeros_like(free.pose_T_g_M)
+    landmark_with_hull = np.zeros_like(free.landmark_T_g_M)
+    del free  # covariances of all landmarks
     evidence = adjusted.placement.evidence if adjusted.placement is not None else None
     evidence = evidence or _evidence_afterwards(m, adjusted, hull)
     held = _placed(adjusted.problem, evidence, hull)
     placed = join.covariance(held, adjusted.plan, adjusted.settings)
     return replace(
         placed,
-        navigation=free.navigation,
-        deviation=free.deviation,
+        navigation=navigation,
+        deviation=deviation,
         T_g_M=estimate.hull_pose_covariance(evidence, hull.global_from_hull),
-        pose_T_g_M=np.zeros_like(free.pose_T_g_M),
-        landmark_T_g_M=np.zeros_like(free.landmark_T_g_M),
+        pose_T_g_M=with_hull,
+        landmark_T_g_M=landmark_with_hull,
     )
 
 
