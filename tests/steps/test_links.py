@@ -96,7 +96,8 @@ def test_the_features_of_each_pair_and_node_lie_together(linked):
     assert (np.diff(features.start) >= 12).all()
     top_count = stereo.features[links.first]
     for k in range(len(links)):
-        assert features.rows["first"][features.start[k] : features.start[k + 1]].max() < top_count[k]
+        rows = features.rows[features.start[k] : features.start[k + 1]]
+        assert rows["first"].max() < top_count[k]
     assert len(stereo.start) == 11
     assert np.median(stereo.point[:, 2]) == pytest.approx(1.3, abs=0.02)
 
