@@ -86,7 +86,7 @@ def adjust(
     strategy
         What is solved for. The sources' variants are in hullrecon/studies.
     keep
-        Finds the stages that a run which did not end has left.
+        Finds the stages, and the last round, that a run which did not end has left.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def adjust(
     solver = RoundSolver(
         calibrated=measured.rig, options=options, strategy=strategy, report=report, keep=keep
     )
-    settled = solver.stage(lambda: solve_path_and_place(measured, solver), "path and place")
+    settled = solver.once(lambda: solve_path_and_place(measured, solver), "path and place")
 
     # Then labels and ranges: all landmarks, with the CAD model if it is accepted.
     return solve_all_landmarks(settled, solver)
@@ -107,7 +107,7 @@ def adjust(
 def solve_path_and_place(measured: Measurements, solver: RoundSolver) -> Stage:
     """Solve the path, and the CAD model's place on it. Raises as `adjust`."""
     # First the path, from images and navigation.
-    path = solver.stage(lambda: solve_path(measured, solver), "path")
+    path = solver.once(lambda: solve_path(measured, solver), "path")
 
     # Then the place: the CAD model registered to that path, and judged.
     placed = None
@@ -161,8 +161,10 @@ def solve_all_landmarks(settled: Stage, solver: RoundSolver) -> Adjusted:
     """
     placement = settled.placement
     estimated = placement is not None and placement.evidence is not None
-    last = solver.solve_round(
-        settled.estimate, final=True, hold_hull_pose=estimated and settled.verdict.accepted
+    held = estimated and settled.verdict.accepted
+    last = solver.once(
+        lambda: solver.solve_round(settled.estimate, final=True, hold_hull_pose=held),
+        "all landmarks",
     )
     return _adjusted(settled, last, solver)
 

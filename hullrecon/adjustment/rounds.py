@@ -169,13 +169,13 @@ class RoundSolver:
     anchors: int = ANCHORS
     history: list[iteration_history.Round] = field(default_factory=list)
     begun_s: float = field(default_factory=time.perf_counter)
-    keep: Keep = make_anew  # finds the stages of a run that did not end
+    keep: Keep = make_anew  # finds what a run that did not end has left
 
-    def stage(self, solve: Callable[[], Stage], label: str) -> Stage:
-        """Solve a stage, unless a run that did not end has left it."""
-        stage, rounds = self.keep(lambda: (solve(), tuple(self.history)), label)
+    def once(self, solve: Callable[[], Made], label: str) -> Made:
+        """Solve a stage or a round, unless a run that did not end has left it."""
+        found, rounds = self.keep(lambda: (solve(), tuple(self.history)), label)
         self.history[:] = rounds
-        return stage
+        return found
 
     @property
     def settings(self) -> native.Options:
