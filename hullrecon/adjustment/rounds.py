@@ -212,9 +212,7 @@ class RoundSolver:
         measured = before.measured
         landmark = selection.triangulate_landmarks(measured, before.state)
         state = replace(before.state, landmark=landmark)
-        max_px = before.max_px * before.weights.pixel_ratio
-        max_px = max_px if final else np.maximum(LEAST_MAX_PX, max_px)
-        chosen = self._choose(measured, state, max_px, final)
+        chosen = self._choose(measured, state, _outlier_limit(before, final), final)
         surface = weighting.surface_weights(state, chosen, self.strategy)
         weights = replace(before.weights, surface=surface)
 
@@ -305,7 +303,9 @@ class RoundSolver:
         """Add the round to the history, and its table to the log (`--verbose`)."""
         done = iteration_history.Round(
             record=result.iterations,
-            weights=weights,
+            pixel_sigma_px=weights.pixel,
+            tray_sigma_rad=weights.tray,
+            range_sigma_m=weights.range_sigma,
             depth_sigma_m=weighting.depth_sigma(measured, weights),
             landmarks=len(chosen.landmarks),
             converged=result.converged,
@@ -316,6 +316,12 @@ class RoundSolver:
         for line in iteration_history.lines(len(self.history), done):
             log.debug("%s", line)
         return done
+
+
+def _outlier_limit(before: Estimate, final: bool) -> Array:
+    """Compute the largest reprojection error (m,) px of the observations that enter a round."""
+    max_px = before.max_px * before.weights.pixel_ratio
+    return max_px if final else np.maximum(LEAST_MAX_PX, max_px)
 
 
 def _describe_round(number: int, result: native.Result, chosen: Selection, weights: Weights) -> str:

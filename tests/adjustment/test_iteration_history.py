@@ -13,18 +13,13 @@ from hullrecon.adjustment.problem.iteration_history import (
     seconds,
     summarise_rounds,
 )
-from hullrecon.adjustment.problem.state import Weights
 
-WEIGHTS = Weights(
-    pixel=1.0,
-    pixel_ratio=np.ones(0),
-    depth=1.0,
-    tray=0.01,
-    range_sigma=0.02,
-    surface=np.ones(3),
-    tray_direction=np.zeros(2),
-    lens=np.zeros(2),
-)
+SIGMAS = {
+    "pixel_sigma_px": 1.0,
+    "tray_sigma_rad": 0.01,
+    "range_sigma_m": 0.02,
+    "depth_sigma_m": 0.02,
+}
 
 
 def record(cost, on_surface):
@@ -50,20 +45,18 @@ def rounds():
     """Three iterations on a hundred landmarks, then one on 400 with a finer pixel sigma."""
     first = Round(
         record=record([90.0, 95.0, 10.0], [50, 50, 80]),
-        weights=WEIGHTS,
-        depth_sigma_m=0.02,
+        **SIGMAS,
         landmarks=100,
         converged=False,
         message="stopped",
         began_s=1.0,
     )
-    finer = replace(WEIGHTS, pixel=0.2)
+    finer = SIGMAS | {"pixel_sigma_px": 0.2, "depth_sigma_m": 0.005}
     return [
         first,
         Round(
             record=record([300.0, 200.0], [300, 310]),
-            weights=finer,
-            depth_sigma_m=0.005,
+            **finer,
             landmarks=400,
             converged=True,
             message="converged",

@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon import native
-from hullrecon.adjustment.problem.state import Weights
 from hullrecon.records.iterations import reached_cost
 from hullrecon.typing import Array
 
 STEP = ("cost", "cost_change", "step_norm", "gradient_norm", "radius", "accepted")
 COUNTS = ("on_surface", "label_changes", "rays_missed")
+SIGMAS = ("pixel_sigma_px", "tray_sigma_rad", "range_sigma_m", "depth_sigma_m")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,8 +30,11 @@ class Round:
     """What is recorded of one solve."""
 
     record: native.IterationRecord
-    weights: Weights  # that it used
-    depth_sigma_m: float  # sigma of a depth with these weights; NaN without depths
+    # that whiten its cost
+    pixel_sigma_px: float
+    tray_sigma_rad: float
+    range_sigma_m: float
+    depth_sigma_m: float  # NaN without depths
     landmarks: int  # that entered
     converged: bool
     message: str
@@ -86,14 +89,7 @@ def summarise_rounds(rounds: Sequence[Round]) -> list[dict[str, Any]]:
 
 
 def _sigmas(done: Round) -> dict[str, float]:
-    """Collect the sigmas that whiten the round's cost."""
-    w = done.weights
-    return {
-        "pixel_sigma_px": w.pixel,
-        "tray_sigma_rad": w.tray,
-        "range_sigma_m": w.range_sigma,
-        "depth_sigma_m": done.depth_sigma_m,
-    }
+    return {name: getattr(done, name) for name in SIGMAS}
 
 
 def lines(number: int, done: Round) -> Iterator[str]:
@@ -101,11 +97,11 @@ def lines(number: int, done: Round) -> Iterator[str]:
 
     Its columns are the factors that cost anything.
     """
-    record, w = done.record, done.weights
+    record = done.record
     names = [name for name in native.FACTORS if np.any(record.cost_by_factor[name] > 0)]
     yield (
-        f"round {number}, {done.landmarks} landmarks, sigmas {w.pixel:.3g} px, tray "
-        f"{np.degrees(w.tray):.2g} deg, ranges {w.range_sigma:.3g} m, depths "
+        f"round {number}, {done.landmarks} landmarks, sigmas {done.pixel_sigma_px:.3g} px, tray "
+        f"{np.degrees(done.tray_sigma_rad):.2g} deg, ranges {done.range_sigma_m:.3g} m, depths "
         f"{done.depth_sigma_m:.2g} m (costs do not compare with those of other rounds)"
     )
     heads = [
