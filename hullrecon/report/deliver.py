@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Protocol
 
 from hullrecon.errors import HullreconError
-from hullrecon.report.deliverables import DELIVERABLES, Delivery
+from hullrecon.report.deliverables import Delivery, writing_order
 from hullrecon.report.export.summary import FileEntry, summary_document
 from hullrecon.report.survey import Survey
 
@@ -98,7 +98,7 @@ def deliver(
     """
     delivery = Delivery(survey, DeliverableWriter(out))
     failures: list[DeliveryFailure] = []
-    for entry in DELIVERABLES:
+    for entry in writing_order():
         if entry.name in survey.provenance.missing or not (only is None or entry.name in only):
             continue
         try:

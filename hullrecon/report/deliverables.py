@@ -9,7 +9,7 @@ DELIVERABLES. To add a deliverable, add an entry here and a row there.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
@@ -149,6 +149,12 @@ class Deliverable:
     name: str
     needs: Callable[[Survey], str]  # why this dive cannot give it, "" if it can
     write: Callable[[Delivery], None]
+    is_about_others: bool = False  # made of what was written, so written when all others are
+
+
+def writing_order() -> list[Deliverable]:
+    """List the deliverables in the order to write them: those about others last."""
+    return sorted(DELIVERABLES, key=lambda entry: entry.is_about_others)
 
 
 def missing_deliverables(survey: Survey) -> dict[str, str]:
@@ -240,7 +246,7 @@ def _copied(name: str, step: str) -> Callable[[Survey], str]:
 
     def needs(survey: Survey) -> str:
         not_asked = step == "change" and not survey.provenance.carried.earlier_dive
-        if not_asked or _copies(survey, name):
+        if not_asked or _sources(survey, name):
             return ""
         mosaic = survey.mosaics.named().get(step.removeprefix("mosaic-"))
         if mosaic is not None and (name.endswith(".glb") or not mosaic.has_mesh):
@@ -256,7 +262,7 @@ def _raster(name: str) -> Callable[[Survey], str]:
     """Require a raster of the hull as found, which lies on a mosaic's grid."""
 
     def needs(survey: Survey) -> str:
-        if _copies(survey, name):
+        if _sources(survey, name):
             return ""
         if name != "support.tif" and not survey.provenance.carried.cad_model:
             return "no CAD model was given, so there is nothing to deviate from"
@@ -269,7 +275,7 @@ def _raster(name: str) -> Callable[[Survey], str]:
     return needs
 
 
-def _copies(survey: Survey, name: str) -> Mapping[str, Path]:
+def _sources(survey: Survey, name: str) -> Mapping[str, Path]:
     """Find the files of the steps that a deliverable is copied from, by name."""
     copies = survey.provenance.copies
     return {file: path for file, path in copies.items() if file == name or _below(file, name)}
@@ -296,7 +302,7 @@ def _json(
 
 def _copy(name: str, needs: Callable[[Survey], str]) -> Deliverable:
     def write(to: Delivery) -> None:
-        for file, source in _copies(to.survey, name).items():
+        for file, source in _sources(to.survey, name).items():
             to.out.copy(file, source)
 
     return Deliverable(name=name, needs=needs, write=write)
@@ -359,7 +365,6 @@ def _write_schemas(to: Delivery) -> None:
             to.out.write(f"{SCHEMAS}/{schema.name}", schema.read_bytes())
 
 
-# Data first, in an order that suits sharing between them. The page last, as it lists all others.
 DELIVERABLES: tuple[Deliverable, ...] = (
     _file("trajectory.csv", _always, lambda to: trajectory_table(to.survey).csv),
     _file("trajectory.tum", _always, lambda to: trajectory_tum(to.survey.track)),
@@ -417,7 +422,12 @@ DELIVERABLES: tuple[Deliverable, ...] = (
     _copy("change/", _copied("change/", "change")),
     _file("dive_result.mcap", _always, lambda to: dive_result_mcap(to.survey)),
     Deliverable(name="plots/", needs=_always, write=_write_plots),
-    Deliverable(name=f"{SCHEMAS}/", needs=_always, write=_write_schemas),
-    _file("report/report.pdf", lambda _: why_no_pdf() or "", lambda to: render_pdf(to.page)),
-    _file("report/index.html", _always, lambda to: render_page(to.page)),
+    Deliverable(name=f"{SCHEMAS}/", needs=_always, write=_write_schemas, is_about_others=True),
+    replace(
+        _file("report/report.pdf", lambda _: why_no_pdf() or "", lambda to: render_pdf(to.page)),
+        is_about_others=True,
+    ),
+    replace(
+        _file("report/index.html", _always, lambda to: render_page(to.page)), is_about_others=True
+    ),
 )

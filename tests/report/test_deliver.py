@@ -144,6 +144,17 @@ def test_a_bare_dive_delivers_path_plots_and_report(bare: Survey, folder: Folder
     }
 
 
+def test_a_document_at_the_end_has_its_schema_and_is_on_the_page(
+    survey: Survey, folder: Folder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chart = [entry for entry in deliverables.DELIVERABLES if entry.name == "chart.json"]
+    others = [entry for entry in deliverables.DELIVERABLES if entry.name != "chart.json"]
+    monkeypatch.setattr(deliverables, "DELIVERABLES", (*others, *chart))
+    deliver(survey, folder, only={"chart.json", "schemas/", "report/index.html"})
+    assert "schemas/chart.schema.json" in delivered(folder)
+    assert "chart.json" in (folder.root / "deliver" / "report" / "index.html").read_text()
+
+
 def test_only_the_deliverables_asked_for_are_written(survey: Survey, folder: Folder) -> None:
     deliver(survey, folder, only=("trajectory.tum", "alignment.json"))
     assert delivered(folder) == {"trajectory.tum", "alignment.json", "summary.json"}
