@@ -66,7 +66,7 @@ def _difference(path: Path, record: FileRecord, hashes: HashCache) -> str:
     return "" if now == record else "is altered"
 
 
-class Delivery:
+class DeliveredFolder:
     """The folder deliver/ of one workspace. Only the holder of the lock may change it."""
 
     def __init__(self, folder: Path, private: Path, building: Path) -> None:

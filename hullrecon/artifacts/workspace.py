@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from hullrecon.artifacts.delivery import PUBLISHED, Delivery, delivered_records, unlike_files
+from hullrecon.artifacts.delivery import PUBLISHED, DeliveredFolder, delivered_records, unlike_files
 from hullrecon.artifacts.disk import (
     existing_folder,
     make_folder,
@@ -74,8 +74,10 @@ class Workspace:
             yield held
 
     @property
-    def delivery(self) -> Delivery:
-        return Delivery(self.root / PUBLISHED, self.root / PRIVATE, self.build_folder(PUBLISHED))
+    def delivery(self) -> DeliveredFolder:
+        return DeliveredFolder(
+            self.root / PUBLISHED, self.root / PRIVATE, self.build_folder(PUBLISHED)
+        )
 
     def exists(self) -> bool:
         return (self.root / PRIVATE).is_dir()
