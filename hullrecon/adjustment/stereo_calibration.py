@@ -50,8 +50,9 @@ class StereoContradiction:
 def free_contradicted_rig(path: Stage, solver: RoundSolver) -> Stage | None:
     """Make the stereo rig an unknown where the dive contradicts its calibration.
 
-    A trial round solves the path with the rig free. None where the result lies within the package's
-    sigmas of the calibration, or without a second camera.
+    A trial round solves the path with the rig free. None where the result is as calibrated to five
+    sigmas (MAX_CHI2; the baseline's length to MAX_LENGTH_SIGMAS), where it cannot be determined, or
+    without a second camera.
     """
     solved = path.estimate
     rig = solved.measured.rig

@@ -29,7 +29,7 @@ from hullrecon.findings.package import A_RUN_NEEDS
 from hullrecon.steps.chain import stages
 from hullrecon.steps.ingest import ingest_settings, request_of
 from hullrecon.steps.sensor_check import describe_sensors
-from hullrecon.steps.stereo_check import describe_rig_problem
+from hullrecon.steps.stereo_check import check_sampled_rig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,7 +130,7 @@ def check_loaded(
     watch: Watch = iter
     if progress is not None:
         watch = partial(progress.track, label="check: messages", total=None)
-    checked = check_package(loaded, request, watch, describe_rig_problem, describe_sensors)
+    checked = check_package(loaded, request, watch, check_sampled_rig, describe_sensors)
     if checked.reasons:
         return checked
     found, chain = checked.found, Chain(stages(), loaded.sections, loaded.package)

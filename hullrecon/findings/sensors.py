@@ -229,8 +229,9 @@ WARNINGS: dict[str, Words] = {
     "their mounts",
     "baseline-implausible": "the cameras are {metres:.3f} m apart: is camera.bottom.pose_in_top in "
     "metres?",
-    "bottom-camera-late": lambda late_ms, sigma_ms, offset_s: (
-        f"its images were exposed {abs(late_ms):.1f} ms {'after' if late_ms > 0 else 'before'} "
+    "bottom-camera-delayed": lambda after_stamp_ms, sigma_ms, offset_s: (
+        f"its images were exposed {abs(after_stamp_ms):.1f} ms "
+        f"{'after' if after_stamp_ms > 0 else 'before'} "
         f"those of the top camera with the same stamps (sigma {sigma_ms:.1f} ms): on every course "
         "they lie across the epipolar lines by as much as the vehicle moves in that time. A run "
         f"reckons with it, and camera.bottom.time_offset = {offset_s:.4f} states it, as long as it "

@@ -226,7 +226,10 @@ def _blocks(
 
 
 def _balls(patch: SurfacePatch, window: Window) -> tuple[list[Window], Array, Array]:
-    """Bound the surface in each square of a tile by a ball: centers (n, 3) and radii (n,)."""
+    """Bound the surface in each square of a tile by a ball: centers (n, 3) and radii (n,).
+
+    By these, views that cannot see a square are passed over.
+    """
     squares, center, radius = [], [], []
     for square in window.parts(BLOCK):
         point = patch.point[square.within(window)]

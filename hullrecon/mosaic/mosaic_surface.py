@@ -131,19 +131,18 @@ def seen(
     """Find the texels of a patch that the sensor (3,) sees, with cosines of the incidence.
 
     A texel is seen when it faces the sensor, no flatter than min_cosine, and no other part of the
-    surface lies on the straight line between them: for a sonar, nothing nearer in the same
-    direction, so at the same bearing (docs/methods.md 14). Rays are cast only where the horizon
-    reaches up to the line.
+    surface lies on the straight line between them. Rays are cast only where the line is as far off
+    the normal as `hidden_from`, from which on the surface around may stand in the way.
     """
     cosine = patch.cosines(rows, sensor)
-    free = cosine > min_cosine
+    visible = cosine > min_cosine
     tangent = np.sqrt(np.maximum(1 - cosine**2, 0)) / np.maximum(cosine, 1e-6)
-    doubtful = free & (tangent >= patch.hidden_from.ravel()[rows])
+    doubtful = visible & (tangent >= patch.hidden_from.ravel()[rows])
     rows = rows[doubtful]
-    free[doubtful] = find_unobstructed(
+    visible[doubtful] = find_unobstructed(
         surface, patch.point.reshape(-1, 3)[rows], patch.normal.reshape(-1, 3)[rows], sensor
     )
-    return free, cosine
+    return visible, cosine
 
 
 def find_unobstructed(surface: MosaicSurface, points: Array, normals: Array, sensor: Array) -> Mask:

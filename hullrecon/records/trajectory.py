@@ -35,7 +35,9 @@ class VehiclePath:
 class Exposures(Rows):
     """When each node's images were exposed, and how the tray moved meanwhile."""
 
-    late_s: Array  # (n, 2) of the first rows of the top and bottom camera's images after the node
+    # (n, 2) how long after the node's time the first row of the top and of the bottom camera's
+    # image was exposed, whatever their stamps say
+    late_s: Array
     twist: Array  # (n, 6) of the tray in its own axes, m/s and rad/s
     depth_m: Array  # (n,) of the scene in the top camera by the DVL, NaN where not measured
     readout_s: Array  # (2,) from the first row of an image of either camera to its last

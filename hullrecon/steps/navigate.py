@@ -201,8 +201,8 @@ def _by_dvl(context: Context[NoOptions], records: SensorRecords, delay: Delay | 
 
 def _timing(settings: StageSettings, delay: Delay | None) -> CameraTiming:
     top, bottom = (settings.read_optional(key, float) or 0.0 for key in READOUT_KEYS)
-    late_s = 0.0 if delay is None else delay.seconds
-    return CameraTiming(readout_s=(top, bottom), bottom_late_s=late_s)
+    after_stamp_s = 0.0 if delay is None else delay.seconds
+    return CameraTiming(readout_s=(top, bottom), bottom_after_stamp_s=after_stamp_s)
 
 
 def _by_stereo(

@@ -77,19 +77,22 @@ def check_rig(
 
 
 def describe_delay(delay: Delay, time_offset_s: float) -> Finding:
-    """Tell by how much the bottom camera fires after its stamps, and what states it."""
+    """Tell how long after its stamps the bottom camera is exposed, and what states it."""
     values = {
-        "late_ms": 1e3 * delay.seconds,
+        "after_stamp_ms": 1e3 * delay.seconds,
         "sigma_ms": 1e3 * delay.sigma_s,
         "offset_s": time_offset_s + delay.seconds,
     }
-    return Finding("bottom-camera-late", values, "camera.bottom")
+    return Finding("bottom-camera-delayed", values, "camera.bottom")
 
 
-def describe_rig_problem(
+def check_sampled_rig(
     loaded: LoadedConfig, found: IngestResult, sampled: Mapping[str, SampledImages]
 ) -> list[Finding]:
-    """Check the stereo rig on the images that `check` sampled."""
+    """Check the stereo rig on the images that `check` sampled.
+
+    Findings are a contradiction of its calibration, or the bottom camera's delay.
+    """
     bottom = loaded.config.camera.bottom
     if bottom is None or any(camera.key not in found.images for camera in Camera):
         return []

@@ -51,7 +51,7 @@ APPLIED = {
     "test_the_simulated_dive_raises_no_suspicion",
     "baseline-implausible": "dive/check/test_consistency_checks.py::"
     "test_a_baseline_in_millimetres_or_of_nothing_is_named",
-    "bottom-camera-late": "vision/stereo/test_delay.py::test_offset_that_is_advised_heals",
+    "bottom-camera-delayed": "vision/stereo/test_delay.py::test_offset_that_is_advised_heals",
     "pressure-unit-open": "navigation/test_suspects.py::"
     "test_pressure_of_a_dive_at_one_depth_asks_for_its_unit",
     "topics-not-chosen": "dive/check/test_topics.py::"

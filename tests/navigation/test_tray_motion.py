@@ -88,6 +88,6 @@ def test_images_at_their_nodes_have_no_exposures():
 
 @pytest.mark.parametrize("stamped_s", [0.0, 0.012])
 def test_delay_adds_to_what_stamps_say(stamped_s):
-    found = exposures(round(1e9 * stamped_s), CameraTiming(bottom_late_s=0.02))
+    found = exposures(round(1e9 * stamped_s), CameraTiming(bottom_after_stamp_s=0.02))
     np.testing.assert_allclose(found.late_s, np.tile([0.0, 0.02 + stamped_s], (50, 1)), atol=1e-9)
     np.testing.assert_allclose(found.twist[25], [0.3, 0, 0, 0, 0, 0], atol=1e-6)

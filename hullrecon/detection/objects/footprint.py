@@ -121,7 +121,10 @@ def hidden_extent(
 
 
 def _extent(points: Array, middle_of: Array, normal: Array, chart: Chart) -> Array:
-    """Measure points along the hull and in girth (2,), in the tangent plane at their middle."""
+    """Measure how far points reach along the hull and in girth (2,), m.
+
+    In the tangent plane at the middle of `middle_of`.
+    """
     middle = middle_of.mean(axis=0)
     at = chart.to_chart(middle[None])[0, :2]
     ends, _ = chart.from_chart(at + np.array([[-0.05, 0], [0.05, 0]]))

@@ -108,7 +108,7 @@ def put_ranges_right(beams: Array, ranges: Array, altitude: Array) -> tuple[Arra
     InputError
         Ranges and altitude differ by more than any DVL's beams explain, and so does no unit.
     """
-    ratio = _over_altitude(beams, ranges, altitude)
+    ratio = _reach_over_altitude(beams, ranges, altitude)
     for unit, metres in SMALL_UNITS.items():
         if abs(np.log(ratio * metres)) < SAME_UNIT:
             return metres * ranges, [Finding("ranges-in-unit", {"unit": unit}, "dvl")]
@@ -142,7 +142,7 @@ def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[Finding]:
         out.append(Finding("beams-off-axis", {"degrees": float(off.max())}, "dvl"))
     elif leaning > LEANING_DEG:
         out.append(Finding("beams-leaning", {"degrees": leaning}, "dvl"))
-    ratio = _over_altitude(beams, ranges, altitude)
+    ratio = _reach_over_altitude(beams, ranges, altitude)
     if abs(ratio - 1) > SAME_ALTITUDE:
         side = "longer" if ratio > 1 else "shorter"
         values = {"percent": 100 * abs(ratio - 1), "side": side}
@@ -163,7 +163,7 @@ def range_scale_sigma(
     """
     if not len(beams):
         return 0.0, []
-    ratio = _over_altitude(beams, ranges, altitude)
+    ratio = _reach_over_altitude(beams, ranges, altitude)
     if np.isfinite(ratio):
         off = abs(ratio - 1)
         return off if off > SAME_ALTITUDE else 0.0, []
@@ -173,11 +173,12 @@ def range_scale_sigma(
     return sigma, [Finding("ranges-unconfirmed", {"percent": 100 * sigma}, "dvl")]
 
 
-def _over_altitude(beams: Array, ranges: Array, altitude: Array) -> float:
-    """Divide what ranges (n, b) reach along the axis by the altitude (n,).
+def _reach_over_altitude(beams: Array, ranges: Array, altitude: Array) -> float:
+    """Compute how far the beams reach along the axis, over the altitude: 1 where they are right.
 
-    NaN where too few are known, or where the altitude stands still while the ranges change: a
-    driver that computes none may fill in any.
+    Ranges (n, b) along z, their mean over the altitude (n,), and of that the median. NaN where too
+    few are known, or where the altitude stands still while the ranges change: a driver that
+    computes none may fill in any.
     """
     whole = np.isfinite(ranges).all(axis=1) & np.isfinite(altitude)
     if not len(beams) or np.count_nonzero(whole) < FEW:

@@ -193,7 +193,7 @@ def _set_back_within(stamp: Ints, logged: Ints) -> Ints:
 def _lasting_jump(stamp: Ints, offset: Ints, before: slice, after: slice) -> int:
     """Measure the change of the clock's offset between two segments, ns, from readings near it.
 
-    0 where the offset is not steady on either side.
+    0 where the offset is not steady on both sides, or changes by less than JUMP_S.
     """
     sides = [
         offset[before][stamp[before] >= stamp[before][-1] - BESIDE_NS],
@@ -267,7 +267,7 @@ def _logged_late(stamp: Ints, logged: Ints) -> Mask:
 
 
 def describe_gaps(name: str, t_ns: Ints, longest: int = MOST_GAPS) -> list[Finding]:
-    """Describe silences longer than five periods and a second, the longest first."""
+    """Describe silences longer than five periods and longer than a second, the longest first."""
     step = np.diff(t_ns) / NS
     if len(step) < 2:
         return []

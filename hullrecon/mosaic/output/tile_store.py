@@ -100,7 +100,7 @@ class TileStore:
             color=self.color.pack(color),
             variance=self.variance.pack(variance),
             counts=self.counts.pack(tile.views),
-            small=self._reduced(color),
+            small=self._reduce(color),
             histogram=np.bincount(rows, minlength=len(self.histogram)),
             views=np.bincount(inside.ravel(), minlength=len(self.views)),
         )
@@ -117,8 +117,12 @@ class TileStore:
         target = self.small[top : top + side, left : left + side]
         target[...] = tile.small[: target.shape[0], : target.shape[1]]
 
-    def _reduced(self, color: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """Average seen texels in each block, for the small copy."""
+    def _reduce(self, color: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Average seen texels in each block, for the small copy.
+
+        A block is opaque where half of it or more is seen, so that holes of single texels do not
+        show through.
+        """
         n = self.reduction
         blocks = color.reshape(self.size // n, n, self.size // n, n, -1).astype(np.float32)
         alpha = blocks[..., -1:] / 255

@@ -52,7 +52,7 @@ def dead_reckoning_errors(
     like x and y, from the next node that was read where the sensor was silent for a while.
     """
     by_error = pose_by_error(at)
-    by_error[:, :3, DVL_LATE] = -path.sped_up(at.t_ns)
+    by_error[:, :3, DVL_LATE] = path.path_by_delay(at.t_ns)
     # the path starts there
     by_error[:, :3] -= pose_by_error(path.at(np.array([path.start_ns])))[:, :3]
     by_error[:, 2, DEPTH_BIAS] = 1.0

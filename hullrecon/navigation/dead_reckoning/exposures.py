@@ -25,13 +25,13 @@ NEAR_S = 1.0  # of a node, DVL returns that measure the depth of its scene
 class CameraTiming:
     """When rows of images are exposed relative to the images' stamps."""
 
-    bottom_late_s: float = 0.0  # of the bottom camera against its stamps
+    bottom_after_stamp_s: float = 0.0  # how long after its stamps the bottom camera is exposed
     readout_s: tuple[float, float] = (0.0, 0.0)  # of top and bottom, first row to last
 
     @property
     def is_ideal(self) -> bool:
         """Whether each image is exposed at its stamp, all rows at once."""
-        return not (self.bottom_late_s or any(self.readout_s))
+        return not (self.bottom_after_stamp_s or any(self.readout_s))
 
 
 def exposures_of(
@@ -63,7 +63,7 @@ def exposures_of(
             row = trajectory.image[:, column]
             after_s = 1e-9 * (index.t_ns[row] - trajectory.t_ns)
             late_s[:, column] = np.where(row >= 0, after_s, 0.0)
-    late_s[trajectory.image[:, 1] >= 0, 1] += timing.bottom_late_s
+    late_s[trajectory.image[:, 1] >= 0, 1] += timing.bottom_after_stamp_s
     if rig.tray_from_top is None or (not late_s.any() and timing.is_ideal):
         return None
     half_ns = round(0.5e9 * SPAN_S)

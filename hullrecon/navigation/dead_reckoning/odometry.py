@@ -65,9 +65,9 @@ def widen_for_delay(found: Odometry, path: Reckoning, at: Instant, late_s: float
     It is one error for the dive, and edges are independent: the variance of the largest shift that
     it causes is shared out among them by how much the velocity changes.
     """
-    speed = path.sped_up(at.t_ns)
-    largest = np.linalg.norm(speed - speed[0], axis=1).max()
-    change = np.linalg.norm(np.diff(speed, axis=0), axis=1)
+    shift = path.path_by_delay(at.t_ns)
+    largest = np.linalg.norm(shift - shift[0], axis=1).max()
+    change = np.linalg.norm(np.diff(shift, axis=0), axis=1)
     share = change / max(change.sum(), 1e-12)
     covariance = found.covariance.copy()
     covariance[:, [0, 1, 2], [0, 1, 2]] += ((late_s * largest) ** 2 * share)[:, None]

@@ -73,11 +73,12 @@ class Reckoning:
             lever_by_tray=by_tilt,
         )
 
-    def sped_up(self, t_ns: Ints) -> Array:
-        """Integrate the change of the DVL's own velocity, in g, up to times (n,): (n, 3) m/s.
+    def path_by_delay(self, t_ns: Ints) -> Array:
+        """Compute how the path (n, 3) in g moves at times (n,) by a second of the DVL's delay.
 
-        A DVL that is late by a second shifts the path by as many metres the other way: its
-        velocities meet a later attitude.
+        A DVL whose stamps are late has its velocities turned by a later attitude. To first order
+        that moves the path by minus the integral of the change of the velocity in its own axes,
+        turned into g (docs/methods.md, *Clocks*).
         """
         own, at_ns = self.velocities.velocity, self.velocities.t_ns
         tray = tray_poses(self.rig.tray_origin, self.servo.angle_at(at_ns)).rotation
@@ -86,7 +87,7 @@ class Reckoning:
         change = 0.5 * (turn[:-1].apply(step) + turn[1:].apply(step))
         total = np.concatenate([np.zeros((1, 3)), np.cumsum(change, axis=0)])
         at_s, t_s = (seconds(of, self.start_ns) for of in (at_ns, t_ns))
-        return local_line(at_s, total, t_s, SPEED_S)[0]
+        return -local_line(at_s, total, t_s, SPEED_S)[0]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -173,8 +173,9 @@ def _disagreement(t: Array, imu: ImuSamples) -> Array:
 def _noise(t: Array, gap: Array, longest_s: float = 2.0) -> tuple[float, float]:
     """Estimate the white variance (rad2) of the orientation and the walk (rad2/s) of the rates.
 
-    The variance of differences over a lag is twice the first plus the second times the lag.
-    Medians, so that a jolt does not count.
+    gap (n, 3): rotation by the orientation less that by the rates, rad. The variance of differences
+    over a lag is twice the first plus the second times the lag. Medians, so that a jolt does not
+    count.
     """
     step = period(t)
     lags = np.unique(np.geomspace(1, max(2, longest_s / step), 12).astype(int))

@@ -75,10 +75,13 @@ def study_trunks() -> StudyResult:
     )
 
 
-def find_at(distance: float, trunks: int, rng: np.random.Generator) -> Errors:
-    """Find trunks, each alone at a distance, by three rules."""
+def find_at(distance: float, count: int, rng: np.random.Generator) -> Errors:
+    """Find so many trunks, each alone at a distance, by the three rules of `Errors`.
+
+    One that either printed or widened rule misses counts as not found.
+    """
     found = []
-    for _ in range(trunks):
+    for _ in range(count):
         tree = _tree(distance, rng)
         ranges = scan_trees(np.zeros(3), tree, RANGE_SIGMA_M, rng)
         by_rule = [find_trunks(ranges, widened) for widened in (False, True)]
@@ -90,7 +93,7 @@ def find_at(distance: float, trunks: int, rng: np.random.Generator) -> Errors:
         found.append([*off, best.mean_square_m2])
     printed, widened, best_m, mean_square = np.array(found).T
     return Errors(
-        found=len(found) / trunks,
+        found=len(found) / count,
         printed_m=printed,
         widened_m=widened,
         best_m=best_m,

@@ -120,13 +120,13 @@ def _attitude(rng: np.random.Generator, truth: Poses, navigation: Array) -> Atti
 
 def _rig(navigation_sigma: Array) -> Rig:
     """Describe the rig: the DVL's turn known to MOUNT_SIGMA, its place known, no camera."""
-    turn = np.diag(1 / np.r_[np.full(3, 1e-6), np.full(3, MOUNT_SIGMA)])
+    sqrt_information = np.diag(1 / np.r_[np.full(3, 1e-6), np.full(3, MOUNT_SIGMA)])
     return Rig(
         tray_origin=TRAY_ORIGIN_M,
         pressure_origin=np.zeros(3),
         tray_from_dvl=identity(1),
         priors=RigPriors(
-            tray_from_dvl=turn,
+            tray_from_dvl=sqrt_information,
             dvl_position_sigma_m=np.zeros(3),
             tray_sigma_rad=1e-4,
             navigation_sigma=navigation_sigma,

@@ -52,7 +52,10 @@ def contradicted_links(links: CameraLinks, across: Mask) -> Mask:
 
 
 def _cycles(links: CameraLinks) -> Ints:
-    """List the rows (c, 3) of the links a-b, b-c, a-c of every cycle a < b < c."""
+    """List the rows (c, 3) of the links a-b, b-c, a-c of every cycle a < b < c.
+
+    A link's first node is the lower one, and no pair of nodes has two links.
+    """
     n = int(max(links.first.max(initial=-1), links.second.max(initial=-1))) + 1
     order = np.argsort(links.first * n + links.second, kind="stable")
     first, second = links.first[order], links.second[order]

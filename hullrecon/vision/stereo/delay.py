@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Estimate by how much the bottom camera fires after the top one, from the motion in between.
+"""Estimate how long after the top camera the bottom one is exposed, from the motion in between.
 
 Between two exposures the rig moves on. That moves the bottom camera's image across its epipolar
 lines one way on one leg and the other way on the way back, which no calibration does
@@ -53,7 +53,7 @@ class MatchedRays:
 
 @dataclass(frozen=True, kw_only=True)
 class Delay:
-    """How long after its stamp the bottom camera fired."""
+    """How long after its stamp the bottom camera was exposed. So much its stamps are early."""
 
     seconds: float
     sigma_s: float
@@ -116,14 +116,15 @@ def _residuals(rig: Rig, pair: MatchedRays, unknowns: Array) -> Array:
     unknowns: rotation of the bottom camera (3,), turn of the baseline (2,), rad; delay, s.
     """
     assert rig.stereo_mount is not None
+    # Rectified cameras have the baseline along y: rows 0 and 2 are the axes across it
     turned = rectify(rig.stereo_mount).rotation_top
     across = unknowns[3] * turned[0] + unknowns[4] * turned[2]
     error = exp(np.r_[0.0, 0.0, 0.0, unknowns[:3]][None])
-    calibrated = Poses(
+    corrected = Poses(
         (rig.stereo_mount @ error).quaternion,
         rig.stereo_mount.translation + rig.baseline_m * across,
     )
-    top_from_bottom = calibrated @ _bottom_moved(rig, pair, float(unknowns[5]))
+    top_from_bottom = corrected @ _bottom_moved(rig, pair, float(unknowns[5]))
     essential = essential_of(top_from_bottom.inverse().matrix()[0])
     bottom, top = (np.hstack([xy, np.ones((len(xy), 1))]) for xy in (pair.bottom, pair.top))
     sign = np.sign(np.einsum("ni,ij,nj->n", bottom, essential, top))

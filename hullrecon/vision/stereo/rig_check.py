@@ -478,9 +478,10 @@ def _contradiction(
     error_px: float,
     fitted_px: float,
 ) -> RigProblem:
-    """Name what explains the images best: a turn of the bottom camera, a wrong lens, or both alike.
+    """Name what explains the images: a pose in another convention, a turn, a lens, or none of them.
 
-    found: motion of the rig as fitted, None where no one pose fits.
+    A turn of the bottom camera and wrong lenses are named together where they fit alike. found:
+    motion of the rig as fitted, None where no one pose fits.
     """
     what = (
         f"the images contradict the stereo calibration: {error_px:.1f} px from the epipolar "
@@ -488,7 +489,7 @@ def _contradiction(
     )
     behind, seen = look.is_behind(pairs), look.pixels(pairs)
     what += " and behind the cameras" if behind else ""
-    # what hardly leaves the lines is a matter of degree, as lenses are, and of no convention
+    # a wrong convention leaves the lines by far, small errors are a turn's or a lens's
     is_far = behind or error_px > FAR * fitted_px
     readings = fitting_readings(look.lenses, look.mount, *seen, AS_GOOD * fitted_px)
     if is_far and readings:

@@ -115,20 +115,20 @@ def read_index(stream: BinaryIO, size: int, connections: Connections) -> list[Ba
     try:
         head, _, _ = record(stream, len(MAGIC), size)
         (at,) = fields("<Q", head.get("index_pos", b""))
-        chunks = fields("<I", head.get("chunk_count", b""))[0]
-        notes = []
+        chunk_count = fields("<I", head.get("chunk_count", b""))[0]
+        chunks = []
         while 0 < at < size:
             head, data, at = record(stream, at, size)
             if op_of(head) not in (CONNECTION, CHUNK_INFO):
                 return None
-            messages_of(head, data, connections)
+            messages_of(head, data, connections)  # enters what it says of connections
             if op_of(head) == CHUNK_INFO:
-                notes.append(_note(head, data))
+                chunks.append(_chunk(head, data))
     except DamagedError:
         return None
-    notes.sort(key=lambda n: n.offset)
-    named_once = len({note.offset for note in notes}) == len(notes)
-    return notes if notes and len(notes) == chunks and named_once else None
+    chunks.sort(key=lambda chunk: chunk.offset)
+    named_once = len({chunk.offset for chunk in chunks}) == len(chunks)
+    return chunks if chunks and len(chunks) == chunk_count and named_once else None
 
 
 def parse_head(data: bytes) -> Head:
@@ -158,7 +158,7 @@ def _connection(head: Head, data: bytes) -> tuple[int, Channel]:
     return fields("<I", head.get("conn", b""))[0], Channel(topic, kind, "ros1", definition)
 
 
-def _note(head: Head, data: bytes) -> BagChunk:
+def _chunk(head: Head, data: bytes) -> BagChunk:
     (offset,) = fields("<Q", head.get("chunk_pos", b""))
     pairs = [fields("<II", data, at) for at in range(0, len(data), 8)]
     counts: dict[int, int] = dict(pairs)  # type: ignore[arg-type]

@@ -36,7 +36,7 @@ QUICK = 1  # PNG's compression level: images are written once, and read a few ti
 
 def encode_raw(message: Fields) -> bytes:
     """Encode an image as PNG. Raises DamagedError for missing pixels or an unknown encoding."""
-    encoding, width = _form(message.encoding)
+    encoding, width = _parse_encoding(message.encoding)
     return _png(_to_bgr(_pixels(message, CHANNELS[encoding], width), encoding))
 
 
@@ -78,7 +78,7 @@ def _png(pixels: NDArray[np.integer]) -> bytes:
     return bytes(png)
 
 
-def _form(encoding: str) -> tuple[str, int]:
+def _parse_encoding(encoding: str) -> tuple[str, int]:
     """Read an encoding: its key in CHANNELS, and the bytes of a sample."""
     lower = encoding.lower()
     name = PLAIN.get(lower, lower)

@@ -27,7 +27,7 @@ class SqliteLog(FileLog):
 
     def _read(self) -> Iterator[Message]:
         with ExitStack() as stack:
-            merged = self._merge(stack)
+            merged = self._copy_with_log(stack)
             address = (
                 f"{self.path.absolute().as_uri()}?mode=ro&immutable=1"
                 if merged is None
@@ -72,7 +72,7 @@ class SqliteLog(FileLog):
         if database.skipped:
             self.notes.append(Finding("database-rows-missing", {"count": database.skipped}))
 
-    def _merge(self, stack: ExitStack) -> Path | None:
+    def _copy_with_log(self, stack: ExitStack) -> Path | None:
         """Copy database and write-ahead log for SQLite to merge. None without such a log.
 
         SQLite reads a write-ahead log only where it may write beside it, and the package is not
