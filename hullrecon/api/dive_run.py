@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import logging
+import multiprocessing
 import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +19,7 @@ from hullrecon.artifacts.manifest import hash_file
 from hullrecon.artifacts.progress import Outlook, Progress
 from hullrecon.artifacts.runner import RunContext, StepOutcome, first_failure, run_chain
 from hullrecon.artifacts.workspace import PUBLISHED, Workspace
-from hullrecon.errors import InputError, StorageError
+from hullrecon.errors import InputError, StorageError, UsageError
 
 if TYPE_CHECKING:
     from hullrecon.dive.config.load import LoadedConfig
@@ -186,6 +187,7 @@ def run(
     HullreconError
         The errors of hullrecon.errors: what is wrong, where and what to do.
     """
+    _refuse_script_without_guard()
     dive = package
     if not isinstance(dive, DiveRun):
         dive = open_dive(dive, runs, overrides, allow_outside=allow_outside)
@@ -216,6 +218,19 @@ def evaluate(run: Path | str, package: Path | str) -> Score:
     from hullrecon.evaluation.score import score_run
 
     return score_run(Path(run), Path(package))
+
+
+def _refuse_script_without_guard() -> None:
+    """Raise UsageError in a worker process that imports the user's script and finds `run` in it.
+
+    A spawned process imports the main module. Without a guard there it would start the same run
+    again, and its end would look as if memory had run out.
+    """
+    if getattr(multiprocessing.current_process(), "_inheriting", False):
+        raise UsageError(
+            "a worker process that imports this script would start its run again",
+            remedy='put the call of hullrecon.run below `if __name__ == "__main__":`',
+        )
 
 
 def _warn_of_defaults(dive: DiveRun) -> None:

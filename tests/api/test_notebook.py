@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -62,6 +63,27 @@ def test_options_replace_those_of_the_package(tmp_path: Path) -> None:
 def test_a_run_that_does_not_name_its_package_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="does not say which dive package"):
         package_of(Workspace(tmp_path))
+
+
+def test_a_script_without_a_main_guard_is_told_of_it(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import multiprocessing, hullrecon\n"
+        "if __name__ == '__main__':\n"
+        "    worker = multiprocessing.get_context('spawn').Process(target=print)\n"
+        "    worker.start(); worker.join(); raise SystemExit(worker.exitcode)\n"
+        f"hullrecon.run({str(DEMO)!r}, {str(tmp_path)!r})\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, script],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )
+    assert ended.returncode != 0
+    assert 'below `if __name__ == "__main__":`' in ended.stderr
+    assert not (tmp_path / "demo").exists()
 
 
 def test_a_dive_is_run_up_to_a_step_and_opened_again_by_its_run(tmp_path: Path) -> None:
