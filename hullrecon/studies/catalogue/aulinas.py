@@ -404,6 +404,15 @@ _FEATURES = Chapter(
             differs=_NO_SONAR_OBJECTS,
         ),
         Part(
+            "4.3, targets on the map",
+            "targets of several passes paired by joint compatibility, placed, with covariance",
+            studies=("sonar-targets",),
+            code=("hullrecon/studies/targets/sonar_targets.py:place_targets",),
+            tests=("tests/studies/targets/test_sonar_targets.py",),
+            differs="the source places targets by its filter alone (5.2); here by least squares "
+            f"over passes and mount, with a p-value; {_NO_SONAR_OBJECTS}",
+        ),
+        Part(
             "4.4.1, Fig. 4.20",
             "images evened out, undistorted",
             studies=("regions-of-interest",),

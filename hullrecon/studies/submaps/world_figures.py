@@ -22,13 +22,16 @@ from hullrecon.studies.study import StudyResult
 from hullrecon.studies.submaps.ekf_slam import Limits
 from hullrecon.studies.submaps.repeated import (
     Repeated,
+    compare_ends,
     compare_repeated,
     mean_band,
     repeat_world,
+    submap_ends,
 )
 from hullrecon.studies.submaps.selective import Fusion, SelectiveJoining
 from hullrecon.studies.submaps.world_study import (
     EKF,
+    END_SEEDS,
     HEADS,
     SEEDS,
     SELECTIVE,
@@ -169,5 +172,9 @@ def study_world() -> StudyResult:
         values={m.name: m.effort.total_multiplications for m in missions},
         heads=HEADS,
         rows=table(missions, world),
-        compared=(*compare(missions, world), *compare_repeated(repeated)),
+        compared=(
+            *compare(missions, world),
+            *compare_ends(submap_ends(END_SEEDS)),
+            *compare_repeated(repeated),
+        ),
     )

@@ -19,6 +19,12 @@ def _cascade() -> StudyResult:
     return detect_by_cascade()
 
 
+def _placed() -> StudyResult:
+    from hullrecon.studies.targets.sonar_targets_study import study
+
+    return study()
+
+
 def _regions() -> StudyResult:
     from hullrecon.studies.targets.region_study import find_rocks
 
@@ -37,6 +43,12 @@ TARGET_STUDIES: tuple[SceneStudy, ...] = (
         source="[Aulinas2011 4.3.2 to 4.3.4, Figs 4.13 to 4.15, Tables 4.1, 4.2]",
         shows="targets in side-scan sonar by boosted rectangle features in a cascade",
         run=_cascade,
+    ),
+    SceneStudy(
+        id="sonar-targets",
+        source="[Aulinas2011 4.2.2, 4.3]",
+        shows="targets that several side-scan passes show: paired, placed, with covariance",
+        run=_placed,
     ),
     SceneStudy(
         id="regions-of-interest",
