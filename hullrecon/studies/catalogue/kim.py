@@ -13,15 +13,17 @@ _STATE = Chapter(
             "II-A, state",
             "six numbers of the vehicle relative to the hull, moved by a constant velocity",
             code=(
-                "hullrecon/native/problem.py:Unknowns",
+                "native/factors/navigation_residuals.h:Velocity",
                 "hullrecon/estimation/navigation_tables.py:velocity_table",
+                "hullrecon/native/problem.py:Unknowns",
             ),
             tests=(
                 "tests/native/test_planes.py::test_a_vehicle_that_speeds_up_shows_its_change_of_velocity",
             ),
             differs=(
                 "a batch estimate with odometry by DVL and gyro between poses; constant velocity "
-                "only where the DVL is lost; the hull's pose is one more unknown"
+                "only where the DVL is lost; a pose is place, quaternion and the tray's angle; the "
+                "hull's pose is one more unknown"
             ),
         ),
         Part(
@@ -39,13 +41,16 @@ _STATE = Chapter(
         Part(
             "II-A, information form",
             "mean and covariance as information vector and matrix",
-            code=("native/schur/schur.cpp", "hullrecon/navigation/pose_graph/graph.py:PoseGraph"),
+            code=(
+                "native/schur/small_factors.cpp:linearise",
+                "tests/native/test_information_filter.py:InformationFilter",
+            ),
             tests=(
                 "tests/native/test_information_filter.py::test_its_covariances_are_those_of_the_batch",
             ),
             differs=(
-                "the normal equations of the batch solve are this matrix, linearised anew at "
-                "every step"
+                "`information_` is the matrix, `gradient_` the right-hand side of a step from "
+                "where it was linearised, not of the state; both anew at every step"
             ),
         ),
         Part(
@@ -63,15 +68,21 @@ _STATE = Chapter(
         Part(
             "II-C",
             "extended information filter: sparse, nearly linear in the poses",
-            code=("native/sparse/fronts.cpp",),
+            studies=("filters",),
+            code=(
+                "tests/native/test_information_filter.py:InformationFilter",
+                "hullrecon/studies/submaps/filters.py:predict_information",
+                "hullrecon/studies/submaps/filters.py:update_information",
+                "native/sparse/fronts.cpp",
+            ),
             benchmarks=("benchmarks/pose_graph.py",),
             tests=(
                 "tests/native/test_information_filter.py::test_the_filter_ends_at_the_step_of_the_batch",
                 "tests/native/test_information_filter.py::test_each_link_touches_four_blocks_only",
             ),
             differs=(
-                "a dive is processed after it: one batch solve, to which the filter in the tests "
-                "is equal"
+                "a dive is processed after it: one batch solve by a sparse factor (fronts.cpp), to "
+                "which the filter in the tests is equal; no pose is marginalised between key frames"
             ),
         ),
     ),
@@ -151,9 +162,14 @@ _REGISTRATION = Chapter(
         ),
         Part(
             "Fig. 2(a)",
-            "criterion of either model against the relief of a surface",
+            "criterion of either model against the relief of a surface with MATLAB's peaks",
             printed="homography below, essential matrix above a relief that is drawn, not printed",
-            code=("hullrecon/studies/scenes/gic_by_relief.py",),
+            code=(
+                "hullrecon/studies/scenes/scene_figures.py:criterion_trials",
+                "hullrecon/vision/pairs/two_view.py:criterion",
+                "hullrecon/studies/engine/relief_views.py:relief_views",
+            ),
+            differs="two curves: outliers in full, as published, and capped, as in the product",
             studies=("scene-figures/gic_by_relief", "relief-views"),
             tests=(
                 "tests/studies/test_scene_figures.py::test_published_criteria_cross_once_between_2_and_10_cm",
@@ -323,9 +339,17 @@ _RESULTS = Chapter(
             code=("hullrecon/detection/coverage.py:summarise_coverage",),
             delivered=("coverage.json",),
             tests=("tests/detection/test_coverage.py",),
+            differs="with sigma and holes; where to drive again is the row below",
+        ),
+        Part(
+            "V, next focus",
+            "perception-driven control: back to feature-rich hull when the sigma gets too large",
+            studies=("next-leg",),
+            code=("hullrecon/studies/sessions/next_leg.py:foreseen_sigma",),
             differs=(
-                "with sigma and holes; no ceiling on uncertainty that would say where to drive "
-                "again"
+                "an outlook in the source. Legs are ranked by what they do to the sigma, the way "
+                "back to an old leg among them; dives are processed afterwards, so no bound is "
+                "kept while driving, and richness does not enter"
             ),
         ),
         Part(

@@ -38,7 +38,8 @@ _INTRODUCTION = Chapter(
             tests=(
                 "tests/dive/readers/test_pd0.py::test_beam_velocities_are_inverted_also_with_one_beam_lost",
             ),
-            differs="any beam angle, three beams where one is lost, lever arm and covariance",
+            differs="any beam angle, three beams where one is lost, lever arm and covariance; the "
+            "error velocity e(t), M's fourth row, is not used: it is zero where a beam is lost",
         ),
         Part(
             "1.2.2, Fig. 1.8",
@@ -61,10 +62,22 @@ _INTRODUCTION = Chapter(
         ),
         Part("Fig. 1.9", "SLAM as a factor graph", absent=Absence.PICTURE),
         Part(
+            "1.3, eqs (1.2) to (1.4)",
+            "squared errors of all factors, and their normal equations",
+            studies=("toy-graph",),
+            code=(
+                "hullrecon/studies/sessions/graph.py:solve",
+                "hullrecon/studies/estimates/toy_graph.py:solve_line",
+                "native/solve/trust_region.cpp:TrustRegion",
+            ),
+            tests=("tests/native/test_cores.py",),
+            differs="Levenberg-Marquardt in the product, landmarks eliminated (docs/schur.md)",
+        ),
+        Part(
             "1.3.1, Fig. 1.10",
             "toy graph of three poses and a closure",
             printed="0, 2/3, 4/3",
-            code=("native/solve/solve.cpp", "hullrecon/studies/estimates/toy_graph.py"),
+            code=("hullrecon/studies/estimates/toy_graph.py:solve_line",),
             studies=("toy-graph",),
             tests=("tests/native/test_solve.py::test_the_toy_graph_of_the_source_gives_thirds",),
         ),
@@ -100,20 +113,25 @@ _INTRODUCTION = Chapter(
             differs="dives are processed afterwards, in one batch",
         ),
         Part(
-            "1.4, Fig. 1.14",
-            "a tank as points, as planes, as an implicit surface",
+            "1.4, 1.4.1, 1.4.2, eq (1.5), Fig. 1.14",
+            "a tank as points, as planes, as an explicit and as an implicit surface",
             studies=("maps/maps_of_one_hull",),
             code=(
                 "hullrecon/studies/surfaces/maps.py",
+                "hullrecon/surface/gaussian.py",
                 "hullrecon/navigation/planes/patches.py:find_patches",
             ),
             delivered=("landmarks.ply", "surface.ply"),
             tests=("tests/studies/surfaces/test_maps.py",),
-            differs="of a hull; dense points are merged by medians, not by an implicit function",
+            differs=(
+                "the surface is explicit: heights over the CAD model's chart, each with a sigma, "
+                "since the CAD model already tells how a hull closes. Nothing is made of (1.5), "
+                "which the source defines in its review; dense points are merged by medians"
+            ),
         ),
         Part(
             "Figs 1.15 to 1.17",
-            "implicit surfaces, bundle adjustment, CAD models",
+            "implicit surfaces, bundle adjustment, CAD models, of other works",
             absent=Absence.PICTURE,
         ),
     ),
@@ -242,11 +260,27 @@ _SESSIONS = Chapter(
     title="2.4, 2.5. Multi-session SLAM, experimental trials",
     parts=(
         Part(
-            "2.4.2, Figs 2.1, 2.8, 2.9, eqs (2.7) to (2.9)",
+            "Figs 2.1, 2.8",
+            "a ship surveyed, found again, aligned, merged, thinned out, and again",
+            studies=("node-removal/graph_complexity", "reacquisition"),
+            code=(
+                "hullrecon/studies/sessions/removal_study.py:many_sessions",
+                "hullrecon/studies/sessions/particles.py:candidates",
+            ),
+            differs=(
+                "two studies that are not chained: the first simulates the links between "
+                f"sessions, the particle filter of the second would find them; {_ONE_DIVE}"
+            ),
+        ),
+        Part(
+            "2.4.2, Fig. 2.9, eqs (2.7) to (2.9)",
             "sessions aligned by anchors and merged",
             printed="without any loss of information",
             studies=("sessions/sessions_aligned",),
             code=(
+                "hullrecon/studies/sessions/anchors.py:join",
+                "hullrecon/studies/sessions/anchors.py:in_common_frame",
+                "hullrecon/studies/sessions/anchors.py:common_frame_derivative",
                 "hullrecon/studies/sessions/anchors.py:merged",
                 "hullrecon/studies/sessions/factors.py:Encounters",
             ),
@@ -335,7 +369,7 @@ _SESSIONS = Chapter(
             "surveys aligned with a sparsified graph, and the full graph of all",
             studies=("node-removal/ellipses_of_both", "sessions/sessions_aligned"),
             code=("hullrecon/studies/sessions/removal_study.py:many_sessions",),
-            differs=f"eight simulated sessions; {_ONE_DIVE}",
+            differs=f"eight simulated sessions whose links are simulated too; {_ONE_DIVE}",
         ),
         Part(
             "2.5.3, Fig. 2.16",
@@ -525,18 +559,25 @@ _MODEL = Chapter(
         Part(
             "4.2.1",
             "poses, hull, landmarks, mounts and hidden labels in one problem",
-            code=("hullrecon/native/problem.py", "hullrecon/adjustment/problem/assembly.py"),
+            code=(
+                "hullrecon/native/problem.py:Unknowns",
+                "hullrecon/adjustment/problem/assembly.py:assemble",
+            ),
             tests=("tests/adjustment/test_assembly.py",),
             differs=(
                 "and mounts, lenses, clocks of the navigation and a field of the CAD model's error"
             ),
         ),
         Part(
-            "4.2.2",
+            "4.2.2, eqs (4.1) to (4.3)",
             "labels by expectation and maximisation in turns",
-            code=("hullrecon/studies/methods/hard_em.py",),
+            code=(
+                "hullrecon/studies/methods/hard_em.py:solve",
+                "hullrecon/studies/methods/hard_em.py:likelier_labels",
+            ),
             tests=("tests/studies/test_hard_em.py::test_both_ways_reach_the_same_cost_and_labels",),
-            differs="the product decides labels inside the solve: same cost, one solve",
+            differs="step 2(b) is a solve with labels held; the product decides them inside the "
+            "solve: same cost, one solve (docs/adr)",
         ),
         Part(
             "4.2.3, Fig. 4.3, eqs (4.4), (4.5)",
@@ -769,10 +810,20 @@ _APPENDICES = Chapter(
             tests=("tests/geometry/test_poses.py::test_composition_is_one_after_the_other",),
         ),
         Part(
-            "B, Figs B.1, B.2",
-            "forms of a plane",
-            absent=Absence.PICTURE,
-            code=("native/factors/plane_residuals.h",),
+            "B.1 to B.5, eq (B.1), Figs B.1, B.2",
+            "forms of a plane, and the one that is estimated",
+            code=("native/factors/plane_residuals.h:SeenPlane",),
+            tests=(
+                "tests/native/test_planes.py::test_a_wall_is_led_into_a_frame_by_the_inverse_of_what_leads_it_out",
+            ),
+            differs="normal and distance inside, their product as the unknown, held at an anchor "
+            "(B.4); no spherical form (B.2), which is singular at its poles",
+        ),
+        Part(
+            "B.6",
+            "direction of a plane by azimuth and elevation, and its distance",
+            code=("hullrecon/native/curvature.py:curvature_difference",),
+            tests=("tests/native/test_planes.py",),
         ),
         Part(
             "C, Figs C.1, C.2",
@@ -792,7 +843,7 @@ _APPENDICES = Chapter(
             ),
         ),
         Part(
-            "D.1, Fig. D.1",
+            "D.1, Fig. D.1, eqs (D.1), (D.2)",
             "pinhole with radial distortion",
             code=("native/factors/camera.h", "hullrecon/geometry/cameras.py:CameraModel"),
             tests=("tests/geometry/test_cameras.py",),
@@ -840,6 +891,8 @@ _APPENDICES = Chapter(
             tests=(
                 "tests/vision/stereo/test_rectification.py::test_point_lies_on_one_column_whatever_way_rig_is_built",
             ),
+            differs="columns are compared after rectification; (D.10) is not evaluated, as it is "
+            "no distance (misprints)",
         ),
         Part(
             "D.2.3",

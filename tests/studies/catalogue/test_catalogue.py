@@ -28,6 +28,11 @@ TABLES = {
     "Ozog2016": {"1.1", "2.1", "2.2", "4.1"},
     "Aulinas2011": {"2.1", "2.2", "2.3", "2.4", "2.5", "3.1", "3.2", "3.3", "4.1", "4.2"},
 }
+# numbered equations by chapter
+EQUATIONS = {
+    "Ozog2016": {"1.": 5, "2.": 9, "3.": 3, "4.": 15, "B.": 1, "D.": 12},
+    "Aulinas2011": {"3.": 22, "5.": 24, "A.": 6},
+}
 PARTS = [(source, part) for source in SOURCES for part in source.parts]
 TESTS = sorted(
     {test for _, part in PARTS for test in part.tests}
@@ -95,6 +100,15 @@ def test_every_figure_of_a_source_stands_in_the_catalogue(source: Source) -> Non
     assert {figure for part in source.parts for figure in figures(part.number)} == there
 
 
+@pytest.mark.parametrize(("key", "chapters"), EQUATIONS.items())
+def test_every_equation_of_a_source_stands_in_the_catalogue(
+    key: str, chapters: dict[str, int]
+) -> None:
+    parts = next(source for source in SOURCES if source.key == key).parts
+    there = {f"{chapter}{k}" for chapter, n in chapters.items() for k in range(1, n + 1)}
+    assert there - {equation for part in parts for equation in equations(part.number)} == set()
+
+
 @pytest.mark.parametrize(("source", "tables"), TABLES.items())
 def test_every_table_of_a_source_stands_in_the_catalogue(source: str, tables: set[str]) -> None:
     parts = next(s for s in SOURCES if s.key == source).parts
@@ -117,4 +131,14 @@ def figures(number: str) -> set[str]:
             chapter, _, start = first.split("(")[0].rpartition(".")
             end = last.rpartition(".")[2] or start
             found |= {f"{chapter}.{k}".lstrip(".") for k in range(int(start), int(end) + 1)}
+    return found
+
+
+def equations(number: str) -> set[str]:
+    """Find the equations that a part names: `eqs (3.7) to (3.9), (3.11)` are four of them."""
+    found: set[str] = set()
+    for first, last in re.findall(r"\(([A-E\d]\.\d+)\)(?: to \(([A-E\d]\.\d+)\))?", number):
+        chapter, _, start = first.rpartition(".")
+        end = last.rpartition(".")[2] or start
+        found |= {f"{chapter}.{k}" for k in range(int(start), int(end) + 1)}
     return found
