@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 
 from hullrecon.errors import StageError
-from hullrecon.navigation.clocks.comparisons import Sensor
+from hullrecon.navigation.clocks.comparisons import ClockedSensor
 from hullrecon.navigation.clocks.synchronise import MeasureMotion, synchronise
 from hullrecon.navigation.dead_reckoning.dead_reckon import (
     REACH_S,
@@ -128,7 +128,9 @@ def reckon_dive(
     walk = None
     if goes_on is not None:
         walk = ImageWalk(frames=usable_frames(clocks.logs.top), goes_on=goes_on, progress=progress)
-    dvl_s, pressure_s = (clocks.left_s.get(s, 0.0) for s in (Sensor.DVL, Sensor.PRESSURE))
+    dvl_s, pressure_s = (
+        clocks.left_s.get(s, 0.0) for s in (ClockedSensor.DVL, ClockedSensor.PRESSURE)
+    )
     sigmas = replace(sigmas, dvl_late_s=dvl_s, pressure_late_s=pressure_s)
     found = dead_reckon(clocks.logs, rig, sigmas, walk, clocks.heard)
     return replace(
@@ -142,8 +144,8 @@ def _describe_unsure(found: Navigated, sigmas: NavigationSigmas) -> list[str]:
     """Describe how well the clocks could be compared, where that makes the path unsure."""
     out = []
     for sensor, late_s, column in (
-        (Sensor.DVL, sigmas.dvl_late_s, DVL_LATE),
-        (Sensor.PRESSURE, sigmas.pressure_late_s, PRESSURE_LATE),
+        (ClockedSensor.DVL, sigmas.dvl_late_s, DVL_LATE),
+        (ClockedSensor.PRESSURE, sigmas.pressure_late_s, PRESSURE_LATE),
     ):
         by_delay = found.error_model.by_error[:, :3, column]
         shift_m = late_s * float(np.linalg.norm(by_delay, axis=1).max())

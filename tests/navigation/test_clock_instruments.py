@@ -14,16 +14,16 @@ from navigation.wall_dive import AlongWall, late, logs_along_wall
 
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.clocks.comparisons import (
-    Comparison,
+    ClockComparison,
+    ClockedSensor,
     ImageMotions,
-    Sensor,
     compare_depth,
     compare_directions,
     compare_hull_turns,
     compare_turns,
     hull_normals,
 )
-from hullrecon.navigation.clocks.time_offsets import Refined, refine, weigh
+from hullrecon.navigation.clocks.time_offsets import Refined, refine, weigh_comparisons
 from hullrecon.navigation.sensors.attitude import attitude_history
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import usable_velocities
@@ -103,14 +103,16 @@ def test_a_dvl_of_no_or_two_beams_has_no_normals():
     ].shape == (0, 3)
 
 
-def refined(comparison: Comparison, offsets: dict[Sensor, float] | None = None) -> Refined:
-    (evidence,) = weigh([comparison])
+def refined(
+    comparison: ClockComparison, offsets: dict[ClockedSensor, float] | None = None
+) -> Refined:
+    (evidence,) = weigh_comparisons([comparison])
     return refine(evidence, offsets or {comparison.first: evidence.minima_s[0]})
 
 
 @pytest.mark.parametrize("seconds", [0.0, 1.0, -0.7])
 def test_hull_stands_still_at_the_offset_of_the_imu(logged, attitude, seconds):
-    moved = late(logged, Sensor.DVL, -seconds)
+    moved = late(logged, ClockedSensor.DVL, -seconds)
     found = refined(compare_hull_turns(moved.dvl, attitude, servo(logged.tray, START_NS), RIG))
     sigma_s = np.sqrt(found.variance)
     assert found.relative_s == pytest.approx(seconds, abs=4 * sigma_s)
@@ -119,7 +121,7 @@ def test_hull_stands_still_at_the_offset_of_the_imu(logged, attitude, seconds):
 
 @pytest.mark.parametrize("seconds", [0.0, 1.0, -0.7])
 def test_depth_follows_the_dvl_at_the_offset_of_the_pressure(logged, attitude, seconds):
-    moved, joint = late(logged, Sensor.PRESSURE, seconds), servo(logged.tray, START_NS)
+    moved, joint = late(logged, ClockedSensor.PRESSURE, seconds), servo(logged.tray, START_NS)
     found = refined(compare_depth(logged.dvl, attitude, moved.pressure, joint, RIG))
     sigma_s = np.sqrt(found.variance)
     assert found.relative_s == pytest.approx(seconds, abs=4 * sigma_s)
@@ -128,10 +130,10 @@ def test_depth_follows_the_dvl_at_the_offset_of_the_pressure(logged, attitude, s
 
 def test_depth_of_late_dvl_is_levelled_by_attitude_of_its_time(logged, attitude):
     """With the attitude of its stamps, the DVL's offset comes out wrong."""
-    moved, joint = late(logged, Sensor.DVL, 1.5), servo(logged.tray, START_NS)
+    moved, joint = late(logged, ClockedSensor.DVL, 1.5), servo(logged.tray, START_NS)
     depth = compare_depth(moved.dvl, attitude, logged.pressure, joint, RIG)
-    right = refined(depth, {Sensor.DVL: 1.5})
-    wrong = refined(depth, {Sensor.PRESSURE: -1.5})
+    right = refined(depth, {ClockedSensor.DVL: 1.5})
+    wrong = refined(depth, {ClockedSensor.PRESSURE: -1.5})
     assert right.relative_s == pytest.approx(-1.5, abs=4 * np.sqrt(right.variance))
     assert abs(wrong.relative_s + 1.5) > abs(right.relative_s + 1.5)
 

@@ -15,7 +15,7 @@ from navigation.instruments import RIG, SIGMAS
 from navigation.wall_dive import STREAMS, AlongWall, late, logs_along_wall, unsteady
 
 from hullrecon.geometry import poses
-from hullrecon.navigation.clocks.comparisons import Comparison, Sensor
+from hullrecon.navigation.clocks.comparisons import ClockComparison, ClockedSensor
 from hullrecon.navigation.clocks.synchronise import (
     Synchronised,
     _pauses,
@@ -27,9 +27,9 @@ from hullrecon.navigation.clocks.synchronise import (
 from hullrecon.navigation.clocks.time_offsets import (
     UNCHECKED_S,
     TimeOffset,
-    explain,
+    find_wrong_clocks,
     segments,
-    weigh,
+    weigh_comparisons,
 )
 from hullrecon.navigation.dead_reckoning.dead_reckon import NavigationLogs
 from hullrecon.navigation.navigate import reckon_dive
@@ -70,7 +70,7 @@ def put_right(logs: NavigationLogs, measure=None) -> Synchronised:
     return synchronise(logs, RIG, 0.002, measure)
 
 
-def off_s(found: Synchronised, true: NavigationLogs, sensor: Sensor) -> float:
+def off_s(found: Synchronised, true: NavigationLogs, sensor: ClockedSensor) -> float:
     """By how much the stamps are off in the median."""
     ours, stamps = (getattr(logs, STREAMS[sensor]).t_ns for logs in (found.logs, true))
     return float(np.median(np.abs(ours - stamps))) * 1e-9
@@ -86,7 +86,8 @@ def test_clocks_that_agree_are_left_alone(logged, measure):
 
 
 @pytest.mark.parametrize(
-    ("sensor", "seconds"), [(Sensor.DVL, 0.6), (Sensor.IMU, -1.5), (Sensor.PRESSURE, 0.6)]
+    ("sensor", "seconds"),
+    [(ClockedSensor.DVL, 0.6), (ClockedSensor.IMU, -1.5), (ClockedSensor.PRESSURE, 0.6)],
 )
 def test_wrong_clock_is_found_by_hull_and_depth(logged, sensor, seconds):
     found = put_right(late(logged, sensor, seconds))
@@ -98,11 +99,11 @@ def test_wrong_clock_is_found_by_hull_and_depth(logged, sensor, seconds):
 @pytest.mark.parametrize(
     ("sensor", "seconds"),
     [
-        (Sensor.DVL, -1.5),
-        (Sensor.IMU, 0.6),
-        (Sensor.PRESSURE, -1.5),
-        (Sensor.IMAGES, 0.6),
-        (Sensor.IMAGES, 37.0),
+        (ClockedSensor.DVL, -1.5),
+        (ClockedSensor.IMU, 0.6),
+        (ClockedSensor.PRESSURE, -1.5),
+        (ClockedSensor.IMAGES, 0.6),
+        (ClockedSensor.IMAGES, 37.0),
     ],
 )
 def test_wrong_clock_is_found_by_images(logged, measure, sensor, seconds):
@@ -127,7 +128,9 @@ def felt() -> NavigationLogs:
     return replace(logs, imu=replace(logs.imu, acceleration=felt))
 
 
-@pytest.mark.parametrize(("sensor", "seconds"), [(Sensor.DVL, 0.4), (Sensor.IMU, -3.0)])
+@pytest.mark.parametrize(
+    ("sensor", "seconds"), [(ClockedSensor.DVL, 0.4), (ClockedSensor.IMU, -3.0)]
+)
 def test_wrong_clock_of_a_short_dive_is_found_by_accelerations(felt, sensor, seconds):
     found = put_right(late(felt, sensor, seconds))
     assert [offset.sensor for offset in found.offsets] == [sensor]
@@ -141,26 +144,28 @@ def blind(logs: NavigationLogs) -> NavigationLogs:
 
 
 def test_what_is_left_of_a_delay_is_as_large_as_the_evidence_leaves_it(felt):
-    assert put_right(felt).left_s[Sensor.DVL] < 0.07
-    assert put_right(blind(felt)).left_s[Sensor.DVL] == pytest.approx(UNCHECKED_S)
+    assert put_right(felt).left_s[ClockedSensor.DVL] < 0.07
+    assert put_right(blind(felt)).left_s[ClockedSensor.DVL] == pytest.approx(UNCHECKED_S)
 
 
 @pytest.mark.parametrize("seconds", [0.08, -0.08])
 def test_delay_too_small_to_put_right_is_held_by_what_is_left(felt, seconds):
-    found = put_right(late(felt, Sensor.DVL, seconds))
-    assert found.offsets or abs(seconds) < 3 * found.left_s[Sensor.DVL]
+    found = put_right(late(felt, ClockedSensor.DVL, seconds))
+    assert found.offsets or abs(seconds) < 3 * found.left_s[ClockedSensor.DVL]
 
 
 def test_clock_that_runs_fast_is_held_by_what_is_left(felt):
     since_s = (felt.dvl.t_ns - felt.dvl.t_ns[0]) * 1e-9
     t_ns = felt.dvl.t_ns + np.round(0.01e9 * (since_s - since_s.mean())).astype(np.int64)
     found = put_right(replace(felt, dvl=replace(felt.dvl, t_ns=t_ns)))
-    assert found.left_s[Sensor.DVL] > 0.5 * 0.01 * since_s[-1] / np.sqrt(12)
+    assert found.left_s[ClockedSensor.DVL] > 0.5 * 0.01 * since_s[-1] / np.sqrt(12)
 
 
 def test_sigma_of_a_path_without_evidence_holds_a_late_dvl(felt):
     """0.1 s late: nothing tells, and the path is as far off as its sigma says."""
-    right, off = (reckon_dive(blind(of), RIG, SIGMAS) for of in (felt, late(felt, Sensor.DVL, 0.1)))
+    right, off = (
+        reckon_dive(blind(of), RIG, SIGMAS) for of in (felt, late(felt, ClockedSensor.DVL, 0.1))
+    )
     at = right.trajectory.t_ns
     moved = [np.interp(at, off.trajectory.t_ns, axis) for axis in off.trajectory.translation.T]
     error = np.stack(moved, axis=1) - right.trajectory.translation
@@ -179,32 +184,32 @@ def test_accelerations_do_not_accuse_clocks_that_agree(felt):
 
 @pytest.mark.parametrize("seconds", [-6.0, 37.0])
 def test_imu_off_by_many_seconds_is_found_without_images(logged, seconds):
-    found = put_right(late(logged, Sensor.IMU, seconds))
-    assert [offset.sensor for offset in found.offsets] == [Sensor.IMU]
-    assert off_s(found, logged, Sensor.IMU) < 0.15
+    found = put_right(late(logged, ClockedSensor.IMU, seconds))
+    assert [offset.sensor for offset in found.offsets] == [ClockedSensor.IMU]
+    assert off_s(found, logged, ClockedSensor.IMU) < 0.15
 
 
 @pytest.mark.parametrize("seconds", [70.0, -90.0])
 def test_imu_off_by_over_a_minute_is_left_alone(logged, seconds):
-    assert put_right(late(logged, Sensor.IMU, seconds)).offsets == []
+    assert put_right(late(logged, ClockedSensor.IMU, seconds)).offsets == []
 
 
 def test_offset_that_fits_by_chance_is_not_taken(monkeypatch):
     """In this swell one of 57 s explains the turns better than all others up to two minutes."""
     monkeypatch.setattr("navigation.wall_dive.unsteady", partial(unsteady, seed=1))
-    assert put_right(late(logs_along_wall(AlongWall(RIG)), Sensor.IMU, 140.0)).offsets == []
+    assert put_right(late(logs_along_wall(AlongWall(RIG)), ClockedSensor.IMU, 140.0)).offsets == []
 
 
 def test_dvl_late_by_a_fifth_of_a_second_is_found(logged, measure):
-    found = put_right(late(logged, Sensor.DVL, 0.2), measure)
+    found = put_right(late(logged, ClockedSensor.DVL, 0.2), measure)
     assert [(one.sensor, one.relative_to) for one in found.offsets] == [
-        (Sensor.DVL, (Sensor.IMU, Sensor.PRESSURE, Sensor.IMAGES))
+        (ClockedSensor.DVL, (ClockedSensor.IMU, ClockedSensor.PRESSURE, ClockedSensor.IMAGES))
     ]
-    assert off_s(found, logged, Sensor.DVL) < 0.06
+    assert off_s(found, logged, ClockedSensor.DVL) < 0.06
 
 
 @pytest.mark.parametrize("seen", [False, True], ids=["no images", "images"])
-@pytest.mark.parametrize("sensor", [Sensor.DVL, Sensor.IMU])
+@pytest.mark.parametrize("sensor", [ClockedSensor.DVL, ClockedSensor.IMU])
 def test_clock_that_jumps_is_wrong_from_there_on(logged, measure, sensor, seen):
     found = put_right(late(logged, sensor, 2.0, from_s=120.0), measure if seen else None)
     (one,) = found.offsets
@@ -216,16 +221,16 @@ def test_clock_that_jumps_is_wrong_from_there_on(logged, measure, sensor, seen):
 
 def test_images_late_by_a_fifth_are_moved_within_their_sigma(logged, measure):
     """Over eight draws of the noise they came out 175 to 216 ms late, with sigmas of 13 to 17."""
-    (found,) = put_right(late(logged, Sensor.IMAGES, 0.2), measure).offsets
-    assert found.sensor is Sensor.IMAGES
+    (found,) = put_right(late(logged, ClockedSensor.IMAGES, 0.2), measure).offsets
+    assert found.sensor is ClockedSensor.IMAGES
     assert abs(found.seconds - 0.2) < 3 * found.sigma_s
     assert found.sigma_s < 0.02
 
 
 def test_dvl_is_compared_with_imu_alone(logged):
-    found = put_right(replace(late(logged, Sensor.DVL, 0.8), pressure=None))
+    found = put_right(replace(late(logged, ClockedSensor.DVL, 0.8), pressure=None))
     assert [(offset.sensor, offset.relative_to) for offset in found.offsets] == [
-        (Sensor.DVL, (Sensor.IMU,))
+        (ClockedSensor.DVL, (ClockedSensor.IMU,))
     ]
 
 
@@ -242,7 +247,7 @@ def without_ranges(logs: NavigationLogs) -> NavigationLogs:
 
 def test_which_of_two_clocks_is_wrong_is_not_guessed():
     level = without_ranges(logs_along_wall(LevelAlongWall(RIG)))
-    found = put_right(late(level, Sensor.DVL, 0.8))
+    found = put_right(late(level, ClockedSensor.DVL, 0.8))
     assert found.offsets == []
     assert len(found.remarks) == 1
     assert re.search(r"DVL and pressure: their clocks part by 0\.[6-9]\d s", found.remarks[0])
@@ -250,9 +255,9 @@ def test_which_of_two_clocks_is_wrong_is_not_guessed():
 
 
 def test_levelled_velocity_shows_dvl_offset_without_ranges(logged):
-    found = put_right(late(without_ranges(logged), Sensor.DVL, 0.8))
-    assert [one.sensor for one in found.offsets] == [Sensor.DVL]
-    assert off_s(found, logged, Sensor.DVL) < 0.15
+    found = put_right(late(without_ranges(logged), ClockedSensor.DVL, 0.8))
+    assert [one.sensor for one in found.offsets] == [ClockedSensor.DVL]
+    assert off_s(found, logged, ClockedSensor.DVL) < 0.15
 
 
 def test_vehicle_at_rest_shows_no_offset(logged, measure):
@@ -267,24 +272,24 @@ def test_vehicle_at_rest_shows_no_offset(logged, measure):
             logged.imu, quaternion=np.tile(logged.imu.quaternion[:1], (len(logged.imu.t_ns), 1))
         ),
     )
-    assert put_right(late(still, Sensor.DVL, 0.8)).offsets == []
-    assert put_right(late(still, Sensor.DVL, 0.8), lambda first, second: None).offsets == []
+    assert put_right(late(still, ClockedSensor.DVL, 0.8)).offsets == []
+    assert put_right(late(still, ClockedSensor.DVL, 0.8), lambda first, second: None).offsets == []
 
 
 def test_images_without_motion_leave_hull_and_depth(logged):
-    late_dvl = late(logged, Sensor.DVL, 0.8)
+    late_dvl = late(logged, ClockedSensor.DVL, 0.8)
     found = put_right(late_dvl)
     assert put_right(late_dvl, lambda first, second: None).offsets == found.offsets
-    assert [one.sensor for one in found.offsets] == [Sensor.DVL]
+    assert [one.sensor for one in found.offsets] == [ClockedSensor.DVL]
 
 
 def test_two_clocks_late_by_the_same_are_found(logged, measure):
     """Two and two: those with the IMU are taken to be right."""
-    both = late(late(logged, Sensor.IMAGES, 0.9), Sensor.PRESSURE, 0.9)
+    both = late(late(logged, ClockedSensor.IMAGES, 0.9), ClockedSensor.PRESSURE, 0.9)
     found = put_right(both, measure)
-    assert {one.sensor for one in found.offsets} == {Sensor.PRESSURE, Sensor.IMAGES}
-    assert off_s(found, logged, Sensor.IMAGES) < 0.05
-    assert off_s(found, logged, Sensor.PRESSURE) < 0.2
+    assert {one.sensor for one in found.offsets} == {ClockedSensor.PRESSURE, ClockedSensor.IMAGES}
+    assert off_s(found, logged, ClockedSensor.IMAGES) < 0.05
+    assert off_s(found, logged, ClockedSensor.PRESSURE) < 0.2
 
 
 def test_pauses_without_a_jump_change_nothing(logged, measure):
@@ -311,7 +316,7 @@ def without_pings(logs: NavigationLogs, *spans: tuple[float, float]) -> Navigati
     return replace(logs, dvl=replace(logs.dvl, **rows))
 
 
-@pytest.mark.parametrize("sensor", [Sensor.DVL, Sensor.IMU, Sensor.PRESSURE])
+@pytest.mark.parametrize("sensor", [ClockedSensor.DVL, ClockedSensor.IMU, ClockedSensor.PRESSURE])
 def test_late_clock_is_corrected_across_pauses(logged, sensor):
     """Stretches of less than a minute tell nothing by themselves."""
     true = without_pings(logged, (60, 62), (120, 122), (190, 192))
@@ -323,51 +328,53 @@ def test_late_clock_is_corrected_across_pauses(logged, sensor):
 
 def test_late_pressure_is_corrected_in_a_short_segment(logged, measure):
     true = without_pings(logged, (200, 202))
-    found = put_right(late(true, Sensor.PRESSURE, 1.5), measure)
+    found = put_right(late(true, ClockedSensor.PRESSURE, 1.5), measure)
     assert np.abs(found.logs.pressure.t_ns - true.pressure.t_ns).max() < 0.2e9
 
 
 def test_short_segment_before_a_jump_is_left_alone(logged):
     """It is too short to tell a shift, and yet says that the one behind the jump is not its own."""
-    found = put_right(late(logged, Sensor.IMU, 2.0, from_s=40.0))
-    assert [offset.sensor for offset in found.offsets] == [Sensor.IMU]
+    found = put_right(late(logged, ClockedSensor.IMU, 2.0, from_s=40.0))
+    assert [offset.sensor for offset in found.offsets] == [ClockedSensor.IMU]
     before = logged.imu.t_ns < START_NS + 40 * 10**9
     np.testing.assert_array_equal(found.logs.imu.t_ns[before], logged.imu.t_ns[before])
     assert np.abs(found.logs.imu.t_ns - logged.imu.t_ns).max() < 0.15e9
 
 
-def offset(sensor: Sensor, begin_s: float, end_s: float, seconds: float) -> TimeOffset:
+def offset(sensor: ClockedSensor, begin_s: float, end_s: float, seconds: float) -> TimeOffset:
     return TimeOffset(
         sensor=sensor,
         from_ns=round(begin_s * 1e9),
         to_ns=round(end_s * 1e9),
         seconds=seconds,
         sigma_s=0.01,
-        relative_to=(Sensor.IMU,),
+        relative_to=(ClockedSensor.IMU,),
     )
 
 
 def test_offsets_of_one_sensor_are_one_sentence():
     words = describe_offsets(
         [
-            offset(Sensor.DVL, 0, 5, 0.5),
-            offset(Sensor.DVL, 5, 9, 2.5),
-            offset(Sensor.IMU, 0, 9, -0.4),
+            offset(ClockedSensor.DVL, 0, 5, 0.5),
+            offset(ClockedSensor.DVL, 5, 9, 2.5),
+            offset(ClockedSensor.IMU, 0, 9, -0.4),
         ]
     )
     assert words[0].startswith("DVL: the clock is 0.50 s late (sigma 0.010 s) from 1970-01-01T00:")
     assert "Z to 1970-01-01T00:00:05.000Z, 2.50 s late" in words[0]
     assert words[1].startswith("IMU: the clock is 0.40 s early")
-    assert words[1].endswith("relative to that of IMU; the stamps were put right")
+    assert words[0].endswith("relative to that of IMU; the stamps were put right")
+    assert words[1].endswith("put right, as imu.time_offset higher by 0.40 does for a whole log")
     three = replace(
-        offset(Sensor.DVL, 0, 5, 0.5), relative_to=(Sensor.IMU, Sensor.PRESSURE, Sensor.IMAGES)
+        offset(ClockedSensor.DVL, 0, 5, 0.5),
+        relative_to=(ClockedSensor.IMU, ClockedSensor.PRESSURE, ClockedSensor.IMAGES),
     )
     assert "relative to those of IMU, pressure and images;" in describe_offsets([three])[0]
 
 
 @pytest.mark.parametrize("lower", ["shares the clock", "has its own"])
 def test_lower_camera_moves_where_it_shares_the_clock(logged, measure, lower):
-    moved = late(logged, Sensor.IMAGES, 1.5)
+    moved = late(logged, ClockedSensor.IMAGES, 1.5)
     bottom = moved.top if lower == "shares the clock" else logged.top
     found = put_right(replace(moved, bottom=bottom), measure).logs
     assert np.abs(found.bottom.t_ns - logged.top.t_ns).max() < 0.06e9
@@ -401,17 +408,17 @@ def apart(shift: float) -> np.ndarray:
     return unsteady(t)[:, :1] + noise - unsteady(t + shift - 0.7)[:, :1]
 
 
-def comparison(residuals) -> Comparison:
+def comparison(residuals) -> ClockComparison:
     """Pressure relative to the DVL."""
     rows = np.arange(240)
 
     def evaluate(offsets, rows):
-        shift = offsets.get(Sensor.PRESSURE, 0.0) - offsets.get(Sensor.DVL, 0.0)
+        shift = offsets.get(ClockedSensor.PRESSURE, 0.0) - offsets.get(ClockedSensor.DVL, 0.0)
         return residuals(shift)[rows]
 
-    return Comparison(
-        first=Sensor.PRESSURE,
-        second=Sensor.DVL,
+    return ClockComparison(
+        first=ClockedSensor.PRESSURE,
+        second=ClockedSensor.DVL,
         systematic_s=0.001,
         begin_ns=rows,
         end_ns=rows,
@@ -423,20 +430,23 @@ def comparison(residuals) -> Comparison:
 
 
 def test_offset_of_a_signal_is_found_with_its_sigma():
-    first, second = explain(weigh([comparison(apart)]))
-    assert {first.wrong, second.wrong} == {(Sensor.PRESSURE,), (Sensor.DVL,)}
-    pressure = first if first.wrong == (Sensor.PRESSURE,) else second
-    sigma_s = pressure.sigma_s[Sensor.PRESSURE]
-    assert pressure.offsets[Sensor.PRESSURE] == pytest.approx(0.7, abs=4 * sigma_s)
+    first, second = find_wrong_clocks(weigh_comparisons([comparison(apart)]))
+    assert {first.wrong, second.wrong} == {(ClockedSensor.PRESSURE,), (ClockedSensor.DVL,)}
+    pressure = first if first.wrong == (ClockedSensor.PRESSURE,) else second
+    sigma_s = pressure.sigma_s[ClockedSensor.PRESSURE]
+    assert pressure.offsets[ClockedSensor.PRESSURE] == pytest.approx(0.7, abs=4 * sigma_s)
     assert 0.002 < sigma_s < 0.03
     dvl = second if pressure is first else first
-    assert dvl.offsets[Sensor.DVL] == pytest.approx(-0.7, abs=4 * sigma_s)
+    assert dvl.offsets[ClockedSensor.DVL] == pytest.approx(-0.7, abs=4 * sigma_s)
 
 
 def test_far_offset_is_found_and_one_beyond_reach_is_not():
-    far = explain(weigh([comparison(lambda shift: apart(shift - 30))]))
+    far = find_wrong_clocks(weigh_comparisons([comparison(lambda shift: apart(shift - 30))]))
     assert abs(far[0].offsets[far[0].wrong[0]]) == pytest.approx(30.7, abs=0.1)
-    assert [one.wrong for one in explain(weigh([comparison(lambda s: apart(s - 300))]))] == [()]
+    assert [
+        one.wrong
+        for one in find_wrong_clocks(weigh_comparisons([comparison(lambda s: apart(s - 300))]))
+    ] == [()]
 
 
 def test_rows_without_data_speak_for_no_offset():
@@ -448,7 +458,7 @@ def test_rows_without_data_speak_for_no_offset():
         found[(t + shift < 0) | (t + shift > 120)] = np.nan
         return found
 
-    found = explain(weigh([comparison(ended)]))[0]
+    found = find_wrong_clocks(weigh_comparisons([comparison(ended)]))[0]
     assert abs(found.offsets[found.wrong[0]]) == pytest.approx(
         0.7, abs=4 * found.sigma_s[found.wrong[0]]
     )
@@ -456,15 +466,17 @@ def test_rows_without_data_speak_for_no_offset():
 
 def test_noise_has_no_offset():
     noise = np.random.default_rng(2).standard_normal((240, 2))
-    assert [one.wrong for one in explain(weigh([comparison(lambda shift: noise)]))] == [()]
-    assert weigh([comparison(lambda shift: np.full((240, 2), np.nan))]) == []
+    assert [
+        one.wrong for one in find_wrong_clocks(weigh_comparisons([comparison(lambda shift: noise)]))
+    ] == [()]
+    assert weigh_comparisons([comparison(lambda shift: np.full((240, 2), np.nan))]) == []
 
 
 def test_stamps_are_corrected_in_segment_and_sensor_only():
-    wrong = replace(offset(Sensor.IMU, 0, 0, -1e-9), from_ns=10, to_ns=20)
+    wrong = replace(offset(ClockedSensor.IMU, 0, 0, -1e-9), from_ns=10, to_ns=20)
     t_ns = np.array([5, 10, 15, 20, 25])
-    assert corrected_stamps(t_ns, [wrong], Sensor.IMU).tolist() == [5, 11, 16, 21, 25]
-    assert corrected_stamps(t_ns, [wrong], Sensor.DVL).tolist() == t_ns.tolist()
+    assert corrected_stamps(t_ns, [wrong], ClockedSensor.IMU).tolist() == [5, 11, 16, 21, 25]
+    assert corrected_stamps(t_ns, [wrong], ClockedSensor.DVL).tolist() == t_ns.tolist()
 
 
 def test_offsets_have_the_fields_of_navigation_json():

@@ -10,11 +10,16 @@ import numpy as np
 from navigation.conftest import JANUS, START_NS, SimulatedPath
 
 from hullrecon.geometry import poses
-from hullrecon.navigation.clocks.comparisons import Sensor
+from hullrecon.navigation.clocks.comparisons import ClockedSensor
 from hullrecon.navigation.dead_reckoning.dead_reckon import NavigationLogs
 
 WALL_M = 1.4
-STREAMS = {Sensor.DVL: "dvl", Sensor.IMU: "imu", Sensor.PRESSURE: "pressure", Sensor.IMAGES: "top"}
+STREAMS = {
+    ClockedSensor.DVL: "dvl",
+    ClockedSensor.IMU: "imu",
+    ClockedSensor.PRESSURE: "pressure",
+    ClockedSensor.IMAGES: "top",
+}
 
 
 def unsteady(t: np.ndarray, seed: int = 11) -> np.ndarray:
@@ -59,7 +64,7 @@ def logs_along_wall(swum: AlongWall) -> NavigationLogs:
 
 
 def late(
-    logs: NavigationLogs, sensor: Sensor, seconds: float, from_s: float = -10.0
+    logs: NavigationLogs, sensor: ClockedSensor, seconds: float, from_s: float = -10.0
 ) -> NavigationLogs:
     stream = getattr(logs, STREAMS[sensor])
     t_ns = stream.t_ns + np.where(stream.t_ns >= START_NS + from_s * 1e9, round(seconds * 1e9), 0)

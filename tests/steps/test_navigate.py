@@ -18,7 +18,7 @@ from hullrecon.artifacts.stage import load_arrays, settings_for
 from hullrecon.dive.config import schema
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import CameraModel
-from hullrecon.navigation.clocks.comparisons import Sensor
+from hullrecon.navigation.clocks.comparisons import ClockedSensor
 from hullrecon.navigation.sigmas import sigmas_from_settings
 from hullrecon.records.sensors import (
     DvlPings,
@@ -158,7 +158,7 @@ def test_twice_the_same_input_gives_the_same_bytes(ingest: Path, tmp_path: Path)
 def test_a_dvl_whose_clock_is_late_is_put_right_and_said(ingest: Path, tmp_path: Path) -> None:
     logs = logs_along_wall(AlongWall(RIG, duration_s=100.0))
     for name, record in (
-        ("dvl", late(logs, Sensor.DVL, 0.8).dvl),
+        ("dvl", late(logs, ClockedSensor.DVL, 0.8).dvl),
         ("imu", logs.imu),
         ("pressure", logs.pressure),
     ):

@@ -58,7 +58,7 @@ LEAST_BEAMS = 3
 SMOOTH_S = 0.3  # of the pressure
 
 
-class Sensor(StrEnum):
+class ClockedSensor(StrEnum):
     """Sensors with a clock of their own. Both cameras share one clock."""
 
     DVL = "DVL"
@@ -67,16 +67,16 @@ class Sensor(StrEnum):
     IMAGES = "images"
 
 
-Offsets = Mapping[Sensor, float]  # by which stamps are late, s; 0 where not named
+Offsets = Mapping[ClockedSensor, float]  # by which stamps are late, s; 0 where not named
 Span = tuple[int, int]  # first and last instant, ns
 
 
 @dataclass(frozen=True, kw_only=True)
-class Comparison:
+class ClockComparison:
     """Residuals of two sensors' measurements of one motion, as a function of time offsets."""
 
-    first: Sensor
-    second: Sensor
+    first: ClockedSensor
+    second: ClockedSensor
     systematic_s: float  # sigma of the relative offset's error that no number of rows reduces
     begin_ns: Ints  # (n,) of the rows
     end_ns: Ints  # (n,)
@@ -89,7 +89,7 @@ class Comparison:
     def residuals(self, offsets: Offsets) -> Array:
         return self.evaluate(offsets, self.rows)
 
-    def within(self, span: Span) -> Comparison:
+    def within(self, span: Span) -> ClockComparison:
         """Keep the rows between two instants."""
         kept = np.flatnonzero((self.begin_ns >= span[0]) & (self.end_ns <= span[1]))
         cut = {name: getattr(self, name)[kept] for name in ("begin_ns", "end_ns", "block", "rows")}
@@ -117,7 +117,7 @@ class ImageMotions:
 
 def compare_turns(
     motions: ImageMotions, attitude: AttitudeHistory, servo: Servo, rig: Rig
-) -> Comparison:
+) -> ClockComparison:
     """Compare attitude and images by the camera's turns."""
     tray_from_top = rig.tray_from(Camera.TOP).rotation
     axis = tray_from_top.inv().apply(TRAY_AXIS)
@@ -125,7 +125,7 @@ def compare_turns(
     attitude_at, seen = _lookup(attitude), motions.second_from_first.rotation.inv()
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
-        shift_ns = _shift_ns(offsets, Sensor.IMU, Sensor.IMAGES)
+        shift_ns = _shift_ns(offsets, ClockedSensor.IMU, ClockedSensor.IMAGES)
         t_ns = np.concatenate([motions.first_ns[rows], motions.second_ns[rows]]) + shift_ns
         tray = tray_poses(rig.tray_origin, servo.angle_at(t_ns)).rotation
         camera = attitude_at(t_ns) * tray * tray_from_top
@@ -134,12 +134,12 @@ def compare_turns(
         turn[_outside(motions, rows, shift_ns, attitude.t_ns)] = np.nan
         return np.asarray((turn - (turn * axis).sum(axis=1, keepdims=True) * axis) / sigma[rows])
 
-    return _of_motions(motions, Sensor.IMU, TURN_S, evaluate)
+    return _of_motions(motions, ClockedSensor.IMU, TURN_S, evaluate)
 
 
 def compare_directions(
     motions: ImageMotions, velocities: Velocities, rig: Rig
-) -> Comparison | None:
+) -> ClockComparison | None:
     """Compare DVL and images by the camera's directions of motion.
 
     Both sit on the tray, so that no attitude is needed. What the lever arm between them sweeps
@@ -169,7 +169,7 @@ def compare_directions(
     by_mount = np.eye(3) - seen[:, :, None] * seen[:, None, :]
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
-        shift_ns = _shift_ns(offsets, Sensor.DVL, Sensor.IMAGES)
+        shift_ns = _shift_ns(offsets, ClockedSensor.DVL, ClockedSensor.IMAGES)
         aside = np.cross(seen[rows], _directions(step(shift_ns / NS, rows)))
         unknown = _outside(motions, rows, shift_ns, velocities.t_ns)
         aside[unknown] = 0.0
@@ -181,7 +181,7 @@ def compare_directions(
         found[unknown] = np.nan
         return np.asarray(found)
 
-    return _of_motions(motions, Sensor.DVL, DIRECTION_S, evaluate)
+    return _of_motions(motions, ClockedSensor.DVL, DIRECTION_S, evaluate)
 
 
 def compare_depth(
@@ -190,7 +190,7 @@ def compare_depth(
     pressure: PressureSamples,
     servo: Servo,
     rig: Rig,
-) -> Comparison | None:
+) -> ClockComparison | None:
     """Compare pressure sensor and DVL by the depth.
 
     The attitude that levels the DVL's velocity is looked up at the IMU's offset. None without pings
@@ -219,19 +219,21 @@ def compare_depth(
         return np.asarray(found)
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
-        at_s = t_s + _shift_ns(offsets, Sensor.PRESSURE, Sensor.DVL) / NS
+        at_s = t_s + _shift_ns(offsets, ClockedSensor.PRESSURE, ClockedSensor.DVL) / NS
         depth = np.interp(at_s, read_s, smooth)
         depth[(at_s < read_s[0]) | (at_s > read_s[-1])] = np.nan
-        apart = (depth - sunk(_shift_ns(offsets, Sensor.IMU, Sensor.DVL)))[triples[rows]]
+        apart = (depth - sunk(_shift_ns(offsets, ClockedSensor.IMU, ClockedSensor.DVL)))[
+            triples[rows]
+        ]
         return np.asarray((apart[:, 0] - 2 * apart[:, 1] + apart[:, 2])[:, None])
 
-    found = _compare_with_dvl(t_ns, triples, Sensor.PRESSURE, DEPTH_S, evaluate)
+    found = _compare_with_dvl(t_ns, triples, ClockedSensor.PRESSURE, DEPTH_S, evaluate)
     return replace(found, least_blocks=LEAST_DEPTH_BLOCKS)
 
 
 def compare_hull_turns(
     dvl: DvlPings, attitude: AttitudeHistory, servo: Servo, rig: Rig
-) -> Comparison | None:
+) -> ClockComparison | None:
     """Compare attitude and DVL by the apparent turns of the hull, which stands still.
 
     None without pings that show the hull's normal.
@@ -247,19 +249,19 @@ def compare_hull_turns(
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
         of = of_used[rows]
-        at_ns = used_ns + _shift_ns(offsets, Sensor.IMU, Sensor.DVL)
+        at_ns = used_ns + _shift_ns(offsets, ClockedSensor.IMU, ClockedSensor.DVL)
         global_from_vehicle = attitude_at(at_ns)
         seen, axis = (global_from_vehicle.apply(vectors) for vectors in (in_vehicle, TRAY_AXIS))
         seen[(at_ns < attitude.t_ns[0]) | (at_ns > attitude.t_ns[-1])] = np.nan
         bend = seen[of[:, 0]] - 2 * seen[of[:, 1]] + seen[of[:, 2]]
         return np.asarray((bend * axis[of[:, 1]]).sum(axis=1, keepdims=True))
 
-    return _compare_with_dvl(t_ns, triples, Sensor.IMU, HULL_S, evaluate)
+    return _compare_with_dvl(t_ns, triples, ClockedSensor.IMU, HULL_S, evaluate)
 
 
 def compare_pushes(
     dvl: DvlPings, imu: ImuSamples, attitude: AttitudeHistory, servo: Servo, rig: Rig
-) -> Comparison | None:
+) -> ClockComparison | None:
     """Compare IMU and DVL by the change of the DVL's velocity.
 
     None without pings, or without accelerations that hold gravity.
@@ -276,7 +278,7 @@ def compare_pushes(
     attitude_at = _lookup(attitude)
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
-        shift_ns = _shift_ns(offsets, Sensor.IMU, Sensor.DVL)
+        shift_ns = _shift_ns(offsets, ClockedSensor.IMU, ClockedSensor.DVL)
         at_ns, at_s = t_ns + shift_ns, t_s + shift_ns / NS
         level = attitude_at(at_ns)
         swept = np.gradient(level.apply(lever), t_s, axis=0)
@@ -287,7 +289,7 @@ def compare_pushes(
     moved = attitude_at(t_ns).apply(velocity)
     if is_still(*(_second_difference(of, triples) for of in (pushed.at(t_s), moved))):
         return None  # gravity alone: filtered, as the vertical of an attitude
-    found = _compare_with_dvl(t_ns, triples, Sensor.IMU, PUSH_S, evaluate)
+    found = _compare_with_dvl(t_ns, triples, ClockedSensor.IMU, PUSH_S, evaluate)
     block = (found.begin_ns - t_ns[0]) // round(PUSHED_BLOCK_S * NS)
     return replace(found, block=np.asarray(block, np.int64))
 
@@ -319,14 +321,14 @@ def hull_normals(dvl: DvlPings) -> tuple[Ints, Array]:
 
 def _of_motions(
     motions: ImageMotions,
-    first: Sensor,
+    first: ClockedSensor,
     systematic_s: float,
     evaluate: Callable[[Offsets, Ints], Array],
-) -> Comparison:
+) -> ClockComparison:
     rows = np.arange(len(motions))
-    return Comparison(
+    return ClockComparison(
         first=first,
-        second=Sensor.IMAGES,
+        second=ClockedSensor.IMAGES,
         systematic_s=systematic_s,
         begin_ns=motions.first_ns,
         end_ns=motions.second_ns,
@@ -340,18 +342,18 @@ def _of_motions(
 def _compare_with_dvl(
     t_ns: Ints,
     triples: Ints,
-    first: Sensor,
+    first: ClockedSensor,
     systematic_s: float,
     evaluate: Callable[[Offsets, Ints], Array],
-) -> Comparison:
+) -> ClockComparison:
     """Make a comparison with the DVL from triples of pings (m, 3), rows of t_ns.
 
     Errors are common within BLOCK_S.
     """
     begin_ns = t_ns[triples[:, 0]]
-    return Comparison(
+    return ClockComparison(
         first=first,
-        second=Sensor.DVL,
+        second=ClockedSensor.DVL,
         systematic_s=systematic_s,
         begin_ns=begin_ns,
         end_ns=t_ns[triples[:, 2]],
@@ -398,7 +400,7 @@ def _second_difference(values: Array, triples: Ints) -> Array:
     return np.asarray(first - 2 * middle + last)
 
 
-def _shift_ns(offsets: Offsets, sensor: Sensor, other: Sensor) -> int:
+def _shift_ns(offsets: Offsets, sensor: ClockedSensor, other: ClockedSensor) -> int:
     """Compute the shift to add to stamps of `other` to look `sensor` up at them."""
     return round((offsets.get(sensor, 0.0) - offsets.get(other, 0.0)) * NS)
 

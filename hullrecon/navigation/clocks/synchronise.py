@@ -15,8 +15,8 @@ from hullrecon.dive.logs.timeline import JUMP_S
 from hullrecon.geometry.poses import from_matrix
 from hullrecon.navigation.clocks.comparisons import (
     LEAST_MOTIONS,
+    ClockedSensor,
     ImageMotions,
-    Sensor,
     Span,
     compare_depth,
     compare_directions,
@@ -26,14 +26,14 @@ from hullrecon.navigation.clocks.comparisons import (
 )
 from hullrecon.navigation.clocks.time_offsets import (
     FAR_S,
-    Hypothesis,
     TimeOffset,
-    assign,
+    WrongClocks,
+    choose_by_segment,
     delays_left,
-    explain,
+    find_wrong_clocks,
     segments,
     time_offsets,
-    weigh,
+    weigh_comparisons,
 )
 from hullrecon.navigation.dead_reckoning.dead_reckon import (
     Heard,
@@ -53,6 +53,12 @@ from hullrecon.typing import Array, Ints
 RUNS, LEAST_RUNS, RUN_FRAMES = 6, 3, 6  # of images whose motion is measured, in each segment
 MOST_PAUSES = 4  # of a stream, the longest; a stream with more loses readings all the time
 SAME_S = 0.1  # offsets of two hypotheses that differ by less are the same
+KEYS = {  # of dive.toml, which are added to the stamps
+    ClockedSensor.DVL: "dvl.time_offset",
+    ClockedSensor.IMU: "imu.time_offset",
+    ClockedSensor.PRESSURE: "pressure.time_offset",
+    ClockedSensor.IMAGES: "camera.*.time_offset",
+}
 
 # From two rows of the upper camera's images: second_from_first (4, 4), its translation of any
 # length, and the sigmas (2,) rad of its turn and direction; None where they do not tell.
@@ -69,7 +75,7 @@ class Synchronised:
     offsets: list[TimeOffset]  # that were corrected
     remarks: list[str]  # corrections, and clocks that disagree without a known culprit
     # sigma of what is left of each delay relative to the IMU, s; empty where images are compared
-    left_s: Mapping[Sensor, float]
+    left_s: Mapping[ClockedSensor, float]
 
 
 def synchronise(
@@ -90,9 +96,9 @@ def synchronise(
         Measures the motion between two images, None without a camera.
     """
     frames = usable_frames(logs.top)
-    streams = {Sensor.DVL: logs.dvl.t_ns, Sensor.IMU: logs.imu.t_ns}
-    streams |= {} if logs.pressure is None else {Sensor.PRESSURE: logs.pressure.t_ns}
-    streams |= {} if measure is None or not len(frames[0]) else {Sensor.IMAGES: frames[0]}
+    streams = {ClockedSensor.DVL: logs.dvl.t_ns, ClockedSensor.IMU: logs.imu.t_ns}
+    streams |= {} if logs.pressure is None else {ClockedSensor.PRESSURE: logs.pressure.t_ns}
+    streams |= {} if measure is None or not len(frames[0]) else {ClockedSensor.IMAGES: frames[0]}
     stamps = list(streams.values())
     span = min(int(t_ns[0]) for t_ns in stamps), max(int(t_ns[-1]) for t_ns in stamps)
     spans = segments((t for t_ns in stamps for t in _pauses(t_ns)), span)
@@ -101,7 +107,7 @@ def synchronise(
     tray = servo(logs.tray, int(logs.dvl.t_ns[0]))
 
     motions = None
-    if Sensor.IMAGES in streams and measure is not None:
+    if ClockedSensor.IMAGES in streams and measure is not None:
         motions = _motions(frames, spans, measure, velocities, attitude)
     if motions is not None and len(motions) >= LEAST_MOTIONS:
         comparisons = [
@@ -120,22 +126,31 @@ def synchronise(
 
     # Explain the dive as a whole and each segment, then choose for each segment.
     known = [comparison for comparison in comparisons if comparison is not None]
-    evidence = weigh(known)
-    hypotheses, unknown = [explain([])[0]], []
-    parts = [weigh([c.within(part) for c in known]) for part in spans] if len(spans) > 1 else []
+    evidence = weigh_comparisons(known)
+    hypotheses, unknown = [find_wrong_clocks([])[0]], []
+    parts = (
+        [weigh_comparisons([c.within(part) for c in known]) for part in spans]
+        if len(spans) > 1
+        else []
+    )
     for own in [evidence, *parts]:
-        found = explain(own)
+        found = find_wrong_clocks(own)
         if len(found) > 1:
             unknown.append(_describe_unknown(found))
         elif not any(_same(found[0], other) for other in hypotheses):
             hypotheses.append(found[0])
-    chosen = [hypotheses[k] for k in assign(evidence, spans, [h.corrections() for h in hypotheses])]
+    chosen = [
+        hypotheses[k]
+        for k in choose_by_segment(evidence, spans, [h.corrections() for h in hypotheses])
+    ]
     left = {}
     if motions is None:
         k = int(np.argmax([end - begin for begin, end in spans]))
         left = delays_left(parts[k] if parts else evidence, chosen[k].corrections(), spans[k])
     compared = {sensor for c in known for sensor in (c.first, c.second)}
-    offsets = time_offsets(spans, chosen, [sensor for sensor in Sensor if sensor in compared])
+    offsets = time_offsets(
+        spans, chosen, [sensor for sensor in ClockedSensor if sensor in compared]
+    )
     remarks = [*describe_offsets(offsets), *([] if offsets else dict.fromkeys(unknown))]
     return Synchronised(
         logs=_corrected(logs, offsets),
@@ -146,12 +161,12 @@ def synchronise(
     )
 
 
-def _same(first: Hypothesis, second: Hypothesis) -> bool:
+def _same(first: WrongClocks, second: WrongClocks) -> bool:
     one, other = first.corrections(), second.corrections()
     return one.keys() == other.keys() and all(abs(one[s] - other[s]) < SAME_S for s in one)
 
 
-def _describe_unknown(alike: Sequence[Hypothesis]) -> str:
+def _describe_unknown(alike: Sequence[WrongClocks]) -> str:
     """Name the clocks that disagree where it is not known which of them is wrong."""
     sensors = dict.fromkeys(sensor for hypothesis in alike for sensor in hypothesis.wrong)
     first = alike[0].wrong[0]
@@ -227,7 +242,7 @@ def choose_runs(t_ns: Ints, inside: Ints, runs: int) -> list[list[int]]:
     return out
 
 
-def corrected_stamps(t_ns: Ints, offsets: Sequence[TimeOffset], sensor: Sensor) -> Ints:
+def corrected_stamps(t_ns: Ints, offsets: Sequence[TimeOffset], sensor: ClockedSensor) -> Ints:
     """Subtract a sensor's offsets from its stamps."""
     out = t_ns.copy()
     for offset in offsets:
@@ -239,13 +254,13 @@ def corrected_stamps(t_ns: Ints, offsets: Sequence[TimeOffset], sensor: Sensor) 
 def _corrected(logs: NavigationLogs, offsets: Sequence[TimeOffset]) -> NavigationLogs:
     wrong = {offset.sensor for offset in offsets}
 
-    def moved(record: Stream, sensor: Sensor) -> Stream:
+    def moved(record: Stream, sensor: ClockedSensor) -> Stream:
         if record is None or sensor not in wrong:
             return record
         stamps: Ints = record.t_ns  # type: ignore[attr-defined]
         return replace(record, t_ns=corrected_stamps(stamps, offsets, sensor))  # type: ignore[type-var]
 
-    top, bottom = moved(logs.top, Sensor.IMAGES), moved(logs.bottom, Sensor.IMAGES)
+    top, bottom = moved(logs.top, ClockedSensor.IMAGES), moved(logs.bottom, ClockedSensor.IMAGES)
     if top is not None and bottom is not None and logs.bottom is not None:
         # both cameras share a clock, unless the lower camera pairs better uncorrected
         pairs = [
@@ -255,9 +270,9 @@ def _corrected(logs: NavigationLogs, offsets: Sequence[TimeOffset]) -> Navigatio
         bottom = bottom if pairs[0] >= pairs[1] else logs.bottom
     return replace(
         logs,
-        dvl=_in_order(moved(logs.dvl, Sensor.DVL)),
-        imu=_in_order(moved(logs.imu, Sensor.IMU)),
-        pressure=_in_order(moved(logs.pressure, Sensor.PRESSURE)),
+        dvl=_in_order(moved(logs.dvl, ClockedSensor.DVL)),
+        imu=_in_order(moved(logs.imu, ClockedSensor.IMU)),
+        pressure=_in_order(moved(logs.pressure, ClockedSensor.PRESSURE)),
         top=top,
         bottom=bottom,
     )
@@ -298,5 +313,15 @@ def describe_offsets(offsets: Sequence[TimeOffset]) -> list[str]:
         others = f"those of {', '.join(most)} and {last}" if most else f"that of {last}"
         out.append(
             f"{sensor}: the clock is {spans}, relative to {others}; the stamps were put right"
+            f"{_by_key(found)}"
         )
     return out
+
+
+def _by_key(found: Sequence[TimeOffset]) -> str:
+    """Say which key of dive.toml would do so, and its sign. "" where the offset changes."""
+    if len(found) > 1:
+        return ""
+    side = "lower" if found[0].seconds > 0 else "higher"
+    key = KEYS[found[0].sensor]
+    return f", as {key} {side} by {abs(found[0].seconds):.2f} does for a whole log"

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hullrecon.geometry.robust import robust_sigma
-from hullrecon.navigation.clocks.comparisons import Comparison, Offsets, Sensor, Span
+from hullrecon.navigation.clocks.comparisons import ClockComparison, ClockedSensor, Offsets, Span
 from hullrecon.records.clock import NS
 from hullrecon.typing import Array
 
@@ -51,19 +51,19 @@ SEEN_RATE = 3.0
 class TimeOffset:
     """The delay of a sensor's stamps in a span of them, at least SIGNIFICANT sigmas."""
 
-    sensor: Sensor
+    sensor: ClockedSensor
     from_ns: int
     to_ns: int
     seconds: float  # to be subtracted from the stamps; negative where they are early
     sigma_s: float
-    relative_to: tuple[Sensor, ...]  # whose clocks are right
+    relative_to: tuple[ClockedSensor, ...]  # whose clocks are right
 
 
 @dataclass(frozen=True, kw_only=True)
-class Hypothesis:
+class WrongClocks:
     """Sensors whose clocks are wrong, with the offsets that follow."""
 
-    wrong: tuple[Sensor, ...]
+    wrong: tuple[ClockedSensor, ...]
     offsets: Offsets  # of all sensors
     sigma_s: Offsets
     chi2: float
@@ -72,7 +72,7 @@ class Hypothesis:
     def total(self) -> float:
         return self.chi2 + GAIN * len(self.wrong)
 
-    def corrections(self) -> dict[Sensor, float]:
+    def corrections(self) -> dict[ClockedSensor, float]:
         """Select the offsets of the wrong clocks."""
         return {sensor: self.offsets[sensor] for sensor in self.wrong}
 
@@ -81,45 +81,45 @@ class Hypothesis:
 class Evidence:
     """A comparison with the scatter of its residuals and the minima of its cost."""
 
-    comparison: Comparison
+    comparison: ClockComparison
     sigma: float  # of a residual
-    usual: Array  # (n,) mean cost of each row, for offsets at which it is unknown
+    usual_cost: Array  # (n,) mean cost of each row, for offsets at which it is unknown
     minima_s: list[float]  # relative offsets, the lowest first
-    together: float = 1.0  # rows that share one error, by the scatter among blocks
-    least: float = 0.0  # lowest cost, in chi-square
+    rows_per_error: float = 1.0  # how many rows share one error, by the scatter among blocks
+    least_chi2: float = 0.0  # at the best offset
 
     def cost(self, offsets: Offsets, span: Span | None = None) -> float:
         """Compute chi-square at some offsets, of all rows or of those in a span."""
-        cost = _filled(_clipped(self.comparison.residuals(offsets), self.sigma), self.usual)
+        cost = _filled(_clipped(self.comparison.residuals(offsets), self.sigma), self.usual_cost)
         if span is not None:
             inside = self.comparison.begin_ns >= span[0]
             cost = cost[inside & (self.comparison.end_ns <= span[1])]
-        return float(cost.sum()) / self.together
+        return float(cost.sum()) / self.rows_per_error
 
     def relative(self, offsets: Offsets) -> float:
         return offsets.get(self.comparison.first, 0.0) - offsets.get(self.comparison.second, 0.0)
 
 
-def weigh(comparisons: Iterable[Comparison]) -> list[Evidence]:
+def weigh_comparisons(comparisons: Iterable[ClockComparison]) -> list[Evidence]:
     """Scan the cost of each comparison that has enough rows, leaving out those without scatter."""
-    found = (_weigh(comparison) for comparison in comparisons if comparison.is_enough)
+    found = (_weigh_comparison(comparison) for comparison in comparisons if comparison.is_enough)
     return [evidence for evidence in found if evidence is not None]
 
 
-def _weigh(comparison: Comparison) -> Evidence | None:
+def _weigh_comparison(comparison: ClockComparison) -> Evidence | None:
     """Scan near offsets, and far ones where the near ones do not show that the clocks agree."""
     steps = round(NEAR_S / GRID_S)
     near = np.asarray(GRID_S * np.arange(-steps, steps + 1), float)
-    found = _scan(comparison, near)
+    found = _scan_offsets(comparison, near)
     if found is not None and abs(found.minima_s[0]) < OTHER_S:
         second = {comparison.first: found.minima_s[1]}
-        if found.cost(second) - found.least >= GAIN:
+        if found.cost(second) - found.least_chi2 >= GAIN:
             return found
     far = np.arange(NEAR_S + FAR_GRID_S, BEYOND_S + FAR_GRID_S / 2, FAR_GRID_S, dtype=float)
-    return _scan(comparison, np.concatenate([-far[::-1], near, far]))
+    return _scan_offsets(comparison, np.concatenate([-far[::-1], near, far]))
 
 
-def _scan(comparison: Comparison, shifts: Array) -> Evidence | None:
+def _scan_offsets(comparison: ClockComparison, shifts: Array) -> Evidence | None:
     table = [comparison.residuals({comparison.first: float(shift)}) for shift in shifts]
     known = [np.isfinite(found) for found in table]
     sigmas = [
@@ -137,12 +137,12 @@ def _scan(comparison: Comparison, shifts: Array) -> Evidence | None:
     while len(minima) < MINIMA and np.isfinite(total).any():
         minima.append(float(shifts[np.argmin(total)]))
         total = np.where(np.abs(shifts - minima[-1]) < OTHER_S, np.inf, total)
-    found = Evidence(comparison=comparison, sigma=min(sigmas), usual=usual, minima_s=minima)
+    found = Evidence(comparison=comparison, sigma=min(sigmas), usual_cost=usual, minima_s=minima)
     best = refine(found, {comparison.first: minima[0]})
     if best is None:
         return None
-    found = replace(found, together=best.together)
-    return replace(found, least=found.cost({comparison.first: best.relative_s}))
+    found = replace(found, rows_per_error=best.rows_per_error)
+    return replace(found, least_chi2=found.cost({comparison.first: best.relative_s}))
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ class Refined:
 
     relative_s: float
     variance: float  # s2, from the scatter among blocks
-    together: float
+    rows_per_error: float
 
 
 def refine(evidence: Evidence, start: Offsets) -> Refined | None:
@@ -201,28 +201,30 @@ def _linearised(residuals: Callable[[float], Array], at_s: float) -> tuple[Array
     return np.where(known, slope, 0.0), np.where(known, found, 0.0), weight
 
 
-def explain(evidence: Sequence[Evidence]) -> list[Hypothesis]:
+def find_wrong_clocks(evidence: Sequence[Evidence]) -> list[WrongClocks]:
     """Find whose clocks are wrong.
 
     Returns
     -------
-    list of Hypothesis
+    list of WrongClocks
         A single hypothesis where the answer is known, without sensors where all clocks are right.
         Several that explain as much where it is not known which of them is true.
     """
     present = {s for e in evidence for s in (e.comparison.first, e.comparison.second)}
-    sensors = [sensor for sensor in Sensor if sensor in present]
-    right = solve(evidence, (), {})
+    sensors = [sensor for sensor in ClockedSensor if sensor in present]
+    right = solve_offsets(evidence, (), {})
     if _unexplained(evidence, right) < GAIN:
         return [right]
     found = [right]
     for sensor in sensors:
-        one = _add(evidence, right, sensor)
+        one = _with_one_more(evidence, right, sensor)
         if one is None:
             continue
         found.append(one)
         if _unexplained(evidence, one) >= GAIN:
-            more = (_add(evidence, one, other) for other in sensors if other is not sensor)
+            more = (
+                _with_one_more(evidence, one, other) for other in sensors if other is not sensor
+            )
             found += [two for two in more if two is not None]
     found = [_with_right_imu(evidence, hypothesis, sensors) for hypothesis in found]
     found.sort(key=lambda hypothesis: -hypothesis.total)
@@ -230,15 +232,17 @@ def explain(evidence: Sequence[Evidence]) -> list[Hypothesis]:
     if () in alike:
         return [alike[()]]
     # where two clocks disagree, the IMU's is taken as right
-    return [h for h in alike.values() if Sensor.IMU not in h.wrong] or list(alike.values())
+    return [h for h in alike.values() if ClockedSensor.IMU not in h.wrong] or list(alike.values())
 
 
-def solve(evidence: Sequence[Evidence], wrong: tuple[Sensor, ...], start: Offsets) -> Hypothesis:
+def solve_offsets(
+    evidence: Sequence[Evidence], wrong: tuple[ClockedSensor, ...], start: Offsets
+) -> WrongClocks:
     """Estimate all offsets by weighted least squares, from some offsets of the wrong clocks.
 
     Comparisons weigh by their scatter alone. Sigmas and chi-square have their systematic part too.
     """
-    sensors = list(Sensor)
+    sensors = list(ClockedSensor)
     prior = np.array([UNKNOWN_S if sensor in wrong else SYNCHRONISED_S for sensor in sensors])
     cost, rows, measured, variance, systematic = 0.0, [], [], [], []
     for one in evidence:
@@ -259,7 +263,7 @@ def solve(evidence: Sequence[Evidence], wrong: tuple[Sensor, ...], start: Offset
     offsets = np.linalg.solve(information, design.T @ (measured / by_scatter))
     covariance = np.linalg.inv(design.T @ (design / whole[:, None]) + np.diag(prior**-2.0))
     misfit = np.square(design @ offsets - measured) / whole
-    return Hypothesis(
+    return WrongClocks(
         wrong=wrong,
         offsets=dict(zip(sensors, offsets.tolist(), strict=True)),
         sigma_s=dict(zip(sensors, np.sqrt(np.diag(covariance)).tolist(), strict=True)),
@@ -269,14 +273,14 @@ def solve(evidence: Sequence[Evidence], wrong: tuple[Sensor, ...], start: Offset
 
 def delays_left(
     evidence: Sequence[Evidence], corrected: Offsets, span: Span
-) -> dict[Sensor, float]:
+) -> dict[ClockedSensor, float]:
     """Estimate the sigma of each sensor's delay relative to the IMU, after a correction.
 
     It holds the delay that is seen but was not corrected, and that of a clock that runs fast or
     slow: where it is not known which of two does, both may.
     """
     middle_ns, lasts_s = (span[0] + span[1]) // 2, (span[1] - span[0]) / NS
-    sensors = [sensor for sensor in Sensor if sensor is not Sensor.IMU]
+    sensors = [sensor for sensor in ClockedSensor if sensor is not ClockedSensor.IMU]
     information, pull = np.eye(len(sensors)) / UNCHECKED_S**2, np.zeros(len(sensors))
     rates = np.zeros(len(sensors))
     for one in evidence:
@@ -330,19 +334,21 @@ def _relative_rate(
     return float(step[1]), float(np.sqrt(variance))
 
 
-def _unexplained(evidence: Sequence[Evidence], hypothesis: Hypothesis) -> float:
+def _unexplained(evidence: Sequence[Evidence], hypothesis: WrongClocks) -> float:
     """Compute the possible fall of chi-square if each comparison had its best relative offset."""
-    return hypothesis.chi2 - sum(one.least for one in evidence)
+    return hypothesis.chi2 - sum(one.least_chi2 for one in evidence)
 
 
-def _add(evidence: Sequence[Evidence], base: Hypothesis, sensor: Sensor) -> Hypothesis | None:
-    """Take one more sensor's clock to be wrong.
+def _with_one_more(
+    evidence: Sequence[Evidence], base: WrongClocks, sensor: ClockedSensor
+) -> WrongClocks | None:
+    """Test whether one more sensor's clock is wrong.
 
     None where that gains less than GAIN, where another offset gains as much, or where the offset
     is not significant or beyond FAR_S.
     """
     start = base.corrections()
-    wrong = tuple(other for other in Sensor if other in base.wrong or other is sensor)
+    wrong = tuple(other for other in ClockedSensor if other in base.wrong or other is sensor)
     candidates: list[tuple[float, float]] = []
     for one in evidence:
         first, second = one.comparison.first, one.comparison.second
@@ -352,12 +358,12 @@ def _add(evidence: Sequence[Evidence], base: Hypothesis, sensor: Sensor) -> Hypo
                 at = other + minimum if sensor is first else other - minimum
                 cost = sum(each.cost({**start, sensor: at}) for each in evidence)
                 candidates.append((cost, at))
-    best: list[Hypothesis] = []
+    best: list[WrongClocks] = []
     tried: list[float] = []
     for _, at in sorted(candidates):
         if len(tried) < TRIED and all(abs(at - other) >= OTHER_S for other in tried):
             tried.append(at)
-            best.append(solve(evidence, wrong, {**start, sensor: at}))
+            best.append(solve_offsets(evidence, wrong, {**start, sensor: at}))
     best.sort(key=lambda hypothesis: hypothesis.chi2)
     if not best or base.chi2 - best[0].chi2 < GAIN:
         return None
@@ -369,19 +375,19 @@ def _add(evidence: Sequence[Evidence], base: Hypothesis, sensor: Sensor) -> Hypo
 
 
 def _with_right_imu(
-    evidence: Sequence[Evidence], found: Hypothesis, sensors: Sequence[Sensor]
-) -> Hypothesis:
+    evidence: Sequence[Evidence], found: WrongClocks, sensors: Sequence[ClockedSensor]
+) -> WrongClocks:
     """Refer the offsets to the IMU's clock where that makes no more clocks wrong."""
-    if Sensor.IMU not in found.wrong or len(found.wrong) < 2:
+    if ClockedSensor.IMU not in found.wrong or len(found.wrong) < 2:
         return found
-    moved = {s: found.offsets[s] - found.offsets[Sensor.IMU] for s in sensors}
+    moved = {s: found.offsets[s] - found.offsets[ClockedSensor.IMU] for s in sensors}
     wrong = tuple(s for s in sensors if abs(moved[s]) >= SIGNIFICANT * found.sigma_s[s])
     if len(wrong) > len(found.wrong):
         return found
-    return solve(evidence, wrong, {sensor: moved[sensor] for sensor in wrong})
+    return solve_offsets(evidence, wrong, {sensor: moved[sensor] for sensor in wrong})
 
 
-def assign(
+def choose_by_segment(
     evidence: Sequence[Evidence], spans: Sequence[Span], states: Sequence[Offsets]
 ) -> list[int]:
     """Choose the offsets of each segment: the least chi-square, with ALIKE for each change."""
@@ -406,7 +412,7 @@ def segments(pauses_ns: Iterable[int], span: Span) -> list[Span]:
 
 
 def time_offsets(
-    spans: Sequence[Span], chosen: Sequence[Hypothesis], sensors: Sequence[Sensor]
+    spans: Sequence[Span], chosen: Sequence[WrongClocks], sensors: Sequence[ClockedSensor]
 ) -> list[TimeOffset]:
     """Put segments with one hypothesis together, and list the wrong clocks of each by sensor."""
     out: list[TimeOffset] = []
@@ -427,7 +433,9 @@ def time_offsets(
             for sensor in hypothesis.wrong
         ]
         k += count
-    return sorted(out, key=lambda offset: (list(Sensor).index(offset.sensor), offset.from_ns))
+    return sorted(
+        out, key=lambda offset: (list(ClockedSensor).index(offset.sensor), offset.from_ns)
+    )
 
 
 def _clipped(residuals: Array, sigma: float) -> Array:
@@ -435,9 +443,9 @@ def _clipped(residuals: Array, sigma: float) -> Array:
     return np.asarray(np.square(np.minimum(np.abs(residuals) / sigma, WILD / 2)).sum(axis=1))
 
 
-def _filled(cost: Array, usual: Array) -> Array:
+def _filled(cost: Array, usual_cost: Array) -> Array:
     """Replace unknown costs of a row by its usual cost, so that they favour no offset.
 
     At zero cost, the farthest offsets, which leave the fewest rows, would look best.
     """
-    return np.where(np.isfinite(cost), cost, usual)
+    return np.where(np.isfinite(cost), cost, usual_cost)
