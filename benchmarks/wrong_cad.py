@@ -31,7 +31,7 @@ from hullrecon.adjustment.cad_acceptance import place_cad_model
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.results.summary import summarise_adjustment
-from hullrecon.adjustment.rounds import RoundSolver, Stage
+from hullrecon.adjustment.rounds import Phase, RoundSolver
 from hullrecon.dive.config import schema
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.config.mounts import guess_sigma
@@ -187,7 +187,7 @@ def cases(
 
 
 def outcome(
-    path: Stage, measured: Measurements, solver: RoundSolver, truth: Truth
+    path: Phase, measured: Measurements, solver: RoundSolver, truth: Truth
 ) -> dict[str, object]:
     """Adjust a dive with one model and return the outcome."""
     assert measured.cad_model is not None

@@ -3,8 +3,8 @@
 """Model-assisted bundle adjustment of a dive [Ozog2016 4.2] (docs/methods.md 6).
 
 First a path from images and navigation, then the CAD model's place on that path, then labels and
-ranges solved with the rest. A stage that explains the previous stage's data worse is refused, and
-the previous stage's result is delivered.
+ranges solved with the rest. A phase that explains the previous phase's data worse is refused, and
+the previous phase's result is delivered.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.adjustment.rounds import (
     Estimate,
     Keep,
+    Phase,
     Report,
     RoundResult,
     RoundSolver,
-    Stage,
     Verdict,
     make_anew,
 )
@@ -86,7 +86,7 @@ def adjust(
     strategy
         What is solved for. The sources' variants are in hullrecon/studies.
     keep
-        Finds the stages, and the last round, that a run which did not end has left.
+        Finds the phases, and the last round, that a run which did not end has left.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def adjust(
     return solve_all_landmarks(settled, solver)
 
 
-def solve_path_and_place(measured: Measurements, solver: RoundSolver) -> Stage:
+def solve_path_and_place(measured: Measurements, solver: RoundSolver) -> Phase:
     """Solve the path, and the CAD model's place on it. Raises as `adjust`."""
     # First the path, from images and navigation.
     path = solver.once(lambda: solve_path(measured, solver), "path")
@@ -119,13 +119,13 @@ def solve_path_and_place(measured: Measurements, solver: RoundSolver) -> Stage:
     return settle(path, placed)
 
 
-def solve_path(measured: Measurements, solver: RoundSolver) -> Stage:
+def solve_path(measured: Measurements, solver: RoundSolver) -> Phase:
     """Solve the path without the CAD model, and widen the package's priors that it contradicts."""
     # Some well-seen landmarks find poses, outliers and sigmas at a fraction of the cost.
     start = _start(measured, solver.strategy)
     with_cad = measured.cad_model is not None
     rounds = solver.coarse_rounds(start, max(solver.options.rounds - 1, int(with_cad)))
-    path = Stage.of(rounds, rounds[-1].after if rounds else start)
+    path = Phase.of(rounds, rounds[-1].after if rounds else start)
     if not rounds or not solver.strategy.systematic_errors:
         return path
 
@@ -141,7 +141,7 @@ def solve_path(measured: Measurements, solver: RoundSolver) -> Stage:
     return hold_within_belief(path, corrected, solver)
 
 
-def settle(path: Stage, placed: Stage | None) -> Stage:
+def settle(path: Phase, placed: Phase | None) -> Phase:
     """Join a path and the CAD model's place on it, done with the measurements of their rounds.
 
     Where the CAD model is refused, the last round goes on from the path alone.
@@ -153,7 +153,7 @@ def settle(path: Stage, placed: Stage | None) -> Stage:
     )
 
 
-def solve_all_landmarks(settled: Stage, solver: RoundSolver) -> Adjusted:
+def solve_all_landmarks(settled: Phase, solver: RoundSolver) -> Adjusted:
     """Solve the last round, with all landmarks.
 
     With an accepted CAD model landmarks have labels, on its surface or not, and the hull is held
@@ -190,7 +190,7 @@ def _start(measured: Measurements, strategy: Strategy) -> Estimate:
     )
 
 
-def _adjusted(settled: Stage, last: RoundResult, solver: RoundSolver) -> Adjusted:
+def _adjusted(settled: Phase, last: RoundResult, solver: RoundSolver) -> Adjusted:
     """Collect the adjusted dive, without landmarks that the last solve lost.
 
     Those were pushed behind their cameras or metres off the hull, and nothing determines them.

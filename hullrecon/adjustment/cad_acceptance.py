@@ -27,9 +27,9 @@ from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.adjustment.rounds import (
     ACCEPTED,
     Estimate,
+    Phase,
     RoundResult,
     RoundSolver,
-    Stage,
     Verdict,
 )
 from hullrecon.errors import StageError
@@ -64,7 +64,7 @@ class Placement:
     form: Form | None = None  # of these points, compared with the CAD model's
 
 
-def place_cad_model(path: Stage, cad_model: CadModel, solver: RoundSolver) -> Stage:
+def place_cad_model(path: Phase, cad_model: CadModel, solver: RoundSolver) -> Phase:
     """Register the CAD model to a path, solve a round with it, and judge it.
 
     The hull's pose of the resulting estimate is the mean of its profile along the hull. With one
@@ -80,13 +80,13 @@ def place_cad_model(path: Stage, cad_model: CadModel, solver: RoundSolver) -> St
     rounds = solver.coarse_rounds(placed.estimate, min(1, solver.options.rounds - 1))
     if not rounds:
         return placed
-    placed = Stage.of(rounds, placed.estimate, accept(rounds[-1], solver), placed.placement)
+    placed = Phase.of(rounds, placed.estimate, accept(rounds[-1], solver), placed.placement)
     return estimate_hull_pose(rounds[-1], placed, solver) if placed.verdict.accepted else placed
 
 
 def register(
     solved: Estimate, cad_model: CadModel, solver: RoundSolver, segments: Segments | None = None
-) -> Stage:
+) -> Phase:
     """Register the CAD model to a solved path.
 
     Raises StageError where there is nothing to register.
@@ -102,7 +102,7 @@ def register(
     solver.report(f"registered {len(points)} points to the CAD model, {fitting} within three sigma")
     hull = _hull_state(found, points, solver.strategy.deviation_field)
     state = replace(state, hull=replace(hull, segments=segments))
-    return Stage.of(
+    return Phase.of(
         rounds=(),
         estimate=replace(solved, state=state),
         verdict=_name_unit(
@@ -357,7 +357,7 @@ def _returns_in_global(measured: Measurements, state: State) -> Array:
     return ends.points[~measured.returns.flagged]
 
 
-def estimate_hull_pose(last: RoundResult, placed: Stage, solver: RoundSolver) -> Stage:
+def estimate_hull_pose(last: RoundResult, placed: Phase, solver: RoundSolver) -> Phase:
     """Estimate the hull's pose and form from the points of the last round that lie on it.
 
     Where the hull deviates from the CAD model by more than the package states, the stated error is

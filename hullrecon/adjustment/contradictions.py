@@ -18,7 +18,7 @@ from hullrecon import native
 from hullrecon.adjustment.exceeded_priors import MANY_SIGMAS, MOUNTS, ROTATION, displacement
 from hullrecon.adjustment.hull_pose.other_beams import find_fitting_beams
 from hullrecon.adjustment.readout import RowMotion, motion_by_row
-from hullrecon.adjustment.rounds import Estimate, RoundResult, RoundSolver, Stage
+from hullrecon.adjustment.rounds import Estimate, Phase, RoundResult, RoundSolver
 from hullrecon.adjustment.suspects import Trial, best_explanations, least_gain, try_suspects
 from hullrecon.errors import ContradictionError
 from hullrecon.findings.finding import Finding
@@ -68,7 +68,7 @@ LEAST_WEIGHT = 1e-3  # of depths, which a path without noise makes nil
 SHEARED = 2.0
 
 
-def hold_within_belief(path: Stage, corrected: Stage, solver: RoundSolver) -> Stage:
+def hold_within_belief(path: Phase, corrected: Phase, solver: RoundSolver) -> Phase:
     """Accept corrections that a sensor may need, with the suspects that were tried.
 
     Parameters
@@ -90,7 +90,7 @@ def hold_within_belief(path: Stage, corrected: Stage, solver: RoundSolver) -> St
     return replace(corrected, verdict=replace(corrected.verdict, suspects=trials))
 
 
-def is_sheared(path: Stage, solver: RoundSolver) -> bool:
+def is_sheared(path: Phase, solver: RoundSolver) -> bool:
     """Tell whether a solved path would fit better if its images were sheared by the motion.
 
     Legs beside each other show that before any prior is exceeded.
@@ -101,7 +101,7 @@ def is_sheared(path: Stage, solver: RoundSolver) -> bool:
     return least_gain(problem, solver.settings, by_row) > SHEARED
 
 
-def explain_refusal(path: Stage, placed: Stage, solver: RoundSolver) -> Stage:
+def explain_refusal(path: Phase, placed: Phase, solver: RoundSolver) -> Phase:
     """Ask whether a sensor is wrong before the CAD model is blamed.
 
     Raises
@@ -122,7 +122,7 @@ def explain_refusal(path: Stage, placed: Stage, solver: RoundSolver) -> Stage:
     return replace(placed, verdict=replace(placed.verdict, suspects=trials))
 
 
-def _refuse_other_beams(solved: Estimate, placed: Stage) -> None:
+def _refuse_other_beams(solved: Estimate, placed: Phase) -> None:
     """Raise ContradictionError where the CAD model fits the DVL's ranges in another order."""
     measured, state = solved.measured, solved.state
     returns, cad_model, hull = measured.returns, measured.cad_model, placed.estimate.state.hull
@@ -140,7 +140,7 @@ def _refuse_other_beams(solved: Estimate, placed: Stage) -> None:
         raise ContradictionError(Finding("other-beams", values).sentence)
 
 
-def _try_all(path: Stage, solver: RoundSolver) -> tuple[Trial, ...]:
+def _try_all(path: Phase, solver: RoundSolver) -> tuple[Trial, ...]:
     assert path.first is not None
     problem, by_row = _suspected(path.first)
     return try_suspects(problem, solver.settings, by_row)
@@ -213,7 +213,7 @@ def _is_gross(trial: Trial, focal_px: float) -> bool:
     return not _is_believable(trial, focal_px) and trial.gain > GROSS * trial.rows
 
 
-def _beyond_belief(stated: Rig, corrected: Stage) -> Iterator[str]:
+def _beyond_belief(stated: Rig, corrected: Phase) -> Iterator[str]:
     """Describe each correction that is larger than its sensor can be wrong by.
 
     A package that allows more than that itself is believed.

@@ -18,7 +18,7 @@ import numpy as np
 
 from hullrecon import native
 from hullrecon.adjustment.problem.state import State
-from hullrecon.adjustment.rounds import ACCEPTED, RoundSolver, Stage, Verdict
+from hullrecon.adjustment.rounds import ACCEPTED, Phase, RoundSolver, Verdict
 from hullrecon.adjustment.stereo_calibration import DVL_SCALE, widen_ranges
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses
@@ -68,7 +68,7 @@ class _Prior:
         return np.where(surprising & (gained > LEAST_GAINED), of_the_dive, 1.0)
 
 
-def widen_exceeded_priors(path: Stage, solver: RoundSolver) -> Stage | None:
+def widen_exceeded_priors(path: Phase, solver: RoundSolver) -> Phase | None:
     """Widen the priors that a solved path contradicts, and solve a round with them.
 
     None where it contradicts none.
@@ -99,10 +99,10 @@ def widen_exceeded_priors(path: Stage, solver: RoundSolver) -> Stage | None:
         widened = replace(widened, weights=widen_ranges(widened, share))
         verdict = Verdict(length_conflict=share if rig.bottom is None else None)
     result = solver.solve_round(widened)
-    return Stage.of((result,), result.after, verdict)
+    return Phase.of((result,), result.after, verdict)
 
 
-def contradicts_priors(path: Stage) -> bool:
+def contradicts_priors(path: Phase) -> bool:
     """Tell whether an estimate lies beyond what the package allows, widened or not."""
     solved = path.estimate
     priors = _priors(solved.measured.rig, solved.state).values()

@@ -87,7 +87,7 @@ class RoundResult:
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """The acceptance of a stage, and its contradictions of the dive package."""
+    """The acceptance of a phase, and its contradictions of the dive package."""
 
     accepted: bool = True
     reason: str | None = None  # why it is not accepted, in words without a full stop
@@ -102,8 +102,8 @@ ACCEPTED = Verdict()
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stage:
-    """A stage of the adjustment: its rounds, what it leaves to the next, and the verdict on it.
+class Phase:
+    """A phase of the adjustment: its rounds, what it leaves to the next, and the verdict on it.
 
     Of its rounds only the first and the last keep their measurements, which are most of the memory.
     """
@@ -122,10 +122,10 @@ class Stage:
         estimate: Estimate,
         verdict: Verdict = ACCEPTED,
         placement: Placement | None = None,
-    ) -> Stage:
-        """Make a stage of rounds, which may be none."""
+    ) -> Phase:
+        """Make a phase of rounds, which may be none."""
         first, last = (rounds[0], rounds[-1]) if rounds else (None, None)
-        return Stage(
+        return Phase(
             history=tuple(done.history for done in rounds),
             start=None if first is None else first.start,
             first=first,
@@ -135,13 +135,13 @@ class Stage:
             placement=placement,
         )
 
-    def then(self, later: Stage | None) -> Stage:
-        """Join a stage that continues from this one. None leaves it as it is."""
+    def then(self, later: Phase | None) -> Phase:
+        """Join a phase that continues from this one. None leaves it as it is."""
         if later is None:
             return self
         here, there = self.verdict, later.verdict
         conflict = there.length_conflict
-        return Stage(
+        return Phase(
             history=(*self.history, *later.history),
             start=self.start or later.start,
             first=self.first or later.first,
@@ -172,7 +172,7 @@ class RoundSolver:
     keep: Keep = make_anew  # finds what a run that did not end has left
 
     def once(self, solve: Callable[[], Made], label: str) -> Made:
-        """Solve a stage or a round, unless a run that did not end has left it."""
+        """Solve a phase or a round, unless a run that did not end has left it."""
         found, rounds = self.keep(lambda: (solve(), tuple(self.history)), label)
         self.history[:] = rounds
         return found

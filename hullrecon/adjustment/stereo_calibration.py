@@ -15,7 +15,7 @@ import numpy as np
 
 from hullrecon import native
 from hullrecon.adjustment.problem.state import Weights
-from hullrecon.adjustment.rounds import Estimate, RoundSolver, Stage, Verdict
+from hullrecon.adjustment.rounds import Estimate, Phase, RoundSolver, Verdict
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses
 from hullrecon.rig import Rig
@@ -47,7 +47,7 @@ class StereoContradiction:
     length: float  # share by which the baseline is longer than calibrated
 
 
-def free_contradicted_rig(path: Stage, solver: RoundSolver) -> Stage | None:
+def free_contradicted_rig(path: Phase, solver: RoundSolver) -> Phase | None:
     """Make the stereo rig an unknown where the dive contradicts its calibration.
 
     A trial round solves the path with the rig free. None where the result is as calibrated to five
@@ -76,7 +76,7 @@ def free_contradicted_rig(path: Stage, solver: RoundSolver) -> Stage | None:
         return None
     solver.report(f"the stereo rig is an unknown: {describe_contradiction(contradiction)}")
     solver.history.append(trial.history)
-    return Stage.of(
+    return Phase.of(
         (trial,), _adopt(trial.after, rig, contradiction), Verdict(stereo=contradiction)
     )
 

@@ -28,7 +28,7 @@ from hullrecon.adjustment.bundle_adjustment import adjust, solve_path
 from hullrecon.adjustment.contradictions import explain_refusal
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions
 from hullrecon.adjustment.results.summary import explained_as_well
-from hullrecon.adjustment.rounds import ACCEPTED, RoundSolver, Stage, Verdict
+from hullrecon.adjustment.rounds import ACCEPTED, Phase, RoundSolver, Verdict
 from hullrecon.adjustment.suspects import Trial, best_explanations
 from hullrecon.errors import ContradictionError
 from hullrecon.findings.adjustment import REMEDIES, SUSPECTS
@@ -270,7 +270,7 @@ def test_a_wrong_cad_model_is_no_matter_of_a_lens_unless_that_is_certain(
         report=lambda _: None,
     )
     path = SimpleNamespace(first=object(), verdict=ACCEPTED, estimate=None)
-    placed = Stage(
+    placed = Phase(
         history=(),
         start=None,
         first=None,

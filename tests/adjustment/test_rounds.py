@@ -8,7 +8,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 from hullrecon.adjustment.bundle_adjustment import settle
-from hullrecon.adjustment.rounds import Estimate, Stage, Verdict
+from hullrecon.adjustment.rounds import Estimate, Phase, Verdict
 
 PATH, PLACE = (
     Estimate(measured=None, state=None, weights=None, max_px=limit) for limit in (1.0, 2.0)
@@ -22,25 +22,25 @@ def rounds(*names: str) -> list[SimpleNamespace]:
 
 def test_joined_stages_keep_the_first_round_and_the_last():
     a, b, c, d = rounds("a", "b", "c", "d")
-    joined = Stage.of((a, b, c), PATH).then(None).then(Stage.of((d,), PLACE))
+    joined = Phase.of((a, b, c), PATH).then(None).then(Phase.of((d,), PLACE))
     assert (joined.first, joined.last, joined.start) == (a, d, "start of a")
     assert joined.history == ("a", "b", "c", "d")
 
 
 def test_a_stage_without_rounds_leaves_those_before_it():
     a, b = rounds("a", "b")
-    joined = Stage.of((a, b), PATH).then(Stage.of((), PLACE))
+    joined = Phase.of((a, b), PATH).then(Phase.of((), PLACE))
     assert (joined.first, joined.last, joined.estimate) == (a, b, PLACE)
 
 
 def test_settled_stages_let_go_of_measurements_and_keep_the_history():
-    settled = settle(Stage.of(rounds("a", "b"), PATH), Stage.of(rounds("c"), PLACE))
+    settled = settle(Phase.of(rounds("a", "b"), PATH), Phase.of(rounds("c"), PLACE))
     assert (settled.first, settled.last, settled.start) == (None, None, "start of a")
     assert (settled.history, settled.estimate) == (("a", "b", "c"), PLACE)
 
 
 def test_a_refused_cad_model_leaves_the_path_for_the_last_round():
-    placed = replace(Stage.of(rounds("c"), PLACE), verdict=REFUSED)
-    settled = settle(Stage.of(rounds("a"), PATH), placed)
+    placed = replace(Phase.of(rounds("c"), PLACE), verdict=REFUSED)
+    settled = settle(Phase.of(rounds("a"), PATH), placed)
     assert (settled.estimate, settled.verdict) == (PATH, REFUSED)
-    assert settle(Stage.of(rounds("a"), PATH), None).estimate is PATH
+    assert settle(Phase.of(rounds("a"), PATH), None).estimate is PATH
