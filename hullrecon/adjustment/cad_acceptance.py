@@ -18,6 +18,11 @@ from hullrecon import native
 from hullrecon.adjustment.hull_pose import estimate, registration
 from hullrecon.adjustment.hull_pose.beam_gap import gap_beyond_beams
 from hullrecon.adjustment.hull_pose.form import Form, compare_form
+from hullrecon.adjustment.hull_pose.other_headings import (
+    describe_turn,
+    find_fitting_heading,
+    turn_of,
+)
 from hullrecon.adjustment.hull_pose.other_units import find_fitting_unit
 from hullrecon.adjustment.hull_pose.segments import Segments, find_segments, register_segments
 from hullrecon.adjustment.problem import selection
@@ -51,6 +56,10 @@ GROUPS = {
 }
 # Quantile of the chi-square of unknowns that the CAD model determines instead of navigation
 FREED_QUANTILE = 0.999
+# Share of the points that fit the best, from which another explanation of a refusal is as good
+AS_WELL = 0.9
+# Who may be wrong where nothing that is tried makes the CAD model fit
+ANYBODY = ": the model, its unit, hull.pose, the path or the ranges from it are wrong"
 FREE_ITERATIONS = 15  # of the solve without the CAD model, which starts close to its solution
 
 
@@ -105,9 +114,9 @@ def register(
     return Phase.of(
         rounds=(),
         estimate=replace(solved, state=state),
-        verdict=_name_unit(
+        verdict=_name_what_fits(
             _accept_registration(found, segments),
-            found.cad_model,
+            found,
             points if segments is None else None,
             measured.rig.priors.range_sigma_m,
         ),
@@ -123,33 +132,46 @@ def _accept_registration(found: registration.Registration, segments: Segments | 
         return Verdict(
             accepted=False,
             reason=f"only {100 * found.fitness:.0f} % of the surveyed points lie within three "
-            f"sigma of it, wherever {what}: the model, its unit, hull.pose, the path or the ranges "
-            "from it are wrong",
+            f"sigma of it, wherever {what}{ANYBODY}",
         )
     if found.sigmas_off > MAX_SIGMAS_OFF:
-        return Verdict(
-            accepted=False,
-            reason=f"it fits only {found.sigmas_off:.0f} times farther from hull.pose than "
-            "hull.pose_sigma says",
+        turn = turn_of(found)
+        far = (
+            f"it fits only {found.sigmas_off:.0f} times farther from hull.pose than "
+            "hull.pose_sigma says"
         )
+        return Verdict(accepted=False, reason=far if turn is None else describe_turn(turn))
     return ACCEPTED
 
 
-def _name_unit(
-    verdict: Verdict, cad_model: CadModel, points: Array | None, range_sigma_m: float
+def _name_what_fits(
+    verdict: Verdict,
+    found: registration.Registration,
+    points: Array | None,
+    range_sigma_m: float,
 ) -> Verdict:
-    """Add to a refusal the unit in which the CAD model fits points (n, 3) in g, if there is one."""
+    """Add to a refusal the unit and the heading in which the CAD model fits points (n, 3) in g."""
     if verdict.accepted or points is None:
         return verdict
-    fitting = find_fitting_unit(points, cad_model, range_sigma_m)
-    if fitting is None:
+    fitting: list[tuple[float, str]] = []
+    in_unit = find_fitting_unit(points, found.cad_model, range_sigma_m)
+    if in_unit is not None:
+        unit, read = in_unit
+        words = (
+            f"read in {UNIT_NAMES[unit]} it fits {100 * read.fitness:.0f} % of the points where "
+            f'hull.pose says (hull.units = "{unit}")'
+        )
+        fitting.append((read.fitness, words))
+    turned = None
+    if turn_of(found) is None:  # else that is the reason
+        turned = find_fitting_heading(points, found.cad_model, range_sigma_m)
+    if turned is not None:
+        fitting.append((turned[1], describe_turn(turned[0])))
+    if not fitting:
         return verdict
-    unit, found = fitting
-    share = f"{100 * found.fitness:.0f} % of the points"
-    named = (
-        f'read in {UNIT_NAMES[unit]} it fits {share} where hull.pose says (hull.units = "{unit}")'
-    )
-    return replace(verdict, reason=f"{verdict.reason}; {named}")
+    enough = AS_WELL * max(fitness for fitness, _ in fitting)
+    named = [words for fitness, words in fitting if fitness >= enough]
+    return replace(verdict, reason="; ".join([str(verdict.reason).removesuffix(ANYBODY), *named]))
 
 
 def segments_of_path(solved: RoundResult, solver: RoundSolver) -> Segments | None:

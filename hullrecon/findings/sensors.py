@@ -31,6 +31,7 @@ FAULTS = {  # of a sensor, as a statement
         "mount",
     ): "the IMU sits turned by about {value} degrees about the vehicle's z "
     "axis, beside what imu.mount_deg says",
+    ("IMU's orientation", "axes"): "the orientation is of other axes than imu.frame says: {value}",
     ("IMU's orientation", "sign"): "the orientation has its {value} with the other sign",
     ("IMU's acceleration", "axes"): "the accelerations are along {value} of the orientation's axes",
     ("IMU's acceleration", "sign"): "the accelerations are those of gravity, with the other sign",

@@ -87,7 +87,7 @@ STAGES = (
         summary="compute the dead-reckoned trajectory",
         inputs=("ingest",),
         parameters=NoOptions,
-        version=28,
+        version=29,
         run=_later("navigate"),
         uses=(
             *SENSOR_KEYS,
@@ -138,7 +138,7 @@ STAGES = (
         optional=("links", "matches"),
         uses=(*RIG_SECTIONS, "hull"),
         parameters=AdjustOptions,
-        version=35,
+        version=36,
         run=_later("adjust"),
     ),
     Stage(

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 from adjustment.scenes import ERROR, TRUTH, cad_model, side, survey
 
-from hullrecon.adjustment.cad_acceptance import _name_unit
+from hullrecon.adjustment.cad_acceptance import _name_what_fits
 from hullrecon.adjustment.hull_pose.other_units import find_fitting_unit
+from hullrecon.adjustment.hull_pose.registration import register
 from hullrecon.adjustment.rounds import Verdict
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.units import METRES_PER_UNIT
@@ -32,7 +33,8 @@ def test_the_unit_in_which_the_survey_fits_is_named():
     assert unit == "ft"
     assert found.fitness > 0.95
     refused = Verdict(accepted=False, reason="it fits badly")
-    assert _name_unit(refused, model, POINTS, 0.01).reason == (
+    badly = register(POINTS, model, 0.01)
+    assert _name_what_fits(refused, badly, POINTS, 0.01).reason == (
         "it fits badly; read in feet it fits 100 % of the points where hull.pose says "
         '(hull.units = "ft")'
     )

@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.dvl_beams import tilted_beams
+from hullrecon.dive.logs.streams import FRD_FROM_FLU, NED_FROM_ENU
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_mount
@@ -421,6 +422,22 @@ def test_angle_that_grows_the_other_way_is_named(angle):
     (finding,) = found.findings
     assert finding.severity == "error"
     assert "IMU's orientation" in finding.values.get("sensors", [finding.values.get("sensor")])
+
+
+@pytest.mark.parametrize(
+    ("down", "own", "axes"),
+    [
+        (NED_FROM_ENU, NED_FROM_ENU, "+y +x -z for those of the vehicle, -z downwards"),
+        (FRD_FROM_FLU, NED_FROM_ENU, "+y +x -z for those of the vehicle, -z downwards"),
+    ],
+    ids=["components exchanged", "frames in the wrong order"],
+)
+def test_orientation_of_other_axes_is_named_before_rates_and_dvl(down, own, axes):
+    given = dive()
+    logged = (down * Rotation.from_quat(given.imu.quaternion) * own).as_quat()
+    (found,) = judged(replace(given, imu=replace(given.imu, quaternion=logged)), flows()).findings
+    assert (found.values["sensor"], found.values["fault"]) == ("IMU's orientation", "axes")
+    assert found.values["value"] == axes
 
 
 def test_orientation_that_stands_still_does_not_blame_the_rates_alone():

@@ -182,6 +182,7 @@ def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
         )
         if name:
             turned["sign", name] = Rotation.from_euler("ZYX", angles * signs)
+    turned |= {("axes", name): turn for name, turn in _of_other_axes(attitude)}
     for (fault, value), rotation in turned.items():
         held = replace(records, imu=replace(imu, quaternion=rotation.as_quat()))
         yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=held)
@@ -251,6 +252,23 @@ def _of_camera(
             for flow, late in zip(flows, late_ns, strict=True)
         ]
         yield replace(clock.of(Sensor.CAMERA, records), flows=moved)
+
+
+def _of_other_axes(attitude: Rotation) -> Iterator[tuple[str, Rotation]]:
+    """List what orientations (n,) may be of other axes: a vehicle's, global ones, or both.
+
+    Exchanged components of a quaternion and frames that were chained in the wrong order are such.
+    Of the global axes only the one that points down counts: nothing here tells the heading.
+    """
+    turns = [("+x +y +z", np.eye(3)), *signed_axes()]
+    proper = [(name, turn) for name, turn in turns if np.linalg.det(turn) > 0]
+    downwards = {name[-2:]: turn for name, turn in reversed(proper)}
+    for inverse, logged in (("", attitude), (", and it is inverted", attitude.inv())):
+        for down, globally in downwards.items():
+            for name, own in proper:
+                if inverse or down != "+z" or not np.array_equal(own, np.eye(3)):
+                    turned = Rotation.from_matrix(globally) * logged * Rotation.from_matrix(own)
+                    yield f"{name} for those of the vehicle, {down} downwards{inverse}", turned
 
 
 @dataclass(frozen=True, kw_only=True)

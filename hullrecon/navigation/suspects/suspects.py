@@ -158,7 +158,9 @@ def _explains_as_much(one: Hypothesis, tried: Tried, best: Hypothesis, least: Tr
 
 
 def _rank(one: Hypothesis) -> int:
-    """Rank the readings of a pressure and the angles of a mount, the usual first."""
+    """Rank readings of a pressure, angles of mounts and axes of orientations, the usual first."""
+    if one.sensor is Sensor.ATTITUDE and one.fault == "axes":
+        return 1
     if one.fault in ("turn", "mount"):
         return int(int(one.value) % USUAL_ANGLE_DEG != 0)
     return USUAL.get(one.fault, len(USUAL)) if one.sensor is Sensor.PRESSURE else 0

@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A path whose heading is off, and the CAD model that fits it turned."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from adjustment.scenes import TRUTH, cad_model, side, survey
+from scipy.spatial.transform import Rotation
+
+from hullrecon.adjustment.hull_pose.other_headings import (
+    describe_turn,
+    find_fitting_heading,
+    turn_of,
+)
+from hullrecon.adjustment.hull_pose.registration import perturb_pose, register
+from hullrecon.geometry.poses import Poses
+
+MESH = side(1.0)
+LOCAL = survey(MESH, np.random.default_rng(0))
+BEGAN = TRUTH.apply(LOCAL.min(axis=0)[None])[0]
+PLACE = Poses(TRUTH.quaternion, TRUTH.translation - BEGAN)  # global_from_hull
+POINTS = PLACE.apply(LOCAL)
+
+
+def turned(degrees):
+    """Points of a path that is turned about where it began."""
+    return Rotation.from_euler("z", degrees, degrees=True).apply(POINTS)
+
+
+def model():
+    return cad_model(MESH, PLACE, np.zeros(6))
+
+
+def test_small_turn_is_told_from_a_guess_that_is_elsewhere():
+    found = register(turned(25.0), model(), 0.01)
+    assert found.sigmas_off > 3.5
+    assert np.degrees(turn_of(found)) == pytest.approx(25.0, abs=3.0)
+    assert "imu.mount_deg" in describe_turn(turn_of(found))
+    assert "hull.pose" in describe_turn(turn_of(found))
+    elsewhere = perturb_pose(PLACE, found.center, np.r_[0.0, 0.0, -1.5, np.zeros(3)])
+    away = register(POINTS, replace(model(), guess=elsewhere), 0.01)
+    assert away.sigmas_off > 3.5
+    assert turn_of(away) is None
+
+
+def test_large_turn_is_found_where_no_pose_nearby_fits():
+    degrees = -160.0
+    turn, fitness = find_fitting_heading(turned(degrees), model(), 0.01)
+    assert fitness > 0.95
+    assert np.degrees(turn) == pytest.approx(degrees, abs=5.0)
+
+
+def test_points_of_no_hull_fit_at_no_heading():
+    rough = POINTS + 0.4 * np.random.default_rng(1).standard_normal(POINTS.shape)
+    assert find_fitting_heading(rough, model(), 0.01) is None
