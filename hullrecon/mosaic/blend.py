@@ -14,6 +14,7 @@ from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.imagery.camera_views import ImageView
 from hullrecon.mosaic.imagery.radiometry import Part
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface, seen
+from hullrecon.native import BlendSums, insert_view
 from hullrecon.typing import Array, Floats32, Ints, Ints32, Mask
 
 STEEPNESS = (5.0, 10.0, 50.0)  # k of B_k, from the coarsest band to the finest
@@ -24,7 +25,6 @@ REDUCED = 4
 # reducing and enlarging reach
 MARGIN_PX = 64
 ALIGN_PX = 32  # corners of a part of an image, a multiple of REDUCED
-SAMPLES = 256  # pixels a line of the raster in which OpenCV samples
 VIEWS = 4  # at most so many a texel [Ozog2016 3.2.4]
 BLOCK = 64  # texels, side of the squares for which views are left out together
 
@@ -44,12 +44,6 @@ def split_bands(picture: Floats32) -> tuple[Floats32, Floats32, Floats32]:
         for p in (cv2.resize(blurred, size), middle)
     )
     return low, middle - low, picture - middle
-
-
-def band_weight(ratio: NDArray[np.floating], steepness: float) -> Floats32:
-    """Weigh by B_k(r) = exp(-k r/R) / (1 + exp(-2 k r/R)). Zero where r/R is NaN."""
-    fall = np.exp(-steepness * np.nan_to_num(ratio, nan=0.0))
-    return np.where(np.isfinite(ratio), fall / (1 + fall * fall), 0).astype(np.float32)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,7 +155,7 @@ class _Block:
             row=self.row[rows],
             column=self.column[rows],
             texel=self.texel[rows],
-            patch=_column_major(self.patch, rows),
+            patch=_texels(self.patch, rows),
         )
 
     def within(self, window: Window) -> Mask:
@@ -175,17 +169,12 @@ def _block(patch: SurfacePatch, window: Window, tile: Window) -> _Block:
     row, column = np.nonzero(np.isfinite(patch.point[window.within(tile)][..., 0]))
     row, column = row + window.top, column + window.left
     texel = (row - tile.top) * tile.shape[1] + column - tile.left
-    return _Block(
-        window=window, row=row, column=column, texel=texel, patch=_column_major(patch, texel)
-    )
+    return _Block(window=window, row=row, column=column, texel=texel, patch=_texels(patch, texel))
 
 
-def _column_major(patch: SurfacePatch, rows: Ints) -> SurfacePatch:
-    """Take flat rows, coordinate after coordinate: NumPy is several times faster on these."""
-    point, normal = (
-        np.asfortranarray(field.reshape(-1, 3)[rows])[:, None]
-        for field in (patch.point, patch.normal)
-    )
+def _texels(patch: SurfacePatch, rows: Ints) -> SurfacePatch:
+    """Take flat rows, as a column."""
+    point, normal = (field.reshape(-1, 3)[rows][:, None] for field in (patch.point, patch.normal))
     return SurfacePatch(
         point=point,
         normal=normal,
@@ -261,7 +250,7 @@ def _rank(
         cost = view_cost(surface, block.patch, image_views[candidate.view], limits)
         if candidate.window.meet(block.window) != block.window:
             cost[~block.within(candidate.window)] = np.inf
-        _insert(best, candidate.view, cost)
+        insert_view(best.view, best.cost, candidate.view, cost)
     return best
 
 
@@ -302,19 +291,6 @@ def view_cost(
     return np.where(free, cost, np.inf).astype(np.float32)
 
 
-def _insert(best: BestViews, view: int, cost: Floats32) -> None:
-    """Insert into the sorted list of each texel. Of equals the first view comes first."""
-    last_cost, last = best.cost[-1], best.view[-1]
-    rows = np.flatnonzero((cost < last_cost) | ((cost == last_cost) & (view < last)))
-    new_cost, new = cost[rows], np.full(len(rows), view, np.int32)
-    for place in range(VIEWS):
-        kept_cost, kept = best.cost[place, rows], best.view[place, rows]
-        better = (new_cost < kept_cost) | ((new_cost == kept_cost) & (new < kept))
-        best.cost[place, rows] = np.where(better, new_cost, kept_cost)
-        best.view[place, rows] = np.where(better, new, kept)
-        new_cost, new = np.where(better, kept_cost, new_cost), np.where(better, kept, new)
-
-
 def blend(
     patch: SurfacePatch, choice: BestViews, image_views: Sequence[ImageView], channels: int
 ) -> Tile:
@@ -323,32 +299,19 @@ def blend(
     The variance is of intensities under the mean of the bands' weights.
     """
     shape = choice.view.shape[1:]
-    texels = shape[0] * shape[1]
-    total = [[np.zeros(texels, np.float32) for _ in range(channels)] for _ in STEEPNESS]
-    weights = [np.zeros(texels, np.float32) for _ in STEEPNESS]
-    # of weight, weight x intensity, weight x intensity squared
-    moments = [np.zeros(texels, np.float32) for _ in range(3)]
-    count = np.zeros(texels, np.uint8)
+    sums = BlendSums.zero(len(STEEPNESS), channels, shape[0] * shape[1])
     point = patch.point.reshape(-1, 3)
     for k, rows in _texels_by_view(choice):
         pixel, ratio = image_views[k].project(point.take(rows, axis=0))
         part, at = crop_around(pixel, image_views[k].size)
         picture = image_views[k].picture(part)
-        if picture is None:
-            continue
-        share = [band_weight(ratio, s) for s in STEEPNESS]
-        for band, sums, norms, w in zip(split_bands(picture), total, weights, share, strict=True):
-            for sum_of, sampled in zip(sums, _sample(band, at).T, strict=True):
-                sum_of[rows] += w * sampled
-            norms[rows] += w
-        mean = sum(share) / np.float32(len(share))
-        intensity = sum(_sample(picture, at).T) / np.float32(channels)
-        of_view = (mean, mean * intensity, mean * intensity**2)
-        for sum_of, more in zip(moments, of_view, strict=True):
-            sum_of[rows] += more
-        count[rows] += 1
-    value = _normalise(total, weights).reshape(*shape, channels)
-    return Tile(value=value, variance=_variance(moments).reshape(shape), views=count.reshape(shape))
+        if picture is not None:
+            sums.add(split_bands(picture), rows, at, ratio, STEEPNESS)
+    return Tile(
+        value=_normalise(sums.value, sums.weight).reshape(*shape, channels),
+        variance=_variance(sums.moment).reshape(shape),
+        views=sums.views.reshape(shape),
+    )
 
 
 def _texels_by_view(choice: BestViews) -> Iterator[tuple[int, Ints]]:
@@ -391,35 +354,14 @@ def crop_around(pixel: Array, size: tuple[int, int]) -> tuple[Part, Floats32]:
     return (slice(top, bottom), slice(left, right)), at - np.array([left, top], np.float32)
 
 
-def _sample(picture: Floats32, at: Floats32) -> Floats32:
-    """Sample bilinearly at pixels (n, 2): (n, channels)."""
-    import cv2
-
-    # OpenCV takes a raster of pixels, of sides below 2^15
-    lines = -(-len(at) // SAMPLES)
-    raster = np.zeros((lines * SAMPLES, 2), np.float32)
-    raster[: len(at)] = at
-    taken = cv2.remap(
-        picture,
-        raster.reshape(lines, SAMPLES, 2),
-        None,
-        cv2.INTER_LINEAR,
-        borderMode=cv2.BORDER_REPLICATE,
-    )
-    return np.asarray(taken, np.float32).reshape(lines * SAMPLES, -1)[: len(at)]
+def _normalise(total: Floats32, weight: Floats32) -> Floats32:
+    """Sum the bands (n, bands, channels), each over its weight (n, bands): (n, channels)."""
+    share = total / np.where(weight > 0, weight, 1)[:, :, None]
+    return np.asarray(np.clip(share.sum(axis=1), 0, 255))
 
 
-def _normalise(total: Sequence[Sequence[Floats32]], weights: Sequence[Floats32]) -> Floats32:
-    """Sum the bands, each over its weight: (n, channels)."""
-    norms = [np.where(w > 0, w, 1) for w in weights]
-    value = np.empty((len(norms[0]), len(total[0])), np.float32)
-    for channel, bands in enumerate(zip(*total, strict=True)):
-        low, *others = (t / norm for t, norm in zip(bands, norms, strict=True))
-        value[:, channel] = np.clip(sum(others, low), 0, 255)
-    return value
-
-
-def _variance(moments: Sequence[Floats32]) -> Floats32:
-    """Compute the variance, NaN where nothing was blended."""
-    norm = np.where(moments[0] > 0, moments[0], np.nan)
-    return np.asarray(np.maximum(moments[2] / norm - (moments[1] / norm) ** 2, 0), np.float32)
+def _variance(moment: Floats32) -> Floats32:
+    """Compute the variance (n,) of moments (n, 3), NaN where nothing was blended."""
+    norm = np.where(moment[:, 0] > 0, moment[:, 0], np.nan)
+    mean, square = moment[:, 1] / norm, moment[:, 2] / norm
+    return np.asarray(np.maximum(square - mean**2, 0), np.float32)

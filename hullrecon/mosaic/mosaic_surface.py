@@ -17,6 +17,7 @@ from hullrecon.mosaic.occlusion_horizon import (
     build_occlusion_horizon,
     hidden_from,
 )
+from hullrecon.native import incidence
 from hullrecon.typing import Array, Floats32, Ints, Ints32, Mask
 
 # texels between points of the chart; between them it is linear, 0.1 mm off on a radius of a metre
@@ -69,12 +70,7 @@ class SurfacePatch:
 
     def cosines(self, rows: Ints | slice, sensor: Array) -> Array:
         """Compute cosines of the incidence (n,) of a sensor (3,) at flat rows."""
-        point, normal = (
-            np.ascontiguousarray(field.reshape(-1, 3)[rows].T)
-            for field in (self.point, self.normal)
-        )
-        away = sensor[:, None] - point
-        return np.asarray((away * normal).sum(axis=0) / np.sqrt(np.square(away).sum(axis=0)))
+        return incidence(self.point.reshape(-1, 3)[rows], self.normal.reshape(-1, 3)[rows], sensor)
 
 
 def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> SurfacePatch:
@@ -147,7 +143,4 @@ def seen(
 
 def find_unobstructed(surface: MosaicSurface, points: Array, normals: Array, sensor: Array) -> Mask:
     """Mark points (n, 3) with a free straight line to the sensor (3,)."""
-    start = points + OFF_SURFACE_M * normals
-    away = sensor - start
-    distance = np.linalg.norm(away, axis=1)
-    return np.asarray(surface.scene.cast(start, away / distance[:, None]) >= distance)
+    return surface.scene.is_free(points + OFF_SURFACE_M * normals, sensor)

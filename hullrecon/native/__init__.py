@@ -58,6 +58,7 @@ from hullrecon.native.solver import (
     pair_covariance,
     solve,
 )
+from hullrecon.native.views import BlendSums, incidence, insert_view, project_into
 
 __all__ = [
     "FACTORS",
@@ -66,6 +67,7 @@ __all__ = [
     "LENS_DEGREE",
     "LENS_MODES",
     "AttitudeTable",
+    "BlendSums",
     "CadMesh",
     "Closest",
     "Covariance",
@@ -108,10 +110,13 @@ __all__ = [
     "curvature_information",
     "descriptor_distances",
     "evaluate",
+    "incidence",
+    "insert_view",
     "linearise_stereo",
     "normal_of_reprojections",
     "pair_covariance",
     "pairs_in_regions",
+    "project_into",
     "reduce_stereo",
     "solve",
     "squared_reprojections",

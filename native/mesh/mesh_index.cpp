@@ -205,4 +205,20 @@ Hit MeshIndex::cast(const Vec3& origin, const Vec3& unit_direction) const {
   return best;
 }
 
+bool MeshIndex::is_free(const Vec3& start, const Vec3& end) const {
+  const Vec3 line = end - start;
+  const double length = line.norm();
+  if (!(length > 0)) return true;
+  const Vec3 direction = line / length;
+  double limit = length;
+  tree_->descend(
+      range_bound(start, direction), [&] { return limit; },
+      [&](int32_t, const Triangle& triangle) {
+        if (limit < 0) return;
+        const auto range = cross(start, direction, triangle);
+        if (range && *range < length) limit = -1;  // no box is nearer: the search ends
+      });
+  return limit > 0;
+}
+
 }  // namespace hullrecon

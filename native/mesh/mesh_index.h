@@ -35,6 +35,8 @@ class MeshIndex {
   // Of faces at equal distances the first. hint: a face likely to be close (-1: none). It saves time and changes no answer.
   Closest closest(const Vec3& point, int32_t hint = -1) const;
   Hit cast(const Vec3& origin, const Vec3& unit_direction) const;
+  // Whether no face crosses the straight line between two points, the end itself left out.
+  bool is_free(const Vec3& start, const Vec3& end) const;
 
   int64_t faces() const { return static_cast<int64_t>(faces_.size()); }
 

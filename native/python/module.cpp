@@ -15,6 +15,7 @@
 #include "mesh/mesh_index.h"
 #include "python/convert.h"
 #include "python/matching.h"
+#include "python/mosaic.h"
 #include "solve/covariance.h"
 #include "solve/evaluate.h"
 #include "solve/pair_covariance.h"
@@ -96,6 +97,21 @@ py::tuple cast(const MeshIndex& index, const Doubles& origins, const Doubles& di
     });
   }
   return py::make_tuple(range, face, normal);
+}
+
+py::array_t<bool> is_free(const MeshIndex& index, const Doubles& starts, const Doubles& ends, int threads) {
+  const auto from = rows(starts, "starts"), to = rows(ends, "ends");
+  if (from.size() != to.size()) throw InputError("starts and ends differ in number", "ends", "");
+  const auto n = static_cast<py::ssize_t>(from.size());
+  py::array_t<bool> out(n);
+  bool* is = out.mutable_data();
+  {
+    py::gil_scoped_release free;
+    for_slabs(n, threads, [&](int64_t begin, int64_t end) {
+      for (int64_t i = begin; i < end; ++i) is[i] = index.is_free(from[i], to[i]);
+    });
+  }
+  return out;
 }
 
 template <class Number, class Value>
@@ -305,8 +321,10 @@ PYBIND11_MODULE(_native, m) {
       .def(py::init(&make_index))
       .def("closest", &closest)
       .def("cast", &cast)
+      .def("is_free", &is_free)
       .def("__len__", &MeshIndex::faces);
   bind_matching(m);
+  bind_mosaic(m);
   m.def("solve", &run_solve);
   m.def("solve_parts", &run_solve_parts);
   m.def("evaluate", &run_evaluate);

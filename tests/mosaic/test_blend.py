@@ -11,10 +11,8 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.blend import (
-    STEEPNESS,
     VIEWS,
     ViewLimits,
-    band_weight,
     blend_tile,
     choose_views,
     crop_around,
@@ -173,9 +171,9 @@ def test_rays_are_cast_for_the_views_that_are_chosen(
         for k, x in enumerate(shifts)
     }
     rays: list[int] = []
-    cast = surface.scene.cast
+    is_free = surface.scene.is_free
     monkeypatch.setattr(
-        surface.scene, "cast", lambda start, way: rays.append(len(way)) or cast(start, way)
+        surface.scene, "is_free", lambda start, end: rays.append(len(start)) or is_free(start, end)
     )
     choice = choose_views(
         surface, patch, GRID.whole, image_views, dict.fromkeys(image_views, GRID.whole), LIMITS
@@ -245,21 +243,3 @@ def test_a_single_bright_pixel_shows_in_the_finest_band() -> None:
     picture = np.zeros((41, 41, 1), np.float32)
     picture[20, 20] = 200
     assert split_bands(picture)[2][20, 20, 0] > 180
-
-
-def test_the_weight_is_one_half_at_the_best_place() -> None:
-    for k in STEEPNESS:
-        np.testing.assert_allclose(band_weight(np.array([0.0]), k), 0.5)
-
-
-def test_the_weight_is_that_of_the_formula() -> None:
-    np.testing.assert_allclose(
-        band_weight(np.array([0.2]), 5.0), np.exp(-1) / (1 + np.exp(-2)), rtol=1e-6
-    )
-    np.testing.assert_allclose(
-        band_weight(np.array([0.1]), 50.0), np.exp(-5) / (1 + np.exp(-10)), rtol=1e-6
-    )
-
-
-def test_a_texel_that_the_view_does_not_hold_weighs_nothing() -> None:
-    assert band_weight(np.array([np.nan]), 10.0)[0] == 0

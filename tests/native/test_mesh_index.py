@@ -316,3 +316,22 @@ def test_answers_move_with_the_mesh_and_the_points() -> None:
     assert met.any()
     np.testing.assert_allclose(second.range[met], first.range[met], rtol=1e-10)
     np.testing.assert_allclose(second.normal[met], first.normal[met] @ turn.T, atol=1e-12)
+
+
+def test_lines_are_free_where_no_cast_meets_a_face_before_their_end() -> None:
+    vertices, faces = bumpy_hull()
+    index, random = MeshIndex(vertices, faces), np.random.default_rng(8)
+    starts, ends = random.uniform(-1.5, 1.5, (2, 400, 3))
+    line = ends - starts
+    length = np.linalg.norm(line, axis=1)
+    free = index.is_free(starts, ends)
+    np.testing.assert_array_equal(free, index.cast(starts, line).range >= length)
+    assert 50 < free.sum() < 350
+    # a face at the end does not count, one just before it does
+    over = np.array([[0.3, 0.4, 2.0]])
+    np.testing.assert_array_equal(
+        MeshIndex(CUBE_VERTICES, CUBE_FACES).is_free(
+            np.repeat(over, 2, axis=0), [[0.3, 0.4, 1.0], [0.3, 0.4, 0.999]]
+        ),
+        [True, False],
+    )

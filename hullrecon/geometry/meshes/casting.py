@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from hullrecon.geometry.meshes.mesh import Mesh, face_normals
-from hullrecon.typing import Array, Ints, Ints32
+from hullrecon.typing import Array, Ints, Ints32, Mask
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,3 +65,10 @@ class Scene:
         inf for a ray that misses the mesh.
         """
         return self.hit(origins, directions)[0]
+
+    def is_free(self, starts: Array, ends: Array) -> Mask:
+        """Mark the straight lines (n,) between points (n, 3) or (3,) that the mesh does not cross.
+
+        Where a line meets the mesh only at its end, it is free.
+        """
+        return self._index.is_free(*np.broadcast_arrays(starts, ends))

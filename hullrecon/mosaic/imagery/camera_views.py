@@ -28,6 +28,7 @@ from hullrecon.mosaic.imagery.radiometry import (
 )
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface, seen
 from hullrecon.mosaic.stream import Stream
+from hullrecon.native import project_into
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Floats32, Ints, Mask
@@ -84,16 +85,10 @@ class CameraView:
 
     def project(self, points: Array) -> tuple[Array, Array]:
         """Project points. The best place is the image's middle, R half its diagonal."""
-        inside = self._inside(points)
-        pixel = self.camera.project(inside.T)
-        x, y, z = inside
-        u, v = pixel.T
-        width, height = self.camera.width, self.camera.height
-        near_axis = np.maximum(np.abs(x), np.abs(y)) < self._widest() * z
-        held = near_axis & (u >= 1) & (u <= width - 2) & (v >= 1) & (v <= height - 2)
-        away = np.sqrt(np.square(u - (width - 1) / 2) + np.square(v - (height - 1) / 2))
-        away /= 0.5 * np.hypot(width, height)
-        return pixel, np.where(held, away, np.nan)
+        return project_into(
+            points, self._camera_from_frame, self.center, self.camera.parameters(), self.size,
+            self._widest(),
+        )  # fmt: skip
 
     def least_ratio(self, center: Array, radius: Array) -> Array:
         """Bound the ratio by how far points may lie in the image from the balls' middles."""
@@ -135,7 +130,11 @@ class CameraView:
     def _inside(self, points: Array) -> Array:
         """Return coordinates (3, n) in the camera of points (n, 3)."""
         away = np.ascontiguousarray(points.T) - self.center[:, None]
-        return np.asarray(self.pose.rotation.as_matrix()[0].T @ away)
+        return self._camera_from_frame @ away
+
+    @property
+    def _camera_from_frame(self) -> Array:
+        return np.asarray(self.pose.rotation.as_matrix()[0].T)
 
     def _widest(self) -> float:
         """Find the tangent beyond which the distortion would fold points back."""

@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.mosaic.grid import TexelGrid, Window
-from hullrecon.mosaic.output.tile_store import CompressedTiles
+from hullrecon.mosaic.output.tile_store import CompressedTiles, append, read_at
+from hullrecon.mosaic.stream import in_threads
 
 BLOCK = 512  # px, side of a block of the file
 SMALLEST = 256  # px, overviews are made until one is no longer than this
@@ -137,21 +138,24 @@ def _compress(
     picture: Picture, predictor: int, nodata: float | None, scratch: BinaryIO
 ) -> tuple[CompressedTiles, Level]:
     """Compress the blocks of a picture, and halve it on the way."""
-    half = BLOCK // 2
-    shape = (half, half, picture.bands)
+    shape = (BLOCK // 2, BLOCK // 2, picture.bands)
     reduced = CompressedTiles(shape, picture.tiles.dtype, scratch)
     level = Level(width=picture.width, height=picture.height, at=[], sizes=[])
-    for window in TexelGrid(0.0, 0.0, 1.0, picture.height, picture.width).tiles(BLOCK):
+
+    def make(window: Window) -> tuple[bytes, bytes]:
         block = picture.read(window)
         # past the edge there is nothing, which zero does not say of metres
         if nodata is not None and nodata != 0:
             block[picture.height - window.top :] = nodata
             block[:, picture.width - window.left :] = nodata
         data = zlib.compress(predict(block, predictor), DEFLATE)
-        level.at.append(scratch.seek(0, 2))
+        return data, reduced.pack(halve(block, nodata))
+
+    blocks = TexelGrid(0.0, 0.0, 1.0, picture.height, picture.width).tiles(BLOCK)
+    for data, half in in_threads(make, list(blocks)):
+        level.at.append(append(scratch, data))
         level.sizes.append(len(data))
-        scratch.write(data)
-        reduced.add(halve(block, nodata))
+        reduced.add_packed(half)
     return reduced, level
 
 
@@ -255,8 +259,7 @@ def _assemble(
     file.write(_directories(form, levels, tags, starts))
     for level in reversed(levels):
         for place, size in zip(level.at, level.sizes, strict=True):
-            scratch.seek(place)
-            data = scratch.read(size)
+            data = read_at(scratch, place, size)
             file.write(struct.pack("<I", size) + data + data[-4:])
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from threading import Lock
 from typing import BinaryIO
 
 import numpy as np
@@ -20,6 +21,22 @@ from hullrecon.mosaic.stream import Stream
 
 TEXTURE_PX = 4096  # longer side of the small copy, which is the GLB's texture
 VARIANCE_STEP = 0.25  # squared gray levels; finer is noise, and compresses badly
+_at_one_place = Lock()  # held while a scratch file is read or written: it has one position
+
+
+def append(file: BinaryIO, data: bytes) -> int:
+    """Write at the end of a scratch file, from any thread. Returns the byte where it begins."""
+    with _at_one_place:
+        at = file.seek(0, 2)
+        file.write(data)
+    return at
+
+
+def read_at(file: BinaryIO, at: int, length: int) -> bytes:
+    """Read from a byte of a scratch file on, from any thread."""
+    with _at_one_place:
+        file.seek(at)
+        return file.read(length)
 
 
 @dataclass
@@ -43,13 +60,10 @@ class CompressedTiles:
 
     def add_packed(self, data: bytes) -> None:
         """Keep a compressed tile."""
-        self._parts.append((self.file.seek(0, 2), len(data)))
-        self.file.write(data)
+        self._parts.append((append(self.file, data), len(data)))
 
     def __getitem__(self, k: int) -> NDArray[np.generic]:
-        at, length = self._parts[k]
-        self.file.seek(at)
-        data = zlib.decompress(self.file.read(length))
+        data = zlib.decompress(read_at(self.file, *self._parts[k]))
         return np.frombuffer(data, self.dtype).reshape(self.shape)
 
     def __iter__(self) -> Iterator[NDArray[np.generic]]:

@@ -478,7 +478,7 @@ _SONAR = Chapter(
             "the four best pings of a face, blended in three bands",
             code=(
                 "hullrecon/mosaic/blend.py:choose_views",
-                "hullrecon/mosaic/blend.py:band_weight",
+                "hullrecon/native/views.py:BlendSums",
             ),
             tests=("tests/mosaic/test_blend.py",),
         ),
