@@ -69,6 +69,7 @@ class Processes(Executor):
         self._pool: ProcessPoolExecutor | None = None
 
     def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
+        """See `Executor`. Where a worker is killed, go on once with half as many."""
         if len(items) < 2:
             yield from map(function, items)
             return

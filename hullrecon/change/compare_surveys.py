@@ -70,6 +70,7 @@ def compare_surveys(
     )
     objects = compare_objects(first, second, regions, context)
     moves = surface_moves(found, regions, chart, lattice, offset, options)
+    # the offset's prior is the sum of both hull poses', and a place has the error of one
     place = AddressSigma(
         along=float(np.sqrt(offset.prior_covariance[0, 0] / 2)), girth=0.05, depth=0.1
     )

@@ -517,7 +517,7 @@ BUILDERS: dict[str, Callable[[_Source], SensorRecord | None]] = {
 def _build_records(source: _Source, problems: Problems) -> SensorRecords:
     """Build the records of all sensors but the cameras."""
     for name, build in BUILDERS.items():
-        if name == next(iter(JOINT_KEYS)):
+        if name == next(iter(JOINT_KEYS)):  # once, in front of the joints
             with problems.collect():
                 _check_joints(source)
         with problems.collect():

@@ -39,7 +39,8 @@ def judge_sensors(
 ) -> Judged:
     """Hold the sensors of a dive against each other, by SENSOR_KEYS of dive.toml.
 
-    cameras: by which the flows are in ideal coordinates.
+    cameras: models by which the flows were brought into ideal coordinates. Where depth and DVL show
+    one motion at two times, that is all that is found: no other comparison holds then.
     """
     density, gravity, atmosphere = (_number(settings[key]) for key in WATER_KEYS)
     topics = settings["topics"]
@@ -59,7 +60,7 @@ def judge_sensors(
     rig = rig_from_settings(settings, cameras)
     level = level_of(records, rig.tray_origin, rig.pressure_origin, rig.tray_from_dvl)
     apart = motions_apart(records, level)
-    if apart:  # nothing else compares sensors whose clocks are apart
+    if apart:
         return Judged(records=records, findings=apart, tried=[])
     records, moved = mend_shifted(records, level)
     judged = judge(records, rig, atmosphere / (density * gravity), named, flows)

@@ -174,6 +174,7 @@ def _scratches(random: np.random.Generator, image: Pixels, texel_m: float) -> No
     step = length * np.stack([np.cos(angle), np.sin(angle)], 1)[:, None]
     bend = random.uniform(-0.3, 0.3, (count, 1, 1)) * step[..., ::-1] * [1, -1]
     share = np.linspace(0, 1, 9)[None, :, None]
+    # parabolas in sixteenths of a texel (the last argument below: 4 bits)
     lines = np.rint(16 * (start + step * 2 * share + bend * share**2)).astype(np.int32)
     for line, tone in zip(lines, random.uniform(60, 190, count).tolist(), strict=True):
         cv2.polylines(image, [line], False, (tone, tone, 0.9 * tone), 1, cv2.LINE_AA, 4)

@@ -309,6 +309,7 @@ def _contradiction(evidence: HullPoseEvidence, pose: Poses) -> Array:
 def _profile(
     evidence: HullPoseEvidence, pose: Poses, direction: Array
 ) -> profile_likelihood.Profile:
+    """Compute the posterior along a unit `direction` of M, over three sigmas of the guess."""
     valley = _valley(evidence, pose, direction)
     return profile_likelihood.profile(
         valley,

@@ -106,6 +106,7 @@ def camera_of(camera: pycolmap.Camera) -> CameraModel:
 
 
 def _observations(delivered: Reconstruction, undistortions: dict[int, Undistortion]) -> _Seen:
+    """Move observations into the undistorted images, of points that keep two or more."""
     parts: list[tuple[Ints, Ints, Array]] = []
     for number in sorted(delivered.images):
         image = delivered.images[number]
@@ -124,6 +125,7 @@ def _observations(delivered: Reconstruction, undistortions: dict[int, Undistorti
 def _add_images(
     reconstruction: Reconstruction, delivered: Reconstruction, seen: _Seen
 ) -> list[ImageNames]:
+    """Add the delivered frames and images, with what each sees, and list the images' names."""
     import pycolmap
 
     names = []

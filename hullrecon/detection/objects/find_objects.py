@@ -333,10 +333,12 @@ def _object(
     base: BaseSurface,
     landmarks: _Landmarks,
 ) -> HullObject:
+    """Measure the object that a region shows: place, size, height and their sigmas."""
     region = evidence.region
     foot, core = region.foot, region.core
     normal = np.average(found.normal[core], axis=0, weights=np.maximum(area[core], 1e-12))
     normal /= np.linalg.norm(normal)
+    # of its top, which no single vertex decides
     deviation = region.side * weighted_quantile(
         region.side * found.deviation_at(core), area[core], 0.98
     )

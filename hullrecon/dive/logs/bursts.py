@@ -23,7 +23,9 @@ FAR_S = 60.0
 
 
 def spread_bursts(name: str, stamp: Ints, logged: Ints, notes: list[Finding]) -> Ints:
-    """Put readings where they were measured whose stamps come in bursts. Others are kept.
+    """Spread stamps that come in bursts over the time in which they were measured.
+
+    Where the logger's times do not come in bursts, those are taken. Other streams are kept.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ def drop_lost_velocities(
         values = {"least_m_s": float(sigma[known].min()), "limit_m_s": WORST_SIGMA_M_S}
         notes.append(Finding("velocity-sigmas-useless", values, "dvl"))
         sigma, huge = np.full(len(sigma), np.nan), np.zeros(len(sigma), bool)
-    zeros, repeats = _held(t_ns, np.where(huge[:, None], np.nan, velocity))
+    zeros, repeats = _false_readings(t_ns, np.where(huge[:, None], np.nan, velocity))
     lost = huge | zeros | repeats
     if lost.any():
         first, last = np.flatnonzero(lost)[[0, -1]]
@@ -69,7 +69,7 @@ def drop_lost_velocities(
     return np.where(lost[:, None], np.nan, velocity), sigma
 
 
-def _held(t_ns: Ints, velocity: Array) -> tuple[Mask, Mask]:
+def _false_readings(t_ns: Ints, velocity: Array) -> tuple[Mask, Mask]:
     """Find velocities (n,) that stand for lost ones: false zeros, and repeats of the last one.
 
     Zeros are false where they begin or end as no vehicle stops or starts, or where a sensor whose

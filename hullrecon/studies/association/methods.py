@@ -219,7 +219,7 @@ def _extend(sets: PointSets, seed: Association, compatible: Mask, confidence: fl
             continue
         tests += 1
         hypothesis.add((first, second))
-        taken[1].add(second)
+        taken[1].add(second)  # tried with its nearest alone, whether that holds or not
         if hypothesis.holds(confidence):
             taken[0].add(first)
         else:

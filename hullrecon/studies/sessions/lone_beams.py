@@ -60,7 +60,11 @@ def surfaced(rng: np.random.Generator) -> tuple[Session, int]:
 
 
 def beams(session: Session, count: int, rng: np.random.Generator) -> Beams:
-    """Measure the ranges of two beams of each surfaced pose, to the nearest plane below."""
+    """Measure the ranges of two beams of each surfaced pose, and pair each with a plane below.
+
+    That is the plane seen from the pose nearest to where the beam meets the hull. The poses
+    from `count` on are surfaced.
+    """
     poses = np.repeat(np.arange(count, len(session.truth)), len(RAYS))
     ray = np.tile(RAYS, (len(session.truth) - count, 1))
     where = session.truth[poses]

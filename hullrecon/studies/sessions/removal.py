@@ -48,7 +48,7 @@ class Clique:
 class LinearFactors(Factors):
     """Generic linear constraints G x_c + offset [Ozog2016 eq. 2.6], all of as many variables.
 
-    Where they are shifted to their root, the first pose, x_c has the others relative to it, so that
+    With `at_root` x_c has the others relative to their root, the first pose, so that
     a wrong place in the world costs nothing.
     """
 
@@ -56,9 +56,9 @@ class LinearFactors(Factors):
     at_planes: Array  # (m, l, 3)
     gain: Array  # (m, s, s), G with rows of zeros where nothing is known; s = 6 k + 3 l
     offset: Array  # (m, s) of the residual
-    shifted: bool
+    at_root: bool
 
-    SHARED = frozenset({"shifted"})
+    SHARED = frozenset({"at_root"})
 
     def linearise(self, state: State) -> Linear:
         """Compute whitened residuals."""
@@ -79,7 +79,7 @@ class LinearFactors(Factors):
         at = [Poses(self.at_poses[:, j, 3:], self.at_poses[:, j, :3]) for j in range(k)]
         for j in range(k):
             row = slice(6 * j, 6 * j + 6)
-            if j and self.shifted:
+            if j and self.at_root:
                 relative, by_root, by_own = between(poses[0], poses[j])
                 off[:, row], by = errors(between(at[0], at[j])[0], relative)
                 derivative[:, row, :6], derivative[:, row, row] = by @ by_root, by @ by_own
@@ -88,7 +88,7 @@ class LinearFactors(Factors):
         for j in range(self.planes.shape[1]):
             row = slice(6 * k + 3 * j, 6 * k + 3 * j + 3)
             plane, known = state.planes[self.planes[:, j]], self.at_planes[:, j]
-            if k and self.shifted:
+            if k and self.at_root:
                 seen, by_root, by_own = plane_in(poses[0], plane)
                 off[:, row] = seen - plane_in(at[0], known)[0]
                 derivative[:, row, :6], derivative[:, row, row] = by_root, by_own
@@ -104,13 +104,13 @@ def remove_node(
     pose: int | None = None,
     plane: int | None = None,
     tree: bool = True,
-    shifted: bool = True,
+    at_root: bool = True,
 ) -> Graph:
     """Remove a pose or a plane.
 
     tree
         Leave a Chow-Liu tree of factors instead of one of all neighbours, which is exact.
-    shifted
+    at_root
         Linear relative to one pose of the clique, not in the world.
     """
     rows = [
@@ -130,7 +130,7 @@ def remove_node(
     live_planes[[] if plane is None else plane] = False
     clique = target(taken, state, (pose, plane))
     cliques = tree_of(clique) if tree else [clique]
-    made = [linear_factor(part, state, shifted=shifted) for part in cliques if len(part.blocks())]
+    made = [linear_factor(part, state, at_root=at_root) for part in cliques if len(part.blocks())]
     return Graph(
         factors=tuple(_put_together([t for t in left if len(t)], made)),
         live_poses=live_poses,
@@ -170,7 +170,7 @@ def target(
     )
 
 
-def linear_factor(clique: Clique, state: State, *, shifted: bool) -> LinearFactors:
+def linear_factor(clique: Clique, state: State, *, at_root: bool) -> LinearFactors:
     """Make the factor whose information is the clique's [Ozog2016 eq. 2.6]: one row."""
     size = len(clique.information)
     factor = LinearFactors(
@@ -180,7 +180,7 @@ def linear_factor(clique: Clique, state: State, *, shifted: bool) -> LinearFacto
         at_planes=state.planes[clique.planes][None],
         gain=np.zeros((1, size, size)),
         offset=np.zeros((1, size)),
-        shifted=shifted,
+        at_root=at_root,
     )
     by_state = np.linalg.inv(factor.differences(state)[1][0])
     root = by_state.T @ clique.information @ by_state
@@ -306,6 +306,6 @@ def _put_together(tables: list[Factors], made: list[LinearFactors]) -> list[Fact
                 name: np.concatenate([getattr(old, name), getattr(new, name)])
                 for name in ("poses", "planes", "at_poses", "at_planes", "gain", "offset")
             },
-            shifted=old.shifted,
+            at_root=old.at_root,
         )
     return out

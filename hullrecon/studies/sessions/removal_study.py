@@ -69,7 +69,7 @@ class Map:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Step:
+class SessionResult:
     """Both maps after a session, and how the small one differs at the nodes it has."""
 
     nodes: tuple[int, int]  # small, full
@@ -98,7 +98,7 @@ def study() -> StudyResult:
 
 
 def compare(
-    steps: list[Step], variants: Mapping[str, tuple[float, float]]
+    steps: list[SessionResult], variants: Mapping[str, tuple[float, float]]
 ) -> tuple[ComparedValue, ...]:
     """Set what the source says beside the last session's numbers."""
     last = steps[-1]
@@ -141,7 +141,7 @@ def compare(
     )
 
 
-def many_sessions() -> tuple[list[Step], Map, Map]:
+def many_sessions() -> tuple[list[SessionResult], Map, Map]:
     """Merge all sessions into a small map and a full one, with the same measurements."""
     rng = np.random.default_rng(SEED)
     places: list[Neighbourhood] = []
@@ -229,7 +229,7 @@ def saliency(places: Array) -> Array:
     return np.asarray(0.5 + 0.25 * (np.sin(1.3 * x + 0.7 * z) + np.cos(0.6 * x - 1.9 * z)))
 
 
-def compare_maps(small: Map, full: Map, removed: float) -> Step:
+def compare_maps(small: Map, full: Map, removed: float) -> SessionResult:
     """Compare both maps at the poses of the small one [Ozog2016 2.5.5]."""
     here = solve(small.graph, small.state).state.poses
     kept = np.isin(full.number, small.number)
@@ -242,7 +242,7 @@ def compare_maps(small: Map, full: Map, removed: float) -> Step:
     logs = [np.linalg.slogdet(spread)[1] for spread in in_pose]
     turned = _euler(here) - _euler(there)
     truth = small.truth
-    return Step(
+    return SessionResult(
         nodes=(small.graph.nodes, full.graph.nodes),
         factors=(small.graph.factor_count, full.graph.factor_count),
         removed=removed,
@@ -267,7 +267,8 @@ def divergence(off: Array, approximate: Array, exact: Array) -> Array:
 def one_session() -> dict[str, tuple[float, float]]:
     """Remove three of four poses of one session in four ways.
 
-    The largest relative error of a sigma, and how far the path moves when it is solved again, m.
+    By way: the largest relative error of a sigma, and how far the path moves when it is solved
+    again, m.
     """
     session = survey(legs(-4.0, 4.0, LEGS_M, 1.0), np.random.default_rng(SEED))
     graph = whole(session.factors, session.start)
@@ -276,13 +277,13 @@ def one_session() -> dict[str, tuple[float, float]]:
     poses = [k for k in range(len(session.truth)) if k % 4]
     planes = np.flatnonzero(np.isin(session.seen_from, poses)).tolist()
     found = {}
-    for name, tree, shifted in (
+    for name, tree, at_root in (
         ("one factor of all neighbours", False, True),
         ("one factor, linear in the world", False, False),
         ("along a Chow-Liu tree", True, True),
         ("along a tree, linear in the world", True, False),
     ):
-        less = remove_nodes(graph, state, poses, planes, tree=tree, shifted=shifted)
+        less = remove_nodes(graph, state, poses, planes, tree=tree, at_root=at_root)
         spread = pose_covariances(less, covariance(less, state))
         sigma = np.sqrt(np.diagonal(spread, axis1=1, axis2=2))
         true = np.sqrt(np.diagonal(exact[less.live_poses], axis1=1, axis2=2))
@@ -292,7 +293,7 @@ def one_session() -> dict[str, tuple[float, float]]:
     return found
 
 
-def draw_sizes(steps: list[Step]) -> PublishedFigure:
+def draw_sizes(steps: list[SessionResult]) -> PublishedFigure:
     """Draw nodes and factors over the sessions [Ozog2016 Fig. 2.16]."""
     figure, axes = new_canvas(7.0, 3.2, 1, 2)
     number = np.arange(1, len(steps) + 1)
@@ -315,7 +316,7 @@ def draw_sizes(steps: list[Step]) -> PublishedFigure:
     )
 
 
-def draw_differences(steps: list[Step]) -> PublishedFigure:
+def draw_differences(steps: list[SessionResult]) -> PublishedFigure:
     """Draw how the small map differs from the full one [Ozog2016 Figs 2.19, 2.20]."""
     figure, axes = new_canvas(9.6, 5.6, 2, 2)
     number = np.arange(1, len(steps) + 1)

@@ -83,11 +83,11 @@ def remove_nodes(
     planes: Sequence[int],
     *,
     tree: bool = True,
-    shifted: bool = True,
+    at_root: bool = True,
 ) -> Graph:
     """Remove planes, then poses, one after the other."""
     for plane in planes:
-        graph = remove_node(graph, state, plane=plane, tree=tree, shifted=shifted)
+        graph = remove_node(graph, state, plane=plane, tree=tree, at_root=at_root)
     for pose in poses:
-        graph = remove_node(graph, state, pose=pose, tree=tree, shifted=shifted)
+        graph = remove_node(graph, state, pose=pose, tree=tree, at_root=at_root)
     return graph

@@ -215,6 +215,7 @@ def _links(poses: Poses, pairs: Ints, sigma: Array, rng: np.random.Generator) ->
 
 
 def _levels(poses: Poses, rng: np.random.Generator) -> Levels:
+    """Measure depth and the downward direction in the vehicle at each pose."""
     count = len(poses)
     down = poses.rotation.inv().apply([0.0, 0.0, 1.0]).reshape(-1, 3)
     return Levels(

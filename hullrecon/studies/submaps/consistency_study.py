@@ -82,9 +82,10 @@ def study_consistency() -> StudyResult:
     }
     ends = np.concatenate([lap.submaps for lap in laps])
     own = float(ends.mean()) / bound(len(ends))
-    half = {name: float(values[2 * len(values) // 3 :].mean()) for name, values in index.items()}
+    # over the last third, after the loop
+    at_end = {name: float(values[2 * len(values) // 3 :].mean()) for name, values in index.items()}
     rows = [
-        (name, f"{values.mean():.2f}", f"{half[name]:.2f}", f"{100 * np.mean(values > 1):.0f}")
+        (name, f"{values.mean():.2f}", f"{at_end[name]:.2f}", f"{100 * np.mean(values > 1):.0f}")
         for name, values in index.items()
     ]
     rows.append((SUBMAPS, f"{own:.2f}", "", ""))
@@ -95,10 +96,10 @@ def study_consistency() -> StudyResult:
     ]
     return StudyResult(
         figures=(_draw(laps, index, own),),
-        values={**half, SUBMAPS: own},
+        values={**at_end, SUBMAPS: own},
         heads=("method", "index, all", "index, after the loop", "scans above 1, %"),
         rows=tuple(rows),
-        compared=_compare(half, ends, causes),
+        compared=_compare(at_end, ends, causes),
     )
 
 
@@ -134,7 +135,7 @@ def nees_after_reading(range_m: float, draws: int = 300) -> float:
 
 
 def _compare(
-    half: dict[str, float], ends: Array, causes: dict[str, Array]
+    at_end: dict[str, float], ends: Array, causes: dict[str, Array]
 ) -> tuple[ComparedValue, ...]:
     low, high = mean_band(len(ends))
     means = [f"{nees.mean():.2f} {name}" for name, nees in causes.items()]
@@ -143,7 +144,7 @@ def _compare(
             what="consistency index of one filter, after the loop",
             unit="",
             printed=None,
-            ours=half[EKF],
+            ours=at_end[EKF],
             note="printed as a curve that rises above 1; 1 is the 95 % bound of the mean "
             f"of {RUNS} runs",
         ),
@@ -151,7 +152,7 @@ def _compare(
             what="consistency index of selective joining, after the loop",
             unit="",
             printed=None,
-            ours=half[SELECTIVE],
+            ours=at_end[SELECTIVE],
             note="printed as a curve that stays below 1",
         ),
         ComparedValue(

@@ -67,8 +67,9 @@ class GlobalMap:
     def spreads_seen_from_each(self, frame: int) -> Array:
         """Compute the covariance (k, 3, 3) of frame k's pose in each of the k frames before it.
 
-        Their axes are the mission's. What a link moves does not depend on where the chain starts,
-        so that all chains are sums over the same terms.
+        Positions are differences in the axes of frame 0. What an error of a link moves at frame k
+        does not depend on the frame that the chain starts in, so the covariance from frame j is the
+        sum over all pairs of links from j on. `sums` has these sums for all j at once.
         """
         poses = self.frames()[: frame + 1]
         cos, sin = np.cos(poses[:-1, 2]), np.sin(poses[:-1, 2])

@@ -59,6 +59,7 @@ class Hierarchy:
                 self._adjust()
 
     def _close(self, first: int, second: int) -> list[Loop]:
+        """Close a loop between two submaps by the landmarks that they share. Empty for too few."""
         old, new = self._maps[first], self._maps[second]
         pose, jacobian = self.world.relative(first, second)
         points, covariance = refer_to_base(

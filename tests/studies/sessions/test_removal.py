@@ -39,10 +39,10 @@ def sigmas(graph: Graph, state: State) -> np.ndarray:
     return np.sqrt(np.diagonal(spread, axis1=1, axis2=2))
 
 
-@pytest.mark.parametrize("shifted", [True, False])
-def test_one_factor_of_all_neighbours_is_exact(solved: Solved, shifted: bool) -> None:
+@pytest.mark.parametrize("at_root", [True, False])
+def test_one_factor_of_all_neighbours_is_exact(solved: Solved, at_root: bool) -> None:
     _, graph, state = solved
-    less = remove_nodes(graph, state, [1, 2, 5, 9], [1, 3], tree=False, shifted=shifted)
+    less = remove_nodes(graph, state, [1, 2, 5, 9], [1, 3], tree=False, at_root=at_root)
     np.testing.assert_allclose(
         sigmas(less, state), sigmas(graph, state)[less.live_poses], rtol=1e-7
     )
@@ -100,10 +100,10 @@ def test_a_factor_shifted_to_its_root_does_not_mind_where_it_is() -> None:
     clique = target([link], state, (None, None))
     there = State(poses=exp([[30.0, -20.0, 0.0, 0.0, 0.0, 1.0]]) @ ends, planes=state.planes)
     cost = {
-        shifted: np.sum(
-            linear_factor(clique, state, shifted=shifted).linearise(there).residual ** 2
+        at_root: np.sum(
+            linear_factor(clique, state, at_root=at_root).linearise(there).residual ** 2
         )
-        for shifted in (True, False)
+        for at_root in (True, False)
     }
     assert cost[True] < 1e-12
     assert cost[False] > 1.0
