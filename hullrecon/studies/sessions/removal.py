@@ -48,8 +48,8 @@ class Clique:
 class LinearFactors(Factors):
     """Generic linear constraints G x_c + offset [Ozog2016 eq. 2.6], all of as many variables.
 
-    With `at_root` x_c has the others relative to their root, the first pose, so that
-    a wrong place in the world costs nothing.
+    With `at_root` x_c has the others relative to their root, the first pose, so that a wrong place
+    in the world costs nothing.
     """
 
     at_poses: Array  # (m, k, 7) where it is linear, as `Poses.vectors`
