@@ -107,7 +107,10 @@ _INTRODUCTION = Chapter(
         Part(
             "2.4, positioning",
             "long, short and ultra-short baselines, GPS",
-            code=("hullrecon/estimation/position_tables.py", "hullrecon/dive/logs/positions.py"),
+            code=(
+                "hullrecon/estimation/position_tables.py:with_positions",
+                "hullrecon/dive/logs/positions.py:position_fixes",
+            ),
             tests=(
                 "tests/navigation/test_positions.py::test_fixes_bound_the_drift_of_a_dive_without_a_camera",
             ),
@@ -250,7 +253,10 @@ _EXPERIMENTS = Chapter(
             "Fig. 3.5",
             "two submaps before and after fusion",
             studies=("submap-world",),
-            code=("hullrecon/studies/submaps/world_figures.py:draw_fusion",),
+            code=(
+                "hullrecon/studies/submaps/join.py:fuse",
+                "hullrecon/studies/submaps/world_figures.py:draw_fusion",
+            ),
             differs=_ONE_PROBLEM,
         ),
         Part(
@@ -319,6 +325,7 @@ _EXPERIMENTS = Chapter(
             "normalised innovation without truth",
             printed="EKF leaves the bound, submaps do not",
             code=(
+                "hullrecon/studies/submaps/ekf_slam.py:update_state",
                 "hullrecon/studies/submaps/park_study.py:draw_innovations",
                 "hullrecon/adjustment/results/summary.py:residual_figures",
             ),
@@ -334,7 +341,10 @@ _EXPERIMENTS = Chapter(
             "Fig. 3.10",
             "time over the mission by method",
             studies=("submap-park",),
-            code=("hullrecon/studies/submaps/park_study.py:draw_costs",),
+            code=(
+                "hullrecon/studies/submaps/park_study.py:drive",
+                "hullrecon/studies/submaps/park_study.py:draw_costs",
+            ),
             differs="a simulated park; " + _ONE_PROBLEM,
         ),
     ),
@@ -511,7 +521,9 @@ _VEHICLES = Chapter(
             "IMU, DVL, pressure, altitude, side-scan point",
             studies=("remus-run",),
             code=(
-                "hullrecon/studies/vehicles/sensors.py",
+                "hullrecon/studies/vehicles/sensors.py:navigation_rows",
+                "hullrecon/studies/vehicles/sensors.py:see_target",
+                "hullrecon/studies/vehicles/sensors.py:place_target",
                 "native/factors/navigation_residuals.h",
                 "native/factors/hull_residuals.h",
             ),
@@ -531,7 +543,9 @@ _VEHICLES = Chapter(
             printed="0.1 as a new landmark's inverse depth",
             studies=("inverse-depth", "sparus-run"),
             code=(
-                "hullrecon/studies/vehicles/inverse_depth.py",
+                "hullrecon/studies/vehicles/inverse_depth.py:Pinhole",
+                "hullrecon/studies/vehicles/inverse_depth.py:see_landmark",
+                "hullrecon/studies/vehicles/inverse_depth.py:new_landmark",
                 "native/factors/image_residuals.h",
                 "hullrecon/adjustment/problem/triangulation.py:triangulate",
             ),
@@ -549,7 +563,7 @@ _VEHICLES = Chapter(
             "REMUS-100: sonar image, map, views from above and from the side",
             printed="300 x 400 m, 4 h",
             studies=("remus-run",),
-            code=("hullrecon/studies/vehicles/remus.py",),
+            code=("hullrecon/studies/vehicles/remus.py:run_slam",),
             tests=("tests/studies/vehicles/test_runs.py",),
             differs="simulated: the mission's sonar was never published",
         ),
@@ -557,7 +571,10 @@ _VEHICLES = Chapter(
             "Fig. 5.6",
             "short pieces of track by the acoustic reference, dead reckoning and submaps",
             studies=("remus-run",),
-            code=("hullrecon/studies/vehicles/remus_figures.py:draw_pieces",),
+            code=(
+                "hullrecon/studies/vehicles/remus.py:run_slam",
+                "hullrecon/studies/vehicles/remus_figures.py:draw_pieces",
+            ),
             differs="simulated: the acoustic reference was never published",
         ),
         Part(
@@ -583,7 +600,7 @@ _VEHICLES = Chapter(
             "SPARUS: dead-reckoned and corrected track",
             printed="20 x 20 m, 3,199 frames",
             studies=("sparus-run",),
-            code=("hullrecon/studies/vehicles/sparus.py",),
+            code=("hullrecon/studies/vehicles/sparus.py:run_slam",),
             benchmarks=("benchmarks/mono_survey.py",),
             tests=(
                 "tests/studies/vehicles/test_runs.py::test_sparus_ends_nearer_than_dead_reckoning",
@@ -602,6 +619,7 @@ _VEHICLES = Chapter(
             "ellipses of landmarks seen again shrink",
             studies=("sparus-run",),
             code=(
+                "hullrecon/studies/vehicles/sparus.py:Prediction",
                 "hullrecon/studies/vehicles/sparus_figures.py:draw_frames",
                 "hullrecon/estimation/landmark_variance.py",
             ),
@@ -617,6 +635,7 @@ _VEHICLES = Chapter(
             "map and track in three views",
             studies=("sparus-run",),
             code=(
+                "hullrecon/studies/vehicles/sparus.py:run_slam",
                 "hullrecon/studies/vehicles/sparus_figures.py:draw_map",
                 "hullrecon/studies/vehicles/sparus_figures.py:draw_tracks",
                 "hullrecon/report/figures/plan_view.py",
@@ -664,8 +683,9 @@ _APPENDIX = Chapter(
             "A.3, eqs (A.3) to (A.6)",
             "poses in space: composition and inverse with derivatives",
             code=(
-                "hullrecon/studies/vehicles/transforms.py",
-                "hullrecon/geometry/poses.py",
+                "hullrecon/studies/vehicles/transforms.py:transform",
+                "hullrecon/studies/vehicles/transforms.py:inverse_transform",
+                "hullrecon/geometry/poses.py:Poses",
                 "hullrecon/vision/pairs/gating.py:Motion",
                 "native/factors/motion.h",
             ),

@@ -94,7 +94,10 @@ _REGISTRATION = Chapter(
             "Fig. 1",
             "one pair of images from features to the five numbers, stage by stage",
             studies=("pair-stages",),
-            code=("hullrecon/vision/pairs/match_worker.py", "hullrecon/vision/link_images.py"),
+            code=(
+                "hullrecon/vision/pairs/match_worker.py:MatchWorker",
+                "hullrecon/vision/link_images.py:link_images",
+            ),
             delivered=(),
             differs="every pair is gated by the joint covariance of its two poses, in rounds",
         ),
@@ -181,7 +184,7 @@ _REGISTRATION = Chapter(
             "the overlap",
             studies=("pair-overlap",),
             code=(
-                "hullrecon/studies/engine/pair_overlap.py",
+                "hullrecon/studies/engine/pair_overlap.py:compare_pair",
                 "hullrecon/vision/pairs/two_view.py:fit_both",
             ),
         ),
@@ -257,7 +260,7 @@ _RESULTS = Chapter(
             "IV, links",
             "between neighbours (green) and across legs (red)",
             code=(
-                "hullrecon/vision/link_images.py",
+                "hullrecon/vision/link_images.py:link_images",
                 "hullrecon/vision/pairs/selection.py:propose_revisits",
             ),
             benchmarks=("benchmarks/false_links.py",),
@@ -317,7 +320,7 @@ _RESULTS = Chapter(
             printed="6 of 6",
             studies=("fly-through",),
             code=(
-                "hullrecon/detection/as_found/hull_as_found.py",
+                "hullrecon/detection/as_found/hull_as_found.py:estimate_hull_as_found",
                 "hullrecon/mosaic/optical.py:optical_mosaic",
             ),
             delivered=("landmarks.ply", "as_found.ply", "mosaic_optical.glb", "objects.json"),
@@ -362,7 +365,10 @@ _RESULTS = Chapter(
         Part(
             "V, consistency",
             "no truth at sea: a smooth surface argues for a consistent path",
-            code=("hullrecon/adjustment/results/summary.py", "hullrecon/vision/pairs/cycles.py"),
+            code=(
+                "hullrecon/adjustment/results/summary.py:residual_figures",
+                "hullrecon/vision/pairs/cycles.py:contradicted_links",
+            ),
             delivered=("summary.json", "plots/"),
             differs="residuals by sensor in sigmas, cycles of links, contradictions named; no "
             "links held out, no heights between legs",

@@ -44,7 +44,10 @@ _INTRODUCTION = Chapter(
         Part(
             "1.2.2, Fig. 1.8",
             "acoustic beacons beside dead reckoning",
-            code=("hullrecon/estimation/position_tables.py", "hullrecon/dive/logs/positions.py"),
+            code=(
+                "hullrecon/estimation/position_tables.py:with_positions",
+                "hullrecon/dive/logs/positions.py:position_fixes",
+            ),
             tests=(
                 "tests/navigation/test_positions.py::test_fixes_bound_the_drift_of_a_dive_without_a_camera",
             ),
@@ -117,8 +120,8 @@ _INTRODUCTION = Chapter(
             "a tank as points, as planes, as an explicit and as an implicit surface",
             studies=("maps/maps_of_one_hull",),
             code=(
-                "hullrecon/studies/surfaces/maps.py",
-                "hullrecon/surface/gaussian.py",
+                "hullrecon/studies/surfaces/maps.py:dense_map",
+                "hullrecon/surface/gaussian.py:regress",
                 "hullrecon/navigation/planes/patches.py:find_patches",
             ),
             delivered=("landmarks.ply", "surface.ply"),
@@ -142,7 +145,7 @@ _SINGLE = Chapter(
         Part(
             "2.3.1",
             "poses of six numbers, composed head to tail",
-            code=("hullrecon/geometry/poses.py",),
+            code=("hullrecon/geometry/poses.py:Poses",),
             tests=("tests/geometry/test_poses.py",),
             differs="quaternions, perturbed on the right",
         ),
@@ -151,7 +154,9 @@ _SINGLE = Chapter(
             "Fig. 2.4",
             "graph of two sessions: anchors, planes, cameras, priors",
             code=(
-                "hullrecon/studies/sessions/factors.py",
+                "hullrecon/studies/sessions/factors.py:Encounters",
+                "hullrecon/studies/sessions/factors.py:PlanePairs",
+                "hullrecon/studies/sessions/factors.py:Links",
                 "hullrecon/studies/sessions/anchors.py:Anchored",
             ),
             studies=("sessions",),
@@ -161,7 +166,10 @@ _SINGLE = Chapter(
         Part(
             "2.3.2",
             "covariances of single poses and of pairs from the square root",
-            code=("native/sparse/selected_inversion.cpp", "native/solve/pair_covariance.cpp"),
+            code=(
+                "native/sparse/selected_inversion.cpp:SelectedInverse",
+                "native/solve/pair_covariance.h:PairCovariance",
+            ),
             tests=(
                 "tests/native/test_pair_covariance.py::test_every_pair_equals_the_dense_inverse",
                 "tests/native/test_pair_covariance.py::test_the_innovation_of_a_true_candidate_is_chi_square",
@@ -248,7 +256,11 @@ _SINGLE = Chapter(
             "2.5.6, Figs 2.22, 2.23",
             "the DVL's points on the CAD model without and with planes",
             printed="1.31 ± 1.38 m, 20 % above 1.5 m; 0.45 ± 0.19 m, 0 %",
-            code=("hullrecon/studies/paths/path_figures.py:distance_to_cad_model",),
+            code=(
+                "hullrecon/studies/paths/path_figures.py:lay_onto_cad_model",
+                "hullrecon/studies/paths/path_figures.py:solve_planes",
+                "hullrecon/studies/paths/path_figures.py:distance_to_cad_model",
+            ),
             studies=("path-figures/distance_to_cad_model",),
             benchmarks=("benchmarks/planes.py",),
             tests=("tests/studies/test_distance_to_cad.py",),
@@ -376,7 +388,10 @@ _SESSIONS = Chapter(
             "size of the graph by session with and without removal",
             printed="no real time after session 3 without",
             studies=("node-removal/graph_complexity",),
-            code=("hullrecon/studies/sessions/removal_study.py:draw_sizes",),
+            code=(
+                "hullrecon/studies/sessions/removal_study.py:many_sessions",
+                "hullrecon/studies/sessions/removal_study.py:draw_sizes",
+            ),
             differs=_ONE_DIVE,
         ),
         Part(
@@ -387,7 +402,7 @@ _SESSIONS = Chapter(
                 "3.0 %"
             ),
             studies=("reacquisition",),
-            code=("hullrecon/studies/sessions/particles_study.py",),
+            code=("hullrecon/studies/sessions/particles_study.py:run",),
             benchmarks=("benchmarks/appearance.py", "benchmarks/fabmap.py"),
             tests=("tests/benchmarks/test_appearance.py",),
             differs=(
@@ -440,7 +455,7 @@ _SONAR = Chapter(
             "3.2.2.1, Fig. 3.2",
             "surface by linear interpolation, faces halved down to 0.1 m",
             code=(
-                "hullrecon/studies/surfaces/regression.py",
+                "hullrecon/studies/surfaces/regression.py:by_triangles",
                 "hullrecon/geometry/meshes/refinement.py:refine",
             ),
             studies=("maps/surface_meshes", "surfaces"),
@@ -454,7 +469,10 @@ _SONAR = Chapter(
             "3.2.2.2, Fig. 3.3, eqs (3.1) to (3.3), E.1, E.2",
             "surface by Gaussian process with a sparse kernel",
             printed="lengths 3 and 15 m",
-            code=("hullrecon/surface/gaussian.py", "hullrecon/studies/surfaces/regression.py"),
+            code=(
+                "hullrecon/surface/gaussian.py:Regression",
+                "hullrecon/studies/surfaces/regression.py:RadialKernel",
+            ),
             studies=("maps/surface_meshes", "surfaces"),
             delivered=("surface.ply",),
             tests=(
@@ -488,8 +506,8 @@ _SONAR = Chapter(
             delivered=("mosaic_sonar.glb", "ortho_sonar.tif"),
             studies=("mosaics/sonar_mosaics",),
             code=(
-                "hullrecon/mosaic/output/textured_mesh.py",
-                "hullrecon/studies/surfaces/mosaics.py",
+                "hullrecon/mosaic/output/textured_mesh.py:build_textured_mesh",
+                "hullrecon/studies/surfaces/mosaics.py:draw_sonar_mosaics",
             ),
             differs="delivered on the hull as found, else on the DVL's surface",
         ),
@@ -509,7 +527,8 @@ _SONAR = Chapter(
             "distance of either surface to the CAD model, by source of poses",
             printed="colours from 0 to 70 cm",
             code=(
-                "hullrecon/studies/surfaces/by_source.py",
+                "hullrecon/studies/surfaces/by_source.py:make_surface",
+                "hullrecon/studies/surfaces/by_source.py:measure",
                 "hullrecon/studies/surfaces/pose_sources.py:place_paths",
             ),
             studies=("surfaces-by-source/deviation_by_source",),
@@ -525,8 +544,8 @@ _SONAR = Chapter(
             "variance of the blended intensities by source of poses",
             printed="tails above 20 heavier without bundle adjustment",
             code=(
-                "hullrecon/studies/surfaces/sonar_scene.py",
-                "hullrecon/studies/paths/path_figures.py",
+                "hullrecon/studies/surfaces/sonar_scene.py:paint_pings",
+                "hullrecon/studies/paths/path_figures.py:variance_map",
             ),
             studies=("sonar-variance", "path-figures/sonar_variance"),
             tests=("tests/studies/surfaces/test_sonar_scene.py",),
@@ -541,7 +560,7 @@ _SONAR = Chapter(
             "joint covariance of predictions",
             studies=("joint-predictions",),
             code=(
-                "hullrecon/studies/estimates/joint_predictions.py",
+                "hullrecon/studies/estimates/joint_predictions.py:joint_covariance",
                 "hullrecon/surface/gaussian.py",
             ),
             differs="the product gives sigmas of single vertices",
@@ -611,7 +630,12 @@ _MODEL = Chapter(
         Part(
             "4.2.6, eqs (4.8) to (4.11)",
             "priors, depth, attitude, servo, odometry",
-            code=("native/factors/navigation_residuals.h",),
+            code=(
+                "native/factors/navigation_residuals.h:MotionPrior",
+                "native/factors/navigation_residuals.h:Attitude",
+                "native/factors/navigation_residuals.h:Tray",
+                "native/factors/navigation_residuals.h:Odometry",
+            ),
             tests=(
                 "tests/native/test_factors.py::test_odometry_is_in_the_first_vehicle_less_systematic_part",
             ),
@@ -642,7 +666,11 @@ _MODEL = Chapter(
         Part(
             "4.2.7",
             "features, essential matrix, Sampson's distance for one camera",
-            code=("hullrecon/vision/pairs/two_view.py", "hullrecon/vision/pairs/mono_motion.py"),
+            code=(
+                "hullrecon/vision/pairs/two_view.py:fit_both",
+                "hullrecon/vision/pairs/two_view.py:sampson_squared",
+                "hullrecon/vision/pairs/mono_motion.py:refine",
+            ),
             tests=(
                 "tests/vision/pairs/test_two_view.py::test_sampson_error_is_distance_to_nearest_pair_that_fits",
             ),
@@ -686,13 +714,13 @@ _SHAPES = Chapter(
             "4.4.1, Fig. 4.10",
             "cross-sections by naive, Geva's and the proposed method, two cameras",
             printed="growth squeezed by Geva's",
-            code=("hullrecon/studies/methods/sections.py",),
+            code=("hullrecon/studies/methods/sections.py:cut_section",),
             studies=("methods", "method-figures/cross_sections"),
         ),
         Part(
             "Fig. 4.11",
             "the same with one camera",
-            code=("hullrecon/studies/methods/sections.py",),
+            code=("hullrecon/studies/methods/sections.py:cut_section",),
             studies=("method-figures/cross_sections",),
             differs="on a dive with one camera: --dive",
         ),
@@ -708,7 +736,10 @@ _SHAPES = Chapter(
             "Fig. 4.13",
             "iterations and time of the methods",
             printed="26, 38, 29 iterations, +50.0 and +22.3 %; 47, 46, 51, +36.8 and +8.9 %",
-            code=("hullrecon/studies/methods/histories.py",),
+            code=(
+                "hullrecon/studies/methods/histories.py:cost_history",
+                "hullrecon/studies/methods/histories.py:label_frequency",
+            ),
             studies=("method-figures/cost_history",),
             benchmarks=("benchmarks/adjustment.py",),
         ),
@@ -724,7 +755,7 @@ _SHAPES = Chapter(
             "4.4.2.1, Fig. 4.15",
             "growth beside dense stereo",
             printed="0.06 to 0.18 m, 0.10 to 0.20 m",
-            code=("hullrecon/studies/structures/dense_stereo.py",),
+            code=("hullrecon/studies/structures/dense_stereo.py:dense_points",),
             studies=("dense-stereo/dense_heights",),
             tests=(
                 "tests/studies/structures/test_dense_stereo.py::test_plate_and_wall_lie_at_their_distances",
@@ -747,8 +778,8 @@ _SHAPES = Chapter(
             "the remeshed hull at two thresholds",
             printed="0 and 0.06 m",
             code=(
-                "hullrecon/studies/structures/thresholds.py",
-                "hullrecon/detection/as_found/hull_as_found.py",
+                "hullrecon/studies/structures/thresholds.py:remesh",
+                "hullrecon/detection/as_found/hull_as_found.py:estimate_hull_as_found",
             ),
             studies=("thresholds",),
             tests=("tests/studies/structures/test_thresholds.py",),
@@ -792,7 +823,7 @@ _FUTURE = Chapter(
             "5.2, learning",
             "registered data to learn features from",
             absent=Absence.NOT_BUILT,
-            code=("hullrecon/api/export.py",),
+            code=("hullrecon/api/export.py:export_colmap",),
             differs=(
                 "future work in the source, without a method or a number; `export colmap` gives "
                 "images with poses and tracks, pings are not exported"
@@ -806,7 +837,7 @@ _APPENDICES = Chapter(
         Part(
             "A, Fig. A.1",
             "frames and their composition",
-            code=("hullrecon/geometry/poses.py",),
+            code=("hullrecon/geometry/poses.py:Poses",),
             tests=("tests/geometry/test_poses.py::test_composition_is_one_after_the_other",),
         ),
         Part(
@@ -830,8 +861,8 @@ _APPENDICES = Chapter(
             "a sphere mapped by planes, for several characteristic radii",
             printed="r = 8 m, alike from 4 to 20 m",
             code=(
-                "hullrecon/studies/scenes/ellipsoid_dive.py",
-                "hullrecon/studies/scenes/sphere.py",
+                "hullrecon/studies/scenes/ellipsoid_dive.py:spiral_around_a_sphere",
+                "hullrecon/studies/scenes/sphere.py:fit_sphere",
             ),
             studies=("scene-figures/sphere",),
             tests=(
@@ -845,14 +876,17 @@ _APPENDICES = Chapter(
         Part(
             "D.1, Fig. D.1, eqs (D.1), (D.2)",
             "pinhole with radial distortion",
-            code=("native/factors/camera.h", "hullrecon/geometry/cameras.py:CameraModel"),
+            code=(
+                "native/factors/camera.h:Projection",
+                "hullrecon/geometry/cameras.py:CameraModel",
+            ),
             tests=("tests/geometry/test_cameras.py",),
         ),
         Part(
             "D.1.1, eqs (D.3) to (D.5)",
             "covariance of a two-view pose",
             code=(
-                "hullrecon/vision/pairs/stereo_adjustment.py",
+                "hullrecon/vision/pairs/stereo_adjustment.py:adjust_stereo_motion",
                 "hullrecon/vision/pairs/mono_motion.py:covariance_of",
             ),
             tests=(
