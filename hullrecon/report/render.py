@@ -83,7 +83,7 @@ def render_pdf(context: Mapping[str, object]) -> bytes:
         logging.getLogger(name).setLevel(logging.ERROR)
     document = weasyprint.HTML(string=render_html(context), url_fetcher=_fetch, base_url=_FONT)
     options = {"pdf_variant": "pdf/ua-1", "pdf_identifier": b"hullrecon"}
-    return bytes(document.write_pdf(dpi=200, optimize_images=True, **options))
+    return bytes(document.write_pdf(dpi=200, **options))
 
 
 def render_html(context: Mapping[str, object]) -> str:

@@ -197,9 +197,11 @@ def webp_bytes(rgba: Pixels, lossless: bool = False) -> bytes:
 
     buffer = BytesIO()
     picture = Image.fromarray(np.ascontiguousarray(rgba, np.uint8), "RGBA")
-    quality = 60 if lossless else 84
+    # of a lossless picture it is the effort: 60 takes 2.6 times as long for a sixth fewer bytes.
+    # Method 3 takes twice the time of 2 for 4 % fewer bytes of a mosaic.
+    quality = 20 if lossless else 84
     picture.save(
-        buffer, format="WEBP", lossless=lossless, exact=lossless, quality=quality, method=3
+        buffer, format="WEBP", lossless=lossless, exact=lossless, quality=quality, method=2
     )
     return buffer.getvalue()
 
