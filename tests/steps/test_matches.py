@@ -13,6 +13,7 @@ from hullrecon.geometry.poses import exp
 from hullrecon.records.serialisation import from_arrays
 from hullrecon.records.tracks import Tracks
 from hullrecon.steps.chain import stage
+from hullrecon.vision import match_images
 
 STAGE = stage("matches")
 
@@ -100,7 +101,8 @@ def test_pairs_are_those_of_links_with_their_inliers(matched):
     assert matched.report["counts"]["keyframes"] == matched.report["counts"]["nodes"] == 10
 
 
-def test_a_second_run_leaves_the_same_bytes(dive, matched, tmp_path):
+def test_a_second_run_in_smaller_blocks_leaves_the_same_bytes(dive, matched, tmp_path, monkeypatch):
+    monkeypatch.setattr(match_images, "BLOCK_ROWS", 500)
     (tmp_path / "links").symlink_to(matched.out / "links")
     run_matches(dive, tmp_path)
     for name in ("tracks.npz", "pairs.npz", "pairs.json"):
