@@ -21,7 +21,7 @@ from hullrecon.typing import Array, Ints
 Wanted = int | Literal["auto"]
 # Memory that the solver may take under "auto", where parts can hold it to that. It is no machine's
 # own: the same dive has the same parts, and so the same bytes, everywhere.
-SOLVER_MB = 400.0
+SOLVER_MB = 300.0
 # Share of a solver's memory that stays while a part is at rest, from the last solve of five legs of
 # 6.75 m: 207 MB whole, 103 MB in 8 parts, of which the largest has a fifth of the landmarks
 AT_REST = 0.36
