@@ -86,7 +86,7 @@ def adjust(
     strategy
         What is solved for. The sources' variants are in hullrecon/studies.
     keep
-        Finds the phases, and the last round, that a run which did not end has left.
+        Finds the phases that a run which did not end has left.
 
     Raises
     ------
@@ -161,10 +161,8 @@ def solve_all_landmarks(settled: Phase, solver: RoundSolver) -> Adjusted:
     """
     placement = settled.placement
     estimated = placement is not None and placement.evidence is not None
-    held = estimated and settled.verdict.accepted
-    last = solver.once(
-        lambda: solver.solve_round(settled.estimate, final=True, hold_hull_pose=held),
-        "all landmarks",
+    last = solver.solve_round(
+        settled.estimate, final=True, hold_hull_pose=estimated and settled.verdict.accepted
     )
     return _adjusted(settled, last, solver)
 

@@ -169,13 +169,13 @@ class RoundSolver:
     anchors: int = ANCHORS
     history: list[iteration_history.Round] = field(default_factory=list)
     begun_s: float = field(default_factory=time.perf_counter)
-    keep: Keep = make_anew  # finds what a run that did not end has left
+    keep: Keep = make_anew  # finds the phases of a run that did not end
 
-    def once(self, solve: Callable[[], Made], label: str) -> Made:
-        """Solve a phase or a round, unless a run that did not end has left it."""
-        found, rounds = self.keep(lambda: (solve(), tuple(self.history)), label)
+    def once(self, solve: Callable[[], Phase], label: str) -> Phase:
+        """Solve a phase, unless a run that did not end has left it."""
+        phase, rounds = self.keep(lambda: (solve(), tuple(self.history)), label)
         self.history[:] = rounds
-        return found
+        return phase
 
     @property
     def settings(self) -> native.Options:
