@@ -46,7 +46,13 @@ FAULTS = {  # of a sensor, as a statement
     ("tray's angle", "unit"): "the angle is in {value}, not in rad",
     ("tray's angle", "sign"): "the angle grows the other way",
 }
-UNITS = {"cm": "m", "mm": "m", "ft": "m"}  # what was expected, of a pressure's else Pa
+UNITS = {
+    "cm": "m",
+    "mm": "m",
+    "ft": "m",
+    "deg": "rad",
+    "rad": "deg",
+}  # what was expected, of a pressure's else Pa
 DONE = {"constant": "they are left out", "repeated": "they are left out"}
 EVIDENCE = {  # that two sensors contradict each other, by what was compared
     "level": "half of the depths are above the water, up to {first:.1f} m",
@@ -205,12 +211,22 @@ ERRORS: dict[str, Words] = {
     "sensor-wrong": _wrong,
     "sensors-contradict": _contradict,
     "pressure-unit-open": _unit_open,
+    "images-blank": "none of {count} images, spread over the dive, shows a feature: they are "
+    "black, white or out of focus. A dive with a DVL is mapped by that alone, without "
+    "[camera.top] and [camera.bottom] in dive.toml",
+    "images-frozen": "{count} images, spread over the dive, are one picture to the last bit: "
+    "the camera or its driver stood still. A dive with a DVL is mapped by that alone, without "
+    "[camera.top] and [camera.bottom] in dive.toml",
 }
 WARNINGS: dict[str, Words] = {
     "sensor-mended": _mended,
     "sensors-late": _late,
     "sensors-drift": _drifting,
     "sensors-part": _contradict,
+    "images-blank-some": "{blank} of {count} images, spread over the dive, show no feature: they "
+    "are black, white or out of focus, and tell nothing",
+    "images-frozen-some": "{same} of {count} images, spread over the dive, are one picture to "
+    "the last bit: the camera or its driver stood still meanwhile",
     "read-beside": _beside,
     "stream-shifted": _shifted,
     "stream-moved": _moved,

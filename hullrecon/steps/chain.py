@@ -87,7 +87,7 @@ STAGES = (
         summary="compute the dead-reckoned trajectory",
         inputs=("ingest",),
         parameters=NoOptions,
-        version=29,
+        version=30,
         run=_later("navigate"),
         uses=(
             *SENSOR_KEYS,

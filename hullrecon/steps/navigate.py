@@ -15,7 +15,7 @@ from hullrecon.dive.check.time_overlap import Stream, shifted_streams
 from hullrecon.dive.config.mounts import describe_mounts
 from hullrecon.dive.images.store import ImageStore
 from hullrecon.errors import InputError, StageError
-from hullrecon.findings.finding import sentences
+from hullrecon.findings.finding import Finding, sentences
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_matrix
 from hullrecon.navigation.dead_reckoning.dead_reckon import (
@@ -43,6 +43,7 @@ from hullrecon.records.trajectory import Trajectory
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
 from hullrecon.steps.chain import NoOptions
+from hullrecon.steps.image_check import look_at_images
 from hullrecon.steps.keys import READOUT_KEYS
 from hullrecon.steps.sensor_check import image_flows, judge_sensors
 from hullrecon.steps.stereo_check import MotionLogs, check_rig, describe_delay
@@ -127,9 +128,16 @@ def _judge_sensors(context: Context[NoOptions]) -> Judged:
         tray=_unless_empty(ingest.tray),
     )
     index, flows = ingest.image_index(Camera.TOP), list[Flow]()
+    seen: list[Finding] = []
     if index is not None and Camera.TOP in ingest.camera_models:
-        read = ingest.images(Camera.TOP, context.source).read
-        flows = image_flows(rig_from_settings(settings, ingest.camera_models), index, read)
+        images = ingest.images(Camera.TOP, context.source)
+        seen = look_at_images({Camera.TOP: index}, lambda _, row: images.read(row))
+        if not seen:
+            rig = rig_from_settings(settings, ingest.camera_models)
+            flows = image_flows(rig, index, images.read)
+    for finding in seen:  # of blank ones there is a path by the DVL, and features ends with them
+        if finding.code == "images-frozen":
+            raise InputError(finding.sentence)
     judged = judge_sensors(settings, records, flows, ingest.camera_models)
     for finding in judged.findings:
         if finding.severity == "error":

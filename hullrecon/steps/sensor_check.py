@@ -23,6 +23,7 @@ from hullrecon.navigation.suspects.suspects import Judged, judge
 from hullrecon.records.clock import NS
 from hullrecon.records.sensors import ImageIndex, SensorRecords
 from hullrecon.rig import Rig, rig_from_settings
+from hullrecon.steps.image_check import look_at_images
 from hullrecon.steps.keys import SENSOR_KEYS, WATER_KEYS
 from hullrecon.steps.stereo_check import image_reader
 from hullrecon.vision.odometry import ReadRow, image_flow
@@ -75,12 +76,14 @@ def describe_sensors(
     index, model = found.images.get(Camera.TOP.key), found.cameras.get(Camera.TOP.key)
     flows: list[Flow] = []
     cameras = {} if model is None else {Camera.TOP: model}
-    if index is not None and cameras:
+    read = image_reader(loaded, found, sampled)
+    logged = {camera: found.images[camera.key] for camera in Camera if camera.key in found.images}
+    seen = look_at_images(logged, read)
+    if index is not None and cameras and not seen:
         rig = rig_from_settings(settings, cameras)
-        read = image_reader(loaded, found, sampled)
         flows = image_flows(rig, index, lambda row: read(Camera.TOP, row))
     judged = judge_sensors(settings, found.records, flows, cameras)
-    return judged.records, judged.findings, [one.document() for one in judged.tried]
+    return judged.records, [*seen, *judged.findings], [one.document() for one in judged.tried]
 
 
 def image_flows(rig: Rig, index: ImageIndex, read: ReadRow) -> list[Flow]:

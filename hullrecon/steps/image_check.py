@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A few images of each camera looked at, for `check` and the step navigate.
+
+Pictures that show nothing, or one picture again and again, tell no motion. Held against other
+sensors they would accuse these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from hullrecon.findings.finding import Finding
+from hullrecon.geometry.frames import Camera
+from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames
+from hullrecon.navigation.suspects.comparisons import LEAST_WINDOWS
+from hullrecon.records.sensors import ImageIndex
+from hullrecon.typing import Pixels
+from hullrecon.vision.features.extraction import extract
+from hullrecon.vision.options import FeatureOptions
+from hullrecon.vision.stereo.rig_check import ReadImage
+
+LOOKED_AT = 12  # images of a camera, spread over the dive
+FEATURES = FeatureOptions(max_features=50)
+
+
+def look_at_images(index: Mapping[Camera, ImageIndex], read: ReadImage) -> list[Finding]:
+    """Tell which cameras' pictures show nothing, or stand still to the last bit."""
+    out = []
+    for camera, images in index.items():
+        _, rows = usable_frames(images)
+        few = rows[np.unique(np.linspace(0, len(rows) - 1, LOOKED_AT).astype(int))]
+        pictures = [picture for row in few if (picture := read(camera, int(row))) is not None]
+        # of fewer nothing is held against other sensors
+        out += _describe(pictures, camera.key) if len(pictures) >= LEAST_WINDOWS else []
+    return out
+
+
+def _describe(pictures: Sequence[Pixels], camera: str) -> list[Finding]:
+    count = len(pictures)
+    blank = sum(len(extract(picture, FEATURES)) == 0 for picture in pictures)
+    if blank == count:
+        return [Finding("images-blank", {"count": count}, camera)]
+    # noise makes two exposures differ, whatever they show
+    same = sum(np.array_equal(a, b) for a, b in pairwise(pictures))
+    if same and same == count - 1:
+        return [Finding("images-frozen", {"count": count}, camera)]
+    out = [Finding("images-blank-some", {"blank": blank, "count": count}, camera)] if blank else []
+    if same and not blank:
+        out.append(Finding("images-frozen-some", {"same": same + 1, "count": count}, camera))
+    return out
