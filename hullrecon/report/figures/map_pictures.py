@@ -7,10 +7,8 @@ A layer fills a rectangle of the map coordinates. Layers come from `survey_layer
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -68,18 +66,14 @@ class MapLayer:
 
 def survey_layers(survey: Survey, view: HullMap) -> list[MapLayer]:
     """Draw the layers of a dive, the first shown first: mosaics, form, sigma, coverage."""
-    rasters, draw = survey.provenance.copies, list[Callable[[], MapLayer]]()
+    rasters, layers = survey.provenance.copies, list[MapLayer]()
     for name, mosaic in survey.mosaics.named().items():
         if RASTERS[name] in rasters:
             note = f"{mosaic.facts.caption} Contrast stretched."
-            ortho = rasters[RASTERS[name]]
-            draw.append(partial(mosaic_layer, name, MOSAIC_TITLES[name], ortho, note))
+            layers.append(mosaic_layer(name, MOSAIC_TITLES[name], rasters[RASTERS[name]], note))
     if view.found is not None and survey.surfaces.as_found is not None:
         fields = survey_fields(survey, view.found)
-        draw += [partial(field_layer, view.found, field, view.extent) for field in fields]
-    # one is compressed while another is drawn
-    with ThreadPoolExecutor(2) as pool:
-        layers = list(pool.map(lambda one: one(), draw))
+        layers += [field_layer(view.found, field, view.extent) for field in fields]
     return [replace(layer, note=f"{layer.note} {_resolution(layer, rasters)}") for layer in layers]
 
 
