@@ -88,7 +88,13 @@ def once(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Once:
 
 @pytest.fixture(scope="session")
 def demo_run(once: Once) -> Path:
-    """The folder of a whole run over sample_data/demo, with a PDF."""
+    """The folder of a whole run over sample_data/demo, with a PDF.
+
+    That of `make demo` where HULLRECON_DEMO_RUNS names its RUNS, as .ci/run does, which has just
+    made it by the same code.
+    """
+    if made := os.environ.get("HULLRECON_DEMO_RUNS"):
+        return Path(made) / SAMPLE.name
     run = ("run", SAMPLE, "--runs", "out", "--jobs", 2)
     return once("demo", lambda shell: Shell(shell.folder, pdf=True)(*run)) / "out/demo"
 
