@@ -273,9 +273,9 @@ _EXPERIMENTS = Chapter(
                 "hullrecon/studies/submaps/repeated.py:repeat_world",
                 "hullrecon/studies/submaps/world_figures.py:draw_consistency",
             ),
-            differs="the mean of eight missions; the benchmark has that of simulated dives. One "
-            "filter leaves the bound, submaps' ends are a little too sure: speed errs by half of "
-            "itself, which first order does not carry",
+            differs="the mean of eight missions; the benchmark has that of simulated dives. "
+            "Selective joining is above the bound in some worlds, one filter nearly always: "
+            "speed errs by half of itself, which first order does not carry",
         ),
         Part(
             "Table 3.2",

@@ -144,14 +144,15 @@ def compare_repeated(repeated: Repeated) -> tuple[ComparedValue, ...]:
     high = mean_band(runs)[1]
     for name, nees in repeated.nees.items():
         mean = nees.mean(axis=0)
+        each = ", ".join(f"{run.mean():.1f}" for run in nees)
         values.append(
             ComparedValue(
                 what=f"scans at which the mean NEES of {name} is below its bound",
                 unit="%",
                 printed=100.0 if name == SELECTIVE else None,
                 ours=100 * float(np.mean(mean < high)),
-                note=f"{runs} worlds, bound {high:.2f}; "
-                f"mean over the mission {mean.mean():.1f} for 3 degrees of freedom",
+                note=f"{runs} worlds, bound {high:.2f}; mean over the mission {mean.mean():.1f} "
+                f"for 3 degrees of freedom, by world {each}",
             )
         )
     for name, errors in repeated.place_m.items():

@@ -16,6 +16,7 @@ from hullrecon.studies.figure_style import (
     RED,
     PublishedFigure,
     finish_figure,
+    label_log_axis,
     new_canvas,
 )
 from hullrecon.studies.study import StudyResult
@@ -143,6 +144,7 @@ def draw_consistency(repeated: Repeated) -> PublishedFigure:
         )
     axis.axhspan(low, high, color=LIGHT, alpha=0.6, label="95 % of chi-square, 3 degrees")
     axis.set_yscale("log")
+    label_log_axis(axis.yaxis)
     axis.set_xlabel("scan")
     axis.set_ylabel(f"NEES of the pose, mean of {runs}")
     axis.legend(frameon=False, fontsize=7, ncols=3)

@@ -190,7 +190,7 @@ def draw_deviations(
         for axis, name in zip(row, INTERPOLATIONS, strict=True):
             drawn = _draw_map(axis, surfaces[source, name], chart, most)
             axis.set_title(
-                f"{source}, {name}: {1e3 * found[source, name].rms:.1f} mm rms", fontsize=9
+                f"{source},\n{name}: {1e3 * found[source, name].rms:.1f} mm rms", fontsize=8
             )
     for axis in axes[-1]:
         axis.set_xlabel("along the hull (m)")

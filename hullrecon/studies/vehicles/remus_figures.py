@@ -120,8 +120,8 @@ def draw_discrepancy(survey: Survey, runs: Mapping[str, Run]) -> PublishedFigure
         for row, what in enumerate(("x", "y")):
             axis = axes[row][column]
             axis.plot(hours, off[:, row], color=COLOURS["maxmix"], lw=0.5)
-            for sign in (-1, 1):
-                axis.plot(hours, sign * bound[:, row], color=RED, lw=1, ls=":")
+            for sign, label in ((-1, "3 sigma"), (1, None)):
+                axis.plot(hours, sign * bound[:, row], color=RED, lw=1, ls=":", label=label)
             columns += [off[:, row], bound[:, row]]
             heads += [f"{name} {what}_m", f"{name} {what} bound_m"]
             if column == 0:
@@ -129,6 +129,7 @@ def draw_discrepancy(survey: Survey, runs: Mapping[str, Run]) -> PublishedFigure
         share = (np.abs(off) < bound).all(axis=1).mean()
         axes[0][column].set_title(f"{name}: {100 * share:.1f} % inside", fontsize=9, loc="left")
         axes[1][column].set_xlabel("time, h")
+    axes[0][0].legend(fontsize=8, loc="lower left", frameon=False)
     table = [",".join(heads)] + [
         ",".join(f"{value:.4f}" for value in row) for row in np.column_stack(columns)[::5]
     ]
