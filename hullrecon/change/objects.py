@@ -205,11 +205,17 @@ def _describe_change(
     new: _MovedObject | None,
     context: ObjectComparison,
 ) -> ObjectChange:
-    """Describe what became of a place that changed."""
+    """Describe what became of a place that changed.
+
+    An object in both surveys, or relief of similar height in both, has grown or shrunk. Else it is
+    new or gone.
+    """
     before, after = region.before, region.after
     if old is not None and new is not None:
         status: Status = "grown" if new.side * region.change > 0 else "shrunk"
         cells = (old.footprint | new.footprint) & context.difference.both
+        # The object's top tells its change best: its edges may be drawn differently in each survey.
+        # The region has shown already that something changed, so its p-value stands if smaller.
         at_top = _at_top(cells, new.side, context.places, context) if cells.any() else region
         if at_top.change * region.change > 0 and abs(at_top.change) >= context.options.min_change_m:
             region = replace(at_top, p_value=min(at_top.p_value, region.p_value))

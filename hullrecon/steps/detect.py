@@ -76,8 +76,9 @@ def _adjusted(inputs: InputArtifacts) -> AdjustArtifact:
 def _position_sigma(solution: Solution, chart: Chart, depth_sigma_m: float | None) -> AddressSigma:
     """Summarise how well the survey as a whole lies on the hull and below the water.
 
-    `depth_sigma_m`: sigma of the water surface in g, for poses in M. If None, that of the poses is
-    taken.
+    `depth_sigma_m` is how well the water's surface is known in g. With a CAD model the poses are
+    those in M, and their sigmas say nothing of the water. Without one it is None, and the depth
+    is as well known as the poses are vertically.
     """
     track = solution.track()
     along, girth = track.sigma_on_chart(chart)

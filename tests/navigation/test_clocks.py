@@ -148,6 +148,11 @@ def test_what_is_left_of_a_delay_is_as_large_as_the_evidence_leaves_it(felt):
     assert put_right(blind(felt)).left_s[ClockedSensor.DVL] == pytest.approx(UNCHECKED_S)
 
 
+def test_delays_of_images_that_show_no_motion_are_as_without_a_camera(felt):
+    shown = put_right(felt, lambda first, second: None)
+    assert shown.left_s == put_right(felt).left_s
+
+
 @pytest.mark.parametrize("seconds", [0.08, -0.08])
 def test_delay_too_small_to_put_right_is_held_by_what_is_left(felt, seconds):
     found = put_right(late(felt, ClockedSensor.DVL, seconds))

@@ -213,13 +213,17 @@ def _unreported(
 def _collect_evidence(
     found: HullAsFound, region: Region, area: Array, rough: float, landmarks: _Landmarks, seen: Ints
 ) -> _RegionEvidence:
+    """Compute a region's p-value and the sigma of its height.
+
+    The p-value allows for the number of places of a top's size that were looked at: any of them
+    may be high by chance.
+    """
     sigma = height_sigma(found, region)
-    # a height is that of a top: so many were looked at
     places = float(area[found.measured].sum() / TOP_M2)
     chance = p_value(region.height, sigma, rough, places)
-    # Where its top and the hull around it are said to be is no finer than the hull; and a peak is
-    # read where enough of it reaches: how far it may go on above that, its bluntness says. Nor is
-    # it finer than the relief between landmarks.
+    # The sigma of the height has four parts: the fit's own, the hull's roughness, the bluntness by
+    # which a peak may rise above what was measured of it, and the relief between landmarks that
+    # smoothing has left out.
     stands, over, own = landmarks.on(found, region, _top_rows(found, region))
     unresolved = relief_left(over[stands], own[stands])
     sigma = float(np.sqrt(sigma**2 + rough**2 + region.bluntness**2 + unresolved**2))

@@ -109,7 +109,8 @@ def synchronise(
     motions = None
     if ClockedSensor.IMAGES in streams and measure is not None:
         motions = _motions(frames, spans, measure, velocities, attitude)
-    if motions is not None and len(motions) >= LEAST_MOTIONS:
+        motions = motions if len(motions) >= LEAST_MOTIONS else None
+    if motions is not None:
         comparisons = [
             compare_turns(motions, attitude, tray, rig),
             compare_directions(motions, velocities, rig),
