@@ -27,9 +27,9 @@ class Association {
   void refresh_surface(const Point& point);
 
   // ray(i): origin and unit direction in M of range row i. Misses switch a beam off. A beam that changes between hit and miss
-  // more than kFlickers times is held off, for its cost would jump for ever. With `trial`, losing more than four beams and a fifth of
-  // those that hit at the last accepted point refuses the point: a lost beam costs nothing, so turning the DVL away from the
-  // hull would lower the cost.
+  // more than kFlickers times is held off, for its cost would jump for ever. With `trial`, losing more than four beams and a
+  // fifth of those that hit at the last accepted point refuses the point: a lost beam costs nothing, so turning the DVL away
+  // from the hull would lower the cost.
   template <class Ray>
   void refresh_range(const Ray& ray, bool trial);
   void accept();  // the present point is the new one to compare with
