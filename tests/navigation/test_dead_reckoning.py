@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -199,15 +199,9 @@ def test_the_covariance_of_the_path_is_that_of_its_causes(perfect, rig):
     assert np.allclose(base.covariance[-1, :2, :2], np.outer(moved[-1], moved[-1]), atol=1e-5)
 
 
-def cut(record, keep):
-    """The rows of a record that are kept; beams are the instrument's."""
-    rows = {f.name: getattr(record, f.name) for f in fields(record)}
-    return replace(record, **{name: value[keep] for name, value in rows.items() if name != "beams"})
-
-
 def test_velocities_beyond_an_imu_that_stopped_are_counted(perfect, rig):
     imu_s = (perfect.imu.t_ns - perfect.dvl.t_ns[0]) * 1e-9
-    found = reckoned(replace(perfect, imu=cut(perfect.imu, imu_s < 10), top=None, bottom=None), rig)
+    found = reckoned(replace(perfect, imu=perfect.imu.take(imu_s < 10), top=None, bottom=None), rig)
     (velocities,) = [words for words in found.remarks if "of its velocities" in words]
     assert velocities.startswith(
         "DVL: 74 % of its velocities (588 of 800) lie where no attitude was read and are not used"
@@ -218,7 +212,7 @@ def test_velocities_beyond_an_imu_that_stopped_are_counted(perfect, rig):
 
 def test_imu_without_velocity_is_noted_under_water_not_on_deck(perfect, rig):
     dvl_s = (perfect.dvl.t_ns - perfect.dvl.t_ns[0]) * 1e-9
-    stopped = replace(perfect, dvl=cut(perfect.dvl, dvl_s < 15), top=None, bottom=None)
+    stopped = replace(perfect, dvl=perfect.dvl.take(dvl_s < 15), top=None, bottom=None)
     (words,) = [
         words for words in reckoned(stopped, rig).remarks if "of its readings under water" in words
     ]
@@ -239,11 +233,11 @@ def test_a_dive_that_dvl_and_imu_cover_leaves_nothing_out(noisy, rig):
 
 
 def test_a_slow_dvl_has_no_outage_between_two_pings(perfect, rig):
-    slow = cut(perfect.dvl, np.arange(len(perfect.dvl.t_ns)) % 20 == 0)
+    slow = perfect.dvl.take(np.arange(len(perfect.dvl.t_ns)) % 20 == 0)
     assert not [
         words for words in reckoned(replace(perfect, dvl=slow), rig).remarks if "outage" in words
     ]
-    holed = cut(slow, np.abs(np.arange(len(slow.t_ns)) - 20) > 2)
+    holed = slow.take(np.abs(np.arange(len(slow.t_ns)) - 20) > 2)
     (words,) = [
         words for words in reckoned(replace(perfect, dvl=holed), rig).remarks if "outage" in words
     ]
