@@ -25,10 +25,12 @@ catalogue in `hullrecon/studies/catalogue` (`python docs/generate_sources.py`), 
 to the code.
 
 To find a part, search this page for its number as the source prints it (`Fig. 4.12`, `(3.13)`,
-`Algorithm 5`), inside the chapters of the source. A number without a row of its own is inside the
-section above it, and sections that only introduce, review the literature or conclude have none. A
-section's own row begins with its number (`| 4.2`).
-Where several files are named, the first is the method.
+`Algorithm 5`), among the chapters of the source. Every figure, table, algorithm and numbered
+equation is in a row. A section is in a row that begins with its number (`| 4.2.6`) or names it
+further on, else in the row of the section that it belongs to (`4.2.6.1`: `4.2.6`); sections that
+only introduce, review the literature or conclude have none.
+Where several files are named, the first is the method or begins it; the others are its further
+parts, and the form that it has in the product.
 """
 
 

@@ -163,7 +163,7 @@ class Rig:
         return tray @ self.tray_from(camera)
 
     def dvl_points(self, returns: Returns, path: VehiclePath) -> DvlPoints:
-        """Compute where DVL beams end, in the frame of the path at the nodes.
+        """Compute where DVL beams end, in the frame of the path at the nodes [Ozog2016 eq. 1.1].
 
         The returns hold how vehicle and tray moved between node and ping.
         """

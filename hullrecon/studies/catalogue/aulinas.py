@@ -10,6 +10,7 @@ _ONE_PROBLEM = (
     "a dive is one problem: no information between parts is dropped, and none is counted twice"
 )
 _NO_SONAR_OBJECTS = "in the product objects are found by images; sonar is blended, not searched"
+_SIMULATED_SONAR = f"simulated side-scan images; {_NO_SONAR_OBJECTS}"
 
 _NO_LASER = "no laser and no land vehicle in the product"
 
@@ -122,32 +123,52 @@ _FILTERS = Chapter(
     title="3.2. Filters",
     parts=(
         Part(
-            "Table 3.1",
+            "3.2.1, Table 3.1",
             "notation: its letters stand in the filters' docstrings",
             code=("hullrecon/studies/submaps/filters.py",),
             studies=("filters",),
+            differs="x and z are `mean` and `observed`, F and H both `by_state`, u is `offset`; "
+            "letters stand in comments",
         ),
         Part(
-            "3.2.2 to 3.2.4, Algorithm 1, eqs (3.1) to (3.3)",
+            "3.2.2, 3.2.3, eqs (3.1) to (3.3)",
+            "a Gaussian state; motion and observation that are linear with Gaussian noise",
+            studies=("filters",),
+            code=(
+                "hullrecon/studies/submaps/filters.py:Gaussian",
+                "hullrecon/studies/submaps/filters.py:LinearStep",
+            ),
+            tests=("tests/studies/submaps/test_filters.py",),
+            differs="the density (3.1) is kept as its mean and covariance; B u is one vector",
+        ),
+        Part(
+            "3.2.4, Algorithm 1",
             "Kalman filter",
             studies=("filters",),
-            code=("hullrecon/studies/submaps/filters.py:filter_steps",),
+            code=(
+                "hullrecon/studies/submaps/filters.py:filter_steps",
+                "hullrecon/studies/submaps/filters.py:predict",
+                "hullrecon/studies/submaps/filters.py:update",
+            ),
             tests=("tests/studies/submaps/test_filters.py",),
             differs=(
-                "the product solves in one batch, to which an information filter is equal "
-                "(tests/native/test_information_filter.py)"
+                "covariance in Joseph's form; the product solves in one batch, to which an "
+                "information filter is equal (tests/native/test_information_filter.py)"
             ),
         ),
         Part(
             "3.2.5 to 3.2.7, Algorithm 2, eqs (3.4) to (3.6)",
             "extended Kalman filter",
-            studies=("filters",),
+            studies=("filters", "submap-world"),
             code=(
                 "hullrecon/studies/submaps/filters.py:predict",
                 "hullrecon/studies/submaps/filters.py:update",
+                "hullrecon/studies/submaps/ekf_slam.py:EkfMap",
             ),
             tests=("tests/studies/submaps/test_filters.py",),
-            differs="the product solves in one batch, linearised anew at every step",
+            differs="`predict` and `update` are given values and Jacobians of g and h; study "
+            "`filters` is linear, `submap-world` is not: there `EkfMap` has both, of a car and its "
+            "laser; the product solves in one batch, linearised anew at every step",
         ),
     ),
 )
@@ -155,7 +176,7 @@ _SUBMAPS = Chapter(
     title="3.3. Selective submap joining",
     parts=(
         Part(
-            "Algorithm 3",
+            "3.3, Algorithm 3",
             "selective submap joining: main loop",
             studies=("submap-world",),
             code=("hullrecon/studies/submaps/selective.py:SelectiveJoining",),
@@ -198,6 +219,8 @@ _SUBMAPS = Chapter(
             "3.3.3, eqs (3.13) to (3.15)",
             "two submaps joined and fused",
             code=(
+                "hullrecon/studies/submaps/join.py:refer_to_base",
+                "hullrecon/studies/submaps/join.py:landmarks_in_one_frame",
                 "hullrecon/studies/submaps/join.py:fuse",
                 "native/solve/joined_problem.cpp",
                 "hullrecon/change/offset.py:estimate_offset",
@@ -208,8 +231,11 @@ _SUBMAPS = Chapter(
             ),
             studies=("submap-world",),
             differs=(
-                "a problem solved in parts gives the whole one's numbers; two dives are laid on "
-                "each other by one offset"
+                "(3.13), (3.14) are `refer_to_base`; selective joining takes "
+                "`landmarks_in_one_frame`, with what both maps' transforms have in common. (3.15) "
+                "is `fuse`, linearised up to three times, not once. In the product a problem "
+                "solved in parts gives the whole one's numbers; two dives are laid on each other "
+                "by one offset"
             ),
         ),
         Part(
@@ -354,36 +380,40 @@ _FEATURES = Chapter(
     parts=(
         Part("Figs 4.1 to 4.3", "maps of points and of lines; a laser", absent=Absence.PICTURE),
         Part(
-            "4.2.1, Figs 4.4, 4.5, 4.7",
+            "4.2, 4.2.1, 4.2.3, Figs 4.4, 4.5, 4.7",
             "centre of a tree trunk from a laser scan",
             printed="returns from 3 to 40 m",
             studies=("tree-trunks",),
             code=("hullrecon/studies/association/trunks.py:find_trunks",),
             tests=("tests/studies/association/test_trunks.py",),
-            differs=_NO_LASER,
+            differs="simulated scans; tangents lie half a beam outside of the beams that hit. The "
+            f"park's map (4.2.3, Fig. 4.1) is study `submap-park`; {_NO_LASER}",
         ),
         Part(
             "4.2.2, Fig. 4.6",
             "association: nearest neighbour, joint compatibility, randomised",
             code=(
+                "hullrecon/studies/association/methods.py:nearest_neighbours",
                 "hullrecon/studies/association/methods.py:joint_compatibility",
+                "hullrecon/studies/association/methods.py:randomised_compatibility",
                 "hullrecon/change/objects.py:match_objects",
                 "hullrecon/vision/appearance/consistency.py:largest_group",
             ),
             studies=("association",),
             tests=("tests/studies/association/test_methods.py",),
             differs=(
-                "objects of two dives by best pairs inside a gate; links of one place by the "
-                "largest group that agrees"
+                "by place alone, as printed, on simulated sets; in the product objects of two "
+                "dives by best pairs inside a gate, links of one place by the largest group that "
+                "agrees"
             ),
         ),
         Part(
-            "4.3.1, Fig. 4.9",
+            "4.3, 4.3.1, Fig. 4.9",
             "objects in side-scan sonar by two thresholds: bright spot and shadow",
             studies=("side-scan-thresholds",),
             code=("hullrecon/studies/targets/thresholds.py:detect_by_thresholds",),
             tests=("tests/studies/targets/test_side_scan.py",),
-            differs=_NO_SONAR_OBJECTS,
+            differs=f"the floor is levelled over range first; {_SIMULATED_SONAR}",
         ),
         Part(
             "Figs 4.8, 4.17 to 4.19", "a side-scan image; how sensors look", absent=Absence.PICTURE
@@ -392,9 +422,14 @@ _FEATURES = Chapter(
             "Figs 4.10 to 4.13",
             "Haar features and the integral image",
             studies=("side-scan-cascade",),
-            code=("hullrecon/studies/targets/haar.py:Rectangles",),
+            code=(
+                "hullrecon/studies/targets/haar.py:Rectangles",
+                "hullrecon/studies/targets/haar.py:integral_images",
+                "hullrecon/studies/targets/haar.py:sum_in",
+            ),
             tests=("tests/studies/targets/test_side_scan.py::test_four_look_ups_sum_a_rectangle",),
-            differs=_NO_SONAR_OBJECTS,
+            differs="windows cut in two alone; means of both parts are compared, not sums, which "
+            f"move with the floor's level; {_SIMULATED_SONAR}",
         ),
         Part(
             "Figs 4.14, 4.15",
@@ -405,7 +440,7 @@ _FEATURES = Chapter(
             tests=(
                 "tests/studies/targets/test_side_scan.py::test_first_feature_is_some_8_to_1_dark_to_bright",
             ),
-            differs=_NO_SONAR_OBJECTS,
+            differs=_SIMULATED_SONAR,
         ),
         Part(
             "4.3.2, 4.3.3, Fig. 4.16, Table 4.1",
@@ -414,7 +449,7 @@ _FEATURES = Chapter(
             studies=("side-scan-cascade",),
             code=("hullrecon/studies/targets/cascade.py:train_cascade",),
             tests=("tests/studies/targets/test_side_scan.py",),
-            differs=_NO_SONAR_OBJECTS,
+            differs=_SIMULATED_SONAR,
         ),
         Part(
             "4.3.4, Table 4.2",
@@ -425,7 +460,7 @@ _FEATURES = Chapter(
             tests=(
                 "tests/studies/targets/test_side_scan.py::test_cascade_detects_99_percent_at_1_percent_false_with_4_features",
             ),
-            differs=_NO_SONAR_OBJECTS,
+            differs=_SIMULATED_SONAR,
         ),
         Part(
             "4.3, targets on the map",
@@ -433,11 +468,11 @@ _FEATURES = Chapter(
             studies=("sonar-targets",),
             code=("hullrecon/studies/targets/sonar_targets.py:place_targets",),
             tests=("tests/studies/targets/test_sonar_targets.py",),
-            differs="the source places targets by its filter alone (5.2); here by least squares "
-            f"over passes and mount, with a p-value; {_NO_SONAR_OBJECTS}",
+            differs="no section of the source: it places targets by its filter alone (5.2); here "
+            f"by least squares over passes and mount, with a p-value; {_NO_SONAR_OBJECTS}",
         ),
         Part(
-            "4.4.1, Fig. 4.20",
+            "4.4, 4.4.1, Fig. 4.20",
             "images evened out, undistorted",
             studies=("regions-of-interest",),
             code=(
@@ -476,7 +511,7 @@ _FEATURES = Chapter(
             differs="SIFT in place of SURF",
         ),
         Part(
-            "Fig. 4.23",
+            "4.4.3, Fig. 4.23",
             "calibration from images of a board",
             printed="principal point known to some 10 px",
             studies=("board-calibration/board_views",),
@@ -488,7 +523,9 @@ _FEATURES = Chapter(
                 "hullrecon/adjustment/problem/intrinsics.py:free_intrinsics",
                 "hullrecon/dive/config/calibration.py",
             ),
-            differs="in the product calibrations are read, and the adjustment corrects them",
+            differs="simulated views of the board; the other results of 4.4.3 are rows 4.4.1 "
+            "(frames with a region) and 5.3.3; in the product calibrations are read, and the "
+            "adjustment corrects them",
         ),
     ),
 )
@@ -501,7 +538,20 @@ _VEHICLES = Chapter(
             absent=Absence.PICTURE,
         ),
         Part(
-            "5.2.1, 5.3.1, eqs (5.1) to (5.3), (5.15)",
+            "5.2, 5.3, eq (5.1)",
+            "one state of vehicle, depth of the floor and landmarks",
+            studies=("remus-run", "sparus-run"),
+            code=(
+                "hullrecon/studies/vehicles/local_map.py:LocalMap",
+                "hullrecon/studies/vehicles/sensors.py:VEHICLE",
+            ),
+            tests=("tests/studies/vehicles/test_models.py",),
+            differs="each submap has its own; SPARUS' has nine numbers without the floor, and six "
+            "of each landmark; the tenth is the floor's depth, not its distance. In the product "
+            "poses, hull and landmarks are one batch (hullrecon/native/problem.py)",
+        ),
+        Part(
+            "5.2.1, 5.3.1, eqs (5.2), (5.3), (5.15)",
             "constant velocity in six or four degrees of freedom",
             code=(
                 "hullrecon/studies/vehicles/motion.py:move",
@@ -524,6 +574,7 @@ _VEHICLES = Chapter(
                 "hullrecon/studies/vehicles/sensors.py:navigation_rows",
                 "hullrecon/studies/vehicles/sensors.py:see_target",
                 "hullrecon/studies/vehicles/sensors.py:place_target",
+                "hullrecon/studies/vehicles/sensors.py:Sigmas",
                 "native/factors/navigation_residuals.h",
                 "native/factors/hull_residuals.h",
             ),
@@ -533,8 +584,10 @@ _VEHICLES = Chapter(
                 "tests/studies/vehicles/test_models.py::test_target_is_placed_where_it_was_seen",
             ),
             differs=(
-                "in the product altitude is four ranges to the hull; no side-scan point; a compass "
-                "is of no use beside steel"
+                "R by `Sigmas`, assumed, as the thesis prints no number; (5.4) is "
+                "`navigation_rows` and `see_target` one after the other; no offset of the heading "
+                "is subtracted. In the product altitude is four ranges to the hull; no side-scan "
+                "point; a compass is of no use beside steel"
             ),
         ),
         Part(
@@ -544,6 +597,8 @@ _VEHICLES = Chapter(
             studies=("inverse-depth", "sparus-run"),
             code=(
                 "hullrecon/studies/vehicles/inverse_depth.py:Pinhole",
+                "hullrecon/studies/vehicles/inverse_depth.py:to_point",
+                "hullrecon/studies/vehicles/inverse_depth.py:direction",
                 "hullrecon/studies/vehicles/inverse_depth.py:see_landmark",
                 "hullrecon/studies/vehicles/inverse_depth.py:new_landmark",
                 "native/factors/image_residuals.h",
@@ -554,8 +609,8 @@ _VEHICLES = Chapter(
                 "tests/studies/vehicles/test_runs.py::test_inverse_depth_converges_from_a_hundredth_of_the_depth",
             ),
             differs=(
-                "in the product landmarks are points: at 1 m from a hull parallax is large, and "
-                "what has less than 0.3° is left out"
+                "one focal length, f k_u = f k_v; in the product landmarks are points: at 1 m from "
+                "a hull parallax is large, and what has less than 0.3° is left out"
             ),
         ),
         Part(
@@ -642,6 +697,7 @@ _VEHICLES = Chapter(
                 "hullrecon/report/scene_view.py",
             ),
             delivered=("report/",),
+            differs="simulated; two views of the map and one in space of the tracks",
         ),
     ),
 )
@@ -666,7 +722,7 @@ _APPENDIX = Chapter(
             differs="future work of the source, without method or number",
         ),
         Part(
-            "A.1, A.2, eqs (A.1), (A.2)",
+            "A.1, A.2, Fig. A.1, eqs (A.1), (A.2)",
             "poses in the plane: composition and inverse with derivatives",
             code=(
                 "hullrecon/studies/submaps/models.py:compose",

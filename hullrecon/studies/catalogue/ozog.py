@@ -83,15 +83,20 @@ _INTRODUCTION = Chapter(
             code=("hullrecon/studies/estimates/toy_graph.py:solve_line",),
             studies=("toy-graph",),
             tests=("tests/native/test_solve.py::test_the_toy_graph_of_the_source_gives_thirds",),
+            differs="nothing",
         ),
         Part(
-            "1.3.2, Figs 1.11, 1.12",
+            "1.3.2, 1.3.2.1, 1.3.2.2, Figs 1.11, 1.12",
             "sessions in one graph, by global poses or anchors",
             printed="low rank before they meet; fewer steps with anchors",
             studies=("sessions/information_matrices",),
-            code=("hullrecon/studies/sessions/anchors.py:Anchored",),
+            code=(
+                "hullrecon/studies/sessions/alignment_study.py:one_frame",
+                "hullrecon/studies/sessions/alignment_study.py:draw_information",
+                "hullrecon/studies/sessions/anchors.py:Anchored",
+            ),
             tests=("tests/studies/sessions/test_anchors.py::test_anchors_leave_no_session_free",),
-            differs=_ONE_DIVE,
+            differs=f"global localisation (1.3.2.3) is row 2.4.3; {_ONE_DIVE}",
         ),
         Part(
             "1.3.3, Fig. 1.13",
@@ -145,13 +150,13 @@ _SINGLE = Chapter(
         Part(
             "2.3.1",
             "poses of six numbers, composed head to tail",
-            code=("hullrecon/geometry/poses.py:Poses",),
+            code=("hullrecon/geometry/poses.py:Poses", "hullrecon/geometry/poses.py:from_rpy"),
             tests=("tests/geometry/test_poses.py",),
             differs="quaternions, perturbed on the right",
         ),
         Part("Figs 2.2, 2.3", "what links compose to; the vehicle's size", absent=Absence.PICTURE),
         Part(
-            "Fig. 2.4",
+            "2.3, Fig. 2.4",
             "graph of two sessions: anchors, planes, cameras, priors",
             code=(
                 "hullrecon/studies/sessions/factors.py:Encounters",
@@ -165,8 +170,11 @@ _SINGLE = Chapter(
         ),
         Part(
             "2.3.2",
-            "covariances of single poses and of pairs from the square root",
+            "solver of the graph: incremental, by its square root",
+            studies=("incremental",),
             code=(
+                "hullrecon/studies/sessions/incremental.py:SquareRoot",
+                "native/solve/trust_region.cpp:TrustRegion",
                 "native/sparse/selected_inversion.cpp:SelectedInverse",
                 "native/solve/pair_covariance.h:PairCovariance",
             ),
@@ -174,6 +182,9 @@ _SINGLE = Chapter(
                 "tests/native/test_pair_covariance.py::test_every_pair_equals_the_dense_inverse",
                 "tests/native/test_pair_covariance.py::test_the_innovation_of_a_true_candidate_is_chi_square",
             ),
+            differs="the source takes iSAM as it is: here a study has its square root; the product "
+            "solves a dive in one batch, and takes covariances of poses and of pairs from the "
+            "sparse factor",
         ),
         Part(
             "2.3.3, saliency",
@@ -189,14 +200,17 @@ _SINGLE = Chapter(
             "camera link of five numbers with dynamic covariance scaling, Phi = 5",
             code=(
                 "native/factors/link_residuals.h:BearingLink",
+                "native/factors/mixture.h:ScalingLoss",
                 "hullrecon/navigation/pose_graph/graph.py:link_table",
             ),
             tests=(
                 "tests/native/test_links.py::test_noisy_links_restore_the_path_despite_wrong_ones",
             ),
+            differs="angle between directions and rotation vector in place of azimuth, elevation "
+            "and Euler angles; the cost also has Phi (1 - s)² (misprints)",
         ),
         Part(
-            "2.3.4.1, App. B",
+            "2.3.4, 2.3.4.1, App. B",
             "a plane in three numbers, and its composition with poses",
             code=("native/factors/plane_residuals.h:SeenPlane",),
             tests=(
@@ -272,7 +286,7 @@ _SESSIONS = Chapter(
     title="2.4, 2.5. Multi-session SLAM, experimental trials",
     parts=(
         Part(
-            "Figs 2.1, 2.8",
+            "2.4, Figs 2.1, 2.8",
             "a ship surveyed, found again, aligned, merged, thinned out, and again",
             studies=("node-removal/graph_complexity", "reacquisition"),
             code=(
@@ -293,6 +307,7 @@ _SESSIONS = Chapter(
                 "hullrecon/studies/sessions/anchors.py:join",
                 "hullrecon/studies/sessions/anchors.py:in_common_frame",
                 "hullrecon/studies/sessions/anchors.py:common_frame_derivative",
+                "hullrecon/studies/sessions/alignment_study.py:conversion",
                 "hullrecon/studies/sessions/anchors.py:merged",
                 "hullrecon/studies/sessions/factors.py:Encounters",
             ),
@@ -319,15 +334,21 @@ _SESSIONS = Chapter(
             differs=_ONE_DIVE,
         ),
         Part(
-            "2.4.3.1, Fig. 2.10",
+            "2.4.3, 2.4.3.1, Fig. 2.10",
             "particle filter that finds the vehicle in an old graph by planes",
             printed="cells within 3 m of a plane; search below 250 m²",
             studies=("reacquisition/particles_on_map",),
-            code=("hullrecon/studies/sessions/particles.py:plane_distances",),
+            code=(
+                "hullrecon/studies/sessions/particles.py:plane_distances",
+                "hullrecon/studies/sessions/particles.py:weights",
+                "hullrecon/studies/sessions/particles.py:spread",
+                "hullrecon/studies/sessions/particles_study.py:run",
+            ),
             tests=(
                 "tests/studies/sessions/test_particles.py::test_the_vehicle_is_among_the_candidates",
             ),
-            differs=_ONE_DIVE,
+            differs="particles are place and yaw at the measured depth, level; weights as the "
+            f"misprints say; {_ONE_DIVE}",
         ),
         Part(
             "2.4.3.2, Algorithm 1",
@@ -395,19 +416,38 @@ _SESSIONS = Chapter(
             differs=_ONE_DIVE,
         ),
         Part(
-            "2.5.4, Fig. 2.17, Table 2.2, Algorithm 3",
+            "Algorithm 3",
+            "FAB-MAP proposes images of the same place, matching decides",
+            code=(
+                "benchmarks/fabmap.py:log_likelihoods",
+                "benchmarks/appearance.py:retrieval",
+            ),
+            benchmarks=("benchmarks/appearance.py",),
+            tests=(
+                "tests/benchmarks/test_appearance.py::test_an_image_is_likeliest_at_its_own_place",
+            ),
+            differs="line 2 alone: images are ranked by likelihood, without the threshold tau, and "
+            "FAB-MAP's candidates are not matched (line 3); the product matches those of its own "
+            "words (hullrecon/vision/appearance/recognition.py)",
+        ),
+        Part(
+            "2.5.4, Fig. 2.17, Table 2.2",
             "FAB-MAP beside the particle filter",
             printed=(
                 "7.1, 143.2 s, none; 5.2, 20.6, 15.3 s; recall 27.7 and 100 %, precision 12.1 and "
                 "3.0 %"
             ),
             studies=("reacquisition",),
-            code=("hullrecon/studies/sessions/particles_study.py:run",),
+            code=(
+                "hullrecon/studies/sessions/particles_study.py:run",
+                "hullrecon/studies/sessions/particles_study.py:Trial",
+            ),
             benchmarks=("benchmarks/appearance.py", "benchmarks/fabmap.py"),
             tests=("tests/benchmarks/test_appearance.py",),
             differs=(
                 "the particle filter as a study of a simulated ship, FAB-MAP inside one dive as a "
-                "benchmark: not side by side on the same images"
+                "benchmark: not side by side on the same images. Times are of the filter under "
+                "water (`Trial.seconds`): no start at the surface, FAB-MAP is not timed"
             ),
         ),
         Part(
@@ -440,6 +480,8 @@ _SONAR = Chapter(
             ),
             delivered=("ortho_sonar.tif",),
             tests=("tests/end_to_end/test_no_camera.py",),
+            differs="of whatever path the dive has: by images and the CAD model where there are "
+            "some, by planes alone without",
         ),
         Part(
             "3.2.2.1, outliers",
@@ -452,7 +494,7 @@ _SONAR = Chapter(
             differs="three sigmas: one cuts what is right",
         ),
         Part(
-            "3.2.2.1, Fig. 3.2",
+            "3.2.2, 3.2.2.1, Fig. 3.2",
             "surface by linear interpolation, faces halved down to 0.1 m",
             code=(
                 "hullrecon/studies/surfaces/regression.py:by_triangles",
@@ -487,18 +529,27 @@ _SONAR = Chapter(
         Part(
             "3.2.3",
             "pixel to range and beam, and back by a table of voxels",
-            code=("hullrecon/mosaic/sonar.py:SonarFan",),
+            code=(
+                "hullrecon/mosaic/sonar.py:SonarFan",
+                "hullrecon/mosaic/sonar.py:build_fan",
+            ),
             tests=("tests/mosaic/test_sonar_fan.py::test_bins_and_beams_are_those_of_the_image",),
-            differs="computed, so that no table is needed",
+            differs="a point's range bin and beam are computed (`SonarFan.locate`), so that no "
+            "table is needed; beams by their logged directions, interpolated, not by a polynomial",
         ),
         Part(
             "3.2.4",
-            "the four best pings of a face, blended in three bands",
+            "the four best pings, blended in three bands",
+            printed="k = 5, 10, 50; u = w/2, v = 3h/4",
             code=(
                 "hullrecon/mosaic/blend.py:choose_views",
-                "hullrecon/native/views.py:BlendSums",
+                "hullrecon/mosaic/blend.py:blend",
+                "native/mosaic/views.cpp:band_weight",
+                "hullrecon/mosaic/sonar.py:SonarFan",
             ),
             tests=("tests/mosaic/test_blend.py",),
+            differs="chosen and weighed by texel, not by face, with a cost for slant; r and R in "
+            "metres on the fan's display, R to its farthest corner (`SonarFan.locate`)",
         ),
         Part(
             "Fig. 3.7",
@@ -513,14 +564,16 @@ _SONAR = Chapter(
         ),
         Part("3.3.1", "eight surveys in one mosaic", absent=Absence.DATA, differs=_ONE_DIVE),
         Part(
-            "Fig. 3.8",
-            "the DVL's points laid on the CAD model",
+            "3.3.2, Fig. 3.8",
+            "four sources of poses; the DVL's points laid on the CAD model",
             code=(
-                "hullrecon/adjustment/hull_pose/registration.py:register",
                 "hullrecon/studies/surfaces/pose_sources.py:place_paths",
+                "hullrecon/adjustment/hull_pose/registration.py:register",
             ),
             studies=("surfaces-by-source/registration",),
             delivered=("alignment.json",),
+            differs="dead reckoning is a fifth source; generalised ICP, then a least-squares fit "
+            "that knows how wrong a CAD model may be",
         ),
         Part(
             "3.3.3, Figs 3.9, 3.10",
@@ -654,6 +707,8 @@ _MODEL = Chapter(
             tests=(
                 "tests/native/test_factors.py::test_stereo_pixels_are_those_of_the_distorted_pinhole",
             ),
+            differs="raw pixels with distortion in place of rectified ones; also the pose of one "
+            "camera in the other, intrinsics and lenses are unknowns",
         ),
         Part(
             "4.2.6, eq (4.14), Fig. 4.7",
@@ -662,6 +717,8 @@ _MODEL = Chapter(
             tests=(
                 "tests/native/test_solve.py::test_a_beam_that_misses_the_hull_is_switched_off_and_counted",
             ),
+            differs="the CAD model is moved outward by a field of its error; the DVL's mount is an "
+            "unknown; beams that miss the hull or graze it are switched off",
         ),
         Part(
             "4.2.7",
@@ -682,7 +739,7 @@ _SHAPES = Chapter(
     title="4.3, 4.4. Model-assisted visual mapping, results",
     parts=(
         Part(
-            "Algorithm 4, Fig. 4.8",
+            "4.3.2, Algorithm 4, Fig. 4.8",
             "features off the hull, clustered, as an alpha shape",
             studies=("shapes/shapes_of_view",),
             code=("hullrecon/detection/as_found/shapes.py:detect_shapes",),
@@ -690,7 +747,7 @@ _SHAPES = Chapter(
             differs="bumps and recesses apart",
         ),
         Part(
-            "Algorithm 5, eq (4.15), Fig. 4.9",
+            "4.3.3, Algorithm 5, eq (4.15), Fig. 4.9",
             "shapes move vertices along rays, running mean",
             code=(
                 "hullrecon/studies/surfaces/regression.py:fuse_shapes",
@@ -714,8 +771,13 @@ _SHAPES = Chapter(
             "4.4.1, Fig. 4.10",
             "cross-sections by naive, Geva's and the proposed method, two cameras",
             printed="growth squeezed by Geva's",
-            code=("hullrecon/studies/methods/sections.py:cut_section",),
+            code=(
+                "hullrecon/studies/methods/sections.py:cut_section",
+                "hullrecon/studies/methods/adjust_variant.py:strategy_of",
+            ),
             studies=("methods", "method-figures/cross_sections"),
+            differs="a simulated hull with its truth; each method as published, and as weighted "
+            "here",
         ),
         Part(
             "Fig. 4.11",
@@ -731,6 +793,7 @@ _SHAPES = Chapter(
             code=("hullrecon/studies/methods/histories.py:label_frequency",),
             studies=("method-figures/label_frequency",),
             delivered=("plots/",),
+            differs="a simulated dive; of the rounds of a solve the last one",
         ),
         Part(
             "Fig. 4.13",
@@ -742,6 +805,8 @@ _SHAPES = Chapter(
             ),
             studies=("method-figures/cost_history",),
             benchmarks=("benchmarks/adjustment.py",),
+            differs="a simulated dive; the solves as published and, below, those of the product, "
+            "in rounds",
         ),
         Part(
             "Fig. 4.14",
@@ -750,6 +815,7 @@ _SHAPES = Chapter(
             code=("hullrecon/studies/methods/sections.py:range_residuals",),
             studies=("method-figures/range_residuals",),
             tests=("tests/studies/test_dvl_residuals.py",),
+            differs="a simulated dive; after the adjustment, the CAD model moved by its field",
         ),
         Part(
             "4.4.2.1, Fig. 4.15",
@@ -772,6 +838,8 @@ _SHAPES = Chapter(
             code=("hullrecon/studies/methods/plots.py:structure_heights",),
             studies=("method-figures/structure_height",),
             delivered=("objects.json",),
+            differs="a simulated cylinder, else the highest structure that was well seen; by each "
+            "method, and as delivered",
         ),
         Part(
             "4.4.2.2, Figs 4.17, 4.18",
@@ -784,6 +852,8 @@ _SHAPES = Chapter(
             studies=("thresholds",),
             tests=("tests/studies/structures/test_thresholds.py",),
             delivered=("as_found.ply", "form.tif"),
+            differs="simulated, so that structures found, missed and false are counted; the "
+            "product decides by p-value, not by one threshold",
         ),
         Part(
             "4.4.2.2, Fig. 4.19",
@@ -839,6 +909,7 @@ _APPENDICES = Chapter(
             "frames and their composition",
             code=("hullrecon/geometry/poses.py:Poses",),
             tests=("tests/geometry/test_poses.py::test_composition_is_one_after_the_other",),
+            differs="quaternions; which way R leads is among the misprints",
         ),
         Part(
             "B.1 to B.5, eq (B.1), Figs B.1, B.2",
@@ -855,6 +926,8 @@ _APPENDICES = Chapter(
             "direction of a plane by azimuth and elevation, and its distance",
             code=("hullrecon/native/curvature.py:curvature_difference",),
             tests=("tests/native/test_planes.py",),
+            differs="azimuth and elevation serve the curvature alone; its signs are among the "
+            "misprints (2.3.4.2)",
         ),
         Part(
             "C, Figs C.1, C.2",
@@ -874,13 +947,22 @@ _APPENDICES = Chapter(
             ),
         ),
         Part(
-            "D.1, Fig. D.1, eqs (D.1), (D.2)",
+            "D.1, Fig. D.1, eq (D.1)",
             "pinhole with radial distortion",
             code=(
                 "native/factors/camera.h:Projection",
                 "hullrecon/geometry/cameras.py:CameraModel",
             ),
             tests=("tests/geometry/test_cameras.py",),
+            differs="three radial terms and two tangential",
+        ),
+        Part(
+            "D.1, planes, eq (D.2)",
+            "a pixel's ray met with a plane",
+            studies=("periscope",),
+            code=("hullrecon/studies/sessions/periscope.py:transferred",),
+            tests=("tests/studies/sessions/test_periscope.py::test_ellipses_hold_what_is_drawn",),
+            differs="in a study alone, as part of (D.12); the printed depth is among the misprints",
         ),
         Part(
             "D.1.1, eqs (D.3) to (D.5)",
@@ -897,11 +979,18 @@ _APPENDICES = Chapter(
         Part(
             "D.1.2, eqs (D.6) to (D.8)",
             "calibration's share of it, to first order",
-            code=("hullrecon/vision/pairs/stereo_adjustment.py:CalibrationEvidence",),
+            studies=("uncertain-calibration",),
+            code=(
+                "hullrecon/studies/calibration/two_views.py:first_order",
+                "hullrecon/vision/pairs/stereo_adjustment.py:adjust_stereo_motion",
+                "hullrecon/navigation/stereo_odometry/stereo_path.py:by_calibration",
+            ),
             tests=(
                 "tests/vision/pairs/test_stereo_adjustment.py::test_error_of_rig_moves_motion_as_its_derivative_says",
             ),
-            differs="two cameras, one unknown for the dive; lenses are unknowns of the adjustment",
+            differs="second derivatives times residuals are left out; in the product two cameras, "
+            "whose errors are one unknown for the dive, summed in stereo_path.py; lenses are "
+            "unknowns of the adjustment",
         ),
         Part(
             "D.1.3, Algorithm 6, eq (D.9)",
@@ -914,11 +1003,23 @@ _APPENDICES = Chapter(
             differs="in the product the lens is an unknown of the adjustment, to first order",
         ),
         Part(
+            "D.2",
+            "a point in both cameras of a calibrated pair",
+            code=("native/factors/image_residuals.h:Stereo",),
+            tests=(
+                "tests/native/test_factors.py::test_stereo_pixels_are_those_of_the_distorted_pinhole",
+            ),
+            differs="as (4.12): raw pixels with distortion; the camera's mount and the pose of the "
+            "bottom camera in the top one are unknowns",
+        ),
+        Part(
             "D.2.1, D.2.2, Fig. D.2, eqs (D.10), (D.11)",
             "rectified pairs, triangulation",
             printed="baseline 77.6 mm",
             studies=("dense-stereo/rectified_pair",),
             code=(
+                "hullrecon/vision/stereo/matching.py:rectify",
+                "hullrecon/vision/stereo/matching.py:triangulate",
                 "hullrecon/vision/stereo/matching.py:match_stereo",
                 "hullrecon/studies/structures/dense_stereo.py:rectified_pair",
             ),
@@ -946,12 +1047,13 @@ _APPENDICES = Chapter(
             differs="in a study alone",
         ),
         Part(
-            "D.3, Fig. D.4",
+            "D.3, Fig. D.4, eq (D.12)",
             "is a transferred point Gaussian?",
             printed="fairly, except where uncertainty is large",
             code=(
-                "hullrecon/vision/pairs/gating.py:transfer",
                 "hullrecon/studies/sessions/periscope.py:transferred",
+                "hullrecon/vision/pairs/gating.py:transfer",
+                "hullrecon/studies/scenes/search_ellipses.py:search_ellipses",
             ),
             studies=("scene-figures/search_ellipses", "periscope"),
             tests=(

@@ -24,7 +24,7 @@ MOST_TURNS = 30
 def solve(
     problem: native.Problem, options: native.Options, most_turns: int = MOST_TURNS
 ) -> native.Result:
-    """Solve with labels held in each solve and refreshed between solves.
+    """Solve with labels held in each solve and refreshed between solves: eqs (4.1) to (4.3).
 
     The record runs over all turns. A turn's start, which repeats the last turn's end under new
     labels, is left out, and its label changes are in the next row. `max_iterations` bounds each

@@ -107,7 +107,7 @@ def information(graph: Graph, state: State) -> csc_matrix:
 
 
 def solve(graph: Graph, state: State) -> Solution:
-    """Minimise the sum of squared residuals from a state."""
+    """Minimise the sum of squared residuals from a state [Ozog2016 eqs 1.3, 1.4]."""
     jacobian, residual = linear_system(graph, state)
     costs, damping, converged = [float(residual @ residual)], DAMPING, False
     for _ in range(MAX_ITERATIONS):

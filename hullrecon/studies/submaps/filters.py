@@ -14,7 +14,7 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class Gaussian:
-    """A state with its covariance."""
+    """A state with its covariance: the belief (3.1)."""
 
     mean: Array  # (n,)
     covariance: Array  # (n, n)
@@ -28,9 +28,9 @@ def predict(state: Gaussian, moved: Array, by_state: Array, noise: Array) -> Gau
     state
         Before the motion.
     moved
-        The motion model's value at its mean.
+        The motion model's value at its mean: g of (3.4).
     by_state
-        F, the model's Jacobian.
+        F, the model's Jacobian (3.6).
     noise
         G Q G', in the state's own units.
     """
@@ -48,7 +48,7 @@ def update(state: Gaussian, innovation: Array, by_state: Array, noise: Array) ->
     state
         As predicted.
     innovation
-        z - h(x), where (3.10) prints the motion model for h.
+        z - h(x) with h of (3.5), where (3.10) prints the motion model for h.
     by_state
         H, the Jacobian of h.
     noise
@@ -98,7 +98,7 @@ def update_information(
 
 @dataclass(frozen=True, kw_only=True)
 class LinearStep:
-    """A linear motion x' = F x + offset, and the observation z = H x after it."""
+    """A linear motion x' = F x + offset (3.2), and the observation z = H x after it (3.3)."""
 
     by_state: Array  # F
     offset: Array

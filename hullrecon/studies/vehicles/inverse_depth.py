@@ -33,7 +33,7 @@ class Pinhole:
     size_px: tuple[int, int]
 
     def project(self, ray: Array) -> tuple[Array, Array]:
-        """Project a ray (3,) to a pixel (2,) (5.22), with its Jacobian (2, 3)."""
+        """Project a ray (3,) to a pixel (2,) (5.18), (5.22), with its Jacobian (2, 3)."""
         x, y, z = ray
         pixel = self.focal_px * ray[:2] / z + self.centre_px
         return pixel, self.focal_px / z * np.array([[1, 0, -x / z], [0, 1, -y / z]])

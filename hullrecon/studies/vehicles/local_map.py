@@ -16,7 +16,7 @@ from hullrecon.typing import Array, Ints
 
 
 class LocalMap:
-    """State and covariance of a vehicle, then of its landmarks, `size` numbers each."""
+    """State (5.1) and covariance of a vehicle, then of its landmarks, `size` numbers each."""
 
     def __init__(self, vehicle: Array, covariance: Array, size: int) -> None:
         self.mean, self.covariance = vehicle.copy(), covariance.copy()

@@ -13,7 +13,7 @@ POSITION, ATTITUDE, VELOCITY = slice(0, 3), slice(3, 6), slice(6, 9)  # of a sta
 
 
 def move(state: Array, step_s: float) -> tuple[Array, Array]:
-    """Move a vehicle in six degrees of freedom (5.2). The thesis prints roll in pitch's row.
+    """Move a vehicle in six degrees of freedom (5.2), (5.3). The print has roll in pitch's row.
 
     Parameters
     ----------

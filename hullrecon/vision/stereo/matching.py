@@ -103,6 +103,8 @@ def turn_rays(rotation: Array, xy: Array) -> Array:
 def triangulate(rectification: Rectification, top: Array, bottom: Array) -> Array:
     """Triangulate turned coordinates (n, 2) of both cameras to points (n, 3) in the top one, m.
 
+    This is [Ozog2016 eq. D.11] in ideal coordinates.
+
     NaN where the disparity is not positive.
     """
     disparity = top[:, 1] - bottom[:, 1]

@@ -21,13 +21,14 @@ DELIVERED = re.findall(
 # figures by chapter, as the sources number them
 FIGURES = {
     "Ozog2016": {"1.": 17, "2.": 23, "3.": 12, "4.": 19, "A.": 1, "B.": 2, "C.": 2, "D.": 4},
-    "Aulinas2011": {"1.": 6, "2.": 10, "3.": 10, "4.": 23, "5.": 18},
+    "Aulinas2011": {"1.": 6, "2.": 10, "3.": 10, "4.": 23, "5.": 18, "A.": 1},
     "KimEustice2009": {"": 6},
 }
 TABLES = {
     "Ozog2016": {"1.1", "2.1", "2.2", "4.1"},
     "Aulinas2011": {"2.1", "2.2", "2.3", "2.4", "2.5", "3.1", "3.2", "3.3", "4.1", "4.2"},
 }
+ALGORITHMS = {"Ozog2016": 6, "Aulinas2011": 4}
 # numbered equations by chapter
 EQUATIONS = {
     "Ozog2016": {"1.": 5, "2.": 9, "3.": 3, "4.": 15, "B.": 1, "D.": 12},
@@ -113,6 +114,13 @@ def test_every_equation_of_a_source_stands_in_the_catalogue(
 def test_every_table_of_a_source_stands_in_the_catalogue(source: str, tables: set[str]) -> None:
     parts = next(s for s in SOURCES if s.key == source).parts
     assert {t for part in parts for t in re.findall(r"Table (\S+?)(?:,|$)", part.number)} == tables
+
+
+@pytest.mark.parametrize(("source", "count"), ALGORITHMS.items())
+def test_every_algorithm_of_a_source_stands_in_the_catalogue(source: str, count: int) -> None:
+    parts = next(s for s in SOURCES if s.key == source).parts
+    named = {int(k) for part in parts for k in re.findall(r"Algorithm (\d)", part.number)}
+    assert named == set(range(1, count + 1))
 
 
 @pytest.mark.parametrize("source", SOURCES, ids=lambda source: source.key)
