@@ -210,6 +210,8 @@ class Regression:
 def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
     """Condition a zero-mean field on values (n,) m at (n, 2) with noise (n,) m.
 
+    By their covariance K + I/beta [Ozog2016 eq. 3.1].
+
     Raises NotPositiveDefiniteError when the kernel is no covariance on these points.
     """
     return _condition(kernel, kernel.covariance(at), at, values, noise)

@@ -190,14 +190,16 @@ _SUBMAPS = Chapter(
             studies=("submap-world",),
             code=(
                 "hullrecon/studies/submaps/ekf_slam.py:build_map",
-                "hullrecon/studies/submaps/ekf_slam.py:predict",
+                "hullrecon/studies/submaps/ekf_slam.py:EkfMap",
                 "hullrecon/studies/submaps/ekf_slam.py:update_state",
+                "hullrecon/studies/submaps/models.py:observe_jacobians",
             ),
             tests=(
                 "tests/studies/submaps/test_joining.py::test_submaps_end_as_surely_as_they_say",
             ),
-            differs="the filter of submaps/filters.py, with rows of zeros left out unless its time "
-            f"is compared; {_ONE_PROBLEM}",
+            differs="(3.7) is `EkfMap.predict`, F of (3.8) in `Car.move_steps`, H of (3.9) "
+            "`observe_jacobians`, (3.10) `EkfMap.update`, (3.11) `update_state`; rows of zeros are "
+            f"left out unless its time is compared; {_ONE_PROBLEM}",
         ),
         Part(
             "3.3.2, eq (3.12), Fig. 3.1",
@@ -263,9 +265,16 @@ _EXPERIMENTS = Chapter(
             "Fig. 3.3, eqs (3.16) to (3.20)",
             "car with steering wheel, laser range and bearing",
             studies=("submap-world",),
-            code=("hullrecon/studies/submaps/models.py:Car",),
+            code=(
+                "hullrecon/studies/submaps/models.py:Car",
+                "hullrecon/studies/submaps/models.py:observe",
+                "hullrecon/studies/submaps/models.py:observe_jacobians",
+                "hullrecon/studies/submaps/ekf_slam.py:EkfMap",
+            ),
             tests=("tests/studies/submaps/test_models.py",),
-            differs="no land vehicle in the product",
+            differs="(3.16) is the state of `EkfMap`, (3.17) `Car.move`, (3.18) in "
+            "`Car.move_steps`, (3.19) `observe`, (3.20) `observe_jacobians`; sizes of the car are "
+            "Victoria Park's, as none is printed; no land vehicle in the product",
         ),
         Part(
             "3.4.1, Fig. 3.4",
@@ -741,6 +750,7 @@ _APPENDIX = Chapter(
             code=(
                 "hullrecon/studies/vehicles/transforms.py:transform",
                 "hullrecon/studies/vehicles/transforms.py:inverse_transform",
+                "hullrecon/studies/vehicles/transforms.py:rotation",
                 "hullrecon/geometry/poses.py:Poses",
                 "hullrecon/vision/pairs/gating.py:Motion",
                 "native/factors/motion.h",

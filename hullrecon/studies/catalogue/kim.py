@@ -42,15 +42,16 @@ _STATE = Chapter(
             "II-A, information form",
             "mean and covariance as information vector and matrix",
             code=(
-                "native/schur/small_factors.cpp:linearise",
                 "tests/native/test_information_filter.py:InformationFilter",
+                "native/schur/small_factors.cpp:linearise",
             ),
             tests=(
                 "tests/native/test_information_filter.py::test_its_covariances_are_those_of_the_batch",
             ),
             differs=(
-                "`information_` is the matrix, `gradient_` the right-hand side of a step from "
-                "where it was linearised, not of the state; both anew at every step"
+                "the filter is in the tests; of a solve `information_` is the matrix, `gradient_` "
+                "the right-hand side of a step from where it was linearised, not of the state; "
+                "both anew at every step"
             ),
         ),
         Part(
@@ -202,8 +203,8 @@ _REGISTRATION = Chapter(
             "III-C-1",
             "two-view adjustment of a general scene, 3N + 5 unknowns",
             code=(
-                "hullrecon/vision/pairs/stereo_adjustment.py:adjust_stereo_motion",
                 "hullrecon/vision/pairs/mono_motion.py:refine",
+                "hullrecon/vision/pairs/stereo_adjustment.py:adjust_stereo_motion",
             ),
             tests=(
                 "tests/vision/pairs/test_stereo_adjustment.py::test_motions_of_noisy_pairs_scatter_as_covariance_says",

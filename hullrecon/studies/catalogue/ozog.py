@@ -225,8 +225,8 @@ _SINGLE = Chapter(
             "2.3.4.1, eq (2.2)",
             "plane fitted to the DVL's points of a window, tied to its pose",
             code=(
-                "hullrecon/navigation/planes/patch_fit.py:fit_patch",
                 "native/factors/plane_residuals.h:PlaneSighting",
+                "hullrecon/navigation/planes/patch_fit.py:fit_patch",
             ),
             tests=(
                 "tests/native/test_planes.py::test_a_sighting_from_the_anchor_compares_the_three_numbers",
@@ -513,6 +513,8 @@ _SONAR = Chapter(
             printed="lengths 3 and 15 m",
             code=(
                 "hullrecon/surface/gaussian.py:Regression",
+                "hullrecon/surface/gaussian.py:fit",
+                "hullrecon/surface/gaussian.py:Kernel",
                 "hullrecon/studies/surfaces/regression.py:RadialKernel",
             ),
             studies=("maps/surface_meshes", "surfaces"),
@@ -654,11 +656,16 @@ _MODEL = Chapter(
         Part(
             "4.2.3, Fig. 4.3, eqs (4.4), (4.5)",
             "signed distance of a landmark to the hull with one of two sigmas",
-            code=("native/factors/hull_residuals.h:Surface", "native/mesh/mesh_index.cpp"),
+            code=(
+                "native/factors/hull_residuals.h:Surface",
+                "native/mesh/mesh_index.cpp",
+                "native/factors/mixture.h:MixtureLoss",
+            ),
             tests=(
                 "tests/native/test_factors.py::test_surface_residual_is_distance_less_deviation_field",
             ),
-            differs="to the nearest point of the mesh, beside edges too",
+            differs="(4.5) to the nearest point of the mesh, beside edges too, less a field of the "
+            "CAD model's error; the two sigmas of (4.4) are in the loss",
         ),
         Part(
             "4.2.4, Fig. 4.4, eqs (4.6), (4.7)",
@@ -722,8 +729,9 @@ _MODEL = Chapter(
         ),
         Part(
             "4.2.7",
-            "features, essential matrix, Sampson's distance for one camera",
+            "SIFT; three points of a stereo pair, or an essential matrix with Sampson's distance",
             code=(
+                "hullrecon/vision/pairs/pose_from_points.py:ransac",
                 "hullrecon/vision/pairs/two_view.py:fit_both",
                 "hullrecon/vision/pairs/two_view.py:sampson_squared",
                 "hullrecon/vision/pairs/mono_motion.py:refine",
@@ -731,7 +739,8 @@ _MODEL = Chapter(
             tests=(
                 "tests/vision/pairs/test_two_view.py::test_sampson_error_is_distance_to_nearest_pair_that_fits",
             ),
-            differs="no graphics card",
+            differs="points of two pairs are compared in pixels, not metres (D.2.3); one camera "
+            "may take a homography; no graphics card",
         ),
     ),
 )
@@ -950,7 +959,7 @@ _APPENDICES = Chapter(
             "D.1, Fig. D.1, eq (D.1)",
             "pinhole with radial distortion",
             code=(
-                "native/factors/camera.h:Projection",
+                "native/factors/camera.h:project",
                 "hullrecon/geometry/cameras.py:CameraModel",
             ),
             tests=("tests/geometry/test_cameras.py",),
@@ -968,13 +977,14 @@ _APPENDICES = Chapter(
             "D.1.1, eqs (D.3) to (D.5)",
             "covariance of a two-view pose",
             code=(
-                "hullrecon/vision/pairs/stereo_adjustment.py:adjust_stereo_motion",
                 "hullrecon/vision/pairs/mono_motion.py:covariance_of",
+                "hullrecon/vision/pairs/stereo_adjustment.py:adjust_stereo_motion",
             ),
             tests=(
                 "tests/vision/pairs/test_mono_motion.py::test_five_numbers_scatter_as_their_covariance_says",
             ),
-            differs="and what neighbouring features share",
+            differs="points are left out to first order by Sampson's distance (one camera) or "
+            "eliminated (two); and what neighbouring features share",
         ),
         Part(
             "D.1.2, eqs (D.6) to (D.8)",

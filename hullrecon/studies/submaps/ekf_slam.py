@@ -128,7 +128,7 @@ class EkfMap:
         return pair_points(sets), near, sets.squared_distances
 
     def update(self, landmarks: list[int], readings: Array, noise: Array) -> float:
-        """Update by readings (m, 2) of landmarks (m), and return the innovation squared."""
+        """Update by readings (m, 2) of landmarks (m) (3.10), and return the innovation squared."""
         points = self.landmarks[landmarks]
         by_pose, by_point = observe_jacobians(self.mean[:3], points)
         columns = np.r_[:3, self.rows(np.array(landmarks))]
@@ -181,7 +181,7 @@ class EkfMap:
 def update_state(
     mean: Array, covariance: Array, carried: Array, spread: Array, innovation: Array
 ) -> float:
-    """Update a state in place, and return the normalised innovation squared (3.22).
+    """Update a state in place (3.11), and return the normalised innovation squared (3.22).
 
     Joseph's form multiplied out, with W = P H' S^-1: P - (P H' L^-T) (P H' L^-T)', where
     L L' = S. It stays symmetric, and costs n n k where the product of matrices costs n n n.

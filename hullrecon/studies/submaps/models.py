@@ -135,7 +135,7 @@ class Car:
         Array
             The pose after them.
         Array
-            Derivative (3, 3) by the pose, which is F of (3.7).
+            Derivative (3, 3) by the pose: F of (3.8), of a single step (3.18).
         Array
             Covariance (3, 3) that the odometry adds, G Q G' of (3.7).
         """
