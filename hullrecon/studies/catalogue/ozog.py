@@ -176,7 +176,7 @@ _SINGLE = Chapter(
                 "hullrecon/studies/sessions/incremental.py:SquareRoot",
                 "native/solve/trust_region.cpp:TrustRegion",
                 "native/sparse/selected_inversion.cpp:SelectedInverse",
-                "native/solve/pair_covariance.h:PairCovariance",
+                "native/solve/pair_covariance.h:pair_covariance",
             ),
             tests=(
                 "tests/native/test_pair_covariance.py::test_every_pair_equals_the_dense_inverse",
@@ -324,6 +324,7 @@ _SESSIONS = Chapter(
             "nodes removed by generic linear constraints, sparse by a Chow-Liu tree",
             studies=("node-removal",),
             code=(
+                "hullrecon/studies/sessions/removal.py:remove_node",
                 "hullrecon/studies/sessions/removal.py:linear_factor",
                 "hullrecon/studies/sessions/removal.py:tree_of",
             ),
@@ -379,7 +380,10 @@ _SESSIONS = Chapter(
             "at most three views kept of a place",
             printed="1.5 m, three views",
             studies=("node-removal",),
-            code=("hullrecon/studies/sessions/sparsify.py:choose_nodes",),
+            code=(
+                "hullrecon/studies/sessions/sparsify.py:choose_nodes",
+                "hullrecon/studies/sessions/sparsify.py:remove_nodes",
+            ),
             tests=(
                 "tests/studies/sessions/test_removal.py::test_a_fourth_view_of_a_place_pushes_the_first_out",
             ),
@@ -457,6 +461,7 @@ _SESSIONS = Chapter(
             studies=("node-removal/sparsified_beside_full", "node-removal/ellipses_of_both"),
             code=(
                 "hullrecon/studies/sessions/removal_study.py:compare_maps",
+                "hullrecon/studies/sessions/removal_study.py:divergence",
                 "hullrecon/studies/sessions/removal_study.py:draw_ellipses",
             ),
             differs=_ONE_DIVE,
