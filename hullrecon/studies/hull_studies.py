@@ -102,7 +102,7 @@ HULL_STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
     ),
     DiveStudy(
         id="path-figures",
-        source="[KimEustice2009 Figs 4, 5; Ozog2016 Figs 2.22, 2.23, 3.11, 3.12]",
+        source="[KimEustice2009 Figs 3, 4, 5; Ozog2016 Figs 2.22, 2.23, 3.11, 3.12]",
         shows="what links and planes do to the path, and to the sonar mosaic's variance",
         run=_draw_paths,
     ),

@@ -63,9 +63,10 @@ def first_order(views: TwoViews, motion: Array, covariance: Array) -> Array:
 
 
 def unscented(views: TwoViews, motion: Array, covariance: Array) -> Array:
-    """Propagate a calibration's covariance (9, 9) to a fitted motion by Algorithm 6: (5, 5).
+    """Propagate a calibration's covariance (9, 9) to a fitted motion: Sigma_UT (5, 5) of (D.9).
 
-    The motion is fitted anew with the calibration at each of nineteen sigma points.
+    Lines 5 to 10 of Algorithm 6: the motion is fitted anew with the calibration at each of nineteen
+    sigma points. What the features leave open, Sigma_HZ, is added by the caller (line 11).
     """
     root = _columns(covariance)
     size = len(root)

@@ -284,9 +284,13 @@ _RESULTS = Chapter(
         Part(
             "Fig. 3",
             "the dead-reckoned trajectory beside the ship",
-            code=("hullrecon/navigation/dead_reckoning/reckoning.py:reckon",),
+            code=(
+                "hullrecon/navigation/dead_reckoning/reckoning.py:reckon",
+                "hullrecon/studies/paths/link_plots.py:links_on_hull",
+            ),
             studies=("path-figures/links_on_hull",),
-            differs="a simulated dive, from above, with the truth and the path with links",
+            differs="the curve `dead reckoned` of the lower panel of Fig. 5(a): a simulated dive, "
+            "from above, with the truth and the path with links; no photographs",
         ),
         Part(
             "Fig. 4",
@@ -308,14 +312,18 @@ _RESULTS = Chapter(
             code=("hullrecon/studies/paths/link_plots.py:links_on_hull",),
             studies=("path-figures/links_on_hull",),
             differs=(
-                "ellipses in two views; richness decides which images are compared and is not drawn"
+                "links from the side, ellipses of three sigma from above at some forty nodes; "
+                "richness decides which images are compared and is not drawn"
             ),
         ),
         Part(
             "Fig. 5(b)",
             "trajectory without and with choice of model",
             printed="some 2 m apart",
-            code=("hullrecon/studies/paths/link_plots.py:two_view_models",),
+            code=(
+                "hullrecon/studies/paths/path_figures.py:by_two_view_model",
+                "hullrecon/studies/paths/link_plots.py:two_view_models",
+            ),
             studies=("one-camera-survey/two_view_models", "path-figures/two_view_models"),
             tests=(
                 "tests/end_to_end/test_path_figures.py::test_path_of_chosen_models_is_the_runs_with_its_true_error",

@@ -25,8 +25,10 @@ _INTRODUCTION = Chapter(
             "sensors on a servoed tray: DVL, IMU, depth, one or two cameras, DIDSON; a periscope",
             printed="sigma of depth 10 cm",
             code=("hullrecon/rig.py:Rig", "hullrecon/geometry/frames.py:Camera"),
-            tests=("tests/dive/readers/test_didson.py",),
-            differs=f"{_NO_PERISCOPE}; sigmas are keys of dive.toml",
+            tests=("tests/test_rig.py", "tests/dive/readers/test_didson.py"),
+            differs=f"{_NO_PERISCOPE}; sigmas are keys of dive.toml, of a depth `pressure.sigma_m` "
+            "(white, 0.02 m unless given) and `pressure.bias_sigma_m` (constant, 0.1 m); the IMU "
+            "is no mount of `Rig`: its readings are turned into the vehicle by `imu.mount_deg`",
         ),
         Part(
             "1.2.1, Fig. 1.7",
@@ -58,10 +60,17 @@ _INTRODUCTION = Chapter(
             "points of the hull that the DVL's ranges meet",
             code=(
                 "hullrecon/rig.py:dvl_points",
+                "hullrecon/dive/logs/readers/pd0.py:to_sample",
                 "hullrecon/dive/logs/dvl_beams.py:tilted_beams",
             ),
-            tests=("tests/test_rig.py",),
-            differs="any beams, the lever arm, poses of the last adjustment",
+            tests=(
+                "tests/test_rig.py::test_beam_ends_count_motion_between_node_and_ping",
+                "tests/dive/readers/test_pd0.py::test_ranges_along_the_axis_become_ranges_along_the_beams",
+            ),
+            differs="the four beams of the source's DVL are in `to_sample`, those of other DVLs "
+            "by `tilted_beams`: any angle, z of `dvl` out of the transducers (printed: into the "
+            "housing), with x and y exchanged. The points are taken on with the lever arm, by "
+            "poses of the last adjustment",
         ),
         Part("Fig. 1.9", "SLAM as a factor graph", absent=Absence.PICTURE),
         Part(
@@ -211,14 +220,19 @@ _SINGLE = Chapter(
         ),
         Part(
             "2.3.4, 2.3.4.1, App. B",
-            "a plane in three numbers, and its composition with poses",
-            code=("native/factors/plane_residuals.h:SeenPlane",),
+            "a plane in three numbers, pi, and its composition with poses, x ⊟ pi and x ⊞ pi",
+            code=(
+                "native/factors/plane_residuals.h:SeenPlane",
+                "hullrecon/studies/sessions/motions.py:plane_in",
+                "hullrecon/studies/sessions/motions.py:plane_out",
+            ),
             tests=(
+                "tests/studies/sessions/test_motions.py::test_points_of_a_plane_stay_on_it_in_another_frame",
                 "tests/native/test_planes.py::test_two_parallel_walls_differ_by_the_step_between_them",
             ),
             differs=(
-                "planes are held in the vehicle frame of an anchor node, so that none passes "
-                "through its origin"
+                "as printed, by ⊟ and ⊞, in the studies; in the product planes are held in the "
+                "vehicle frame of an anchor node, so that none passes through its origin"
             ),
         ),
         Part(
@@ -300,7 +314,8 @@ _SESSIONS = Chapter(
         ),
         Part(
             "2.4.2, Fig. 2.9, eqs (2.7) to (2.9)",
-            "sessions aligned by anchors and merged",
+            "sessions aligned by anchors: in one graph (2.7, `join`), in a common frame (2.8, "
+            "`in_common_frame`) with its covariance, merged without anchors (2.9, `merged`)",
             printed="without any loss of information",
             studies=("sessions/sessions_aligned",),
             code=(
@@ -510,7 +525,8 @@ _SONAR = Chapter(
                 "tests/studies/test_surface_variants.py::test_linear_interpolation_runs_on_the_same_input",
                 "tests/geometry/test_refinement.py::test_no_edge_stays_longer_than_wanted_and_the_area_is_kept",
             ),
-            differs="on the hull's chart, sides included; the product regresses",
+            differs="on the hull's chart, sides included, between means over quarter cells; the "
+            "length is `surface.max_edge_m`; the product regresses",
         ),
         Part(
             "3.2.2.2, Fig. 3.3, eqs (3.1) to (3.3), E.1, E.2",
@@ -640,11 +656,16 @@ _MODEL = Chapter(
             "poses, hull, landmarks, mounts and hidden labels in one problem",
             code=(
                 "hullrecon/native/problem.py:Unknowns",
+                "hullrecon/native/problem.py:Problem",
+                "hullrecon/native/solver.py:Result",
                 "hullrecon/adjustment/problem/assembly.py:assemble",
             ),
             tests=("tests/adjustment/test_assembly.py",),
             differs=(
-                "and mounts, lenses, clocks of the navigation and a field of the CAD model's error"
+                "X is `Unknowns`, Z the tables and `priors` of `Problem`, M_prior its `cad_mesh`; "
+                "Lambda is `Result.label`: labels follow from X, so that they stand beside it and "
+                "not in `Unknowns`. Unknown are also lenses, "
+                "systematic errors of the navigation and a field of the CAD model's error"
             ),
         ),
         Part(
@@ -694,7 +715,7 @@ _MODEL = Chapter(
         ),
         Part(
             "4.2.6, eqs (4.8) to (4.11)",
-            "priors, depth, attitude, servo, odometry",
+            "priors (4.8), depth and attitude (4.9), servo (4.10), odometry (4.11)",
             code=(
                 "native/factors/navigation_residuals.h:MotionPrior",
                 "native/factors/navigation_residuals.h:Attitude",
@@ -1010,12 +1031,18 @@ _APPENDICES = Chapter(
         Part(
             "D.1.3, Algorithm 6, eq (D.9)",
             "the same by unscented transform",
-            code=("hullrecon/studies/calibration/two_views.py:unscented",),
+            code=(
+                "hullrecon/studies/calibration/two_views.py:unscented",
+                "hullrecon/studies/calibration/wall.py:sigmas_of_wall",
+            ),
             studies=("uncertain-calibration",),
             tests=(
                 "tests/studies/calibration/test_two_views.py::test_sigma_points_tell_large_errors_better",
             ),
-            differs="in the product the lens is an unknown of the adjustment, to first order",
+            differs="lines 5 to 10 are `unscented`; Sigma_HZ of line 4 and the sum of line 11 are "
+            "in `sigmas_of_wall`, about the true motion in place of line 2's fit. The five numbers "
+            "are about that motion: their mean is no mean of angles. In the product the lens is an "
+            "unknown of the adjustment, to first order",
         ),
         Part(
             "D.2",

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What links do to a path: its sigma, the nodes they join, and one two-view model alone.
 
-[KimEustice2009 Figs 4, 5a, 5b].
+[KimEustice2009 Figs 3, 4, 5(a), 5(b)].
 """
 
 from __future__ import annotations
@@ -79,10 +79,11 @@ def sigma_along_path(tracks: Mapping[str, VehicleTrack]) -> PublishedFigure:
 def links_on_hull(
     reckoned: VehicleTrack, linked: VehicleTrack, pairs: NodePairs, truth: Truth
 ) -> PublishedFigure:
-    """Draw the links over the hull [KimEustice2009 Fig. 5a], from the side and above.
+    """Draw the links over the hull from the side, and the paths from above.
 
-    From above with dead reckoning, the truth, and ellipses of three sigma. Paths lie where they do
-    if both begin at the true pose.
+    The links are [KimEustice2009 Fig. 5(a)]. From above: dead reckoning [Fig. 3], the path with
+    links, the truth, and ellipses of three sigma. Paths lie where they do if both begin at the true
+    pose.
     """
     figure, axes = new_canvas(9.6, 6.4, 2, 1, sharex="col")
     side, above = axes[0][0], axes[1][0]
@@ -138,7 +139,7 @@ def links_on_hull(
 
 
 def two_view_models(paths: Mapping[str, LinkedBy], truth: Truth) -> PublishedFigure:
-    """Draw the path that links of each two-view model give, from above [KimEustice2009 Fig. 5b]."""
+    """Draw the path by links of each two-view model from above [KimEustice2009 Fig. 5(b)]."""
     figure, axes = new_canvas(9.0, 2.2 * len(paths), len(paths), 1, sharex="col", sharey="col")
     table, words = ["model,pairs_joined,from_start_rms_m,rigid_rms_m"], []
     for (name, found), row in zip(paths.items(), axes, strict=True):

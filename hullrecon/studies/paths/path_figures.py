@@ -206,7 +206,7 @@ MODEL_WORDS = {
 def draw_path_figures(
     dive: DiveRun, start: DeadReckoning, truth: Truth, run_context: RunContext
 ) -> list[PublishedFigure]:
-    """Draw [KimEustice2009 Figs 4, 5], [Ozog2016 Figs 2.22, 2.23, 3.11, 3.12].
+    """Draw [KimEustice2009 Figs 3, 4, 5], [Ozog2016 Figs 2.22, 2.23, 3.11, 3.12].
 
     A figure without its data is left out. Without links there are no figures. With one camera the
     step `links` runs for each two-view model.

@@ -67,6 +67,10 @@ def navigation_rows() -> Array:
 def see_target(vehicle: Array, landmark: Array) -> tuple[Array, Array, Array]:
     """Predict a landmark in the vehicle's frame, as side-scan measures it (5.11).
 
+    Corrected here: (5.11) prints the derivatives of W_T_V, which leads out of that frame; those of
+    its inverse are meant. The text's point lies in the vehicle's YZ plane: the forward number,
+    zero there, is measured too, with the first sigma of R_s (5.12).
+
     Parameters
     ----------
     vehicle

@@ -123,6 +123,15 @@ def test_noise_of_a_target_is_sonar_noise_not_velocity_noise() -> None:
     assert not np.allclose(sigmas.target(), 0.04**2 * np.eye(3))  # R_v, as (5.12) is labelled
 
 
+def test_target_is_seen_by_the_inverse_of_the_printed_transform() -> None:
+    vehicle = np.r_[POSE, 0.1, 0.2, 0.3, 16.0]
+    abeam = np.array([0.0, 3.0, 5.0])
+    landmark = vehicle[:3] + transforms.rotation(ATTITUDE) @ abeam
+    np.testing.assert_allclose(sensors.see_target(vehicle, landmark)[0], abeam, atol=1e-14)
+    printed = transforms.transform(POSE) @ np.r_[landmark, 1.0]  # W_T_V of (5.11)
+    assert np.linalg.norm(printed[:3] - abeam) > 1
+
+
 def test_target_is_placed_where_it_was_seen() -> None:
     vehicle = np.r_[POSE, 0.1, 0.2, 0.3, 16.0]
     seen, by_vehicle, by_landmark = sensors.see_target(vehicle, POINT)
