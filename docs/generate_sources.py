@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence, Set
 from pathlib import Path
 
 from hullrecon.studies.catalogue import SOURCES, Absence, Part, Source, Status
@@ -24,11 +24,13 @@ ours side by side on one page, `hullrecon study list` names them. This page is g
 catalogue in `hullrecon/studies/catalogue` (`python docs/generate_sources.py`), and a test holds it
 to the code.
 
-To find a part, search this page for its number as the source prints it (`Fig. 4.12`, `(3.13)`,
-`Algorithm 5`), among the chapters of the source. Every figure, table, algorithm and numbered
-equation is in a row. A section is in a row that begins with its number (`| 4.2.6`) or names it
-further on, else in the row of the section that it belongs to (`4.2.6.1`: `4.2.6`); sections that
-only introduce, review the literature or conclude have none.
+To find a part, go to its source by the first column below (sources share numbers), and search from
+there for `Fig. 4.12`, also where the source prints Figure 4.12, for `Table 2.2`, `(3.13)` or
+`Algorithm 5`. Every figure, table, algorithm and numbered equation is in a row; the equations of
+[KimEustice2009] have no numbers, and are in the rows of their sections (`II-B`). A section is in a
+row that begins with its number (`| 4.2.6`) or names it further on, else in the row of the section
+that it belongs to (`4.2.6.1`: `4.2.6`); sections that only introduce, review the literature or
+conclude have none.
 Where several files are named, the first is the method or begins it; the others are its further
 parts, and the form that it has in the product.
 """
@@ -43,7 +45,10 @@ def _counts() -> Iterator[str]:
     heads = [*(status for status in Status if status is not Status.ABSENT), *Absence]
     yield from _table(
         ["source", *heads],
-        ([f"[{s.key}]", *(str(count[head]) for head in heads)] for s, count in _counted()),
+        (
+            [f"[[{s.key}]]({_anchor(_head(s))})", *(str(count[head]) for head in heads)]
+            for s, count in _counted()
+        ),
     )
 
 
@@ -53,12 +58,13 @@ def _counted() -> Iterator[tuple[Source, Counter[str]]]:
 
 
 def _source(source: Source) -> Iterator[str]:
-    yield f"## [{source.key}] {source.title}\n"
+    yield f"## {_head(source)}\n"
+    reprinted = {survey.number for survey in source.surveys}
     for chapter in source.chapters:
         yield f"### {chapter.title}\n"
         yield from _table(
             ["part", "what it is", "printed", "here", "reproduced by", "what differs, and why"],
-            (_row(part) for part in chapter.parts),
+            (_row(part, reprinted) for part in chapter.parts),
         )
     yield "### Misprints\n"
     yield from _table(
@@ -68,9 +74,20 @@ def _source(source: Source) -> Iterator[str]:
         yield from _survey(survey)
 
 
-def _row(part: Part) -> list[str]:
+def _head(source: Source) -> str:
+    return f"[{source.key}] {source.title}"
+
+
+def _anchor(head: str) -> str:
+    """Link to a heading of this page by the name that GitHub and mkdocs give it."""
+    return "#" + re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-")
+
+
+def _row(part: Part, reprinted: Set[str]) -> list[str]:
     return [
-        _spelled_out(part.number),
+        f"[{part.number}]({_anchor(part.number)})"
+        if part.number in reprinted
+        else _spelled_out(part.number),
         part.what,
         part.printed,
         "<br>".join(_place(place) for place in part.code),
