@@ -78,7 +78,7 @@ def _table(
 HULL_STUDIES: tuple[DiveStudy | SceneStudy, ...] = (
     DiveStudy(
         id="methods",
-        source="[Ozog2016 4.2, Figs 4.10, 4.11]",
+        source="[Ozog2016 4.2, Fig. 4.10]",
         shows="naive, geva and maxmix, as published and as weighted by us, in one table",
         run=_compare_methods,
     ),

@@ -9,7 +9,7 @@ from hullrecon.studies.study import SceneStudy, study_of
 SESSION_STUDIES: tuple[SceneStudy, ...] = (
     SceneStudy(
         id="sessions",
-        source="[Ozog2016 1.3.2, 2.4.2, Figs 1.11, 1.12, 2.1, 2.8, 2.9]",
+        source="[Ozog2016 1.3.2, 2.4.2, Figs 1.11, 1.12, 2.4, 2.9]",
         shows="three sessions in one graph, by anchors and without, and in a common frame",
         run=study_of("sessions.alignment_study"),
     ),

@@ -34,7 +34,7 @@ VEHICLE_STUDIES: tuple[SceneStudy, ...] = (
     ),
     SceneStudy(
         id="sparus-run",
-        source="[Aulinas2011 5.3, Figs 5.13 to 5.18]",
+        source="[Aulinas2011 5.3, Figs 5.13, 5.16 to 5.18]",
         shows="a mission with one camera, its landmarks by inverse depth, in submaps",
         run=_sparus,
     ),

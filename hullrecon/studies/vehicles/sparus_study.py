@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""SPARUS' run with one camera [Aulinas2011 Figs 5.13, 5.15 to 5.18]."""
+"""SPARUS' run with one camera [Aulinas2011 Figs 5.13, 5.16 to 5.18]."""
 
 from __future__ import annotations
 

@@ -71,6 +71,15 @@ def test_every_study_stands_in_the_catalogue_and_no_other() -> None:
     assert named == {study.id for study in STUDIES}
 
 
+@pytest.mark.parametrize("source", SOURCES, ids=lambda source: source.key)
+def test_a_study_cites_no_figure_that_its_rows_do_not_have(source: Source) -> None:
+    for study in STUDIES:
+        words = [part for part in re.split(r"[;\[\]]", study.source) if source.key in part]
+        rows = [part.number for part in source.parts if study.id in part.study_ids]
+        cited, there = ({f for text in texts for f in figures(text)} for texts in (words, rows))
+        assert cited <= there, study.id
+
+
 def test_figures_that_are_named_are_drawn() -> None:
     code = "".join(path.read_text() for path in (ROOT / "hullrecon/studies").rglob("*.py"))
     named = {name.partition("/")[2] for _, part in PARTS for name in part.studies if "/" in name}
