@@ -127,7 +127,7 @@ def _split(box: Box, at: Array, margin: Array, most: int) -> Iterator[Box]:
         yield from _split(part, at, margin, most)
 
 
-CHUNK = 2000  # columns of a variance solved at once: bounds memory at n x 2000
+CHUNK = 2000  # points predicted at once, and rows of a covariance: bounds memory at n x 2000
 SMALL = 1500  # rows; below, LAPACK beats the sparse factor whatever the fill
 
 
@@ -152,12 +152,18 @@ class Kernel:
 
         scale = np.array(self.length)
         left, right = np.asarray(a, float) / scale, np.asarray(b, float) / scale
-        pairs = cKDTree(left).sparse_distance_matrix(
-            cKDTree(right), 1.0, p=self.NORM, output_type="ndarray"
-        )
-        row, column = pairs["i"], pairs["j"]
-        value = self.sigma**2 * self.correlation(left[row] - right[column])
-        return sparse.csr_array((value, (row, column)), shape=(len(left), len(right)))
+        tree = cKDTree(right)
+
+        def rows(part: Array) -> sparse.csr_array:
+            pairs = cKDTree(part).sparse_distance_matrix(
+                tree, 1.0, p=self.NORM, output_type="ndarray"
+            )
+            row, column = pairs["i"], pairs["j"]
+            value = self.sigma**2 * self.correlation(part[row] - right[column])
+            return sparse.csr_array((value, (row, column)), shape=(len(part), len(right)))
+
+        starts = range(0, max(1, len(left)), CHUNK)
+        return sparse.csr_array(sparse.vstack([rows(left[i : i + CHUNK]) for i in starts]))
 
     def covariance(self, at: Array) -> sparse.csr_array:
         """Compute the covariances (n, n) of points (n, 2) of the chart with each other."""
@@ -189,7 +195,9 @@ class Regression:
 
     def mean(self, wanted: Array) -> Array:
         """Predict values at (m, 2) [Ozog2016 eq. 3.2]."""
-        return np.asarray(self.kernel.matrix(wanted, self.at) @ self.weights)
+        starts = range(0, len(wanted), CHUNK)
+        parts = [self.kernel.matrix(wanted[i : i + CHUNK], self.at) @ self.weights for i in starts]
+        return np.concatenate([np.zeros(0), *parts])
 
     def sigma(self, wanted: Array, noise: float = 0.0) -> Array:
         """Predict sigmas at (m, 2) [Ozog2016 eq. 3.3]: of the surface.
@@ -323,7 +331,8 @@ def factorise(matrix: sparse.csr_array) -> Factor:
 class _Dense:
     def __init__(self, matrix: sparse.csr_array) -> None:
         try:
-            self._factor = linalg.cho_factor(matrix.toarray(), lower=True)
+            dense = matrix.toarray(order="F")  # in LAPACK's order, so that it needs no copy
+            self._factor = linalg.cho_factor(dense, lower=True, overwrite_a=True)
         except linalg.LinAlgError as error:
             raise _indefinite() from error
 
