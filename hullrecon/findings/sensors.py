@@ -46,13 +46,8 @@ FAULTS = {  # of a sensor, as a statement
     ("tray's angle", "unit"): "the angle is in {value}, not in rad",
     ("tray's angle", "sign"): "the angle grows the other way",
 }
-UNITS = {
-    "cm": "m",
-    "mm": "m",
-    "ft": "m",
-    "deg": "rad",
-    "rad": "deg",
-}  # what was expected, of a pressure's else Pa
+# The unit that was expected, by the one that was found. For a pressure it is Pa.
+UNITS = {"cm": "m", "mm": "m", "ft": "m", "deg": "rad", "rad": "deg"}
 DONE = {"constant": "they are left out", "repeated": "they are left out"}
 EVIDENCE = {  # that two sensors contradict each other, by what was compared
     "level": "half of the depths are above the water, up to {first:.1f} m",

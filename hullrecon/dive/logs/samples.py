@@ -31,9 +31,8 @@ class DvlSample:
     # has none, or one that means something else
     altitude: float = float("nan")
     along_axis: bool = False  # ranges are along z of `dvl`, wherever the beams turn out to point
-    by_hand: bool = (
-        False  # of a table: its writer may have taken distances along the axis for ranges
-    )
+    # of a table: its writer may have taken distances along the axis for ranges
+    by_hand: bool = False
 
     def __post_init__(self) -> None:
         _require(self.velocity.shape == (3,) and self.ranges.ndim == 1)
