@@ -105,8 +105,10 @@ def fit_of_positions(
     """
     if ties is None:
         return None
+    seen = problem.unknowns
     alone = native.Problem(
-        unknowns=replace(problem.unknowns, landmark=np.zeros((0, 3))), positions=problem.positions
+        unknowns=native.Unknowns(pose=seen.pose, world=seen.world),
+        positions=problem.positions,
     )
     found = native.evaluate(alone, options, jacobian=False)
     rows = found.residual[found.factor == native.FACTORS.index("position")].reshape(-1, 2)

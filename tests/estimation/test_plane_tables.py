@@ -8,9 +8,11 @@ from navigation.planar_dive import simulate
 
 from hullrecon import native
 from hullrecon.estimation.plane_tables import with_planes
+from hullrecon.estimation.position_tables import fit_of_positions, with_positions
 from hullrecon.navigation.planes.planar_graph import planar_graph
 from hullrecon.navigation.pose_graph.graph import OPTIONS, PoseGraph
 from hullrecon.records.links import no_links
+from hullrecon.records.trajectory import PositionTies
 
 
 @pytest.fixture(scope="module")
@@ -51,3 +53,18 @@ def test_a_planes_returns_are_moved_onto_it_along_their_beams(solved):
     assert np.bincount(rows.plane).min() >= 12
     np.testing.assert_allclose(np.linalg.norm(rows.beam, axis=1), 1)
     assert np.all(rows.sigma >= 0.01)
+
+
+def test_positions_are_compared_with_a_path_that_planes_tie(solved):
+    at = solved.problem.unknowns.pose[:, :2]
+    ties = PositionTies(
+        t_ns=np.arange(len(at), dtype=np.int64),
+        node=np.arange(len(at)),
+        antenna=np.zeros((len(at), 3)),
+        north_east=at + [30.0, -4.0],
+        sigma=np.full(len(at), 0.3),
+    )
+    problem = with_positions(solved.problem, ties)
+    fit = fit_of_positions(problem, ties, np.eye(3), OPTIONS)
+    assert fit is not None
+    assert fit.rms < 1e-3
