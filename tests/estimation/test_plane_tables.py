@@ -61,7 +61,7 @@ def test_positions_are_compared_with_a_path_that_planes_tie(solved):
         t_ns=np.arange(len(at), dtype=np.int64),
         node=np.arange(len(at)),
         antenna=np.zeros((len(at), 3)),
-        north_east=at + [30.0, -4.0],
+        north_east=at + np.array([30.0, -4.0]),
         sigma=np.full(len(at), 0.3),
     )
     problem = with_positions(solved.problem, ties)
