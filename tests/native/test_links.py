@@ -63,6 +63,21 @@ def test_bearing_residual_is_the_angle_whatever_the_length(empty: Empty) -> None
     )
 
 
+def test_a_link_moves_with_its_own_poses_and_with_no_other(empty: Empty) -> None:
+    """[KimEustice2009 II-B] measures by poses x_v, and differentiates by x_p: they are the same."""
+    still = np.zeros(5)
+    for node, moves in ((0, True), (1, True), (2, False)):
+        p = empty(3)
+        p.unknowns.pose[1:, :3] = [[3.0, 0, 4.0], [1.0, 1, 1]]
+        one_link(p, np.array([0.6, 0, 0.8, *turned(1, 0.0)]), scaled=False)
+        e = evaluate(p)
+        np.testing.assert_allclose(e.residual, still, atol=1e-12)
+        own = e.jacobian_value[e.jacobian_column // 7 == node]
+        p.unknowns.pose[node, :3] += [0.1, 0.2, 0.0]
+        assert np.any(np.abs(evaluate(p).residual) > 1e-3) == moves
+        assert np.any(own != 0) == moves
+
+
 @pytest.mark.parametrize("place", [[0, 0, 0], [0, 0, -3.0]])
 def test_bearing_without_or_of_opposite_direction_costs_pi(
     place: list[float], empty: Empty

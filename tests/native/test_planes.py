@@ -17,6 +17,8 @@ from native.test_links import circle, moved_rigidly, rms_m
 from scipy.spatial.transform import Rotation
 
 from hullrecon.errors import StageError
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses, exp, from_rpy, tray_poses
 from hullrecon.native import (
     LinkKernel,
@@ -103,6 +105,31 @@ def test_two_parallel_walls_differ_by_the_step_between_them(empty: Empty) -> Non
     np.testing.assert_allclose(
         residuals(p, "plane_pair"), [2 * (-1.7 + 2 - 0.1), 0, -2 * 0.5 * 0.2], atol=1e-12
     )
+
+
+def compared(p: Draft, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """The residual of two planes of one frame that are to be the same, sigmas of one."""
+    p.unknowns.plane, p.planes.anchor = np.array([first, second]), np.zeros(2, np.int32)
+    p.plane_pairs.first, p.plane_pairs.second = np.zeros(1, np.int32), np.ones(1, np.int32)
+    p.plane_pairs.measured = np.zeros((1, 3))
+    p.plane_pairs.sqrt_information = np.eye(3)[None]
+    p.plane_pairs.point, p.plane_pairs.place = np.zeros((2, 1, 3))
+    p.plane_pairs.by_place = np.zeros((1, 3, 3))
+    return residuals(p, "plane_pair")
+
+
+def test_planes_are_not_compared_by_an_orthogonal_distance_as_printed(empty: Empty) -> None:
+    """[Ozog2016 3.3.2.1] prints of patches of a hull what 3.3.3 measures of meshes."""
+    wall, lean = np.array([-2.0, 0, 0]), np.array([np.cos(0.2), np.sin(0.2), 0])
+    corners = np.array([[2.0, -0.5, -0.5], [2, 0.5, -0.5], [2, 0, 0.5]])
+    patch = Scene(Mesh(corners, np.array([[0, 1, 2]], np.int32)))
+    # a wall that leans, through the patch: no distance, and yet another plane
+    through, leaning = np.array([[2.0, 0, 0]]), -(lean @ -wall) * lean
+    assert abs(patch.closest(through).distance[0]) < 1e-9
+    assert np.linalg.norm(compared(empty(2), wall, leaning)) > 0.3
+    # ten metres along the wall: far from the patch, and yet the same plane
+    assert abs(patch.closest(np.array([[2.0, 10, 0]])).distance[0]) > 9
+    np.testing.assert_array_equal(compared(empty(2), wall, wall), 0)
 
 
 def test_a_beam_meets_a_wall_where_the_corrected_formula_says(empty: Empty) -> None:

@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from hullrecon.detection.as_found.hull_as_found import estimate_hull_as_found
+from hullrecon.detection.as_found.shapes import ALPHA_RADIUS_M, detect_shapes
 from hullrecon.detection.options import DetectOptions
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.studies.sessions.particles import candidates
+from hullrecon.studies.sessions.particles_study import old_map
 from hullrecon.studies.surfaces.regression import fuse_shapes, move_along_rays
 
 OPTIONS = DetectOptions()
@@ -81,3 +85,16 @@ def test_rays_find_the_top_of_the_disc(scenery) -> None:
     top = np.hypot(x - 1.2, z - 1.0) < 0.05
     # landmarks 3 mm noisy, 2 % wild: a wild one inside a shape lifts its triangles
     assert np.median(found.height[top]) == pytest.approx(0.10, abs=0.004)
+
+
+def test_rays_meet_the_shapes_of_algorithm_4_not_the_key_frames_of_1_as_printed() -> None:
+    """[Ozog2016 Algorithm 5, line 4] prints Algorithm 1 for what makes the shapes."""
+    across, along = np.meshgrid(np.linspace(-0.12, 0.12, 9), np.linspace(-0.12, 0.12, 9))
+    in_camera = np.column_stack([across.ravel(), along.ravel(), np.full(across.size, 1.2)])
+    shapes = detect_shapes(in_camera, np.full(len(in_camera), 0.1), 0.03, 0.1, 4, ALPHA_RADIUS_M)
+    met = Scene(shapes[0]).cast(np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]]))
+    np.testing.assert_allclose(met, 1.2)
+    key_frames = candidates(old_map(np.random.default_rng(0)), np.zeros((1, 3)), 2.0)
+    assert key_frames.dtype == np.int64  # numbers of images: nothing that a ray meets
+    with pytest.raises(AttributeError):
+        Scene(key_frames)

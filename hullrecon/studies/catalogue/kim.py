@@ -409,7 +409,9 @@ KIM = Source(
             where="II-B",
             printed="poses are x_v in the measurement and x_p in its Jacobian",
             right="both are the poses of the two key frames",
-            checked="reading",
+            tests=(
+                "tests/native/test_links.py::test_a_link_moves_with_its_own_poses_and_with_no_other",
+            ),
         ),
         Misprint(
             where="III-B",

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from hullrecon.studies.catalogue.part import Absence, Chapter, Misprint, Part, Source
+from hullrecon.studies.catalogue.part import Absence, Chapter, Misprint, Part, Source, Survey
 
 _ONE_DIVE = "hullrecon estimates one dive at a time: sessions share no state"
 _NO_PERISCOPE = "no camera above water: the frames of hullrecon/geometry/frames.py end at the tray"
@@ -1194,15 +1194,27 @@ _MISPRINTS = (
         where="Fig. 2.16",
         printed="SS Curtiss, sessions 5 to 12 three years after 1 to 4",
         right="by Table 2.1 sessions 9 to 12 are of 2011, three years before",
-        checked="counting",
+        tests=(
+            "tests/studies/catalogue/test_printed_tables.py::test_no_session_comes_three_years_after_the_first_as_printed_four_come_before",
+        ),
     ),
     Misprint(
         where="Figs 2.19, 2.20",
         printed="2014 USS Saratoga, USS Curtiss",
         right="2013, SS Curtiss",
-        checked="reading",
+        tests=(
+            "tests/studies/catalogue/test_printed_tables.py::test_the_saratoga_was_surveyed_in_2013_not_in_2014_as_printed",
+            "tests/studies/catalogue/test_printed_tables.py::test_no_ship_is_called_uss_curtiss_as_printed",
+        ),
     ),
-    Misprint(where="2.5.6", printed="range factors from (2.4)", right="(2.5)", checked="reading"),
+    Misprint(
+        where="2.5.6",
+        printed="range factors from (2.4)",
+        right="(2.5)",
+        tests=(
+            "tests/studies/sessions/test_next_leg.py::test_a_length_alone_as_printed_is_no_factor_at_the_truth",
+        ),
+    ),
     Misprint(
         where="(3.3)",
         printed="variance with 1/beta always added",
@@ -1242,7 +1254,9 @@ _MISPRINTS = (
         where="3.3.2.1",
         printed="this deviation measures the orthogonal distance",
         right="belongs to 3.3.3",
-        checked="reading",
+        tests=(
+            "tests/native/test_planes.py::test_planes_are_not_compared_by_an_orthogonal_distance_as_printed",
+        ),
     ),
     Misprint(
         where="(4.5)",
@@ -1269,7 +1283,12 @@ _MISPRINTS = (
         ),
     ),
     Misprint(
-        where="Algorithm 5, line 4", printed="Algorithm 1", right="Algorithm 4", checked="reading"
+        where="Algorithm 5, line 4",
+        printed="Algorithm 1",
+        right="Algorithm 4",
+        tests=(
+            "tests/studies/test_ray_fusion.py::test_rays_meet_the_shapes_of_algorithm_4_not_the_key_frames_of_1_as_printed",
+        ),
     ),
     Misprint(
         where="(4.15)",
@@ -1281,7 +1300,9 @@ _MISPRINTS = (
         where="4.4.1",
         printed="Geva's is slower by more iterations",
         right="one camera: 46 against 47 iterations, yet +36.8 %",
-        checked="reading Fig. 4.13",
+        tests=(
+            "tests/studies/catalogue/test_printed_tables.py::test_iterations_explain_the_time_of_two_cameras_and_not_as_printed_of_one",
+        ),
     ),
     Misprint(
         where="App. A",
@@ -1339,7 +1360,10 @@ _MISPRINTS = (
         where="D.3",
         printed="<u_i, v_j>; Sigma_0 for two things",
         right="u_i, v_i; Sigma_x",
-        checked="reading",
+        tests=(
+            "tests/studies/sessions/test_periscope.py::test_a_column_and_a_row_of_two_images_as_printed_lead_elsewhere",
+            "tests/studies/sessions/test_periscope.py::test_the_covariance_of_all_as_printed_is_none_of_a_pose",
+        ),
     ),
     Misprint(
         where="E.3",
@@ -1351,9 +1375,39 @@ _MISPRINTS = (
     ),
 )
 
+_TRIALS = Survey(
+    number="2.5.1, Table 2.1",
+    about="Sessions on two ships; length of the way in m",
+    heads=("ship", "session", "date", "cameras", "survey", "length"),
+    rows=(
+        ("USS Saratoga", "1", "2013-05-21", "periscope", "surface", "239"),
+        ("USS Saratoga", "2", "2013-05-21", "periscope", "surface", "136"),
+        ("USS Saratoga", "3", "2013-05-21", "both", "both", "334"),
+        ("USS Saratoga", "4", "2013-05-22", "both", "both", "490"),
+        ("USS Saratoga", "5", "2013-05-22", "both", "both", "528"),
+        ("USS Saratoga", "6", "2013-05-23", "both", "both", "493"),
+        ("USS Saratoga", "7", "2013-05-23", "both", "both", "256"),
+        ("USS Saratoga", "8", "2013-08-08", "both", "both", "143"),
+        ("SS Curtiss", "1", "2014-03-08", "periscope", "surface", "341"),
+        ("SS Curtiss", "2", "2014-03-08", "both", "both", "367"),
+        ("SS Curtiss", "3", "2014-03-08", "both", "both", "768"),
+        ("SS Curtiss", "4", "2014-03-08", "both", "both", "719"),
+        ("SS Curtiss", "5", "2014-03-08", "both", "both", "497"),
+        ("SS Curtiss", "6", "2014-03-09", "both", "both", "587"),
+        ("SS Curtiss", "7", "2014-03-10", "both", "both", "449"),
+        ("SS Curtiss", "8", "2014-03-11", "both", "both", "934"),
+        ("SS Curtiss", "9", "2011-02-09", "periscope", "surface", "148"),
+        ("SS Curtiss", "10", "2011-02-09", "periscope", "both", "1125"),
+        ("SS Curtiss", "11", "2011-02-05", "underwater", "underwater", "426"),
+        ("SS Curtiss", "12", "2011-02-05", "underwater", "underwater", "1179"),
+    ),
+    ours=("hullrecon", "1 to 8", "simulated", "links simulated", "underwater", "15 each"),
+)
+
 OZOG = Source(
     key="Ozog2016",
     title="Advances in SLAM in confined underwater environments using sonar and optical imaging",
     chapters=(_INTRODUCTION, _SINGLE, _SESSIONS, _SONAR, _MODEL, _SHAPES, _FUTURE, _APPENDICES),
     misprints=_MISPRINTS,
+    surveys=(_TRIALS,),
 )
