@@ -19,8 +19,11 @@ from hullrecon.adjustment.hull_pose import estimate, registration
 from hullrecon.adjustment.hull_pose.beam_gap import gap_beyond_beams
 from hullrecon.adjustment.hull_pose.form import Form, compare_form
 from hullrecon.adjustment.hull_pose.other_headings import (
+    describe_height,
     describe_turn,
     find_fitting_heading,
+    height_off,
+    stated_model,
     turn_of,
 )
 from hullrecon.adjustment.hull_pose.other_units import find_fitting_unit
@@ -136,11 +139,16 @@ def _accept_registration(found: registration.Registration, segments: Segments | 
         )
     if found.sigmas_off > MAX_SIGMAS_OFF:
         turn = turn_of(found)
-        far = (
+        lower_m = height_off(found)
+        reason = (
             f"it fits only {found.sigmas_off:.0f} times farther from hull.pose than "
             "hull.pose_sigma says"
         )
-        return Verdict(accepted=False, reason=far if turn is None else describe_turn(turn))
+        if turn is not None:
+            reason = describe_turn(turn)
+        elif lower_m is not None:
+            reason = describe_height(lower_m)
+        return Verdict(accepted=False, reason=reason)
     return ACCEPTED
 
 
@@ -154,7 +162,8 @@ def _name_what_fits(
     if verdict.accepted or points is None:
         return verdict
     fitting: list[tuple[float, str]] = []
-    in_unit = find_fitting_unit(points, found.cad_model, range_sigma_m)
+    stated = stated_model(found)
+    in_unit = find_fitting_unit(points, stated, range_sigma_m)
     if in_unit is not None:
         unit, read = in_unit
         words = (
@@ -164,7 +173,7 @@ def _name_what_fits(
         fitting.append((read.fitness, words))
     turned = None
     if turn_of(found) is None:  # else that is the reason
-        turned = find_fitting_heading(points, found.cad_model, range_sigma_m)
+        turned = find_fitting_heading(points, stated, range_sigma_m)
     if turned is not None:
         fitting.append((turned[1], describe_turn(turned[0])))
     if not fitting:

@@ -177,9 +177,10 @@ def _motions_apart(seconds: float) -> str:
     )
 
 
-def _in_other_unit(others: Sequence[str], seconds: float, after: bool, factor: int) -> str:
+def _in_other_unit(others: Sequence[str], factor: int, larger: bool) -> str:
+    size = "larger" if larger else "smaller"
     return (
-        f"its stamps are {factor} times smaller than those of {names(others)}: they are in "
+        f"its stamps are {factor} times {size} than those of {names(others)}: they are in "
         "another unit of time than its format has; write them in that unit"
     )
 

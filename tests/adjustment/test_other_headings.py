@@ -10,8 +10,10 @@ from adjustment.scenes import TRUTH, cad_model, side, survey
 from scipy.spatial.transform import Rotation
 
 from hullrecon.adjustment.hull_pose.other_headings import (
+    describe_height,
     describe_turn,
     find_fitting_heading,
+    height_off,
     turn_of,
 )
 from hullrecon.adjustment.hull_pose.registration import perturb_pose, register
@@ -43,6 +45,24 @@ def test_small_turn_is_told_from_a_guess_that_is_elsewhere():
     away = register(POINTS, replace(model(), guess=elsewhere), 0.01)
     assert away.sigmas_off > 3.5
     assert turn_of(away) is None
+
+
+@pytest.mark.parametrize("lower_m", [10.1, -3.0])
+def test_depths_that_are_all_off_are_told_from_a_turn(lower_m):
+    found = register(POINTS, model(), 0.01)
+    lower = Poses(PLACE.quaternion, PLACE.translation + np.r_[0.0, 0.0, lower_m])
+    off = replace(found, global_from_hull=lower, sigmas_off=10.0, cad_model=_wider(found, 10.0))
+    assert height_off(off) == pytest.approx(lower_m, abs=0.05)
+    assert turn_of(off) is None
+    words = describe_height(height_off(off))
+    assert f"{abs(lower_m):.1f} m {'lower' if lower_m > 0 else 'higher'}" in words
+    assert ("pressure.unit" in words) == (lower_m == 10.1)
+    aside = Poses(PLACE.quaternion, PLACE.translation + np.r_[8.0, 8.0, lower_m])
+    assert height_off(replace(off, global_from_hull=aside)) is None
+
+
+def _wider(found, times):
+    return replace(found.cad_model, guess_sigma=times * found.cad_model.guess_sigma)
 
 
 def test_large_turn_is_found_where_no_pose_nearby_fits():

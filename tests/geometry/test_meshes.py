@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 from geometry.spheres import sphere
@@ -112,3 +114,10 @@ def test_units_of_a_mesh_are_named_and_of_the_right_length() -> None:
     assert METRES_PER_UNIT.keys() == UNIT_NAMES.keys()
     assert METRES_PER_UNIT["ft"] == pytest.approx(12 * METRES_PER_UNIT["in"])
     assert METRES_PER_UNIT["m"] == 100 * METRES_PER_UNIT["cm"] == 1000 * METRES_PER_UNIT["mm"]
+
+
+def test_a_mesh_is_pickled_without_its_index() -> None:
+    mesh = Mesh(np.eye(3), np.array([[0, 1, 2]], np.int32))
+    before = mesh.index.closest(np.zeros((1, 3))).distance
+    again = pickle.loads(pickle.dumps(mesh))
+    np.testing.assert_array_equal(again.index.closest(np.zeros((1, 3))).distance, before)

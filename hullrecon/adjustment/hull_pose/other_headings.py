@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Test whether a CAD model lies turned about the vertical from where the package has it.
+"""Test whether a CAD model lies turned about the vertical, or higher, than the package has it.
 
 An IMU whose heading is off turns the whole path about where it began, and a wrong heading of the
-package's guess looks the same. Nothing of a dive without positions tells the two apart.
+package's guess looks the same. Nothing of a dive without positions tells the two apart. Nor does
+anything tell depths that are all off from a wrong height of the guess.
 """
 
 from __future__ import annotations
@@ -27,12 +28,29 @@ from hullrecon.typing import Array
 
 STEP_DEG = 30  # of headings that are tried, each of which the registration finds within its basin
 CELL_M, POINTS = 0.1, 600
+AIR_M, NEAR_AIR_M = 10.1, 0.7  # the air's pressure in metres of sea water, with the weather's
+
+
+def stated_model(found: Registration) -> CadModel:
+    """Give a CAD model the sigmas of its guess that the package states."""
+    return replace(found.cad_model, guess_sigma=found.cad_model.guess_sigma / found.sigmas_off)
 
 
 def turn_of(found: Registration) -> float | None:
     """Compute the turn of the hull from the guess, rad, where that alone contradicts the guess."""
-    stated = replace(found.cad_model, guess_sigma=found.cad_model.guess_sigma / found.sigmas_off)
-    return None if found.sigmas_off <= GUESS_SIGMAS else _turn_from(stated, found)
+    return None if found.sigmas_off <= GUESS_SIGMAS else _turn_from(stated_model(found), found)
+
+
+def height_off(found: Registration) -> float | None:
+    """Compute how far below the guess the hull lies, m, where that alone contradicts the guess."""
+    if found.sigmas_off <= GUESS_SIGMAS:
+        return None
+    model = stated_model(found)
+    step = prior_step(found.global_from_hull, model, found.center)
+    down = model.guess.rotation.inv().apply([[0.0, 0.0, 1.0]])[0]  # of g, in M
+    lower_m = float(down @ step[:3])
+    rest = np.abs(np.r_[step[:3] - lower_m * down, step[3:]] / model.guess_sigma)
+    return lower_m if rest.max() <= GUESS_SIGMAS else None
 
 
 def _turn_from(cad_model: CadModel, found: Registration) -> float | None:
@@ -72,6 +90,20 @@ def _turned(global_from_hull: Poses, turn: float) -> Poses:
     """Turn a hull about the vertical through where the path began, rad."""
     about = Rotation.from_euler("z", turn)
     return Poses(about.as_quat()[None], np.zeros((1, 3))) @ global_from_hull
+
+
+def describe_height(lower_m: float) -> str:
+    """Tell who may be wrong where a CAD model lies lower by so many metres than the package has it.
+
+    Readings that hold the air's pressure and are taken for depths are too deep by that.
+    """
+    air = " (an absolute pressure that is read as a depth is too deep by 10.1 m: pressure.unit)"
+    where = f"{abs(lower_m):.1f} m {'lower' if lower_m > 0 else 'higher'}"
+    return (
+        f"it fits where hull.pose says, but {where}: the depths, or the height of hull.pose, are "
+        "off by as much"
+        f"{air if abs(lower_m - AIR_M) < NEAR_AIR_M else ''}"
+    )
 
 
 def describe_turn(turn: float) -> str:

@@ -31,6 +31,7 @@ ALIKE_S = 2.0  # between by how much one stream begins and ends late: two sensor
 LEAST_SHIFT_S = 5.0  # of both ends, that is told
 TOGETHER_S = 300.0  # between starts, or ends, of logs that were started, or stopped, together
 FACTORS = (1000, 1_000_000)  # between s, ms, us
+MOST_UNLIKE = 2.0  # between the lengths of streams that one switch started and stopped
 Span = tuple[int, int]
 
 
@@ -54,6 +55,9 @@ def clock_gaps(
     spans = {
         name: (int(s.t_ns[0]), int(s.t_ns[-1])) for name, s in streams.items() if len(s.t_ns) > 1
     }
+    stretched = _in_other_unit({name: spans[name] for name in spans if name not in ALONE})
+    if stretched:
+        return stretched
     groups = _groups(spans)
     if len(groups) < 2:
         return []
@@ -95,6 +99,22 @@ def shifted_streams(streams: Mapping[str, Stream]) -> list[Finding]:
     return out
 
 
+def _in_other_unit(spans: Mapping[str, Span]) -> list[Finding]:
+    """Find the stream that lasts a thousand times longer or shorter than others that agree."""
+    out = []
+    for name, (begin, end) in spans.items():
+        others = [other for other in spans if other != name]
+        lengths = np.array([spans[other][1] - spans[other][0] for other in others]) / NS
+        if len(others) < 2 or lengths.max() > MOST_UNLIKE * lengths.min():
+            continue
+        times = (end - begin) / NS / float(np.median(lengths))
+        near = [f for f in FACTORS if 1 / MOST_UNLIKE < max(times, 1 / times) / f < MOST_UNLIKE]
+        if near:
+            values = {"others": others, "factor": near[0], "larger": times > 1}
+            out.append(Finding("stamps-in-other-unit", values, name))
+    return out
+
+
 def _groups(spans: Mapping[str, Span]) -> list[set[str]]:
     """Gather streams that overlap, also by way of others."""
     groups: list[set[str]] = []
@@ -128,7 +148,8 @@ def _describe(name: str, span: Span, others: list[str], whole: Span, given_s: fl
         return Finding("read-beside", values, name)
     factor = stamp_factor(span, whole)
     if factor is not None:
-        return Finding("stamps-in-other-unit", {**values, "factor": factor}, name)
+        in_unit = {"others": others, "factor": factor, "larger": False}
+        return Finding("stamps-in-other-unit", in_unit, name)
     found_s = by_ends_s if hours is None else hours * HOUR_S
     values |= {
         "key": KEYS[name],

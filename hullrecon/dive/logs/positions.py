@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from hullrecon.dive.logs.samples import PositionSample
+from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.geodesy import north_east
 from hullrecon.records.clock import seconds_to_nearest
@@ -18,6 +19,9 @@ from hullrecon.typing import Array, Mask
 
 # of a satellite's signal; centimetres of sea water end it, the rest is for waves and the sensor
 DEEPEST_RECEPTION_M = 1.0
+FARTHEST_DEG = (90.0, 360.0)  # latitude, longitude
+FARTHEST_RAD = (np.pi / 2, np.pi)
+MOST_DDMM = (9000.0, 18000.0)
 NEAR_DEPTH_S = 10.0  # of a depth that tells whether an antenna was under water
 # in the name of a topic whose positions are of a locator under water
 ACOUSTIC_WORDS = frozenset({"usbl", "ssbl", "sbl", "lbl", "ugps", "acoustic", "underwater"})
@@ -47,7 +51,13 @@ def position_fixes(
     frame : "enu" or "ned", of x and y in a local frame
     pressure : tells when an antenna was under water
     notes : what was left out is added
+
+    Raises
+    ------
+    InputError
+        Latitudes and longitudes that are no degrees.
     """
+    _refuse_other_units([s for s in samples if s.geographic])
     fixed = [s for s in samples if _is_position(s)]
     if len(fixed) < len(samples):
         values = {"lacking": len(samples) - len(fixed), "count": len(samples)}
@@ -72,6 +82,29 @@ def position_fixes(
     )
 
 
+def _refuse_other_units(samples: Sequence[PositionSample]) -> None:
+    """Raise InputError where most latitudes and longitudes are in another unit than degrees."""
+    place = np.abs(np.array([s.place[:2] for s in samples], float).reshape(-1, 2))
+    place = place[np.isfinite(place).all(axis=1) & place.any(axis=1)]
+    if not len(place):
+        return
+    latitude, longitude = np.median(place, axis=0)
+    if (place <= FARTHEST_RAD).all():
+        unit = "radians, by which a ship would lie in the open ocean where the equator begins"
+    elif (place <= FARTHEST_DEG).all(axis=1).mean() >= 0.5:
+        return
+    elif (place <= MOST_DDMM).all() and (place % 100 < 60).all():
+        unit = "degrees and minutes (ddmm.mmm, as NMEA has them)"
+    else:
+        unit = "1e-7 degrees, as MAVLink counts"
+    raise InputError(
+        f"half of the latitudes are {latitude:.7g} and more, of the longitudes {longitude:.7g}, "
+        f"which are no degrees: are they {unit}?",
+        where="position",
+        remedy="log them in degrees, or leave topics.position (or position.csv) away",
+    )
+
+
 def _is_position(sample: PositionSample) -> bool:
     """Tell whether a sample has a place.
 
@@ -81,7 +114,9 @@ def _is_position(sample: PositionSample) -> bool:
     if not np.isfinite([first, second]).all():
         return False
     return not sample.geographic or (
-        abs(first) <= 90 and abs(second) <= 360 and (first, second) != (0.0, 0.0)
+        abs(first) <= FARTHEST_DEG[0]
+        and abs(second) <= FARTHEST_DEG[1]
+        and (first, second) != (0.0, 0.0)
     )
 
 

@@ -43,6 +43,7 @@ from hullrecon.dive.logs.sonar_geometry import (
     image_in_ranges,
     pings_of_one_window,
 )
+from hullrecon.dive.logs.two_sensors import refuse_two_sensors, windows
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.records.sensors import (
@@ -144,6 +145,8 @@ def dvl_pings(
     given = scale * np.array([s.sigma for s in samples])
     t_ns = _times(samples)
     velocity, given = drop_lost_velocities(t_ns, velocity, given, notes)
+    cut = windows(velocity[np.isfinite(velocity).all(axis=1)])
+    refuse_two_sensors("dvl", np.linalg.norm(cut - cut[:, :1], axis=2), "m/s")
     directions = choose_beams(samples, beams, width, notes)
     along_axis = np.array([s.along_axis for s in samples], bool)
     along_beams = ranges[along_axis] / directions[:, 2]
@@ -237,6 +240,9 @@ def imu_samples(
         notes.append(Finding("rates-unfilled", {"count": len(rates)}, "imu"))
         rates = np.full_like(rates, np.nan)
     rotation = Rotation.from_quat(quaternion[good])
+    cut = windows(rotation.as_quat())
+    cosine = np.abs((cut * cut[:, :1]).sum(axis=2))  # of half the angle between two orientations
+    refuse_two_sensors("imu", 2 * np.degrees(np.arccos(np.minimum(cosine, 1))), "degrees")
     acceleration = np.array([s.acceleration for s in samples]).reshape(-1, 3)[good]
     acceleration = _in_m_s2(acceleration, notes)
     if any(s.of_dvl for s in samples):
@@ -348,6 +354,9 @@ def pressure_samples(
     if not good.any():
         return None
     depth = depth[good]
+    cut = windows(depth)
+    away = "leave topics.pressure (or pressure.csv) away"
+    refuse_two_sensors("pressure", np.abs(cut - cut[:, :1]), "m", away)
     if np.median(depth) < -HIGHEST_M:
         if compared and (model.unit or "Pa") in PASCALS and isinstance(samples[0], PressureSample):
             return PressureSamples(t_ns=_times(samples)[good], depth=depth)
@@ -431,6 +440,8 @@ def joint_samples(
     notes += _describe_lost(f"joint {name}", good)
     if not good.any():
         return None
+    cut = np.degrees(windows(angle[good]))
+    refuse_two_sensors(f"joint {name}", np.abs(cut - cut[:, :1]), "degrees")
     largest_rad = float(np.abs(angle[good]).max())
     if largest_rad > 2 * np.pi and record == "tray":
         is_degrees = unit == "rad" and largest_rad <= WHOLE_TURN_DEG

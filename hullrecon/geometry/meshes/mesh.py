@@ -25,6 +25,10 @@ class Mesh:
         """Index of the faces, built once for each mesh at its first use."""
         return MeshIndex(self.vertices, self.faces)
 
+    def __getstate__(self) -> dict[str, object]:
+        """Pickle the arrays alone: the index is native, and is built again."""
+        return {"vertices": self.vertices, "faces": self.faces}
+
 
 def face_areas(mesh: Mesh) -> Array:
     """Compute the area of each face (m,), m2."""

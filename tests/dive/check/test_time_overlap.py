@@ -50,6 +50,18 @@ def test_stamps_of_another_unit_are_no_offset(factor):
     assert clock_gaps({**others, "dvl": written}) == []
 
 
+@pytest.mark.parametrize("factor", [1000, 1e-3])
+def test_a_stream_of_another_length_than_all_others_is_of_another_unit(factor):
+    right = {name: stream(0.0) for name in ("dvl", "imu", "pressure")}
+    moved = PressureSamples(
+        t_ns=(right["pressure"].t_ns * factor).astype(np.int64), depth=right["pressure"].depth
+    )
+    (found,) = clock_gaps({**right, "pressure": moved})
+    size = "larger" if factor > 1 else "smaller"
+    assert f"1000 times {size} than those of dvl and imu" in found.sentence
+    assert clock_gaps(right) == []
+
+
 def test_an_offset_that_is_given_counts():
     off = sensors(camera_top=7200.0 + 30.0)
     (found,) = clock_gaps(off, {"camera_top": 30 * NS})

@@ -10,6 +10,7 @@ from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.positions import is_acoustic, position_fixes
 from hullrecon.dive.logs.readers.protocol import Channel
 from hullrecon.dive.logs.samples import PositionSample
+from hullrecon.errors import InputError
 from hullrecon.findings.finding import sentences
 from hullrecon.records.sensors import PressureSamples
 
@@ -219,3 +220,26 @@ def test_a_topics_name_or_a_key_says_that_positions_are_acoustic(source, topic, 
 
 def test_a_fix_that_may_be_anywhere_is_lost(kit):
     assert np.isnan(read(kit, satellite_fix(kit, variances=(1e9, 1e9))).place).all()
+
+
+UNITS = {
+    "radians": lambda degrees: np.radians(degrees),
+    "1e-7 degrees": lambda degrees: np.round(1e7 * np.array(degrees)),
+    "ddmm": lambda degrees: 100 * np.floor(degrees) + 60 * (np.array(degrees) % 1),
+}
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_places_in_another_unit_than_degrees_are_refused_until_they_are(unit):
+    def fixes(change):
+        places = [(54.33 + 1e-5 * k, 10.15, 0.0) for k in range(5)]
+        samples = [
+            PositionSample(T + k, np.array([*change(place[:2]), 0.0]), 0.3, True)
+            for k, place in enumerate(places)
+        ]
+        return position_fixes(samples, 2.0, "enu", None, [])
+
+    with pytest.raises(InputError, match=unit) as caught:
+        fixes(UNITS[unit])
+    assert "log them in degrees" in caught.value.remedy
+    assert len(fixes(lambda place: place)) == 5

@@ -163,6 +163,20 @@ def test_stamps_in_other_units_are_refused_with_likely_unit(tmp_path, scale, uni
     assert len(list(PlainLog(tmp_path).messages())) == 3
 
 
+@pytest.mark.parametrize("began", [46_146.3958, 740_115.3958])  # of Excel, of MATLAB
+def test_stamps_in_days_are_refused_until_they_are_seconds(tmp_path, began):
+    for day, taken in ((began, False), (1_777_887_000 / 86400, True)):
+        t = (day * 86400 + np.arange(30)) / (1 if taken else 86400)
+        rows = "".join(f"{stamp!r},101325\n" for stamp in t.tolist())
+        (tmp_path / "pressure.csv").write_text("t,pascal\n" + rows)
+        if taken:
+            assert len(list(PlainLog(tmp_path).messages())) == 30
+            continue
+        with pytest.raises(InputError, match="are they days") as caught:
+            list(PlainLog(tmp_path).messages())
+        assert "seconds since 1970" in caught.value.remedy
+
+
 @pytest.mark.parametrize("stamp", ["1e300", "inf", "9" * 40])
 def test_a_stamp_that_no_unit_explains_is_refused_all_the_same(tmp_path, stamp):
     (tmp_path / "pressure.csv").write_text(f"t,pascal\n{stamp},101325\n")

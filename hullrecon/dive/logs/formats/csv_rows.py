@@ -80,7 +80,7 @@ def _find_header(
     raise InputError(
         f"{path.name} has no column {', '.join(missing)}{begins}",
         where=printable(str(path.parent)),
-        remedy=f"its header row needs {', '.join(needed)}",
+        remedy=f"its header row needs {', '.join(needed)}, with commas, semicolons or tabs between",
     )
 
 

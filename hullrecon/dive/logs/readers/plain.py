@@ -42,6 +42,8 @@ COLUMNS = {
 }
 UNITS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
 EARLIEST_S, LATEST_S = 3e8, 4.2e9  # 1979 and 2103: no log of a dive lies outside
+# no sensor gives a reading in less; where stamps count days, one a second does
+LEAST_ROWS, SHORTEST_NS = 20, 20_000
 LISTED_LINES = 5
 # all pings together unpack to at most so many bytes and so many times their files
 PING_FREE_BYTES, PING_RATIO = 1 << 26, 64
@@ -115,6 +117,7 @@ class PlainLog:
     def _table(self, sensor: str) -> Iterator[Message]:
         channel, translate = Channel(sensor, f"{sensor}.csv", "sample"), self._samples()[sensor]
         bad, rows, late, first_reason = _BadLines(), 0, list[float](), ""
+        first_ns = last_ns = read = 0
         for line, row in self._read(sensor):
             rows += 1
             try:
@@ -138,7 +141,16 @@ class PlainLog:
                 )
                 bad.add(line)
                 continue
+            first_ns, last_ns = sample.t_ns if read == 0 else first_ns, sample.t_ns
+            read += 1
             yield Message(channel, sample.t_ns, sample)
+        if read >= LEAST_ROWS and 0 < last_ns - first_ns < SHORTEST_NS * (read - 1):
+            raise InputError(
+                f"{sensor}.csv has {read} stamps from {first_ns / 1e9:.10g} to "
+                f"{last_ns / 1e9:.10g}, which are no seconds: are they days, as in a spreadsheet?",
+                where=str(self.path),
+                remedy="write column t in seconds since 1970",
+            )
         if 2 * len(late) > rows:
             raise InputError(
                 f"{sensor}.csv has stamps such as {late[0]:.17g}{unit_of_stamp(late[0])}",
