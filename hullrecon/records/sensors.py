@@ -90,6 +90,7 @@ class PositionFixes(Rows):
 
     t_ns: Ints
     north_east: Array  # (n, 2) m from the first fix, with the north of its frame
+    exchanged: Array  # (n, 2) m, likewise if latitude and longitude, or x and y, were exchanged
     sigma: Array  # (n,) m of either
 
 

@@ -77,7 +77,7 @@ STAGES = (
         summary="read the logs, the calibration and the CAD model",
         inputs=(),
         parameters=NoOptions,
-        version=17,
+        version=18,
         run=_later("ingest"),
         uses=INGEST_KEYS,
         external=files_to_ingest,
@@ -87,7 +87,7 @@ STAGES = (
         summary="compute the dead-reckoned trajectory",
         inputs=("ingest",),
         parameters=NoOptions,
-        version=30,
+        version=31,
         run=_later("navigate"),
         uses=(
             *SENSOR_KEYS,

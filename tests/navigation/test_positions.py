@@ -45,7 +45,12 @@ def fixes_of(
     off = rng.random(len(at)) < wild
     at[off] += rng.uniform(-50, 50, (off.sum(), 2))
     t = dive.trajectory.t_ns
-    return PositionFixes(t_ns=(t[:-1] + t[1:]) // 2, north_east=at, sigma=np.full(len(at), sigma_m))
+    return PositionFixes(
+        t_ns=(t[:-1] + t[1:]) // 2,
+        north_east=at,
+        exchanged=at[:, ::-1],
+        sigma=np.full(len(at), sigma_m),
+    )
 
 
 def solve(dive: LinkedDive, ties: PositionTies | None) -> GraphSolution:
@@ -137,12 +142,23 @@ def test_the_heading_of_the_world_is_found_within_its_sigma(dive: LinkedDive) ->
 
 def test_fixes_that_contradict_navigation_are_told_in_words(dive: LinkedDive) -> None:
     fixes = fixes_of(dive)
-    mirrored = replace(
-        fixes, north_east=fixes.north_east * [1, -1] + np.arange(59)[:, None] * [0.5, 0.0]
-    )
+    away = fixes.north_east * [1, -1] + np.arange(59)[:, None] * [0.5, 0.0]
+    mirrored = replace(fixes, north_east=away, exchanged=away[:, ::-1])
     sentence = solve(dive, ties_of(dive, mirrored)).fit_of_positions()
     assert sentence is not None
     assert "disagree with navigation" in (sentence.disagreement() or "")
+
+
+def test_exchanged_coordinates_are_put_right_and_told(dive: LinkedDive) -> None:
+    fixes = fixes_of(dive)
+    # 54 degrees north, where a degree of longitude is 0.59 times as long as one of latitude
+    logged = fixes.exchanged * [1.7, 1.0]
+    swapped = replace(fixes, north_east=logged, exchanged=fixes.north_east)
+    found = attach_positions(swapped, dive.trajectory, ORIGIN)
+    assert found.ties is not None
+    np.testing.assert_array_equal(found.ties.north_east, ties_of(dive, fixes).north_east)
+    assert "exchanged: as logged they lie" in found.sentences()[0]
+    assert attach_positions(fixes, dive.trajectory, ORIGIN).sentences() == []
 
 
 def test_without_fixes_the_problem_is_the_same(dive: LinkedDive) -> None:
@@ -176,7 +192,10 @@ def _true(dive: LinkedDive) -> dict[str, np.ndarray]:
 
 def rows(fixes: PositionFixes, keep: slice | np.ndarray) -> PositionFixes:
     return PositionFixes(
-        t_ns=fixes.t_ns[keep], north_east=fixes.north_east[keep], sigma=fixes.sigma[keep]
+        t_ns=fixes.t_ns[keep],
+        north_east=fixes.north_east[keep],
+        exchanged=fixes.exchanged[keep],
+        sigma=fixes.sigma[keep],
     )
 
 

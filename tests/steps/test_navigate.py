@@ -303,7 +303,8 @@ def fixes(count: int) -> PositionFixes:
     """Of an antenna half a metre ahead of a vehicle that goes north-east at 0.2 m/s."""
     t = np.arange(1, count + 1, dtype=np.int64) * 3 * SECOND
     way = 0.2 * np.asarray(t / SECOND) / np.sqrt(2)
-    return PositionFixes(t_ns=t, north_east=np.column_stack([way, way]), sigma=np.full(count, 0.05))
+    at = np.column_stack([way, way])
+    return PositionFixes(t_ns=t, north_east=at, exchanged=at, sigma=np.full(count, 0.05))
 
 
 def test_positions_from_outside_are_left_at_the_nodes(ingest: Path, tmp_path: Path) -> None:

@@ -75,9 +75,11 @@ def position_fixes(
     if not kept:
         return None
     given = np.array([s.sigma_m for s in kept])
+    place = np.array([s.place for s in kept])
     return PositionFixes(
         t_ns=np.array([s.t_ns for s in kept], np.int64),
-        north_east=_in_metres(np.array([s.place for s in kept]), kept[0].geographic, frame),
+        north_east=_in_metres(place, kept[0].geographic, frame),
+        exchanged=_in_metres(place[:, [1, 0]], kept[0].geographic, frame),
         sigma=np.where(np.isfinite(given) & (given > 0), given, sigma_m),
     )
 

@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import chdtri  # not scipy.stats, which takes a quarter of a second to load
 
-from hullrecon.geometry.poses import interpolate
+from hullrecon.estimation.position_tables import place_path
+from hullrecon.geometry.poses import Poses, interpolate
 from hullrecon.records.clock import nearest
 from hullrecon.records.sensors import PositionFixes
 from hullrecon.records.trajectory import PositionTies, Trajectory
@@ -17,6 +18,9 @@ from hullrecon.typing import Array
 
 FARTHEST_S = 5.0  # from a node: the path between two nodes is taken as straight
 ONE_PLACE = 0.99  # quantile of the scatter of fixes at one place
+# Coordinates are exchanged where so they lie by so small a share of their way to the path, which as
+# they stand is farther than dead reckoning errs: their sigmas, and a share of the path's length
+EXPLAINED, FAR_SIGMAS, DRIFT = 0.4, 3.0, 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,6 +30,8 @@ class AttachedPositions:
     ties: PositionTies | None  # None with too few, or with all at one place
     outside: int  # fixes before or after the path, or far from any node
     refusal: str | None  # why they show nothing, None where they do
+    # m from the path, as logged and with both coordinates exchanged, where that was put right
+    put_right_m: tuple[float, float] | None = None
 
     def sentences(self) -> list[str]:
         """Describe in the report's words which positions cannot be used, and why."""
@@ -39,6 +45,13 @@ class AttachedPositions:
             out.append(
                 f"{lie} before or after the path, or more than {FARTHEST_S:g} s from a "
                 "pose, and cannot be used."
+            )
+        if self.put_right_m is not None:
+            before_m, after_m = self.put_right_m
+            out.append(
+                "The two coordinates of the positions from outside are exchanged: as logged they "
+                f"lie {before_m:.2g} m from the path, exchanged {after_m:.2g} m. They were put "
+                "right."
             )
         if self.refusal is not None:
             out.append(f"Positions from outside tell nothing of this dive: {self.refusal}.")
@@ -70,10 +83,44 @@ def attach_positions(
         north_east=fixes.north_east[near],
         sigma=fixes.sigma[near],
     )
+    exchanged = replace(ties, north_east=fixes.exchanged[near])
+    put_right_m = None
     refusal = _refusal(ties)
+    if refusal is None:
+        put_right_m = _put_right(ties, exchanged, poses)
+        ties = ties if put_right_m is None else exchanged
     return AttachedPositions(
-        ties=ties if refusal is None else None, outside=int((~near).sum()), refusal=refusal
+        ties=ties if refusal is None else None,
+        outside=int((~near).sum()),
+        refusal=refusal,
+        put_right_m=put_right_m,
     )
+
+
+def _put_right(
+    ties: PositionTies, exchanged: PositionTies, path: Poses
+) -> tuple[float, float] | None:
+    """Tell whether positions fit the path with their coordinates exchanged, and only so.
+
+    Returns the median distances from the path, as logged and exchanged, m. A path along a line fits
+    either way as well.
+    """
+    as_logged, put_right = (_distance(one, path) for one in (ties, exchanged))
+    at = path[ties.node].apply(ties.antenna)[:, :2]
+    way_m = float(np.linalg.norm(np.diff(at, axis=0), axis=1).sum())
+    least_m = FAR_SIGMAS * float(np.median(ties.sigma)) + DRIFT * way_m
+    if as_logged < least_m or put_right > EXPLAINED * as_logged:
+        return None
+    return as_logged, put_right
+
+
+def _distance(ties: PositionTies, path: Poses) -> float:
+    """Compute the median distance, m, of positions from the path that is placed on them."""
+    north, east, heading = place_path(ties, path)
+    at = path[ties.node].apply(ties.antenna)[:, :2]
+    turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
+    away = ties.north_east - at @ turn.T - [north, east]
+    return float(np.median(np.linalg.norm(away, axis=1)))
 
 
 def _refusal(ties: PositionTies) -> str | None:
