@@ -63,7 +63,7 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
     JointSamples: {"t_ns": "n", "angle": "n"},
     ImageIndex: {"t_ns": "n", "file": "n", "offset": "n", "size": "n", "usable": "n", "bits": ""},
     SonarPings: {"t_ns": "n", "image": "n b r", "directions": "b 3", "range_m": "r"},
-    PositionFixes: {"t_ns": "n", "north_east": "n 2", "sigma": "n"},
+    PositionFixes: {"t_ns": "n", "north_east": "n 2", "exchanged": "n 2", "sigma": "n"},
     SensorRecords: {
         "dvl": {},
         "imu": {},

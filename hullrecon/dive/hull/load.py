@@ -37,6 +37,7 @@ LARGEST_BYTES = 2048 * MIB  # of a file, unpacked: 40 million triangles of a bin
 # what any small file may unpack to, and how tightly; hulls pack by 2 to 15
 FREE_BYTES, PACKED_BY = 64 * MIB, 50
 STRAY_PERCENT = 1.0  # of the corners at either end of an axis, which may be no part of the ship
+NARROWEST = 0.01  # second largest extent over the largest; plates of a hull have 0.05 and more
 MERGE = 2e-7  # of the largest extent: two steps of single precision, in which STL stores corners
 FINEST_M = 1e-6  # no CAD model is finer
 # in which coordinates are stored: an error of 3 mm (step / sqrt(12)), beside the 20 mm by which
@@ -188,8 +189,16 @@ def _check_extent(corners: Array, units: str, path: Path, notes: list[Finding]) 
         raise InputError(
             f"the CAD model {path.name} has coordinates that are not finite", where=str(path.parent)
         )
-    length = float(np.ptp(corners, axis=0).max())
+    narrow, length = np.sort(np.ptp(corners, axis=0))[1:].tolist()
     _refuse_stray(corners, length, path)
+    if narrow < NARROWEST * length:
+        raise InputError(
+            f"the CAD model {path.name} is {length:.4g} m in one direction and at most "
+            f"{narrow:.2g} m in the others: its axes are not in one unit (longitude and latitude "
+            "in degrees?), or it is no surface",
+            where="hull.mesh",
+            remedy="export it with all axes in metres",
+        )
     if SHORTEST_M <= length <= LONGEST_M:
         return
     length_text = (

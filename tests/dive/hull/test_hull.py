@@ -130,6 +130,15 @@ def test_a_small_model_is_remarked_not_refused(tmp_path):
     assert any("is it a model?" in line for line in sentences(notes))
 
 
+def test_axes_in_degrees_are_refused_until_all_are_in_metres(tmp_path):
+    hull = tube()
+    in_degrees = Mesh(hull.vertices / [64_900.0, 111_300.0, 1.0], hull.faces)
+    with pytest.raises(InputError, match="in degrees") as caught:
+        read_hull(save(tmp_path / "hull.obj", in_degrees), "m", [])
+    assert "all axes in metres" in caught.value.remedy
+    assert len(read_hull(save(tmp_path / "metres.obj", hull), "m", []).faces)
+
+
 def test_corners_within_single_precision_become_one():
     mesh = Mesh(
         np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1e-8, 0, 0], [1, 1, 0]], float),
