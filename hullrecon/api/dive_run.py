@@ -8,6 +8,7 @@ import logging
 import multiprocessing
 import shutil
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,6 +19,8 @@ from hullrecon.artifacts.machine import usable_cores
 from hullrecon.artifacts.manifest import hash_file
 from hullrecon.artifacts.progress import Outlook, Progress
 from hullrecon.artifacts.runner import RunContext, StepOutcome, first_failure, run_chain
+from hullrecon.artifacts.step_call import call_here
+from hullrecon.artifacts.step_process import step_processes
 from hullrecon.artifacts.workspace import PUBLISHED, Workspace
 from hullrecon.errors import InputError, StorageError, UsageError
 
@@ -26,6 +29,7 @@ if TYPE_CHECKING:
     from hullrecon.evaluation.score import Score
 
 log = logging.getLogger(__name__)
+PRELOAD = ("hullrecon.steps.preload",)  # what the steps' processes begin with
 ASKS_FOR_HULL = frozenset({"hull", "hull.bow", "hull.pose"})  # among what a step uses
 
 
@@ -160,6 +164,7 @@ def run(
         Stop after this step, and run only what it needs.
     jobs
         Worker processes inside a step, all usable cores if None. The results do not depend on it.
+        With 1 all runs in this process, else each step in one of its own.
     scheduler
         Address of a Dask scheduler in place of worker processes.
     from_scratch
@@ -194,13 +199,15 @@ def run(
     _warn_of_defaults(dive)
     if scheduler is None and jobs is None:
         jobs = usable_cores()
-    with choose_executor(jobs or 1, scheduler) as executor:
+    is_alone = scheduler is None and jobs == 1
+    calls = nullcontext(call_here) if is_alone else step_processes(PRELOAD)
+    with choose_executor(jobs or 1, scheduler) as executor, calls as call_step:
         hashes = dive.workspace.hashes(trusting=not read_data)
         outlook = Outlook()
         outcomes = run_chain(
             dive.chain if last_step is None else dive.chain.up_to(last_step),
             dive.workspace,
-            RunContext(hashes, executor, progress or Progress(), outlook),
+            RunContext(hashes, executor, progress or Progress(), outlook, call_step=call_step),
             from_scratch=from_scratch,
             wait_s=wait_s,
             preflight=lambda plan: outlook.plan(_check_before_run(dive, plan, jobs, from_scratch)),

@@ -9,30 +9,27 @@ import multiprocessing
 import os
 import signal
 import socket
-import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager, suppress
-from multiprocessing.connection import wait
+from contextlib import suppress
+from multiprocessing.context import BaseContext
 from typing import Any, Self, TypeVar
 from urllib.parse import urlsplit
 
+from hullrecon.artifacts.processes import (
+    clean_context,
+    end_with_parent,
+    one_thread_each,
+    stop_server,
+)
 from hullrecon.errors import StageError, UsageError
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 log = logging.getLogger(__name__)
-# A worker has one core: libraries that count the machine's cores would start that many threads.
-THREAD_VARIABLES = (
-    "OPENBLAS_NUM_THREADS",
-    "OMP_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "NUMEXPR_NUM_THREADS",
-    "OPENCV_FOR_THREADS_NUM",
-)
 _CHUNKS_PER_WORKER = 8
 _LARGEST_CHUNK = 8  # items: what a worker has not returned yet is lost with the run
 _CERTIFICATES = ("distributed.comm.tls.ca-file", "distributed.comm.tls.client.cert")
@@ -52,6 +49,9 @@ class Executor:
         """
         return map(function, items)
 
+    def fork_workers(self) -> None:
+        """Start what workers there are by copying this process, which has just begun."""
+
     def close(self) -> None: ...
 
     def __enter__(self) -> Self:
@@ -62,7 +62,10 @@ class Executor:
 
 
 class Processes(Executor):
-    """Worker processes, started at the first map and kept until the end of the run."""
+    """Worker processes, started at the first map and kept until the executor is closed.
+
+    One that has not started any pickles.
+    """
 
     def __init__(self, jobs: int) -> None:
         self._jobs = jobs
@@ -104,8 +107,7 @@ class Processes(Executor):
         pool = self._start_pool()
         chunk = len(items) // (self._jobs * _CHUNKS_PER_WORKER)
         chunk = min(max(1, chunk), _LARGEST_CHUNK)
-        with one_thread_each():
-            return pool.map(function, items, chunksize=chunk)
+        return pool.map(function, items, chunksize=chunk)
 
     def _lose_pool(self) -> None:
         """Forget a pool that has lost a worker, and go on with half of its workers.
@@ -114,44 +116,35 @@ class Processes(Executor):
         """
         self._pool, self._jobs = None, max(1, self._jobs // 2)
 
+    def fork_workers(self) -> None:
+        """Start the workers as copies of this process, which has no threads and no data yet."""
+        self._pool = self._make_pool(multiprocessing.get_context("fork"))
+        self._pool.submit(os.getpid)  # the first call starts all
+
     def _start_pool(self) -> ProcessPoolExecutor:
         if self._pool is None:
-            # fork would copy the locks and threads of libraries
-            context = multiprocessing.get_context("spawn")
-            self._pool = ProcessPoolExecutor(
-                self._jobs, mp_context=context, initializer=_prepare_worker
-            )
+            self._pool = self._make_pool(clean_context())
         return self._pool
+
+    def _make_pool(self, context: BaseContext) -> ProcessPoolExecutor:
+        with one_thread_each():
+            environment = dict(os.environ)
+        return ProcessPoolExecutor(
+            self._jobs, mp_context=context, initializer=_prepare_worker, initargs=(environment,)
+        )
 
     def close(self) -> None:
         if self._pool is not None:
             self._pool.shutdown(wait=True, cancel_futures=True)
+            stop_server()
 
 
-@contextmanager
-def one_thread_each() -> Iterator[None]:
-    """Let processes started inside have one thread each, unless the environment says otherwise."""
-    added = [name for name in THREAD_VARIABLES if name not in os.environ]
-    os.environ.update(dict.fromkeys(added, "1"))
-    try:
-        yield
-    finally:
-        for name in added:
-            del os.environ[name]
-
-
-def _prepare_worker() -> None:
-    """Leave Ctrl-C to the parent, and end a worker whose parent was killed."""
+def _prepare_worker(environment: Mapping[str, str]) -> None:
+    """Set the environment, leave Ctrl-C to the parent, and end with it."""
+    os.environ.update(environment)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        wait([parent.sentinel])
-        os._exit(1)
+    end_with_parent()
 
 
 class Cluster(Executor):
@@ -162,13 +155,21 @@ class Cluster(Executor):
     """
 
     def __init__(self, address: str) -> None:
+        _refuse_address(address)
         self._address = address
         self._client: Any = _connect(address)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle the address. The copy connects when it is used."""
+        return {"_address": self._address, "_client": None}
 
     def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
         from distributed import CancelledError, KilledWorker
         from distributed.comm import CommClosedError
 
+        if self._client is None:
+            _refuse_unreachable(self._address)
+            self._client = _connect(self._address)
         begun = deque(self._client.map(function, items[:_AHEAD], pure=False))
         try:
             for item in items[_AHEAD:]:
@@ -193,13 +194,14 @@ class Cluster(Executor):
                 self._client.cancel(list(begun))
 
     def close(self) -> None:
-        self._client.close()
+        if self._client is not None:
+            self._client.close()
 
 
-def _connect(address: str) -> Any:
+def _refuse_address(address: str) -> None:
+    """Raise UsageError where no Dask is installed, none listens or its certificates are missing."""
     try:
         import dask
-        from distributed import Client
     except ImportError as error:
         raise UsageError("--scheduler needs Dask", remedy="install hullrecon[cluster]") from error
     _refuse_unreachable(address)
@@ -218,6 +220,11 @@ def _connect(address: str) -> Any:
             " can",
             address,
         )
+
+
+def _connect(address: str) -> Any:
+    from distributed import Client
+
     try:
         return Client(address, timeout=_CONNECT_S, set_as_default=False)
     except (OSError, ValueError) as error:

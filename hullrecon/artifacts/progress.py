@@ -8,7 +8,7 @@ import logging
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Mapping
 from types import FrameType
 from typing import TYPE_CHECKING, TypeVar
 
@@ -21,14 +21,15 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _requested: list[int] = []
 
 
-def listen() -> None:
+def listen(*, once: bool = False) -> None:
     """Let SIGINT and SIGTERM raise KeyboardInterrupt, and forget earlier signals.
 
     Signals are remembered, as libraries turn a KeyboardInterrupt in their import into other errors.
+    With once, those after the first are ignored.
     """
     _requested.clear()
     for number in _SIGNALS:
-        signal.signal(number, _interrupt)
+        signal.signal(number, _interrupt_once if once else _interrupt)
 
 
 def is_requested() -> bool:
@@ -45,6 +46,12 @@ def raise_if_requested() -> None:
 def _interrupt(number: int, frame: FrameType | None) -> None:
     _requested.append(number)
     raise KeyboardInterrupt
+
+
+def _interrupt_once(number: int, frame: FrameType | None) -> None:
+    for each in _SIGNALS:
+        signal.signal(each, signal.SIG_IGN)
+    _interrupt(number, frame)
 
 
 LEAST_S = 10.0  # of work, before its pace is believed
@@ -173,7 +180,7 @@ class Progress:
         total: int | None,
         outlook: Outlook | None = None,
         kept: int = 0,
-    ) -> Iterator[Item]:
+    ) -> Generator[Item, None, None]:
         yield from items
 
 
@@ -190,7 +197,7 @@ class LogLines(Progress):
         total: int | None,
         outlook: Outlook | None = None,
         kept: int = 0,
-    ) -> Iterator[Item]:
+    ) -> Generator[Item, None, None]:
         last, rate = self._clock(), _Rate(total, kept, self._clock)
         for done, item in enumerate(items):
             if self._clock() - last >= self._seconds:
@@ -214,7 +221,7 @@ class Bars(Progress):
         total: int | None,
         outlook: Outlook | None = None,
         kept: int = 0,
-    ) -> Iterator[Item]:
+    ) -> Generator[Item, None, None]:
         display, rate = self._start(), _Rate(total, kept)
         task = display.add_task(label, total=total, run="")
         try:

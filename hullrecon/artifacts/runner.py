@@ -5,43 +5,23 @@
 from __future__ import annotations
 
 import logging
-import signal
-import threading
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-
-from msgspec import Struct
 
 from hullrecon.artifacts.chain import Chain, StepStatus, assess_chain, assess_step, inputs_of
 from hullrecon.artifacts.delivery import delivered_records
 from hullrecon.artifacts.disk import commit_folder, make_folder, remove, storage_errors
 from hullrecon.artifacts.executor import Executor, choose_executor
-from hullrecon.artifacts.machine import (
-    host,
-    is_lack_of_memory,
-    peak_rss,
-    refuse_small_address_space,
-    reset_peak_rss,
-    versions,
-)
-from hullrecon.artifacts.manifest import (
-    HashCache,
-    JsonTable,
-    Manifest,
-    files_below,
-    hash_file,
-    write_manifest,
-)
+from hullrecon.artifacts.machine import host, refuse_small_address_space, versions
+from hullrecon.artifacts.manifest import HashCache, Manifest, write_manifest
 from hullrecon.artifacts.parts import PartStore
-from hullrecon.artifacts.progress import Outlook, Progress, choose_progress, raise_if_requested
+from hullrecon.artifacts.progress import Outlook, Progress, choose_progress
 from hullrecon.artifacts.recipe import Job, SourceWatch, make_job
-from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.artifacts.stage import Stage
+from hullrecon.artifacts.step_call import StepCall, StepCaller, call_here
 from hullrecon.artifacts.workspace import Workspace, removed_meanwhile
-from hullrecon.artifacts.writer import ArtifactWriter
-from hullrecon.errors import HullreconError, InputError, StageError
-from hullrecon.memory import return_free_memory
+from hullrecon.errors import HullreconError, StageError
 
 log = logging.getLogger(__name__)
 Preflight = Callable[[list[StepStatus]], None]
@@ -57,6 +37,7 @@ class RunContext:
     outlook: Outlook = field(default_factory=Outlook)
     watch: SourceWatch | None = None  # of the whole run, None for a step that runs alone
     is_held: Callable[[], bool] = lambda: True  # the workspace; not where somebody removed it
+    call_step: StepCaller = call_here  # or in a process of its own
 
 
 @dataclass(frozen=True)
@@ -279,7 +260,16 @@ def build(
     if parts is not None:
         parts.begin()
     try:
-        manifest = _fill(job, building, run_context, parts)
+        call = StepCall(job=job, building=building, parts=parts, executor=run_context.executor)
+        made = run_context.call_step(call, run_context.progress, run_context.outlook)
+        manifest = Manifest(
+            recipe=job.recipe,
+            key=job.recipe.key,
+            outputs=made.outputs,
+            warnings=made.warnings,
+            run={"versions": versions(), "host": host(), **made.spent},
+        )
+        write_manifest(building, manifest)
         watch.end(job)
         commit_folder(building, out)
     except BaseException:
@@ -290,63 +280,3 @@ def build(
     for name, record in manifest.outputs.items():
         run_context.hashes.learn(out / name, record)
     return manifest
-
-
-def _fill(job: Job, building: Path, run_context: RunContext, parts: PartStore | None) -> Manifest:
-    context: Context[Struct] = Context(
-        job.stage,
-        job.settings,
-        job.inputs,
-        ArtifactWriter(building),
-        source=job.source,
-        failures=job.recipe.failures,
-        executor=run_context.executor,
-        progress=run_context.progress,
-        outlook=run_context.outlook,
-        parts=parts,
-    )
-    spent = _call(job.stage, context, building)
-    manifest = Manifest(
-        recipe=job.recipe,
-        key=job.recipe.key,
-        outputs={name: hash_file(building / name) for name in files_below(building)},
-        warnings=context.warnings,
-        run={"versions": versions(), "host": host(), **spent},
-    )
-    write_manifest(building, manifest)
-    return manifest
-
-
-def _call(stage: Stage, context: Context[Struct], building: Path) -> JsonTable:
-    """Call the stage's function. Returns the times (s) and memory (bytes) that it took."""
-    return_free_memory()
-    reset_peak_rss()
-    started, begun, cpu = time.time(), time.perf_counter(), time.process_time()
-    try:
-        with storage_errors(building, only_below=building):
-            stage.run(context)
-            raise_if_requested()
-    except PermissionError as error:
-        raise InputError(f"{stage.name} may not read a file", where=str(error.filename)) from error
-    except Exception as error:
-        if isinstance(error, HullreconError) or not is_lack_of_memory(error):
-            raise
-        remedy = "run on a machine with more, or with a smaller --jobs"
-        raise StageError(f"{stage.name} ran out of memory", remedy=remedy) from error
-    finally:
-        _take_back_sigterm()
-    return {
-        "started": round(started, 3),
-        "seconds": round(time.perf_counter() - begun, 3),
-        "cpu_seconds": round(time.process_time() - cpu, 3),
-        "peak_rss_bytes": peak_rss(),
-        "workers_peak_rss_bytes": context.workers_peak_rss,
-        **({"times": context.times} if context.times else {}),
-    }
-
-
-def _take_back_sigterm() -> None:
-    """Restore Python's handler of SIGTERM, which pycolmap replaces on import."""
-    handler = signal.getsignal(signal.SIGTERM)
-    if handler is not None and threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGTERM, handler)

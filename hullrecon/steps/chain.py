@@ -8,6 +8,7 @@ Nothing here imports what a step does, so that commands that run no step start a
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from importlib import import_module
 from typing import Any
 
@@ -63,11 +64,11 @@ def stages() -> tuple[Stage, ...]:
 
 def _later(module: str) -> Callable[[Context[Any]], None]:
     """Make the function of a step, which imports its module when it runs."""
+    return partial(_run_module, module)
 
-    def run(context: Context[Any]) -> None:
-        import_module(f"hullrecon.steps.{module}").run(context)
 
-    return run
+def _run_module(module: str, context: Context[Any]) -> None:
+    import_module(f"hullrecon.steps.{module}").run(context)
 
 
 # Each after its inputs. `version` is raised when a step's result changes for the same input.

@@ -17,13 +17,8 @@ from pathlib import Path
 
 import pytest
 
-from hullrecon.artifacts.executor import (
-    THREAD_VARIABLES,
-    Executor,
-    Processes,
-    choose_executor,
-    one_thread_each,
-)
+from hullrecon.artifacts.executor import Executor, Processes, choose_executor
+from hullrecon.artifacts.processes import THREAD_VARIABLES, one_thread_each
 from hullrecon.errors import StageError
 
 ORPHANS = """

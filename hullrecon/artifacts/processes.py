@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Start processes that begin clean, have one thread a library, and end with their parent."""
+
+from __future__ import annotations
+
+import fcntl
+import multiprocessing
+import os
+import signal
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from multiprocessing import forkserver, resource_tracker
+from multiprocessing.connection import wait
+from multiprocessing.context import ForkServerContext
+
+# A worker has one core: libraries that count the machine's cores would start that many threads.
+THREAD_VARIABLES = (
+    "OPENBLAS_NUM_THREADS",
+    "OMP_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "NUMEXPR_NUM_THREADS",
+    "OPENCV_FOR_THREADS_NUM",
+)
+
+
+def clean_context(preload: Sequence[str] = ()) -> ForkServerContext:
+    """Start the server whose copies are the processes of the context it returns.
+
+    A copy of this process would have the locks and the memory of its libraries, but not their
+    threads. The server has no threads.
+
+    Parameters
+    ----------
+    preload
+        Modules that the server imports for all its copies, and that start no threads. Nothing if
+        the server runs already.
+    """
+    context = multiprocessing.get_context("forkserver")
+    # without a name of its own it would import the user's script, which may start threads
+    context.set_forkserver_preload([*preload] or [__name__])
+    resource_tracker.ensure_running()
+    # Ctrl-C reaches all processes of a terminal, and would end the server in its imports
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        with one_thread_each():
+            forkserver.ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    return context
+
+
+def stop_server() -> None:
+    """End the server, unless copies of it live. Then its time counts as that of this process."""
+    if not multiprocessing.active_children():
+        forkserver._forkserver._stop()  # type: ignore[attr-defined]  # nothing public does it
+
+
+@contextmanager
+def one_thread_each() -> Iterator[None]:
+    """Let processes started inside have one thread each, unless the environment says otherwise."""
+    added = [name for name in THREAD_VARIABLES if name not in os.environ]
+    os.environ.update(dict.fromkeys(added, "1"))
+    try:
+        yield
+    finally:
+        for name in added:
+            del os.environ[name]
+
+
+def end_with_parent() -> None:
+    """Have the kernel kill this process when its parent has ended, however that ended.
+
+    Its parent's end closes a pipe. The signal for it needs no turn of the interpreter, which a step
+    may hold for seconds, while a new run works in the same folder.
+    """
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    sentinel = parent.sentinel
+    fcntl.fcntl(sentinel, fcntl.F_SETOWN, os.getpid())
+    fcntl.fcntl(sentinel, fcntl.F_SETSIG, signal.SIGKILL)
+    flags = fcntl.fcntl(sentinel, fcntl.F_GETFL)
+    fcntl.fcntl(sentinel, fcntl.F_SETFL, flags | os.O_ASYNC)
+    if wait([sentinel], 0):  # it had ended before
+        os._exit(1)

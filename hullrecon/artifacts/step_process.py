@@ -1,0 +1,298 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Call the function of a step in a process of its own, as if it were called here.
+
+docs/adr/0015-each-step-in-a-process-of-its-own.md says why so.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import pickle
+import signal
+import threading
+import time
+import traceback
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager, suppress
+from dataclasses import dataclass
+from functools import partial
+from itertools import count, repeat
+from logging.handlers import QueueHandler
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from typing import Any, TypeVar
+
+from hullrecon.artifacts.processes import clean_context, end_with_parent, stop_server
+from hullrecon.artifacts.progress import Outlook, Progress, listen
+from hullrecon.artifacts.step_call import Made, StepCall, StepCaller, call_here
+from hullrecon.errors import StageError
+
+Item = TypeVar("Item")
+_EVERY_S = 0.2  # how often a step says how far it is
+_PATIENCE_S = 10.0  # in which a step that is interrupted may tidy up
+_PIPE_BYTES = 1 << 16
+
+
+@dataclass(frozen=True)
+class _LoopBegun:
+    number: int
+    label: str
+    total: int | None
+    kept: int
+
+
+@dataclass(frozen=True)
+class _LoopGoesOn:
+    number: int
+    passed: int  # items since it was last said
+
+
+@dataclass(frozen=True)
+class _LoopEnded:
+    number: int
+
+
+@dataclass(frozen=True)
+class _Resumed:
+    """Part of the step was made by an earlier run."""
+
+
+@dataclass(frozen=True)
+class _Failed:
+    error: BaseException
+    trace: str
+
+
+class _StepError(Exception):
+    """Shows, as the cause of an error, its traceback in the process of the step."""
+
+    def __str__(self) -> str:
+        return f'\n"""\n{self.args[0]}"""'
+
+
+@contextmanager
+def step_processes(preload: Sequence[str] = ()) -> Iterator[StepCaller]:
+    """Yield what calls a step's function in a new process. `preload`: as for `clean_context`."""
+    try:
+        yield partial(_call_in_process, preload)
+    finally:
+        stop_server()
+
+
+def _call_in_process(
+    preload: Sequence[str], call: StepCall, progress: Progress, outlook: Outlook
+) -> Made:
+    """Call the step's function in a new process, and show here what it logs and how far it is.
+
+    Raises
+    ------
+    StageError
+        The process was killed, most likely as the memory ran out.
+    KeyboardInterrupt
+        A signal has come. The process has ended, and what is finished is kept.
+    Exception
+        The step's own error, as `call_here` raises it.
+    """
+    context = clean_context(preload)
+    ours, theirs = context.Pipe(duplex=False)
+    process = context.Process(
+        target=_serve, args=(theirs, call, outlook.mark, _levels(), dict(os.environ))
+    )
+    with ours, closing(_Display(progress, outlook)) as display:
+        with theirs:
+            process.start()
+        try:
+            return _await_result(call.job.stage.name, process, ours, display)
+        except BaseException:
+            _interrupt(process, ours)
+            raise
+        finally:
+            process.join(_PATIENCE_S)
+            process.kill()  # nothing that is left to do there matters
+            process.join()
+
+
+def _await_result(
+    step: str, process: BaseProcess, connection: Connection[Any, Any], display: _Display
+) -> Made:
+    """Show what the step says until its result or its error comes."""
+    while connection in wait([connection, process.sentinel]):
+        try:
+            message = connection.recv()
+        except EOFError:
+            break
+        if isinstance(message, Made):
+            return message
+        if isinstance(message, _Failed):
+            raise message.error from _StepError(message.trace)
+        display.show(message)
+    process.join()
+    raise _ended_early(step, process.exitcode or 0)
+
+
+def _ended_early(step: str, exit_code: int) -> StageError:
+    """Build the error of a step whose process ended without a result. Negative codes: a signal."""
+    if exit_code == -signal.SIGKILL:
+        return StageError(
+            f"the process of {step} was killed",
+            remedy="most likely the memory ran out: run on a machine with more, or with a smaller"
+            " --jobs, what is finished is kept",
+        )
+    known = -exit_code in set(signal.Signals)
+    how = signal.Signals(-exit_code).name if known else f"exit code {exit_code}"
+    return StageError(
+        f"the process of {step} ended with {how}",
+        remedy="what it printed says more; what is finished is kept",
+    )
+
+
+def _interrupt(process: BaseProcess, connection: Connection[Any, Any]) -> None:
+    """Let the step tidy up, and drop what it says meanwhile: a full pipe would hold it."""
+    until = time.monotonic() + _PATIENCE_S
+    try:
+        with suppress(ProcessLookupError):
+            os.kill(process.pid or 0, signal.SIGINT)
+        left_s = _PATIENCE_S
+        while connection in wait([connection, process.sentinel], left_s):
+            if not os.read(connection.fileno(), _PIPE_BYTES):
+                break
+            left_s = max(0.0, until - time.monotonic())
+        process.join(max(0.0, until - time.monotonic()))
+    finally:  # also where Ctrl-C is pressed again
+        process.kill()
+
+
+class _Display:
+    """Shows loops of the step's process as if they ran here."""
+
+    def __init__(self, progress: Progress, outlook: Outlook) -> None:
+        self._progress, self._outlook = progress, outlook
+        self._loops: dict[int, Generator[None, None, None]] = {}
+
+    def show(self, message: object) -> None:
+        """Show a log record, or how far the step is."""
+        match message:
+            case logging.LogRecord():
+                logger = logging.getLogger(message.name)
+                if logger.isEnabledFor(message.levelno):
+                    logger.handle(message)
+            case _LoopBegun(number, label, total, kept):
+                loop = self._progress.track(repeat(None), label, total, self._outlook, kept)
+                self._loops[number] = loop
+                next(loop)
+            case _LoopGoesOn(number, passed):
+                for _ in range(passed):
+                    next(self._loops[number])
+            case _LoopEnded(number):
+                self._loops.pop(number).close()
+            case _Resumed():
+                self._outlook.resume()
+            case _:
+                raise TypeError(message)
+
+    def close(self) -> None:
+        """End the loops that an error has left."""
+        for loop in self._loops.values():
+            loop.close()
+
+
+def _levels() -> dict[str, int]:
+    """Look up the level of each logger that has one."""
+    named = logging.root.manager.loggerDict
+    loggers = {name: logger for name, logger in named.items() if isinstance(logger, logging.Logger)}
+    return {name: logger.level for name, logger in {"root": logging.root, **loggers}.items()}
+
+
+def _serve(
+    connection: Connection[Any, Any],
+    call: StepCall,
+    mark: str,
+    levels: Mapping[str, int],
+    environment: Mapping[str, str],
+) -> None:
+    """Call the step's function in this process, which has just begun, and send what it leaves."""
+    end_with_parent()
+    os.environ.clear()  # that of the server is the one that its first run had
+    os.environ.update(environment)
+    call.executor.fork_workers()
+    lock = threading.Lock()
+
+    def send(message: object) -> None:
+        with lock:
+            connection.send(message)
+
+    result: Made | _Failed
+    try:
+        listen(once=True)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        for name, level in levels.items():
+            logging.getLogger(name).setLevel(level)
+        logging.root.addHandler(_Forward(send))
+        with call.executor:
+            result = call_here(call, _ToldProgress(send), _ToldOutlook(mark, send))
+    except BaseException as error:  # the run's process raises it
+        result = _Failed(_that_pickles(error), "".join(traceback.format_exception(error)))
+    send(result)
+
+
+class _Forward(QueueHandler):
+    """Sends log records to the run's process, whose handlers they reach."""
+
+    def __init__(self, send: Callable[[object], None]) -> None:
+        super().__init__(None)  # type: ignore[arg-type]
+        self._send = send
+
+    def enqueue(self, record: logging.LogRecord) -> None:
+        self._send(record)
+
+
+class _ToldProgress(Progress):
+    """Tells the run's process how many items have passed."""
+
+    def __init__(self, send: Callable[[object], None]) -> None:
+        self._send, self._numbers = send, count()
+
+    def track(
+        self,
+        items: Iterable[Item],
+        label: str,
+        total: int | None,
+        outlook: Outlook | None = None,
+        kept: int = 0,
+    ) -> Generator[Item, None, None]:
+        number, said, said_s = next(self._numbers), 0, time.monotonic()
+        self._send(_LoopBegun(number, label, total, kept))
+        try:
+            for done, item in enumerate(items):
+                if time.monotonic() - said_s >= _EVERY_S:
+                    self._send(_LoopGoesOn(number, done - said))
+                    said, said_s = done, time.monotonic()
+                yield item
+        finally:
+            self._send(_LoopEnded(number))
+
+
+class _ToldOutlook(Outlook):
+    """Knows the number of the step, and tells the run's process that an earlier one made a part."""
+
+    def __init__(self, mark: str, send: Callable[[object], None]) -> None:
+        super().__init__()
+        self._mark, self._send = mark, send
+
+    @property
+    def mark(self) -> str:
+        return self._mark
+
+    def resume(self) -> None:
+        self._send(_Resumed())
+
+
+def _that_pickles(error: BaseException) -> BaseException:
+    """Return the error, or one with its words where it cannot be sent."""
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        return RuntimeError(f"{type(error).__name__}: {error}")
+    return error

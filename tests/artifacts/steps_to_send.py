@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Functions of steps for test_step_process.py, which their processes import. Runs as a script as
+well: steps_to_send.py OUT makes a step whose process and workers print their numbers.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from msgspec import Struct
+
+from hullrecon.artifacts.executor import Executor, Processes
+from hullrecon.artifacts.manifest import HashCache, Manifest
+from hullrecon.artifacts.progress import Outlook, Progress
+from hullrecon.artifacts.recipe import make_job
+from hullrecon.artifacts.runner import RunContext, build
+from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.artifacts.step_call import StepCaller
+from hullrecon.artifacts.step_process import step_processes
+from hullrecon.errors import InputError
+
+log = logging.getLogger("hullrecon.test")
+
+
+class Options(Struct, frozen=True, kw_only=True):
+    pass
+
+
+def make(
+    function: Callable[[Context[Any]], None],
+    out: Path,
+    call_step: StepCaller,
+    *,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> Manifest:
+    stage = Stage("make", "make", (), Options, 1, function)
+    executor = Processes(jobs) if jobs > 1 else Executor()
+    context = RunContext(
+        HashCache(), executor, progress or Progress(), Outlook(), call_step=call_step
+    )
+    job = make_job(stage, {}, {}, None, context.hashes)
+    return build(job, out, out.with_name("building"), context)
+
+
+def square(number: int) -> int:
+    return number * number
+
+
+def say_and_leave(context: Context[Any]) -> None:
+    log.debug("not asked for")
+    log.info("a %s", "word")
+    context.out.json("squares.json", context.map(square, range(50), "numbers"))
+    context.warn("a warning")
+    context.record_times("rounds", [1.0])
+
+
+def environment_of(item: int) -> dict[str, object]:
+    return {"process": os.getpid(), "threads": os.environ.get("OMP_NUM_THREADS")}
+
+
+def leave_environment(context: Context[Any]) -> None:
+    workers = context.map(environment_of, range(8), "items")
+    context.out.json("seen.json", {"step": environment_of(0), "workers": workers})
+
+
+def go_slowly(context: Context[Any]) -> None:
+    for _ in context.progress(range(3), "items"):
+        time.sleep(0.25)
+
+
+def refuse(context: Context[Any]) -> None:
+    raise InputError("too short", where="a.csv", remedy="log more")
+
+
+class OwnError(Exception):
+    def __init__(self, *, what: str) -> None:
+        super().__init__(what)
+
+
+def fail_oddly(context: Context[Any]) -> None:
+    raise OwnError(what="odd")
+
+
+def die(number: signal.Signals, context: Context[Any]) -> None:
+    os.kill(os.getpid(), number)
+
+
+def wait_for_interrupt(folder: Path, context: Context[Any]) -> None:
+    (folder / "begun").touch()
+    try:
+        time.sleep(60)
+    finally:
+        (folder / "tidied").touch()
+
+
+def process_of(item: int) -> int:
+    return os.getpid()
+
+
+def hold_the_interpreter(context: Context[Any]) -> None:
+    workers = set(context.map(process_of, range(8), "items"))
+    print(os.getpid(), *workers, flush=True)
+    pow(7, 10**9)  # no other thread has a turn for minutes
+
+
+if __name__ == "__main__":
+    with step_processes() as in_process:
+        make(hold_the_interpreter, Path(sys.argv[1]), in_process, jobs=2)
