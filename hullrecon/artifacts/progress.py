@@ -49,9 +49,8 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def _interrupt_once(number: int, frame: FrameType | None) -> None:
-    for each in _SIGNALS:
-        signal.signal(each, signal.SIG_IGN)
-    _interrupt(number, frame)
+    if not _requested:
+        _interrupt(number, frame)
 
 
 LEAST_S = 10.0  # of work, before its pace is believed

@@ -185,8 +185,9 @@ class Context(Generic[Parameters]):
         else:
             kept, results = self._parts.resume(label, items, compute, depends)
         yield from self._track(results, label, len(items), kept)
-        workers = (peak_rss(worker.pid) for worker in multiprocessing.active_children())
-        self.workers_peak_rss = max(self.workers_peak_rss, *workers, 0)
+        if by is None:  # else workers have nothing but what they share with this process
+            workers = (peak_rss(worker.pid) for worker in multiprocessing.active_children())
+            self.workers_peak_rss = max(self.workers_peak_rss, *workers, 0)
 
     def map(
         self, function: Callable[[Item], Result], items: Sequence[Item], label: str

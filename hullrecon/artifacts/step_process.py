@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Call the function of a step in a process of its own, as if it were called here.
 
-docs/adr/0015-each-step-in-a-process-of-its-own.md says why so.
+docs/adr/0015-each-step-has-a-process-of-its-own.md says why so.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class _StepError(Exception):
 def step_processes(preload: Sequence[str] = ()) -> Iterator[StepCaller]:
     """Yield what calls a step's function in a new process. `preload`: as for `clean_context`."""
     try:
-        yield partial(_call_in_process, preload)
+        yield partial(_call_in_process, [__name__, *preload])
     finally:
         stop_server()
 

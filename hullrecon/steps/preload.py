@@ -11,6 +11,8 @@ from importlib import import_module
 
 from hullrecon.steps.chain import NAMES
 
-for name in NAMES:
-    import_module(f"hullrecon.steps.{name.replace('-', '_')}")
+OF_MOST_STEPS = ("scipy.ndimage", "scipy.optimize")  # imported where they are used
+STEPS = [f"hullrecon.steps.{name.replace('-', '_')}" for name in NAMES]
+for name in (*STEPS, *OF_MOST_STEPS):
+    import_module(name)
 gc.freeze()  # a collection in a copy would copy all pages of what was imported

@@ -22,19 +22,21 @@ def write_blind_dive(shell):
 @pytest.mark.slow
 @pytest.mark.parametrize("dive", ["blind", "tiny"])
 def test_run_killed_four_times_ends_with_the_same_bytes(shell, tiny, dive):
-    """Without images to the deliverables, with images as far as other processes work on them."""
+    """Without images to the deliverables, with images as far as workers work on them. What is
+    killed has a process for each step, the whole run has one.
+    """
     package, last = (tiny, ("--to", "links")) if dive == "tiny" else ("blind", COARSE)
     if dive == "blind":
         write_blind_dive(shell)
-    shell("run", package, "--runs", "whole", *last)
+    shell("run", package, "--runs", "whole", "--jobs", 1, *last)
     whole = without_run_blocks(shell.folder / "whole")
     rng = random.Random(20)
     for _ in range(4):
-        run = shell.start("run", package, "--runs", "killed", *last)
+        run = shell.start("run", package, "--runs", "killed", "--jobs", 2, *last)
         time.sleep(rng.uniform(0.3, 6.0))
         run.kill()
         run.communicate()
-    shell("run", package, "--runs", "killed", *last)
+    shell("run", package, "--runs", "killed", "--jobs", 2, *last)
     again = without_run_blocks(shell.folder / "killed")
     assert sorted(again) == sorted(whole)
     different = [name for name in whole if whole[name] != again[name]]
