@@ -17,7 +17,6 @@ from pathlib import Path
 
 import numpy as np
 
-from hullrecon.artifacts.chain import inputs_of
 from hullrecon.artifacts.runner import run_chain
 from hullrecon.errors import InputError
 from hullrecon.evaluation.deliverables import TimedPoses
@@ -27,6 +26,7 @@ from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.steps.artifacts import DetectArtifact, InputArtifacts
+from hullrecon.studies.dive_steps import inputs_of_step
 from hullrecon.studies.figure_style import PublishedFigure, finish_figure, new_canvas
 from hullrecon.studies.methods.method_figures import stamps
 from hullrecon.studies.methods.variants import read_objects
@@ -189,14 +189,7 @@ def read_hull(given: StudyDive) -> tuple[TexturedHull, InputArtifacts]:
             where=str(dive.workspace.root),
             remedy="take a dive with images and a CAD model",
         )
-    inputs = InputArtifacts(
-        inputs_of(
-            dive.chain.stage("mosaic-optical"),
-            dive.chain,
-            dive.workspace,
-            dive.chain.skip_reasons(),
-        )
-    )
+    inputs = inputs_of_step(dive, "mosaic-optical")
     with rasterio.open(ortho) as raster:
         rgba, to_map = raster.read().transpose(1, 2, 0), raster.transform
     chart = inputs.surface.chart

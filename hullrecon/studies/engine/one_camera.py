@@ -9,7 +9,6 @@ from functools import cached_property
 
 import numpy as np
 
-from hullrecon.artifacts.chain import inputs_of
 from hullrecon.artifacts.runner import run_chain
 from hullrecon.artifacts.stage import settings_for
 from hullrecon.dive.config.schema import Tray
@@ -21,7 +20,7 @@ from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.links import NodePairs
 from hullrecon.rig import rig_with_priors
-from hullrecon.steps.artifacts import InputArtifacts
+from hullrecon.studies.dive_steps import inputs_of_step
 from hullrecon.studies.study import StudyDive
 from hullrecon.typing import Array, Ints, Mask, Pixels
 from hullrecon.vision.options import MatchOptions
@@ -137,8 +136,7 @@ def read_one_camera(given: StudyDive) -> OneCameraDive:
     """
     dive, truth = given.dive, given.truth
     run_chain(dive.chain.up_to("links"), dive.workspace, given.run_context)
-    stage = dive.chain.stage("matches")
-    inputs = InputArtifacts(inputs_of(stage, dive.chain, dive.workspace, dive.chain.skip_reasons()))
+    inputs = inputs_of_step(dive, "matches")
     settings = inputs.mounted(settings_for(dive.chain.stage("links"), dive.chain.sections))
     rig = rig_with_priors(settings, inputs.ingest.camera_models)
     pairs = None if inputs.links is None else inputs.links.compared

@@ -12,15 +12,15 @@ from typing import Any
 
 from hullrecon.api.dive_run import DiveRun
 from hullrecon.artifacts.runner import RunContext, run_chain
-from hullrecon.artifacts.workspace import COMPARE_FOLDER, Workspace
+from hullrecon.artifacts.workspace import Workspace
 from hullrecon.errors import InputError
 from hullrecon.evaluation.trajectory import Figures, rms_length
 from hullrecon.evaluation.truth import Truth
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.steps import features, links
 from hullrecon.steps.artifacts import LinksArtifact, NavigateArtifact
+from hullrecon.studies.dive_steps import build_step, with_stages, workspace_beside
 from hullrecon.studies.matching.corners import MatchWithCorners, extract_with_corners
-from hullrecon.studies.methods.variants import build_step
 from hullrecon.typing import Array
 from hullrecon.vision.pairs.matching import MatchStrategy
 from hullrecon.vision.pairs.two_view import TwoView, fit_both
@@ -100,10 +100,10 @@ def link_table(figures: Mapping[str, Figures]) -> tuple[list[str], list[list[str
 
 def _build(dive: DiveRun, name: str, variant: LinkVariant, run_context: RunContext) -> Workspace:
     """Bring a variant's steps up to date in RUNS/<dive>/compare."""
-    workspace = Workspace(dive.workspace.root / COMPARE_FOLDER / name.replace(" ", "-"))
+    workspace = workspace_beside(dive, name)
     runs = {"links": variant.links, "features": variant.features}
-    stages = tuple(replace(s, run=runs.get(s.name) or s.run) for s in dive.chain.stages)
-    chain = replace(dive.chain, stages=stages)
+    stages = (replace(dive.chain.stage(step), run=run) for step, run in runs.items() if run)
+    chain = with_stages(dive.chain, *stages)
     own: dict[str, Path] = {}
     with dive.workspace.lock():
         if variant.features is not None:

@@ -6,18 +6,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, cast
 
 import msgspec
 
 from hullrecon.api.dive_run import DiveRun
-from hullrecon.artifacts.chain import Chain, assess_step, inputs_of
-from hullrecon.artifacts.recipe import make_job
-from hullrecon.artifacts.runner import RunContext, build, run_chain
-from hullrecon.artifacts.workspace import COMPARE_FOLDER, Workspace
+from hullrecon.artifacts.chain import Chain
+from hullrecon.artifacts.runner import RunContext, run_chain
+from hullrecon.artifacts.workspace import Workspace
 from hullrecon.errors import InputError
+from hullrecon.studies.dive_steps import build_step, with_stages, workspace_beside
 
 if TYPE_CHECKING:
     from hullrecon.adjustment.options import AdjustOptions
@@ -53,8 +51,7 @@ class MethodVariant:
             own = msgspec.structs.replace(
                 own, rounds=1, max_iterations=max(own.max_iterations, WHOLE_SOLVE_ITERATIONS)
             )
-        stages = tuple(STAGE if s.name == STAGE.name else s for s in whole.stages)
-        return replace(whole, stages=stages, sections={**whole.sections, "adjust": own})
+        return replace(with_stages(whole, STAGE), sections={**whole.sections, "adjust": own})
 
     @property
     def is_product(self) -> bool:
@@ -69,11 +66,7 @@ class MethodVariant:
         """
         if self.is_product:
             return dive.workspace
-        return Workspace(
-            dive.workspace.root
-            / COMPARE_FOLDER
-            / f"{self.method}-{self.weighting.replace(' ', '-')}"
-        )
+        return workspace_beside(dive, f"{self.method} {self.weighting}")
 
 
 def variants() -> list[MethodVariant]:
@@ -110,30 +103,6 @@ def find_objects(dive: DiveRun, run_context: RunContext) -> None:
     """Bring the chain up to date as far as `detect`, whose heights are delivered."""
     if any(s.name == "detect" for s in dive.chain.stages):
         run_chain(dive.chain.up_to("detect"), dive.workspace, run_context)
-
-
-def build_step(
-    name: str,
-    chain: Chain,
-    upstream: Workspace,
-    target: Workspace,
-    run_context: RunContext,
-    replaced: Mapping[str, Path] = MappingProxyType({}),
-) -> None:
-    """Bring one step up to date in another workspace than that of its inputs.
-
-    `replaced`: inputs that are not those of `upstream`, by step.
-    """
-    stage = chain.stage(name)
-    job = make_job(
-        stage,
-        chain.sections,
-        {**inputs_of(stage, chain, upstream, chain.skip_reasons()), **replaced},
-        chain.package,
-        run_context.hashes,
-    )
-    if assess_step(job, target, run_context.hashes).to_do:
-        build(job, target.root / stage.name, target.build_folder(stage.name), run_context)
 
 
 def read_solutions(dive: DiveRun) -> list[SolvedVariant]:

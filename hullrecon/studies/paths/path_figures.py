@@ -14,10 +14,9 @@ import numpy as np
 from hullrecon.adjustment.hull_pose.registration import register
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.api.dive_run import DiveRun
-from hullrecon.artifacts.chain import inputs_of
 from hullrecon.artifacts.runner import RunContext
 from hullrecon.artifacts.stage import settings_for
-from hullrecon.artifacts.workspace import COMPARE_FOLDER, Workspace
+from hullrecon.artifacts.workspace import Workspace
 from hullrecon.evaluation.truth import Truth
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.frames import Frame
@@ -30,11 +29,12 @@ from hullrecon.mosaic.stream import in_threads
 from hullrecon.navigation.planes.planar_graph import PlanarSolution, planar_graph
 from hullrecon.records.links import LinkedPath, no_links
 from hullrecon.records.trajectory import Trajectory, VehiclePath, VehicleTrack
-from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts, LinksArtifact
+from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact
 from hullrecon.steps.links import pose_graph
 from hullrecon.steps.links import run as run_links
 from hullrecon.steps.mosaic_sonar import blend_pings, ping_poses
 from hullrecon.steps.mosaics import read_mosaic_inputs
+from hullrecon.studies.dive_steps import build_step, inputs_of_step, with_stages, workspace_beside
 from hullrecon.studies.figure_style import (
     COLOURS,
     GREEN,
@@ -46,7 +46,6 @@ from hullrecon.studies.figure_style import (
 )
 from hullrecon.studies.matching.comparison import TWO_VIEW_MODELS
 from hullrecon.studies.methods.comparison import DeadReckoning
-from hullrecon.studies.methods.variants import build_step
 from hullrecon.studies.paths.link_plots import (
     LinkedBy,
     links_on_hull,
@@ -301,13 +300,9 @@ def by_two_view_model(
     found: dict[str, LinkedBy] = {}
     for model, words in MODEL_WORDS.items():
         links_of = partial(run_links, strategy=TWO_VIEW_MODELS[model])
-        stages = tuple(
-            replace(stage, run=links_of) if stage.name == "links" else stage
-            for stage in dive.chain.stages
-        )
+        chain = with_stages(dive.chain, replace(dive.chain.stage("links"), run=links_of))
         workspace = workspace_of_model(dive, model)
         with dive.workspace.lock():
-            chain = replace(dive.chain, stages=stages)
             build_step("links", chain, dive.workspace, workspace, run_context)
             run_context.hashes.save()
         links = LinksArtifact(workspace.artifact("links"))
@@ -321,7 +316,7 @@ def workspace_of_model(dive: DiveRun, model: str) -> Workspace:
     """Choose where links of a two-view model lie: those by choice are the run's own."""
     if model == "automatic":
         return dive.workspace
-    return Workspace(dive.workspace.root / COMPARE_FOLDER / f"links-{model}")
+    return workspace_beside(dive, f"links {model}")
 
 
 def _distances(
@@ -375,10 +370,3 @@ def variance_map(store: TileStore) -> VarianceMap:
         variance[inside.top : inside.bottom, inside.left : inside.right] = part
     right, bottom = grid.west + grid.width * grid.step_m, grid.north - grid.height * grid.step_m
     return VarianceMap(variance=variance, extent=(grid.west, right, bottom, grid.north))
-
-
-def inputs_of_step(dive: DiveRun, name: str) -> InputArtifacts:
-    """Read the input artifacts of a step."""
-    return InputArtifacts(
-        inputs_of(dive.chain.stage(name), dive.chain, dive.workspace, dive.chain.skip_reasons())
-    )

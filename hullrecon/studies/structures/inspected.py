@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.api.dive_run import DiveRun
-from hullrecon.artifacts.chain import inputs_of
 from hullrecon.artifacts.stage import settings_for
 from hullrecon.detection.views import CameraViews, views_of_top_camera
 from hullrecon.dive.images.store import ImageStore
@@ -24,8 +23,8 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import Rig, rig_from_settings
-from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.steps.keys import CAMERA_KEYS
+from hullrecon.studies.dive_steps import inputs_of_step
 from hullrecon.studies.methods.method_figures import stamps
 from hullrecon.typing import Array
 
@@ -49,14 +48,7 @@ class InspectedHull:
 
 def inspect(dive: DiveRun, truth: Truth) -> InspectedHull:
     """Read an adjusted dive. Raises InputError without a CAD model that fits, or a camera."""
-    inputs = InputArtifacts(
-        inputs_of(
-            dive.chain.stage("mosaic-optical"),
-            dive.chain,
-            dive.workspace,
-            dive.chain.skip_reasons(),
-        )
-    )
+    inputs = inputs_of_step(dive, "mosaic-optical")
     adjust, cad_model = inputs.adjust, inputs.ingest.hull
     index = inputs.ingest.image_index(Camera.TOP)
     if adjust is None or adjust.solution.hull_pose is None or cad_model is None or index is None:

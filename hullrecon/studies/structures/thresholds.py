@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import msgspec
 import numpy as np
 
-from hullrecon.artifacts.workspace import COMPARE_FOLDER, Workspace
 from hullrecon.detection.as_found.hull_as_found import refine_near
 from hullrecon.detection.options import DetectOptions
 from hullrecon.evaluation.objects import find_reported
@@ -20,6 +19,7 @@ from hullrecon.geometry.meshes.mesh import Mesh, face_areas, vertex_normals
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.steps.artifacts import DetectArtifact
+from hullrecon.studies.dive_steps import build_beside
 from hullrecon.studies.figure_style import (
     COLOURS,
     GREEN,
@@ -28,7 +28,7 @@ from hullrecon.studies.figure_style import (
     finish_figure,
     new_canvas,
 )
-from hullrecon.studies.methods.variants import build_step, find_objects
+from hullrecon.studies.methods.variants import find_objects
 from hullrecon.studies.structures.inspected import InspectedHull, inspect
 from hullrecon.studies.study import ComparedValue, StudyDive, StudyResult
 from hullrecon.studies.surfaces.regression import fuse_shapes
@@ -250,20 +250,12 @@ def _draw_map(axis: Axes, remeshed: Remeshed, hull: InspectedHull) -> None:
 def _objects_of_any_height(given: StudyDive) -> tuple[ReportedObject, ...]:
     """Run detect once with hardly a least height, so that a threshold may be put on its objects."""
     dive = given.dive
-    workspace = Workspace(dive.workspace.root / COMPARE_FOLDER / "any-height")
     sections = {
         **dive.chain.sections,
         "detect": msgspec.structs.replace(dive.chain.sections["detect"], min_height_m=LOWEST_M),  # type: ignore[type-var]
     }
-    with dive.workspace.lock():
-        build_step(
-            "detect",
-            replace(dive.chain, sections=sections),
-            dive.workspace,
-            workspace,
-            given.run_context,
-        )
-        given.run_context.hashes.save()
+    chain = replace(dive.chain, sections=sections)
+    workspace = build_beside(dive, "any height", "detect", chain, given.run_context)
     rows = DetectArtifact(workspace.artifact("detect")).objects.get("objects", ())
     return msgspec.convert(rows, tuple[ReportedObject, ...])
 

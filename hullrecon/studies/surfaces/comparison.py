@@ -11,7 +11,7 @@ from functools import partial
 from hullrecon.api.dive_run import DiveRun
 from hullrecon.artifacts.runner import RunContext, run_chain
 from hullrecon.artifacts.stage import Stage
-from hullrecon.artifacts.workspace import COMPARE_FOLDER, Workspace
+from hullrecon.artifacts.workspace import Workspace
 from hullrecon.errors import InputError, StageError
 from hullrecon.evaluation.deliverables import PointCloud
 from hullrecon.evaluation.surfaces import score_surface
@@ -21,7 +21,7 @@ from hullrecon.records.surface import Surface
 from hullrecon.steps import detect, surface
 from hullrecon.steps.artifacts import AdjustArtifact, DetectArtifact, SurfaceArtifact
 from hullrecon.steps.chain import stage
-from hullrecon.studies.methods.variants import build_step
+from hullrecon.studies.dive_steps import build_beside, with_stages
 from hullrecon.studies.surfaces.regression import (
     RadialKernel,
     WendlandKernel,
@@ -89,20 +89,11 @@ def _figures_of(
     dive: DiveRun, name: str, stage: Stage, truth: Truth, run_context: RunContext
 ) -> VariantFigures:
     """Make a variant's artifact in RUNS/<dive>/compare where it is out of date, and score it."""
-    workspace = Workspace(dive.workspace.root / COMPARE_FOLDER / name.replace(" ", "-"))
-    stages = tuple(stage if s.name == stage.name else s for s in dive.chain.stages)
-    with dive.workspace.lock():
-        try:
-            build_step(
-                stage.name,
-                replace(dive.chain, stages=stages),
-                dive.workspace,
-                workspace,
-                run_context,
-            )
-        except StageError as error:
-            return {"error": error.what}
-        run_context.hashes.save()
+    chain = with_stages(dive.chain, stage)
+    try:
+        workspace = build_beside(dive, name, stage.name, chain, run_context)
+    except StageError as error:
+        return {"error": error.what}
     read = _surface_in if stage.name == "surface" else _as_found_in
     return _score(read(workspace), truth)
 

@@ -30,9 +30,9 @@ from hullrecon.mosaic.stream import in_threads
 from hullrecon.steps.artifacts import DetectArtifact, SurfaceArtifact
 from hullrecon.steps.mosaic_sonar import blend_pings, ping_poses
 from hullrecon.steps.mosaics import REACH_M
+from hullrecon.studies.dive_steps import inputs_of_step
 from hullrecon.studies.figure_style import PublishedFigure, finish_figure, new_canvas
 from hullrecon.studies.methods.variants import find_objects
-from hullrecon.studies.paths.path_figures import inputs_of_step
 from hullrecon.studies.structures.inspected import InspectedHull, inspect
 from hullrecon.studies.study import ComparedValue, StudyDive, StudyResult
 from hullrecon.typing import Array, Mask

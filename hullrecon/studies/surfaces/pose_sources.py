@@ -10,7 +10,6 @@ from functools import partial
 import numpy as np
 
 from hullrecon.adjustment.options import PRODUCT
-from hullrecon.artifacts.workspace import COMPARE_FOLDER, Workspace
 from hullrecon.errors import InputError
 from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.meshes.mesh import Mesh
@@ -20,7 +19,8 @@ from hullrecon.rig import Rig
 from hullrecon.steps import adjust
 from hullrecon.steps.artifacts import AdjustArtifact, IngestArtifact, LinksArtifact
 from hullrecon.steps.chain import stage
-from hullrecon.studies.methods.variants import build_step, find_objects
+from hullrecon.studies.dive_steps import build_beside, with_stages
+from hullrecon.studies.methods.variants import find_objects
 from hullrecon.studies.paths.path_figures import linked_track, path_by_planes, place_on_cad_model
 from hullrecon.studies.study import StudyDive
 from hullrecon.typing import Array
@@ -107,18 +107,6 @@ def _place(
 
 def _adjusted_without_hull(given: StudyDive) -> AdjustArtifact:
     """Adjust images and navigation alone, where that is out of date."""
-    dive = given.dive
-    workspace = Workspace(dive.workspace.root / COMPARE_FOLDER / "without-hull")
-    stages = tuple(
-        WITHOUT_HULL_STAGE if stage.name == "adjust" else stage for stage in dive.chain.stages
-    )
-    with dive.workspace.lock():
-        build_step(
-            "adjust",
-            replace(dive.chain, stages=stages),
-            dive.workspace,
-            workspace,
-            given.run_context,
-        )
-        given.run_context.hashes.save()
+    chain = with_stages(given.dive.chain, WITHOUT_HULL_STAGE)
+    workspace = build_beside(given.dive, "without hull", "adjust", chain, given.run_context)
     return AdjustArtifact(workspace.artifact("adjust"))

@@ -29,9 +29,9 @@ from hullrecon.records.sensors import SonarPings
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.steps.mosaic_sonar import blend_pings, ping_poses
 from hullrecon.steps.mosaics import REACH_M
+from hullrecon.studies.dive_steps import inputs_of_step
 from hullrecon.studies.paths.path_figures import (
     VarianceMap,
-    inputs_of_step,
     sonar_variance,
     variance_map,
 )
