@@ -370,6 +370,11 @@ def _points_to_register(measured: Measurements, state: State) -> Array:
     """Collect DVL returns in g, or stereo landmarks where no ranges were carried."""
     if measured.returns is not None and (~measured.returns.flagged).sum() >= MIN_POINTS:
         return _returns_in_global(measured, state)
+    if measured.returns is None and measured.tracks is None:
+        raise StageError(
+            "nothing measures the hull: there is no DVL range and no image",
+            remedy="`hullrecon run --to navigate` gives the path alone",
+        )
     landmarks = selection.triangulate_landmarks(measured, state)
     landmarks = landmarks[np.isfinite(landmarks[:, 0])]
     if len(landmarks) < MIN_POINTS:

@@ -88,12 +88,19 @@ def test_too_few_landmarks_are_refused_and_the_remedy_heals(cad):
 
 
 def test_nothing_to_register_is_refused_and_the_remedy_heals():
-    measured = simulate().measured
-    unseen = replace(measured, returns=None, tracks=None)
+    measured = simulate(camera=False).measured
+    few = replace(measured, returns=measured.returns.take(slice(0, 20)))
     with pytest.raises(StageError, match="fewer than 30") as error:
-        quietly(unseen)
+        quietly(few)
     assert "without [hull]" in error.value.remedy
-    assert quietly(replace(unseen, cad_model=None)).result.converged
+    assert quietly(replace(few, cad_model=None)).result.converged
+
+
+def test_a_dive_that_measures_no_hull_is_told_to_end_with_its_path():
+    measured = simulate().measured
+    with pytest.raises(StageError, match="nothing measures the hull") as error:
+        quietly(replace(measured, returns=None, tracks=None))
+    assert "--to navigate" in error.value.remedy  # followed in steps/test_navigate.py
 
 
 def test_flagged_returns_count_for_nothing():

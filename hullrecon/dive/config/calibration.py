@@ -191,14 +191,16 @@ def _distorted(camera: CameraModel, data: Mapping[str, object], where: str) -> C
 
 
 def _numbers(data: Mapping[str, object], key: str, count: int | None, where: str) -> list[float]:
-    """Read the `data` of a matrix, or a list.
+    """Read the `data` of a matrix, a list, or a list of rows.
 
     Raises InputError unless it is `count` finite numbers.
     """
     found = data.get(key)
     found = found.get("data") if isinstance(found, Mapping) else found
+    if isinstance(found, list):
+        found = [v for row in found for v in (row if isinstance(row, list) else [row])]
     try:
-        values = [float(v) for v in found] if isinstance(found, list | tuple) else None
+        values = [float(v) for v in found] if isinstance(found, list) else None
     except (TypeError, ValueError, OverflowError):
         values = None
     if values is None:

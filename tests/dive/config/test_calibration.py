@@ -137,7 +137,13 @@ def test_the_names_of_opencv_and_of_the_message_are_read(tmp_path):
         "height: 48\nwidth: 64\nk: [50, 0, 31.5, 0, 51, 23.5, 0, 0, 1]\n"
         "d: [-0.1, 0.02, 0.001, -0.002, 0.003]\nbinning_x: 0\nroi: {x_offset: 0, width: 0}\n"
     )
-    for camera in (read_camera(path), read_camera(message)):
+    of_rows = tmp_path / "rows.yaml"
+    of_rows.write_text(
+        "image_height: 48\nimage_width: 64\n"
+        "camera_matrix: [[50, 0, 31.5], [0, 51, 23.5], [0, 0, 1]]\n"
+        "distortion_coefficients: [[-0.1, 0.02, 0.001, -0.002, 0.003]]\n"
+    )
+    for camera in (read_camera(path), read_camera(message), read_camera(of_rows)):
         assert camera == CameraModel(
             64, 48, 50.0, 51.0, 31.5, 23.5, -0.1, 0.02, 0.001, -0.002, 0.003
         )
