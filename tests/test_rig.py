@@ -137,6 +137,9 @@ def test_sensors_that_were_not_carried_are_told_and_not_guessed() -> None:
         bare.poses_along(PATH, Camera.TOP)
     with pytest.raises(InputError, match="sonar has no mount"):
         bare.sonar_poses(PATH.poses, np.zeros(5))
+    told = rig_from_settings(SETTINGS, {Camera.TOP: MODEL})
+    assert len(told.poses_along(PATH, Camera.TOP)) == len(PATH)
+    assert len(told.sonar_poses(PATH.poses, np.zeros(5))) == 5
 
 
 def test_one_camera_makes_a_mono_rig() -> None:

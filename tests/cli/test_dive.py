@@ -333,6 +333,8 @@ def test_a_bow_across_the_ship_is_one_line_and_code_three(capsys, package):
         "the bow cannot lie at +y: the CAD model is 20.0 m along x, 5.0 m along y (hull.bow):"
         ' give "+x" or "-x"' in line
     )
+    (package / "dive.toml").write_text(TOML.replace("[hull]", '[hull]\nbow = "-x"'))
+    assert "the bow cannot lie" not in call(capsys, "check", package)[1]
     (package / "dive.toml").write_text(TOML.replace("[hull]", '[hull]\nbow = "x"'))
     assert complaint(capsys, "check", package)[0] == 2
 

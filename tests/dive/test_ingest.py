@@ -214,12 +214,14 @@ def test_time_window_without_measurements_is_refused(package):
     ) as caught:
         run(package, start=START + timedelta(hours=1))
     assert caught.value.where == "dive.from"
+    assert run(package, start=START)[0].records.dvl is not None
 
 
 def test_a_window_that_ends_before_it_begins_is_an_input_error(package):
     with pytest.raises(InputError, match="the time window ends before it begins") as caught:
         run(package, start=2.0, end=1.0)
     assert caught.value.where == "dive.to"
+    assert run(package, start=2.0, end=3.0)[0].records.dvl is not None
 
 
 def test_the_findings_say_in_words_what_was_read(package):
@@ -235,6 +237,9 @@ def test_absent_topic_is_refused_with_a_list_of_topics(package):
     ) as caught:
         run(package, topics={**REQUEST.topics, "imu": "/ahrs"})
     assert caught.value.where == "topics.imu"
+    without = {sensor: topic for sensor, topic in REQUEST.topics.items() if sensor != "imu"}
+    for topics, is_read in ((REQUEST.topics, True), (without, False)):
+        assert (run(package, topics=topics)[0].records.imu is not None) == is_read
 
 
 def test_absent_topic_of_a_damaged_log_is_only_noted(package):
@@ -260,9 +265,12 @@ def test_a_truncated_log_names_the_lost_span_of_each_topic(package):
 
 def test_nothing_readable_is_an_input_error(package):
     path = package / "logs" / "dive.mcap"
-    path.write_bytes(path.read_bytes()[:100])
+    whole = path.read_bytes()
+    path.write_bytes(whole[:100])
     with pytest.raises(InputError, match="no sensor could be read"):
         run(package)
+    path.write_bytes(whole)
+    assert run(package)[0].records.dvl is not None
 
 
 def test_a_camera_that_is_not_in_the_file_is_left_aside(package):
@@ -484,6 +492,8 @@ def test_unknown_joint_is_refused_with_all_joints_and_remedy(package):
     with pytest.raises(InputError, match="holds other, tray") as caught:
         run(package, joints={"tray": "xyz"})
     assert 'tray.joint = ""' in caught.value.remedy
+    for joints in ({"tray": "tray"}, {}):  # one of them, or none
+        assert (run(package, joints=joints)[0].records.tray is None) == (not joints)
 
 
 def test_a_joint_that_a_damaged_log_lost_is_only_remarked(package):

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Each finding that says what to do has a test that does it and sees that it heals."""
+"""Each finding, and each error about a package, that says what to do has a test that does it and
+sees that it heals.
+"""
 
 import ast
 import inspect
@@ -12,6 +14,9 @@ import pytest
 from hullrecon.findings.finding import WORDS
 
 TESTS = Path(__file__).parents[1]
+LIBRARY = TESTS.parent / "hullrecon"
+# Whose errors are about a dive package: what an operator reads of it
+ABOUT_PACKAGES = ("dive", "navigation", "vision", "adjustment", "surface", "geometry", "rig.py")
 # What asks a reader to do something
 ADVICE = re.compile(
     r"\b(to fill in|give\b|set dvl|set \{|log (its|one|it as)|leave the|take \[|put it there"
@@ -68,6 +73,178 @@ APPLIED = {
 }
 
 
+# By the function that raises the error
+FOLLOWED = {
+    "adjustment/cad_acceptance.py::_points_to_register": "adjustment/test_bundle_inputs.py::"
+    "test_nothing_to_register_is_refused_and_the_remedy_heals",
+    "adjustment/rounds.py::_choose": "adjustment/test_bundle_inputs.py::"
+    "test_too_few_landmarks_are_refused_and_the_remedy_heals",
+    "dive/check/hull_checks.py::refuse_far_hull": "dive/check/test_bow.py::"
+    "test_pose_that_leaves_the_ship_at_its_berth_is_refused",
+    "dive/config/calibration.py::read_camera": "dive/config/test_calibration.py::"
+    "test_rectified_pictures_are_not_rectified_once_more",
+    "dive/config/calibration.py::_refuse_foreign": "dive/config/test_calibration.py::"
+    "test_calibration_of_another_program_is_named",
+    "dive/config/camchain.py::camera_info_of": "dive/config/test_camchain.py::"
+    "test_other_models_of_a_camchain_are_refused_by_their_name",
+    **dict.fromkeys(
+        (
+            "dive/config/calibration.py::_of_region",
+            "dive/config/calibration.py::_distorted",
+            "dive/config/camera_matrix.py::read_pinhole",
+            "dive/config/lens_models.py::convert_rational",
+            "dive/config/lens_models.py::_as_plumb_bob",
+        ),
+        "dive/config/test_calibration.py::test_what_is_no_pinhole_is_refused_with_its_key",
+    ),
+    "dive/config/yaml_files.py::read_yaml": "dive/config/test_calibration.py::"
+    "test_a_missing_file_is_refused_by_name",
+    "dive/config/load.py::_read": "dive/config/test_load.py::"
+    "test_a_folder_or_a_coding_that_is_corrected_is_read",
+    **dict.fromkeys(
+        (
+            "dive/config/config_errors.py::_unknown",
+            "dive/config/load.py::_check_whole",
+            "dive/config/load.py::_check_topics",
+            "dive/config/load.py::_check_regions",
+            "dive/config/load.py::_check_units",
+            "dive/config/load.py::_check_tilt",
+            "dive/config/mount_units.py::refuse_lever_arm",
+            "dive/config/mount_units.py::refuse_radians",
+        ),
+        "dive/config/test_load.py::test_what_is_printed_to_do_about_dive_toml_heals",
+    ),
+    "dive/config/config_errors.py::explain_error": "dive/config/test_load.py::"
+    "test_the_smallest_file_gives_every_section_its_defaults",
+    "dive/config/mounts.py::refuse_mounts": "dive/config/test_mounts.py::"
+    "test_a_place_of_which_tf_static_says_two_has_to_be_given",
+    "dive/config/mounts.py::_refuse_parted_tray": "dive/config/test_mounts.py::"
+    "test_camera_on_servo_beside_fixed_dvl_is_refused",
+    "dive/hull/load.py::_load": "dive/hull/test_hull.py::"
+    "test_unread_mesh_format_is_refused_with_the_formats_read",
+    "dive/hull/load.py::_refuse_other_kind": "dive/hull/test_hull.py::"
+    "test_a_binary_stl_that_is_cut_off_is_named",
+    "dive/hull/load.py::_check_extent": "dive/hull/test_hull.py::"
+    "test_cad_model_in_wrong_units_is_refused_with_likely_ones",
+    "dive/hull/load.py::_refuse_stray": "dive/hull/test_hull.py::"
+    "test_a_body_far_from_the_ship_is_refused",
+    "dive/hull/load.py::_check_step": "dive/hull/test_precision.py::"
+    "test_what_the_refusal_asks_for_is_read",
+    "dive/images/logged_calibrations.py::check_constant": "dive/images/"
+    "test_logged_calibrations.py::test_a_calibration_that_changes_within_the_log_is_refused",
+    "dive/images/logged_calibrations.py::_camera": "dive/images/test_logged_calibrations.py::"
+    "test_rectified_images_are_refused_with_raw_camera_info",
+    "dive/images/sink.py::finish": "dive/images/test_images.py::"
+    "test_images_of_which_none_is_whole_are_refused_until_they_are",
+    "dive/images/sink.py::_check_size": "dive/images/test_images.py::"
+    "test_images_unlike_calibration_are_refused_early_with_sizes",
+    "dive/images/store.py::bytes": "dive/images/test_images.py::"
+    "test_an_image_file_that_is_gone_is_an_input_error",
+    "dive/ingest.py::_nothing_read": "dive/test_ingest.py::test_nothing_readable_is_an_input_error",
+    "dive/ingest.py::_check_silence": "dive/check/test_package_check.py::"
+    "test_several_dives_are_refused_until_one_is_given",
+    "dive/ingest.py::_check_topics": "dive/test_ingest.py::"
+    "test_absent_topic_is_refused_with_a_list_of_topics",
+    "dive/ingest.py::_check_joints": "dive/test_ingest.py::"
+    "test_unknown_joint_is_refused_with_all_joints_and_remedy",
+    "dive/logs/dvl_beams.py::ask_for_beams": "dive/logs/test_dvl_beams.py::"
+    "test_configured_beams_are_used_for_messages_without_beams",
+    "dive/logs/formats/csv_rows.py::_find_header": "dive/formats/test_csv_rows.py::"
+    "test_a_missing_column_is_named",
+    "dive/logs/formats/csv_rows.py::_check_header": "dive/formats/test_csv_rows.py::"
+    "test_a_column_that_is_there_twice_is_refused",
+    "dive/logs/positions.py::_refuse_other_units": "dive/logs/test_positions.py::"
+    "test_places_in_another_unit_than_degrees_are_refused_until_they_are",
+    "dive/logs/read_streams.py::refuse_two": "dive/logs/test_read_streams.py::"
+    "test_two_sensors_on_one_topic_are_refused",
+    "dive/logs/read_streams.py::_translate": "dive/logs/test_read_streams.py::"
+    "test_topic_of_wrong_type_is_refused_with_both_types",
+    "dive/logs/readers/file_log.py::require_regular_file": "dive/readers/test_open.py::"
+    "test_pipes_sockets_devices_are_refused_without_waiting",
+    "dive/logs/readers/oculus/log.py::_first_item": "dive/readers/test_oculus.py::"
+    "test_an_encrypted_log_is_refused_with_what_to_do",
+    "dive/logs/readers/open.py::open_log": "dive/readers/test_open.py::"
+    "test_a_path_of_windows_is_refused_with_how_to_write_it",
+    "dive/logs/readers/open.py::_not_read": "dive/readers/test_open.py::"
+    "test_what_is_no_log_is_an_input_error_that_lists_the_formats",
+    "dive/logs/readers/plain.py::_table": "dive/readers/test_plain.py::"
+    "test_stamps_in_other_units_are_refused_with_likely_unit",
+    "dive/logs/readers/scratch.py::_no_space": "dive/readers/test_rosbag2.py::"
+    "test_no_room_to_unpack_is_one_line_and_leaves_nothing",
+    "dive/logs/readers/water_linked.py::_read": "dive/readers/test_water_linked.py::"
+    "test_file_of_timeless_reports_is_refused_with_remedy",
+    "dive/logs/sonar_geometry.py::choose_directions": "dive/logs/test_sonar_geometry.py::"
+    "test_angles_that_do_not_fit_the_beams_are_refused",
+    "dive/logs/sonar_geometry.py::ask_for_azimuths": "dive/logs/test_sonar_geometry.py::"
+    "test_beams_that_nothing_describes_are_asked_for",
+    "dive/logs/streams.py::_refuse_far": "dive/logs/test_streams.py::"
+    "test_ranges_in_millimetres_are_refused",
+    "dive/logs/streams.py::_refuse_fast": "dive/logs/test_streams.py::"
+    "test_velocities_of_another_unit_are_refused_until_it_is_given",
+    "dive/logs/streams.py::_no_attitude": "dive/logs/test_streams.py::"
+    "test_an_imu_without_any_attitude_is_refused",
+    "dive/logs/streams.py::_refuse_unfilled": "dive/logs/test_streams.py::"
+    "test_an_orientation_that_is_never_filled_in_is_refused",
+    "dive/logs/streams.py::_require_mount_of_dvl": "dive/logs/test_attitude_depth.py::"
+    "test_dvl_attitude_needs_its_mount_and_is_noted",
+    "dive/logs/streams.py::_above_water": "dive/logs/test_streams.py::"
+    "test_a_pressure_of_another_unit_is_refused_with_one_that_heals",
+    "dive/logs/streams.py::joint_samples": "dive/logs/test_streams.py::"
+    "test_joint_angles_in_degrees_are_refused_until_their_unit_is_given",
+    "dive/logs/time_window.py::time_window": "dive/test_ingest.py::"
+    "test_a_window_that_ends_before_it_begins_is_an_input_error",
+    "dive/logs/timeline.py::_refuse_two_bases": "dive/logs/test_timeline.py::"
+    "test_a_clock_that_is_set_amid_a_table_is_refused_with_the_way_to_use_the_rest",
+    "dive/logs/two_sensors.py::refuse_two_sensors": "dive/logs/test_two_sensors.py::"
+    "test_depths_of_two_sensors_are_refused_and_one_of_them_is_taken",
+    "dive/package_files.py::_check_file": "dive/test_package_files.py::"
+    "test_file_outside_package_is_refused_with_key_and_option",
+    "geometry/charts/section_casting.py::_wrong_bow": "cli/test_dive.py::"
+    "test_a_bow_across_the_ship_is_one_line_and_code_three",
+    "navigation/dead_reckoning/dead_reckon.py::finite_attitude": "navigation/"
+    "test_dead_reckoning.py::test_imu_with_single_orientation_is_refused_as_such",
+    "navigation/navigate.py::choose_path": "steps/test_navigate.py::"
+    "test_neither_dvl_nor_stereo_is_an_error_in_words",
+    "rig.py::tray_from": "test_rig.py::test_sensors_that_were_not_carried_are_told_and_not_guessed",
+    "rig.py::sonar_poses": "test_rig.py::"
+    "test_sensors_that_were_not_carried_are_told_and_not_guessed",
+    "surface/build.py::build_surface": "surface/test_build.py::"
+    "test_returns_too_sparse_are_refused_and_the_remedy_heals",
+    # a dive without its cameras
+    "vision/match_images.py::join_images": "adjustment/test_bundle_inputs.py::"
+    "test_too_few_landmarks_are_refused_and_the_remedy_heals",
+    "vision/stereo/pose_conventions.py::_readings": "vision/stereo/test_pose_conventions.py::"
+    "test_pose_of_another_convention_is_read_as_meant",
+    "vision/stereo/rig_check.py::check_baseline": "vision/stereo/test_rig_check.py::"
+    "test_baseline_of_another_length_is_named_and_corrected",
+    "vision/stereo/rig_check.py::_find_shift": "vision/stereo/test_rig_check.py::"
+    "test_offset_that_is_advised_heals_stamps",
+    "vision/stereo/rig_check.py::_contradiction": "vision/stereo/test_pose_conventions.py::"
+    "test_pose_of_another_convention_is_read_as_meant",
+}
+
+
+def raising_functions() -> set[str]:
+    """The functions that raise or make an error about a package with a remedy."""
+    found = set()
+    for path in sorted(LIBRARY.rglob("*.py")):
+        place = path.relative_to(LIBRARY)
+        if place.parts[0] not in ABOUT_PACKAGES:
+            continue
+        for function in ast.walk(ast.parse(path.read_text())):
+            if isinstance(function, ast.FunctionDef) and any(
+                isinstance(call, ast.Call)
+                and any(key.arg == "remedy" and says_what(key.value) for key in call.keywords)
+                for call in ast.walk(function)
+            ):
+                found.add(f"{place.as_posix()}::{function.name}")
+    return found
+
+
+def says_what(remedy: ast.expr) -> bool:
+    return not (isinstance(remedy, ast.Constant) and not remedy.value)
+
+
 def words_of(code: str) -> str:
     words = WORDS[code]
     return words if isinstance(words, str) else inspect.getsource(words)
@@ -78,7 +255,11 @@ def test_each_finding_with_advice_has_a_test_that_follows_it():
     assert advising == set(APPLIED)
 
 
-@pytest.mark.parametrize("node", sorted(set(APPLIED.values())))
+def test_each_error_about_a_package_has_a_test_that_does_what_it_says():
+    assert raising_functions() == set(FOLLOWED)
+
+
+@pytest.mark.parametrize("node", sorted({*APPLIED.values(), *FOLLOWED.values()}))
 def test_the_test_that_follows_advice_exists(node):
     file, _, name = node.partition("::")
     tree = ast.walk(ast.parse((TESTS / file).read_text()))

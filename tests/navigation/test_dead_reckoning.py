@@ -389,6 +389,7 @@ def test_an_imu_without_orientation_is_an_error_in_words(perfect, rig):
     )
     with pytest.raises(StageError, match="no orientation"):
         reckoned(blind, rig)
+    assert len(reckoned(perfect, rig).trajectory.t_ns)  # the same, filled in
 
 
 def test_imu_with_single_orientation_is_refused_as_such(perfect, rig):
@@ -396,6 +397,9 @@ def test_imu_with_single_orientation_is_refused_as_such(perfect, rig):
     quaternion[0] = perfect.imu.quaternion[0]
     with pytest.raises(StageError, match="a single orientation"):
         reckoned(replace(perfect, imu=replace(perfect.imu, quaternion=quaternion)), rig)
+    quaternion[-1] = perfect.imu.quaternion[-1]  # of a window that left one reading of two
+    wider = replace(perfect, imu=replace(perfect.imu, quaternion=quaternion))
+    assert len(reckoned(wider, rig).trajectory.t_ns)
 
 
 def test_the_same_logs_give_the_same_numbers(noisy, rig):

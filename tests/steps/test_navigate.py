@@ -188,9 +188,11 @@ def test_a_dvl_without_an_imu_is_an_error_in_words(ingest: Path, tmp_path: Path)
 
 
 def test_neither_dvl_nor_stereo_is_an_error_in_words(ingest: Path, tmp_path: Path) -> None:
-    (ingest / "dvl.npz").unlink()
+    (ingest / "dvl.npz").rename(tmp_path / "dvl.npz")
     with pytest.raises(StageError, match="nothing measures how the vehicle moved"):
         run(ingest, tmp_path / "navigate")
+    (tmp_path / "dvl.npz").rename(ingest / "dvl.npz")  # as a topic that is named
+    assert (run(ingest, tmp_path / "with_dvl") / "trajectory.npz").exists()
 
 
 def slide_over_seabed(ingest: Path, contrast: float = 1.0) -> None:

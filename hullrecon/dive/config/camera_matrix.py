@@ -71,6 +71,11 @@ def _doubt(lens: Array, size: Array) -> str:
             "middle, as Metashape's does?"
         )
     if not _is_usual(lens, size, UNUSUAL, OFF_MIDDLE):
+        if _is_usual(lens, size[::-1], SQUARE, MIDDLE):
+            return (
+                f"the principal point {cx:g}, {cy:g}, far off the middle of {images}: are width "
+                "and height of the calibration exchanged?"
+            )
         for order in permutations(lens.tolist()):
             if _is_usual(np.array(order), size, SQUARE, MIDDLE):
                 return (

@@ -150,7 +150,7 @@ class LoggedCalibrations:
             raise InputError(
                 f"{images} is rectified, and {topic} describes what was before",
                 where=_key(camera),
-                remedy=REMEDY,
+                remedy="give the YAML of the rectified pictures, which have no distortion",
             )
         matrix = keys["camera_matrix"]
         if isinstance(matrix, list) and not any(matrix):

@@ -95,11 +95,12 @@ class ImageSink:
             return None
         self._check_size()
         if not any(row[-1] for row in self._rows):
-            many = (
-                f"none of the {len(self._rows)} images" if len(self._rows) > 1 else "the only image"
-            )
+            count = len(self._rows)
+            what = f"none of the {count} images of {self._camera} can be read"
+            if count == 1:
+                what = f"the only image of {self._camera} cannot be read"
             raise InputError(
-                f"{many} of {self._camera} can be read",
+                what,
                 remedy="see that the files are there and whole",
             )
         stamp, logged, log, file, offset, size, usable = (

@@ -64,7 +64,7 @@ def test_a_rational_model_whose_denominator_is_one_is_read(calibration, tmp_path
         ({"camera_matrix": "[50, 0, -0.6, 0, 51, 1.2, 0, 0, 1]"}, "as Metashape's does"),
         ({"camera_matrix": "[2.8, 0, 31.5, 0, 2.8, 23.5, 0, 0, 1]"}, "are they millimetres"),
         ({"camera_matrix": "[0.78, 0, 0.5, 0, 0.8, 0.5, 0, 0, 1]"}, "shares of the image's size"),
-        ({"camera_matrix": "[50, 0, 23.5, 0, 51, 31.5, 0, 0, 1]"}, "cx = 31.5 and cy = 23.5"),
+        ({"camera_matrix": "[50, 0, 23.5, 0, 51, 31.5, 0, 0, 1]"}, "width and height of the calib"),
         ({"camera_matrix": "[50, 0, 51, 0, 31.5, 23.5, 0, 0, 1]"}, "cx = 31.5 and cy = 23.5"),
         ({"roi": "{x_offset: 10, width: 64}"}, "roi, 64 x 48 pixels from 10, 0 on, lies outside"),
     ],
@@ -72,6 +72,8 @@ def test_a_rational_model_whose_denominator_is_one_is_read(calibration, tmp_path
 def test_what_is_no_pinhole_is_refused_with_its_key(calibration, tmp_path, more, words):
     with pytest.raises(InputError, match=words.replace("[", r"\[")):
         read_camera(calibration(tmp_path / "c.yaml", **more))
+    # plumb_bob, row by row, in pixels, at the size of the images
+    assert read_camera(calibration(tmp_path / "c.yaml")).fx == 50.0
 
 
 @pytest.mark.parametrize(
@@ -156,9 +158,10 @@ def test_a_file_that_is_no_table_is_refused_by_name(tmp_path, content):
         read_camera(tmp_path / "c.yaml")
 
 
-def test_a_missing_file_is_refused_by_name(tmp_path):
+def test_a_missing_file_is_refused_by_name(calibration, tmp_path):
     with pytest.raises(InputError, match=r"c\.yaml is missing"):
         read_camera(tmp_path / "c.yaml")
+    assert read_camera(calibration(tmp_path / "there.yaml")).fx == 50.0
 
 
 def test_the_calibrations_of_the_simulated_dive_are_read(data):
@@ -231,11 +234,12 @@ def test_an_alias_bomb_as_calibration_is_refused(tmp_path):
         ("PK\x03\x04", "NumPy's archive"),
     ],
 )
-def test_calibration_of_another_program_is_named(tmp_path, text, whose):
+def test_calibration_of_another_program_is_named(calibration, tmp_path, text, whose):
     (tmp_path / "c.txt").write_text(text)
     with pytest.raises(InputError, match=whose) as refused:
         read_camera(tmp_path / "c.txt")
     assert str(refused.value.remedy).startswith("write a camera_info YAML")
+    assert read_camera(calibration(tmp_path / "c.yaml")).fx == 50.0
 
 
 @pytest.mark.parametrize("topic", ["/top/image_rect", "/zed/left/image_rect_color/compressed"])

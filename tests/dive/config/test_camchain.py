@@ -67,5 +67,7 @@ def test_the_chains_pose_is_that_of_the_lower_camera_in_the_upper(tmp_path):
 )
 def test_other_models_of_a_camchain_are_refused_by_their_name(tmp_path, more, words):
     path = camchain(tmp_path / "camchain.yaml", **more)
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(InputError, match=words) as caught:
         read_camera(path)
+    assert caught.value.remedy == "calibrate with pinhole-radtan"
+    assert read_camera(camchain(path)).fx > 0

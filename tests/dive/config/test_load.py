@@ -338,6 +338,86 @@ def test_values_of_another_unit_or_form_are_told_what_is_expected(package, overr
     assert words in refusal(package, override)
 
 
+HEALED = {  # by what is printed to do: what is refused, and what that makes of it
+    "a mono rig has camera.top only": (
+        '[camera.bottom]\ncalibration = "a.yaml"',
+        '[camera.top]\ncalibration = "a.yaml"',
+    ),
+    "name each log once": ('files = ["logs", "logs/"]', 'files = ["logs", "b.mcap"]'),
+    "give each beam as x, y, z of length 1": (
+        "[dvl]\nbeams = [[-1, 0, 1]]",
+        "[dvl]\nbeams = [[-0.7071, 0, 0.7071]]",
+    ),
+    "give each sensor its own topic": (
+        '[topics]\ndvl = "/a"\njoints = "/a"',
+        '[topics]\ndvl = "/a"\njoints = "/b"',
+    ),
+    "give each region its own name": (
+        HULL + '[[hull.region]]\nname = "a"\nalong = [1, 2]\n' * 2,
+        "".join([HULL, *(f'[[hull.region]]\nname = "{name}"\nalong = [1, 2]\n' for name in "ab")]),
+    ),
+    "give along = [from, to], girth = [from, to] or both": (
+        HULL + '[[hull.region]]\nname = "a"',
+        HULL + '[[hull.region]]\nname = "a"\nalong = [1, 2]\ngirth = [0, 4]',
+    ),
+    "give the lower limit first": (
+        HULL + '[[hull.region]]\nname = "a"\nalong = [2, 1]',
+        HULL + '[[hull.region]]\nname = "a"\nalong = [1, 2]',
+    ),
+    "give it in Pa; 0 where": (
+        "[pressure]\natmosphere = 1013.25",
+        "[pressure]\natmosphere = 101325.0",
+    ),
+    "give both": (
+        "[dvl]\nbeam_angle_deg = 30",
+        "[dvl]\nbeam_angle_deg = 30\nbeam_azimuth_deg = [0, 90, 180, 270]",
+    ),
+    "leave one of them away": (
+        "[dvl]\nbeams = [[0, 0, 1]]\nbeam_angle_deg = 30\nbeam_azimuth_deg = [0]",
+        "[dvl]\nbeams = [[0, 0, 1]]",
+    ),
+    "give dvl.mount in metres": (
+        "[dvl]\nmount = [0, 0, 80, 0, 90, 0]",
+        "[dvl]\nmount = [0, 0, 0.08, 0, 90, 0]",
+    ),
+    "give roll, pitch, yaw of dvl.mount in degrees": (
+        "[dvl]\nmount = [0, 0, 0.08, 0, 1.5708, 0]",
+        "[dvl]\nmount = [0, 0, 0.08, 0, 90, 0]",
+    ),
+    "write paths with / between folders": (
+        HULL.replace("h.stl", "cad\\hull.stl"),
+        HULL.replace("h.stl", "cad/hull.stl"),
+    ),
+    "the nearest known key is imu.frame": ('[imu]\nfram = "ned"', '[imu]\nframe = "ned"'),
+}
+
+
+@pytest.mark.parametrize("remedy", HEALED)
+def test_what_is_printed_to_do_about_dive_toml_heals(package, remedy):
+    for text, heals in zip(HEALED[remedy], (False, True), strict=True):
+        whole = PLAIN.replace('files = ["logs"]\n', "") if "files" in text else PLAIN
+        (package / "dive.toml").write_text(whole + text + "\n")
+        if heals:
+            assert load_config(package).config.dive.name == "x"
+            continue
+        with pytest.raises((UsageError, InputError)) as caught:
+            load_config(package)
+        assert caught.value.remedy.startswith(remedy)
+
+
+def test_a_folder_or_a_coding_that_is_corrected_is_read(package, tmp_path):
+    with pytest.raises(InputError) as caught:
+        load_config(tmp_path / "elsewhere")
+    assert caught.value.remedy.startswith("give the folder that holds dive.toml")
+    text = PLAIN.replace('name = "x"\n', 'name = "x"\nvessel = "B\u00e4r"\n')
+    (package / "dive.toml").write_bytes(text.encode("latin-1"))
+    with pytest.raises(UsageError) as caught:
+        load_config(package)
+    assert caught.value.remedy == "save it as UTF-8"
+    (package / "dive.toml").write_bytes(text.encode())
+    assert load_config(package).config.dive.vessel == "B\u00e4r"
+
+
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
 def test_a_file_of_a_windows_editor_is_read(package, end):
     (package / "dive.toml").write_bytes(("\ufeff" + PLAIN.replace("\n", end)).encode())

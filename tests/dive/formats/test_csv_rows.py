@@ -68,11 +68,14 @@ def test_a_header_of_a_thousand_columns_is_refused(tmp_path):
     """Each of a million short lines would become a row of so many cells."""
     with pytest.raises(InputError, match="has 1000 columns"):
         rows(tmp_path, "a" + ",b" * 999 + "\n" + "1\n" * 10)
+    assert rows(tmp_path, "a,b\n1,2\n")
 
 
 def test_a_missing_column_is_named(tmp_path):
     with pytest.raises(InputError, match=r"x\.csv has no column c"):
         rows(tmp_path, "a,b\n", ("a", "c"))
+    for separator in ",;\t":
+        assert rows(tmp_path, f"a{separator}c\n1{separator}2\n", ("a", "c"))
 
 
 @QUICK
@@ -116,3 +119,4 @@ def test_a_table_without_header_is_shown_by_its_first_line(tmp_path):
 def test_a_column_that_is_there_twice_is_refused(tmp_path):
     with pytest.raises(InputError, match="has the column vy 2 times"):
         rows(tmp_path, "t,vx,vy,vy,vz\n1,2,3,4,5\n", ("t", "vx", "vy", "vz"))
+    assert rows(tmp_path, "t,vx,vy,other,vz\n1,2,3,4,5\n", ("t", "vx", "vy", "vz"))

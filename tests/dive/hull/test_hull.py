@@ -257,12 +257,15 @@ def test_the_boundary_of_one_triangle_is_its_three_edges():
 def test_a_missing_cad_model_is_an_input_error(tmp_path):
     with pytest.raises(InputError, match=r"hull\.stl is missing"):
         read_hull(tmp_path / "hull.stl", "m", [])
+    assert len(read_hull(save(tmp_path / "there.stl", tube()), "m", []).faces)
 
 
 def test_unread_mesh_format_is_refused_with_the_formats_read(tmp_path):
     (tmp_path / "hull.step").write_text("x")
     with pytest.raises(InputError, match="stl, ply, obj, off, glb"):
         read_hull(tmp_path / "hull.step", "m", [])
+    for kind in ("stl", "ply", "obj", "off", "glb"):
+        assert len(read_hull(save(tmp_path / f"hull.{kind}", tube()), "m", []).faces)
 
 
 @pytest.mark.parametrize("name", ["h.stl", "h.ply", "h.obj", "h.off", "h.glb", "h.stl.gz"])
@@ -370,6 +373,8 @@ def test_a_binary_stl_that_is_cut_off_is_named(tmp_path):
     (tmp_path / "hull.stl").write_bytes(whole[: len(whole) // 2])
     with pytest.raises(InputError, match=r"is cut off: it holds \d+ of \d+ faces"):
         read_hull(tmp_path / "hull.stl", "m", [])
+    (tmp_path / "hull.stl").write_bytes(whole)  # copied again
+    assert len(read_hull(tmp_path / "hull.stl", "m", []).faces)
 
 
 def test_decimal_commas_of_an_stl_are_named(tmp_path):
@@ -386,6 +391,8 @@ def test_a_body_far_from_the_ship_is_refused(tmp_path):
     trimesh.util.concatenate([ship, box]).export(tmp_path / "hull.stl")
     with pytest.raises(InputError, match=r"12 of .* faces of hull\.stl lie or reach far"):
         read_hull(tmp_path / "hull.stl", "m", [])
+    ship.export(tmp_path / "hull.stl")  # what is no hull was removed
+    assert len(read_hull(tmp_path / "hull.stl", "m", []).faces)
 
 
 def tube_arrays():

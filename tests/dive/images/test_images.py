@@ -71,6 +71,7 @@ def test_images_unlike_calibration_are_refused_early_with_sizes(tmp_path, jpegs)
         store.take(image(t, jpegs[0]), t, 0)
     with pytest.raises(InputError, match="64 x 48 pixels, its calibration is for 640 x 480"):
         store.take(image(4, jpegs[0]), 4, 0)
+    assert len(take(sink(tmp_path, (64, 48))[0], image(4, jpegs[0]))[0].t_ns) == 1
 
 
 def test_few_images_of_another_size_are_refused_at_the_end(tmp_path, jpegs):
@@ -86,6 +87,13 @@ def test_files_stay_where_they_are(tmp_path, jpegs):
     assert index.usable.tolist() == [True, False]
     assert file.getvalue() == b""
     assert "missing or damaged" in notes[0].sentence
+
+
+def test_images_of_which_none_is_whole_are_refused_until_they_are(tmp_path, jpegs):
+    with pytest.raises(InputError, match="the only image of camera_top cannot be read") as caught:
+        take(sink(tmp_path)[0], image(10, jpegs[0][:200]))
+    assert caught.value.remedy == "see that the files are there and whole"
+    assert len(take(sink(tmp_path)[0], image(10, jpegs[0]))[0].t_ns) == 1
 
 
 def test_no_images_are_no_index(tmp_path):
@@ -117,12 +125,14 @@ def test_the_store_pickles_and_reads_the_same(store):
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(store)).read(0), store.read(0))
 
 
-def test_an_image_file_that_is_gone_is_an_input_error(store, tmp_path):
+def test_an_image_file_that_is_gone_is_an_input_error(store, tmp_path, jpegs):
     (tmp_path / "b.jpg").unlink()
     with pytest.raises(InputError, match="cannot be read"):
         store.read(2)
     with pytest.raises(InputError, match="lies in the package"):
         ImageStore(tmp_path, None, "camera_top").read(2)
+    (tmp_path / "b.jpg").write_bytes(jpegs[1])
+    assert store.read(2) is not None  # with the package's folder
 
 
 def test_a_gray_png_reads_as_rgb():

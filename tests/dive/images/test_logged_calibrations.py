@@ -13,6 +13,7 @@ from hullrecon.steps.ingest import ingest_settings, request_of
 
 KIND = "sensor_msgs/msg/CameraInfo"
 LENS = (-0.1, 0.02, 0.001, -0.002, 0.003)
+GIVEN = "camera.top.calibration=calibration/camera_top.yaml"
 
 
 def info(kit, ros=2, k=(50.0, 0, 31.5, 0, 51.0, 23.5, 0, 0, 1), d=LENS, **more):
@@ -127,6 +128,7 @@ def test_camera_info_without_calibration_is_refused_with_reason(package, kit, mo
     )
     (line,) = sentences(check(package).unusable)
     assert words in line
+    assert check(package, GIVEN).unusable == []
 
 
 def test_a_rational_model_whose_denominator_is_one_is_read(package, kit):
@@ -174,6 +176,7 @@ def test_a_region_that_contradicts_its_calibrations_size_is_refused(package, kit
     )
     (line,) = sentences(check(package).unusable)
     assert "roi, 64 x 48 pixels from 20, 10 on, lies outside of the 64 x 48 pixels" in line
+    assert check(package, GIVEN).unusable == []
 
 
 def test_a_calibration_that_changes_within_the_log_is_refused(package, kit):
@@ -186,6 +189,7 @@ def test_a_calibration_that_changes_within_the_log_is_refused(package, kit):
     assert line.startswith(
         "the CameraInfo on /camera_info changes within the log (camera.top.calibration)"
     )
+    assert check(package, GIVEN).unusable == []
 
 
 def test_two_calibrations_beside_one_camera_are_refused(package, kit):
@@ -205,9 +209,11 @@ def test_two_cameras_in_one_namespace_cannot_share_a_calibration(package, kit):
     assert sentences(found.unusable)[0].startswith(
         "/camera_info lies beside the images of camera_top and camera_bottom"
     )
+    other = GIVEN.replace("top.calibration", "bottom.calibration")
+    assert check(package, "topics.camera_bottom=/cam2", GIVEN, other).unusable == []
 
 
-def test_rectified_images_are_refused_with_raw_camera_info(package, kit):
+def test_rectified_images_are_refused_with_raw_camera_info(package, kit, calibration):
     entries = entries_of(kit, [("/c/camera_info", 0.0, info(kit))])
     renamed = [
         type(e)("/c/image_rect", e.kind, e.t_ns, e.message) if e.topic == "/cam" else e
@@ -218,6 +224,9 @@ def test_rectified_images_are_refused_with_raw_camera_info(package, kit):
         "/c/image_rect is rectified"
         in sentences(check(package, "topics.camera_top=/c/image_rect").unusable)[0]
     )
+    calibration(package / "calibration" / "rectified.yaml", distortion_coefficients="[0, 0, 0, 0]")
+    rectified = "camera.top.calibration=calibration/rectified.yaml"
+    assert check(package, "topics.camera_top=/c/image_rect", rectified).unusable == []
 
 
 def test_where_neither_has_it_the_calibration_is_missing(package):

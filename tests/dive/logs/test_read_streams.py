@@ -55,6 +55,7 @@ def test_topic_of_wrong_type_is_refused_with_both_types(kit, tmp_path):
         run(kit.mcap(tmp_path / "x.mcap", kit.dive()), {"/imu": ("dvl",)})
     assert "marine_acoustic_msgs/msg/Dvl" in str(caught.value)
     assert caught.value.where == "topics.dvl"
+    assert run(tmp_path / "x.mcap", {"/dvl": ("dvl",)})[0].samples["dvl"]
 
 
 def test_unstamped_messages_take_logging_time_and_are_counted(kit, tmp_path):
@@ -240,6 +241,10 @@ def test_two_sensors_on_one_topic_are_refused(kit, tmp_path):
         entry.message.header.frame_id = "ahrs" if number % 3 else "dvl"
     with pytest.raises(InputError, match=r"two frames in turn, ahrs \(26\) and dvl \(14\)"):
         run(kit.mcap(tmp_path / "x.mcap", entries))
+    for entry in entries:
+        if entry.topic == "/imu" and entry.message.header.frame_id == "dvl":
+            object.__setattr__(entry, "topic", "/dvl/imu")
+    assert run(kit.mcap(tmp_path / "parted.mcap", entries))
 
 
 def test_a_frame_that_is_renamed_once_is_no_second_sensor(kit, tmp_path):

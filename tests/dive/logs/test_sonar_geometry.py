@@ -104,6 +104,8 @@ def test_beams_that_nothing_describes_are_asked_for():
         streams.sonar_pings([ping(0, known=False)], [])
     assert caught.value.where == "sonar.beam_azimuth_deg"
     assert "growing from port to starboard" in caught.value.remedy
+    growing = np.array([-1.0, 0.0, 1.0])
+    assert streams.sonar_pings([ping(0, known=False)], [], growing) is not None
 
 
 def test_beams_of_dive_toml_serve_where_the_log_has_none():
@@ -124,3 +126,5 @@ def test_beams_of_the_log_come_before_those_of_dive_toml():
 def test_angles_that_do_not_fit_the_beams_are_refused(azimuth):
     with pytest.raises(InputError, match="for 3 beams, or they do not grow"):
         streams.sonar_pings([ping(0, known=False)], [], np.array(azimuth))
+    growing = np.array([-1.0, 0.0, 1.0])
+    assert streams.sonar_pings([ping(0, known=False)], [], growing) is not None

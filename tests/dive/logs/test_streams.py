@@ -105,6 +105,7 @@ def test_readings_without_attitude_are_left_out_and_counted():
 def test_an_imu_without_any_attitude_is_refused():
     with pytest.raises(InputError, match="no attitude"):
         streams.imu_samples([imu(0, [0, 0, 0, 0])], "ned", [])
+    assert len(streams.imu_samples([imu(0, [0, 0, 0, 1])], "ned", []).t_ns) == 1
 
 
 MODEL = streams.PressureModel(1025.0, 9.81, 101325.0)
@@ -124,6 +125,8 @@ TURNED = np.array([0.0, 0.0, 0.6, 0.8])
 def test_an_orientation_that_is_never_filled_in_is_refused(quaternion, rates, why):
     with pytest.raises(InputError, match=f"the same, .* in all 50 readings, .*{why}"):
         streams.imu_samples([imu(t, quaternion, rates) for t in range(50)], "ned", [])
+    turning = [imu(t, [0, 0, 1e-3 * t, 1], rates) for t in range(50)]
+    assert len(streams.imu_samples(turning, "ned", []).t_ns) == 50
 
 
 def test_few_equal_attitudes_or_a_vehicle_at_rest_are_accepted():
@@ -313,6 +316,8 @@ def test_no_pings_are_no_record():
 def test_ranges_in_millimetres_are_refused():
     with pytest.raises(InputError, match=r"half of the DVL's ranges are 2500 m or more"):
         streams.dvl_pings([ping(ranges=(1000, 2000, 3000, 4000))], None, 0.003, [])
+    for ranges in ((1, 2, 3, 4), ()):  # in metres, or left away
+        assert len(streams.dvl_pings([ping(ranges=ranges)], None, 0.003, []).t_ns) == 1
 
 
 def test_angles_of_a_servo_that_are_neither_radians_nor_degrees_are_refused():
@@ -320,6 +325,9 @@ def test_angles_of_a_servo_that_are_neither_radians_nor_degrees_are_refused():
     with pytest.raises(InputError, match="more than a whole turn") as caught:
         streams.joint_samples(samples, "tray", "tray", [])
     assert "they are neither" in caught.value.remedy
+    for unit, angle in (("rad", 0.1), ("deg", 5.7)):
+        logged = [JointSample(t, "tray", angle) for t in range(2)]
+        assert streams.joint_samples(logged, "tray", "tray", [], unit).angle[0] < 0.11
 
 
 def test_angles_written_as_a_quaternion_are_refused_by_their_length():

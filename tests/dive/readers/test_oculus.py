@@ -91,6 +91,7 @@ def test_the_header_of_another_file_is_none():
 def test_an_encrypted_log_is_refused_with_what_to_do(tmp_path):
     with pytest.raises(InputError, match=r"x\.oculus is encrypted"):
         read(tmp_path / "x.oculus", file_header(encryption=1), item(oculus_ping()))
+    assert read(tmp_path / "plain.oculus", file_header(), item(oculus_ping()))
 
 
 def test_a_log_whose_own_header_is_damaged_gives_its_pings(tmp_path):

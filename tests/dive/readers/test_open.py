@@ -54,6 +54,8 @@ def test_what_is_no_log_is_an_input_error_that_lists_the_formats(tmp_path: Path,
     (tmp_path / "x.txt").write_text("hello")
     with pytest.raises(InputError, match="MCAP"):
         open_log(tmp_path / name)
+    (tmp_path / "x.mcap").write_bytes(b"\x89MCAP0\r\n")
+    assert open_log(tmp_path / "x.mcap").kind == "MCAP"
 
 
 def test_logs_are_found_in_a_folder_or_its_logs_folder(tmp_path):
@@ -90,6 +92,8 @@ def test_pipes_sockets_devices_are_refused_without_waiting(tmp_path, suffix):
     (tmp_path / f"zero{suffix}").symlink_to("/dev/zero")
     with pytest.raises(InputError, match=f"zero{suffix} is a device, not a file"):
         open_log(tmp_path / f"zero{suffix}")
+    (tmp_path / f"copy{suffix}").write_bytes(b"\x89MCAP0\r\n")  # what came out of the pipe
+    assert open_log(tmp_path / f"copy{suffix}").kind == "MCAP"
 
 
 @pytest.mark.parametrize(
@@ -152,3 +156,6 @@ def test_a_path_of_windows_is_refused_with_how_to_write_it(tmp_path):
     with pytest.raises(InputError, match="is missing") as caught:
         open_log(tmp_path / "logs\\dive.mcap")
     assert "write / between folders" in caught.value.remedy
+    (tmp_path / "logs").mkdir()
+    (tmp_path / "logs" / "dive.mcap").write_bytes(b"\x89MCAP0\r\n")
+    assert open_log(tmp_path / "logs" / "dive.mcap").kind == "MCAP"

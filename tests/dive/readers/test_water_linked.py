@@ -172,6 +172,7 @@ def test_file_of_timeless_reports_is_refused_with_remedy(tmp_path):
     with pytest.raises(InputError, match="its 2 reports carry no time_of_validity") as caught:
         read(tmp_path / "x.json", first_protocol, first_protocol)
     assert "update the DVL's software" in caught.value.remedy
+    assert read(tmp_path / "new.json", velocity())
 
 
 def test_reading_twice_gives_the_same(tmp_path):
