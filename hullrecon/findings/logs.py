@@ -59,11 +59,18 @@ def _jumps(seconds: float, time: str, more: int, corrected: int, set_back: bool)
 
 
 def _marked_lost(
-    huge: int, zero: int, repeated: int, limit_m_s: float, start: str, seconds: float
+    huge: int,
+    zero: int,
+    repeated: int,
+    unheard: int,
+    limit_m_s: float,
+    start: str,
+    seconds: float,
 ) -> str:
     parts = [f"{huge} have a sigma of {limit_m_s:g} m/s or more"] if huge else []
     parts += [f"{zero} are exactly zero, unlike those around them"] if zero else []
     parts += [f"{repeated} repeat the last one exactly"] if repeated else []
+    parts += [f"{unheard} come while no beam has a range"] if unheard else []
     return (
         f"velocities were taken as lost, the first at {start}, the last {seconds:.1f} s later: "
         f"{' and '.join(parts)}"

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Find readings that are written as numbers but stand for lost ones.
 
-Drivers write a lost velocity as zero or as the last one, with or without a covariance beyond all
-measurement, a lost range as the largest that the instrument could have, a lost attitude as the
-default of its message.
+Drivers write a lost velocity as zero, as the last one or as what a filter makes of that, with or
+without a covariance beyond all measurement, a lost range as the largest that the instrument could
+have, a lost attitude as the default of its message.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ LEAST_PINGS = 20  # to tell a sensor's noise, and that its values are not consta
 THIRD_DIFFERENCE = 20**0.5  # of white noise: its standard deviation over the noise's
 LONG_RUN = 3.0  # times as many equal velocities as usual
 LONGEST_HOLD_S = 1.0
+MOST_UNHEARD = 0.5  # of the velocities may be lost because no beam has a range
 UNFILLED, SUDDEN_TURN_RAD = (0.0, 0.0, 0.0, 1.0), 0.1  # ROS 2's default orientation
 LEAST_LIMITED = 5  # ranges that are exactly the largest one
 CLOSE_TO_LIMIT = 0.9  # of the largest range: one that was measured has others as long
@@ -32,7 +33,7 @@ CLOSE_TO_LIMIT = 0.9  # of the largest range: one that was measured has others a
 
 @np.errstate(all="ignore")  # velocities of any size
 def drop_lost_velocities(
-    t_ns: Ints, velocity: Array, sigma: Array, notes: list[Finding]
+    t_ns: Ints, velocity: Array, sigma: Array, ranges: Array, notes: list[Finding]
 ) -> tuple[Array, Array]:
     """Replace velocities by NaN that stand for a lost bottom lock.
 
@@ -41,6 +42,7 @@ def drop_lost_velocities(
     t_ns : (n,) in order
     velocity : (n, 3) m/s, NaN where lost
     sigma : (n,) m/s, NaN where not given
+    ranges : (n, b) m, NaN where lost. A beam that tracks the bottom has a range
     notes : what was left out is added
 
     Returns
@@ -54,13 +56,18 @@ def drop_lost_velocities(
         notes.append(Finding("velocity-sigmas-useless", values, "dvl"))
         sigma, huge = np.full(len(sigma), np.nan), np.zeros(len(sigma), bool)
     zeros, repeats = _false_readings(t_ns, np.where(huge[:, None], np.nan, velocity))
-    lost = huge | zeros | repeats
+    rest = known & ~(huge | zeros | repeats)
+    unheard = rest & ~np.isfinite(ranges).any(axis=1)
+    if unheard.sum() > MOST_UNHEARD * rest.sum():  # of an instrument that gives few ranges
+        unheard[:] = False
+    lost = huge | zeros | repeats | unheard
     if lost.any():
         first, last = np.flatnonzero(lost)[[0, -1]]
         marks: dict[str, object] = {
             "huge": int(huge.sum()),
             "zero": int(zeros.sum()),
             "repeated": int(repeats.sum()),
+            "unheard": int(unheard.sum()),
             "limit_m_s": WORST_SIGMA_M_S,
             "start": format_time(int(t_ns[first])),
             "seconds": float(t_ns[last] - t_ns[first]) / NS,

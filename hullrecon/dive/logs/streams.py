@@ -144,7 +144,7 @@ def dvl_pings(
         notes.append(Finding("velocities-absurd", values, "dvl"))
     given = scale * np.array([s.sigma for s in samples])
     t_ns = _times(samples)
-    velocity, given = drop_lost_velocities(t_ns, velocity, given, notes)
+    velocity, given = drop_lost_velocities(t_ns, velocity, given, ranges, notes)
     cut = windows(velocity[np.isfinite(velocity).all(axis=1)])
     refuse_two_sensors("dvl", np.linalg.norm(cut - cut[:, :1], axis=2), "m/s")
     directions = choose_beams(samples, beams, width, notes)

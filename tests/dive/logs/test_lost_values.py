@@ -30,10 +30,16 @@ def survey(speed=0.25, noise=0.003, seed=1):
     return along + noise * np.random.default_rng(seed).standard_normal((COUNT, 3))
 
 
-def lost(velocity, sigma=np.nan, t_ns=T_NS):
+def _or_none(ranges, velocity):
+    return np.zeros((len(velocity), 0)) if ranges is None else ranges
+
+
+def lost(velocity, sigma=np.nan, t_ns=T_NS, ranges=None):
     notes = []
     sigmas = np.broadcast_to(np.asarray(sigma, float), len(velocity)).copy()
-    found, _ = drop_lost_velocities(t_ns, velocity.copy(), sigmas, notes)
+    found, _ = drop_lost_velocities(
+        t_ns, velocity.copy(), sigmas, _or_none(ranges, velocity), notes
+    )
     return np.isnan(found).all(axis=1), sentences(notes)
 
 
@@ -54,6 +60,18 @@ def test_zeros_of_a_slow_vehicle_are_told_by_the_sensors_noise():
     assert (lost(velocity)[0] == LOST_ROWS).all()
     slow_pings = (np.arange(COUNT) * NS).astype(np.int64)
     assert (lost(velocity, t_ns=slow_pings)[0] == LOST_ROWS).all()
+
+
+def test_a_velocity_that_a_filter_makes_up_while_no_beam_has_a_range_is_lost():
+    velocity, ranges = survey(), np.full((COUNT, 4), 1.5)
+    velocity[LOCKLESS] *= np.exp(-np.arange(20) / 4)[:, None]
+    ranges[LOCKLESS] = np.nan
+    rows, (line,) = lost(velocity, ranges=ranges)
+    assert (rows == LOST_ROWS).all()
+    assert "20 come while no beam has a range" in line
+    ranges[::3] = np.nan  # of an instrument that gives few ranges
+    ranges[1::3] = np.nan
+    assert not lost(velocity, ranges=ranges)[0].any()
 
 
 @pytest.mark.parametrize("times", [1, 4])
@@ -118,7 +136,9 @@ def test_a_velocity_with_a_sigma_that_says_nothing_is_lost(mark):
 def test_a_useless_sigma_of_every_velocity_marks_none_as_lost():
     """Such is a default of the driver; zeros among them are lost all the same."""
     notes = []
-    found, sigma = drop_lost_velocities(T_NS, velocities_without_lock(), np.full(COUNT, 1.0), notes)
+    found, sigma = drop_lost_velocities(
+        T_NS, velocities_without_lock(), np.full(COUNT, 1.0), np.zeros((COUNT, 0)), notes
+    )
     assert (np.isnan(found).all(axis=1) == LOST_ROWS).all()
     assert np.isnan(sigma).all()
     assert "dvl.sigma_velocity was used" in notes[0].sentence
