@@ -57,7 +57,7 @@ class Fault:
 def faults(kind: str, random: Random) -> dict[str, Fault]:
     """Draw the size of each fault that a dive of this kind may have."""
     found = _pressure(random) | _dvl(random) | _imu(random) | _clocks(random) | _cad(random)
-    return found if kind == "none" else found | _cameras(random, kind) | _joints(random)
+    return (found if kind == "none" else found | _cameras(random, kind)) | _joints(random)
 
 
 def corrupt(package: Path, copy: Path, fault: Fault) -> None:
@@ -338,6 +338,7 @@ def _joints(random: Random) -> dict[str, Fault]:
 
     return {
         "joint-deg": fault(np.degrees),
+        "joint-rad": fault(np.radians, "as if in degrees"),
         "joint-sign": fault(np.negative),
         "joint-dead": fault(np.zeros_like, "zero"),
         "joint-offset": fault(lambda x: x + np.radians(off), f"{off:.1f} degrees"),

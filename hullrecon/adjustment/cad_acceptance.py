@@ -61,8 +61,11 @@ GROUPS = {
 FREED_QUANTILE = 0.999
 # Share of the points that fit the best, from which another explanation of a refusal is as good
 AS_WELL = 0.9
-# Who may be wrong where nothing that is tried makes the CAD model fit
-ANYBODY = ": the model, its unit, hull.pose, the path or the ranges from it are wrong"
+# Who may be wrong where nothing that is tried makes the CAD model fit. Whether a tray was logged or
+# taken to stand still, its angles are a part of the path.
+ANYBODY = (
+    ": the model, its unit, hull.pose, the path, the tray's angles or the ranges from it are wrong"
+)
 FREE_ITERATIONS = 15  # of the solve without the CAD model, which starts close to its solution
 
 
@@ -442,14 +445,14 @@ def _reasons_against_form(form: Form, sigmas_off: float) -> Iterator[str]:
     times = f"{np.sqrt(form.deviation):.1f} times hull.deviation_sigma over metres"
     if form.is_of_another_hull:
         yield (
-            f"the hull leaves it by {times}: the model, that sigma, the path or the DVL's ranges "
-            "are wrong"
+            f"the hull leaves it by {times}: the model, that sigma, the path, the tray's angles "
+            "or the DVL's ranges are wrong"
         )
     if form.fits_better_scaled:
         yield (
             "stretched along its axes it fits the surveyed part better, by a chi-square of "
             f"{form.scale_chi2:.0f} with three degrees of freedom: its proportions, its scale, the "
-            "path or the DVL's ranges are wrong"
+            "path, the tray's angles or the DVL's ranges are wrong"
         )
     if sigmas_off <= registration.GUESS_SIGMAS:
         return

@@ -17,6 +17,7 @@ import numpy as np
 from hullrecon import native
 from hullrecon.adjustment.exceeded_priors import MANY_SIGMAS, MOUNTS, ROTATION, displacement
 from hullrecon.adjustment.hull_pose.other_beams import find_fitting_beams
+from hullrecon.adjustment.hull_pose.other_tray import find_fitting_tray
 from hullrecon.adjustment.readout import RowMotion, motion_by_row
 from hullrecon.adjustment.rounds import Estimate, Phase, RoundResult, RoundSolver
 from hullrecon.adjustment.suspects import Trial, best_explanations, least_gain, try_suspects
@@ -107,8 +108,8 @@ def explain_refusal(path: Phase, placed: Phase, solver: RoundSolver) -> Phase:
     Raises
     ------
     ContradictionError
-        Where the path contradicts itself without the CAD model, or the CAD model fits ranges of
-        the DVL's beams in another order.
+        Where the path contradicts itself without the CAD model, or the CAD model fits the DVL's
+        ranges with its beams in another order, or with the tray's angles read otherwise.
     """
     if path.first is None or not solver.strategy.systematic_errors:
         return placed
@@ -118,12 +119,16 @@ def explain_refusal(path: Phase, placed: Phase, solver: RoundSolver) -> Phase:
         if all(trial.gain <= IN_PLACE_OF_CAD for trial in trials):
             trials = ()
     _refuse(trials, [], solver)
-    _refuse_other_beams(path.estimate, placed)
+    _refuse_other_readings(path.estimate, placed)
     return replace(placed, verdict=replace(placed.verdict, suspects=trials))
 
 
-def _refuse_other_beams(solved: Estimate, placed: Phase) -> None:
-    """Raise ContradictionError where the CAD model fits the DVL's ranges in another order."""
+def _refuse_other_readings(solved: Estimate, placed: Phase) -> None:
+    """Raise ContradictionError where the CAD model fits the DVL's ranges read otherwise.
+
+    With its beams in another order, or, without images, which show how the tray turns, with the
+    tray's angles of the other sign or unit.
+    """
     measured, state = solved.measured, solved.state
     returns, cad_model, hull = measured.returns, measured.cad_model, placed.estimate.state.hull
     if returns is None or cad_model is None or (hull is not None and hull.segments is not None):
@@ -133,11 +138,18 @@ def _refuse_other_beams(solved: Estimate, placed: Phase) -> None:
     def ends(of: Returns) -> Array:
         return rig.dvl_points(of, state.path).points[~of.flagged]
 
-    found = find_fitting_beams(returns, ends, cad_model, measured.rig.priors.range_sigma_m)
-    if found is not None:
-        order, before_m, after_m = found
+    beams = find_fitting_beams(returns, ends, cad_model, measured.rig.priors.range_sigma_m)
+    if beams is not None:
+        order, before_m, after_m = beams
         values = {"beams": list(order), "before_mm": 1e3 * before_m, "after_mm": 1e3 * after_m}
         raise ContradictionError(Finding("other-beams", values).sentence)
+    tray = None
+    if measured.tracks is None:
+        tray = find_fitting_tray(rig, state.path, measured.odometry, returns, cad_model)
+    if tray is not None:
+        reading, before_m, after_m = tray
+        values = {"reading": reading, "before_mm": 1e3 * before_m, "after_mm": 1e3 * after_m}
+        raise ContradictionError(Finding("other-tray", values).sentence)
 
 
 def _try_all(path: Phase, solver: RoundSolver) -> tuple[Trial, ...]:

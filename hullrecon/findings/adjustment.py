@@ -109,6 +109,21 @@ def _other_beams(beams: Sequence[int], before_mm: float, after_mm: float) -> str
     )
 
 
+TRAY_READINGS = {
+    "sign": "grow the other way",
+    "rad": 'are in radians (tray.joint_unit = "rad")',
+    "deg": 'are in degrees (tray.joint_unit = "deg")',
+}
+
+
+def _other_tray(reading: str, before_mm: float, after_mm: float) -> str:
+    return (
+        f"the tray's angles {TRAY_READINGS[reading]}: so the ends of the DVL's beams lie "
+        f"{after_mm:.0f} mm from the CAD model (root mean square), and {before_mm:.0f} mm as they "
+        "are"
+    )
+
+
 def _contradiction(beyond: str, explanations: Sequence[Sequence[object]]) -> str:
     """Tell which suspects make the rest agree.
 
@@ -153,7 +168,11 @@ def _others(explanations: Sequence[Sequence[object]]) -> str:
     return " or ".join(SUSPECTS[str(name)](_number(found)) for name, found in explanations)
 
 
-ERRORS: dict[str, Words] = {"contradiction": _contradiction, "other-beams": _other_beams}
+ERRORS: dict[str, Words] = {
+    "contradiction": _contradiction,
+    "other-beams": _other_beams,
+    "other-tray": _other_tray,
+}
 WARNINGS: dict[str, Words] = {
     "explained-as-well": _explained_as_well,
     "explained-better": _explained_better,

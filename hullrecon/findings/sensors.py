@@ -43,7 +43,7 @@ FAULTS = {  # of a sensor, as a statement
     "changed by about {value}",
     ("camera", "picture"): "its pictures are turned or mirrored: x and y of its calibration are "
     "{value} of the pictures",
-    ("tray's angle", "unit"): "the angle is in {value}, not in rad",
+    ("tray's angle", "unit"): "the angle is in {value}, not in {unit}",
     ("tray's angle", "sign"): "the angle grows the other way",
 }
 # The unit that was expected, by the one that was found. For a pressure it is Pa.
@@ -226,6 +226,10 @@ WARNINGS: dict[str, Words] = {
     "read-beside": _beside,
     "stream-shifted": _shifted,
     "stream-moved": _moved,
+    "tray-zero": 'the tray\'s angle is zero in all {count} readings: was it read? tray.joint = "" '
+    "says that nothing turns",
+    "tray-little": "the tray's angle turns by {span_deg:.2g} degrees in the whole dive, less than "
+    'tray.sigma_deg ({sigma_deg:.2g}): is it in radians (tray.joint_unit = "rad")?',
     "imu-single-reading": "the IMU gave a single reading, which tells no attitude",
     "imu-upside-down": 'imu: gravity pulls upward with imu.frame = "{frame}": it is "{other}", or '
     "the accelerations are those of gravity, with the other sign",

@@ -139,7 +139,7 @@ STAGES = (
         optional=("links", "matches"),
         uses=(*RIG_SECTIONS, "hull"),
         parameters=AdjustOptions,
-        version=36,
+        version=37,
         run=_later("adjust"),
     ),
     Stage(

@@ -46,7 +46,8 @@ INGEST_KEYS = (
 # a key that a camera's section always has: None if the dive has no such camera
 CARRIED = "time_offset"
 WATER_KEYS = ("pressure.density", "pressure.gravity", "pressure.atmosphere")
-SENSOR_KEYS = (*RIG_KEYS, *WATER_KEYS, "topics")  # what sensors are held against each other by
+# what sensors are held against each other by
+SENSOR_KEYS = (*RIG_KEYS, *WATER_KEYS, "tray.joint_unit", "tray.sigma_deg", "topics")
 READOUT_KEYS = ("camera.top.readout_s", "camera.bottom.readout_s")
 # Of the rig, what places a sensor. A step that takes the adjusted mounts needs the tray's alone.
 TRAY_KEYS = ("tray.origin",)

@@ -18,6 +18,7 @@ from hullrecon.findings.finding import Finding
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames
+from hullrecon.navigation.sensors.servo import doubtful_angles
 from hullrecon.navigation.suspects.comparisons import Flow, Sensor
 from hullrecon.navigation.suspects.suspects import Judged, judge
 from hullrecon.records.clock import NS
@@ -65,7 +66,12 @@ def judge_sensors(
         return Judged(records=records, findings=apart, tried=[])
     records, moved = mend_shifted(records, level)
     judged = judge(records, rig, atmosphere / (density * gravity), named, flows)
-    return replace(judged, findings=[*moved, *judged.findings])
+    still = doubtful_angles(
+        judged.records.tray,
+        str(settings["tray.joint_unit"]),
+        float(np.radians(_number(settings["tray.sigma_deg"]))),
+    )
+    return replace(judged, findings=[*moved, *judged.findings, *still])
 
 
 def describe_sensors(

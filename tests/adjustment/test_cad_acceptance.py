@@ -114,7 +114,7 @@ def test_model_that_fits_nowhere_is_refused():
         in found.verdict.reason
     )
     assert (
-        "the model, its unit, hull.pose, the path or the ranges from it are wrong"
+        "the model, its unit, hull.pose, the path, the tray's angles or the ranges from it are"
         in found.verdict.reason
     )
 

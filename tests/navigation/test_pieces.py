@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hullrecon.navigation.dead_reckoning.integral import integral
 from hullrecon.navigation.dead_reckoning.nodes import choose_nodes, pair_frames
 from hullrecon.navigation.dead_reckoning.returns import flag_ranges
-from hullrecon.navigation.sensors.servo import servo
+from hullrecon.navigation.sensors.servo import doubtful_angles, servo
 from hullrecon.navigation.sensors.smoothing import local_line, running_median
 from hullrecon.records.sensors import DvlPings, JointSamples
 
@@ -117,6 +117,21 @@ def test_a_tray_that_stands_still_keeps_its_direction() -> None:
     found = servo(JointSamples(t_ns=stamps(*np.arange(len(angle))), angle=angle), 0)
     assert (found.direction == -1).all()
     assert found.angle_at(stamps(0.5))[0] == pytest.approx(np.radians(4.75))
+
+
+@pytest.mark.parametrize(
+    ("angle_deg", "unit", "said"),
+    [
+        (np.zeros(100), "rad", ["tray-zero"]),
+        (np.radians(20 * np.sin(0.1 * np.arange(100))), "deg", ["tray-little"]),
+        (20 * np.sin(0.1 * np.arange(100)), "deg", []),
+        (0.05 * np.random.default_rng(1).standard_normal(100), "deg", []),  # held in place
+        (np.where(np.arange(100) < 50, 0.1, 0.2), "deg", []),  # and by a coarse encoder
+    ],
+)
+def test_zeros_and_radians_as_degrees_are_doubted(angle_deg, unit, said) -> None:
+    tray = JointSamples(t_ns=stamps(*np.arange(100)), angle=np.radians(angle_deg))
+    assert [one.code for one in doubtful_angles(tray, unit, np.radians(0.8))] == said
 
 
 def test_a_tray_that_was_not_logged_stands_at_zero() -> None:

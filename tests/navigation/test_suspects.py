@@ -14,7 +14,13 @@ from hullrecon.geometry.poses import from_mount
 from hullrecon.navigation.suspects.comparisons import Flow, Sensor
 from hullrecon.navigation.suspects.hypotheses import Hypothesis
 from hullrecon.navigation.suspects.suspects import Tried, explain_best, judge
-from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples, SensorRecords
+from hullrecon.records.sensors import (
+    DvlPings,
+    ImuSamples,
+    JointSamples,
+    PressureSamples,
+    SensorRecords,
+)
 from hullrecon.rig import Rig
 
 NS = 1_000_000_000
@@ -117,6 +123,28 @@ def dive(seed: int = 1) -> SensorRecords:
     )
 
 
+def on_tray(records: SensorRecords, factor: float = 1.0) -> SensorRecords:
+    """The same dive by a vehicle that pitches by as much more as its tray turns back.
+
+    factor: of the angles that are logged.
+    """
+    imu = records.imu
+    angle = 0.5 * np.sin(0.2 * imu.t_ns / NS)
+    back = Rotation.from_euler("y", -angle[:, None])
+    turned = Rotation.from_quat(imu.quaternion) * back
+    rates = (turned[:-1].inv() * turned[1:]).as_rotvec() * NS / np.diff(imu.t_ns)[:, None]
+    return replace(
+        records,
+        imu=replace(
+            imu,
+            quaternion=turned.as_quat(),
+            angular_velocity=np.vstack([rates, rates[-1:]]),
+            acceleration=back.inv().apply(imu.acceleration),
+        ),
+        tray=JointSamples(t_ns=imu.t_ns, angle=factor * angle),
+    )
+
+
 def judged(records: SensorRecords, seen=()):
     return judge(records, RIG, AIR_M, flows=seen)
 
@@ -132,6 +160,19 @@ def with_rates(records: SensorRecords, rates: np.ndarray) -> SensorRecords:
 @pytest.mark.parametrize("seed", range(5))
 def test_sensors_that_agree_are_not_accused(seed):
     assert judged(dive(seed), flows()).findings == []
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("rad", np.pi / 180), ("deg", 180 / np.pi)])
+def test_tray_angle_in_the_other_unit_is_converted(unit, factor):
+    found = judged(on_tray(dive(), factor), flows())
+    (finding,) = found.findings
+    assert (finding.code, finding.values["sensor"], finding.values["value"]) == (
+        "sensor-mended",
+        "tray's angle",
+        unit,
+    )
+    assert np.allclose(found.records.tray.angle, on_tray(dive()).tray.angle)
+    assert judged(on_tray(dive()), flows()).findings == []
 
 
 @pytest.mark.parametrize(("unit", "pascal"), [("hPa", 100.0), ("kPa", 1000.0)])

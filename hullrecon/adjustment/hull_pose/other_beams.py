@@ -15,18 +15,16 @@ from dataclasses import replace
 import numpy as np
 
 from hullrecon.adjustment.hull_pose.registration import (
-    GOOD_FITNESS,
     Registration,
+    fits_far_better,
     register_near,
+    rms_m,
     thin_points,
 )
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Array
 
-# of the distances (rms) that another order has to leave: two that are right by chance leave 0.9,
-# wrong orders of one dive 0.55 and more, the right one 0.17
-FITS_BETTER = 0.5
 CELL_M, POINTS = 0.1, 600  # of the ends that are registered
 MOST_BEAMS = 4  # of which each order is tried
 
@@ -65,21 +63,14 @@ def find_fitting_beams(
         other = replace(returns, beam=directions[list(order)][number])
         points = thin_points(ends(other), CELL_M, POINTS)
         found[order] = register_near(points, cad_model, range_sigma_m)
-    as_is = _rms_m(found.pop(tuple(range(len(at)))))
-    fits = {o: _rms_m(tried) for o, tried in found.items() if tried.fitness >= GOOD_FITNESS}
-    if not fits:
+    as_is = found.pop(tuple(range(len(at))))
+    best = fits_far_better(as_is, found)
+    if best is None:
         return None
-    best = min(fits, key=lambda order: fits[order])
-    if fits[best] > FITS_BETTER * as_is:
-        return None
-    return tuple(k + 1 for k in best), as_is, fits[best]
+    return tuple(k + 1 for k in best), rms_m(as_is), rms_m(found[best])
 
 
 def _first_whole(returns: Returns, beams: int) -> int:
     """Find the row of the first ping of which all beams came back, else the first row."""
     _, first, count = np.unique(returns.t_ns, return_index=True, return_counts=True)
     return int(first[np.argmax(count >= beams)])
-
-
-def _rms_m(found: Registration) -> float:
-    return float(np.sqrt(np.mean(np.square(found.residual))))

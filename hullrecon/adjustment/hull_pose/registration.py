@@ -10,9 +10,10 @@ chart, together with the package's prior. Its covariance says what the geometry 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -27,8 +28,12 @@ from hullrecon.geometry.pose_solver import LinearisedCost, minimise_over_pose
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array, CholeskyFactor
 
+Key = TypeVar("Key")
 # Share of points within three sigma of the CAD model from which it is the hull that was surveyed
 GOOD_FITNESS = 0.6
+# Of the distances (rms) that another reading of the ranges has to leave: two that are right by
+# chance leave 0.9, wrong orders of one dive's beams 0.55 and more, the right one 0.17
+FITS_BETTER = 0.5
 # How far a guess may be off: m, rad in the ship's axes
 DISTANT_SIGMA = np.r_[5.0, 2.0, 0.5, np.radians([2.0, 2.0, 15.0])]
 DISTANT_STARTS = 8
@@ -251,6 +256,18 @@ def _gicp(points: Array, target: Array, starts: list[Poses]) -> list[Poses]:
     ]
     # its sums differ in the last digit from call to call: rounding keeps what follows repeatable
     return [poses.from_matrix(np.round(each, 6)).inverse() for each in found]
+
+
+def rms_m(found: Registration) -> float:
+    """Compute the root mean square of the distances from the CAD model, m."""
+    return float(np.sqrt(np.mean(np.square(found.residual))))
+
+
+def fits_far_better(as_is: Registration, others: Mapping[Key, Registration]) -> Key | None:
+    """Choose the reading of ranges that fits the CAD model best. None if none is far better."""
+    fits = {key: rms_m(one) for key, one in others.items() if one.fitness >= GOOD_FITNESS}
+    best = min(fits, key=lambda key: fits[key], default=None)
+    return None if best is None or fits[best] > FITS_BETTER * rms_m(as_is) else best
 
 
 def share_within(points: Array, found: Registration, sigma_range: float) -> float:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hullrecon.findings.finding import Finding
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.records.clock import describe_silence, unread_s
 from hullrecon.records.sensors import JointSamples
@@ -17,6 +18,7 @@ LEAST_TRAVEL_RAD = np.radians(0.3)  # a servo's reading flickers by less; a comm
 # how fast and how far a tray may have turned while nothing was read
 UNREAD_RATE_RAD_S, UNREAD_RAD = 0.05, 0.5
 FEW_READINGS = 3  # fewer readings are a setting, not the record of a moving tray
+MOVED = 10.0  # times its flicker: white noise spans six to seven, a coarse encoder takes few values
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,12 +76,36 @@ def servo(tray: JointSamples | None, start_ns: int) -> Servo:
         )
     known = np.isfinite(tray.angle)
     angle = tray.angle[known]
-    flicker = robust_sigma(np.diff(angle, n=2), about=0.0) / np.sqrt(6) if len(angle) > 2 else 0.0
+    flicker = _flicker(angle) if len(angle) > 2 else 0.0
     return Servo(
         t_ns=tray.t_ns[known],
         angle=angle,
-        direction=_directions(angle, max(LEAST_TRAVEL_RAD, 6 * float(flicker))),
+        direction=_directions(angle, max(LEAST_TRAVEL_RAD, 6 * flicker)),
     )
+
+
+def doubtful_angles(tray: JointSamples | None, unit: str, sigma_rad: float) -> list[Finding]:
+    """Find angles that tell nothing of a tray: zeros alone, and degrees that are radians.
+
+    A tray that is read and turns by less than it is known to turns for nobody. unit: in which the
+    angles were logged.
+    """
+    angle = np.zeros(0) if tray is None else tray.angle[np.isfinite(tray.angle)]
+    if len(angle) < FEW_READINGS:
+        return []
+    if not angle.any():
+        return [Finding("tray-zero", {"count": len(angle)})]
+    span_rad = float(np.ptp(angle))
+    has_moved = len(np.unique(angle)) > MOVED and span_rad > MOVED * _flicker(angle)
+    if unit != "deg" or not has_moved or span_rad > sigma_rad:
+        return []
+    values = {"span_deg": float(np.degrees(span_rad)), "sigma_deg": float(np.degrees(sigma_rad))}
+    return [Finding("tray-little", values)]
+
+
+def _flicker(angle: Array) -> float:
+    """Estimate the noise of a servo's readings, rad."""
+    return float(robust_sigma(np.diff(angle, n=2), about=0.0)) / float(np.sqrt(6))
 
 
 def _directions(angle: Array, travel: float) -> Array:

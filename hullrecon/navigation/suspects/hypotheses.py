@@ -218,6 +218,7 @@ def _of_tray(records: SensorRecords, tray: JointSamples) -> Iterator[Hypothesis]
     degree = np.pi / 180
     for fault, value, factor, exact in (
         ("unit", "deg", degree, True),
+        ("unit", "rad", 1 / degree, True),
         ("sign", "", -1.0, False),
         ("sign", "deg", -degree, False),
     ):
