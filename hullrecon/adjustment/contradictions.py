@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import chdtri  # not scipy.stats, which takes a quarter of a second to load
 
 from hullrecon import native
 from hullrecon.adjustment.exceeded_priors import MANY_SIGMAS, MOUNTS, ROTATION, displacement
@@ -59,10 +60,10 @@ LARGEST_STEREO_TURN_RAD = np.radians(3.0)
 LARGEST_LENS_SHARE = 0.03
 # What is left out contradicts the rest grossly: by so many squares of its sigma a row
 GROSS = 4.0
-# Squares that a suspect has to explain before it is named in place of the CAD model, of a path that
-# agrees with itself: five sigmas, as in navigation/suspects. A distortion explained 12 on a
-# faultless dive, 3,400 landmarks, whose CAD model had another unit.
-IN_PLACE_OF_CAD = 25.0
+# Chance that a suspect without error is named in place of the CAD model, of a path that agrees with
+# itself: five sigmas, as in navigation/suspects. A distortion explained 12 squares on a faultless
+# dive, 3,400 landmarks, whose CAD model had another unit.
+CHANCE = 6e-7
 LEAST_WEIGHT = 1e-3  # of depths, which a path without noise makes nil
 # Squares that shearing the images explains at least, beyond which sensors are suspected: 0.3 at
 # most where lenses are 0.3 px off, 4 and more with 20 px of principal point or 20 ms of readout
@@ -116,11 +117,16 @@ def explain_refusal(path: Phase, placed: Phase, solver: RoundSolver) -> Phase:
     trials = path.verdict.suspects
     if not trials:
         trials = _try_all(path, solver)
-        if all(trial.gain <= IN_PLACE_OF_CAD for trial in trials):
+        if not any(_is_beyond_chance(trial) for trial in trials):
             trials = ()
     _refuse(trials, [], solver)
     _refuse_other_readings(path.estimate, placed)
     return replace(placed, verdict=replace(placed.verdict, suspects=trials))
+
+
+def _is_beyond_chance(trial: Trial) -> bool:
+    """Tell whether a suspect explains more squares than rows without error take with them."""
+    return bool(trial.gain + trial.rows > chdtri(trial.rows, CHANCE))
 
 
 def _refuse_other_readings(solved: Estimate, placed: Phase) -> None:

@@ -9,6 +9,7 @@ first row to the last does (docs/methods.md 6).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -32,13 +33,18 @@ class RowMotion:
     stereo: Array  # (m, 4) of a problem's table
     mono: Array  # (m, 2)
 
-    def moved(self, problem: native.Problem, readout_s: float) -> native.Problem:
-        """Move features to where they were at their node's time."""
+    def moved(
+        self, problem: native.Problem, readout_s: float, cameras: Sequence[Camera] = tuple(Camera)
+    ) -> native.Problem:
+        """Move features of some cameras to where they were at their node's time."""
         stereo, mono = problem.stereo, problem.mono
+        of = [camera.column for camera in cameras]
+        in_stereo = np.isin(np.arange(4) // 2, of)
+        in_mono = np.isin(mono.camera, of)[:, None]
         return replace(
             problem,
-            stereo=replace(stereo, pixel=stereo.pixel + readout_s * self.stereo),
-            mono=replace(mono, pixel=mono.pixel + readout_s * self.mono),
+            stereo=replace(stereo, pixel=stereo.pixel + readout_s * in_stereo * self.stereo),
+            mono=replace(mono, pixel=mono.pixel + readout_s * in_mono * self.mono),
         )
 
 

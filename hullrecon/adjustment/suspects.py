@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon import native
 from hullrecon.adjustment.readout import RowMotion
 from hullrecon.findings.adjustment import CORRECTED
+from hullrecon.geometry.frames import Camera
 from hullrecon.typing import Array
 
 LEFT_OUT = 1e3  # by which the sigmas of a measurement that is left out grow
@@ -98,8 +99,10 @@ def try_suspects(
     before = _solved(problem, settings)[0]
     trials = [_try(suspect, problem, settings, before) for suspect in _suspects(problem)]
     trials += _try_depths(problem, settings, before)
-    if len(problem.stereo.node) + len(problem.mono.node):
-        trials.append(_try_readout(problem, settings, before, by_row))
+    trials += [
+        _try_readout(name, cameras, problem, settings, before, by_row)
+        for name, cameras in _readouts(problem).items()
+    ]
     return tuple(sorted(trials, key=lambda trial: -trial.gain))
 
 
@@ -109,32 +112,57 @@ def least_gain(problem: native.Problem, settings: native.Options, by_row: RowMot
     The slope is that of the solved path as well, while what other unknowns follow makes the
     parabola flatter than the one that is seen with them held: some twenty times on two legs.
     """
-    if not len(problem.stereo.node) + len(problem.mono.node):
-        return 0.0
-    less, here, more = (
-        _squares(by_row.moved(problem, readout_s), replace(settings, method="naive"))
-        for readout_s in (-SLOPE_S, 0.0, SLOPE_S)
-    )
-    curvature = more + less - 2 * here
-    return float((more - less) ** 2 / (8 * curvature)) if curvature > 0 else 0.0
+    naive = replace(settings, method="naive")
+    gains = [0.0]
+    for cameras in _readouts(problem).values():
+        less, here, more = (
+            _squares(by_row.moved(problem, readout_s, cameras), naive)
+            for readout_s in (-SLOPE_S, 0.0, SLOPE_S)
+        )
+        curvature = more + less - 2 * here
+        if curvature > 0:
+            gains.append(float((more - less) ** 2 / (8 * curvature)))
+    return max(gains)
+
+
+def _readouts(problem: native.Problem) -> dict[str, Sequence[Camera]]:
+    """List whose rows may have been exposed one after another: all cameras', or one's of two."""
+    if len(problem.stereo.node):
+        return {
+            "readout": tuple(Camera),
+            "readout-top": (Camera.TOP,),
+            "readout-bottom": (Camera.BOTTOM,),
+        }
+    return {"readout": tuple(Camera)} if len(problem.mono.node) else {}
 
 
 def _try_readout(
-    problem: native.Problem, settings: native.Options, before: float, by_row: RowMotion
+    name: str,
+    cameras: Sequence[Camera],
+    problem: native.Problem,
+    settings: native.Options,
+    before: float,
+    by_row: RowMotion,
 ) -> Trial:
-    """Solve with features moved for two readout times; the squares are a parabola of it."""
-    less, more = (
-        _solved(by_row.moved(problem, readout_s), settings)[0]
-        for readout_s in (-READOUT_S, READOUT_S)
-    )
-    slope, curvature = (more - less) / 2, more + less - 2 * before
-    found = -slope / curvature if curvature > 0 else 0.0
-    return Trial(
-        suspect="readout",
-        gain=-(slope * found + curvature * found**2 / 2) - 1,
-        rows=1,
-        found=READOUT_S * found,
-    )
+    """Solve with features moved for some readout times; the squares are a parabola of it.
+
+    Where its minimum lies beyond the times that are tried, these are laid around it once more.
+    """
+
+    def squares(readout_s: float) -> float:
+        return _solved(by_row.moved(problem, readout_s, cameras), settings)[0]
+
+    middle_s, here = 0.0, before
+    while True:
+        less, more = squares(middle_s - READOUT_S), squares(middle_s + READOUT_S)
+        slope, curvature = (more - less) / 2, more + less - 2 * here
+        step = -slope / curvature if curvature > 0 else 0.0
+        found_s = middle_s + READOUT_S * step
+        if middle_s or abs(step) < 1 or not LEAST_READOUT_S < found_s < MOST_READOUT_S:
+            break
+        middle_s, here = found_s, squares(found_s)
+    left = here + slope * step + curvature * step**2 / 2
+    return Trial(suspect=name, gain=before - left - 1, rows=1, found=found_s)
 
 
 def _try_depths(problem: native.Problem, settings: native.Options, before: float) -> list[Trial]:
@@ -219,7 +247,7 @@ def _is_absurd(trial: Trial) -> bool:
     """Tell whether a suspect's own error is one that no sensor has."""
     if trial.suspect == "dvl-scale" and trial.found is not None:
         return not LEAST_SCALE < 1 + trial.found < MOST_SCALE
-    if trial.suspect == "readout" and trial.found is not None:
+    if trial.suspect.startswith("readout") and trial.found is not None:
         return not LEAST_READOUT_S < trial.found < MOST_READOUT_S
     return False
 

@@ -65,6 +65,13 @@ def _center_shift(whose: str) -> Callable[[float | None], str]:
     )
 
 
+def _readout(whose: str) -> Callable[[float | None], str]:
+    return lambda found: (
+        f"with the rows of an image{whose} exposed one after another, "
+        f"{1e3 * (found or 0.0):.0f} ms from the first to the last"
+    )
+
+
 # By suspect: what makes the rest agree; found is its own error, where it was freed
 SUSPECTS: Mapping[str, Callable[[float | None], str]] = {
     "pressure": lambda _: "without the depths of the pressure sensor",
@@ -84,10 +91,9 @@ SUSPECTS: Mapping[str, Callable[[float | None], str]] = {
     "principal-point-bottom": _center_shift("the bottom camera's"),
     "distortion": lambda _: "with another distortion than the calibration's",
     "stereo-rig": _baseline,
-    "readout": lambda found: (
-        f"with the rows of an image exposed one after another, {1e3 * (found or 0.0):.0f} ms from "
-        "the first to the last"
-    ),
+    "readout": _readout(""),
+    "readout-top": _readout(" of the top camera"),
+    "readout-bottom": _readout(" of the bottom camera"),
 }
 # Suspects whose own error the adjustment estimates and takes out, up to a largest believable size
 CORRECTED = frozenset({"dvl-scale", "dvl-mount", "imu", "camera-mount", "stereo-rig"})
@@ -97,6 +103,8 @@ REMEDIES: Mapping[str, str] = {
     "pressure-scale": "leave topics.pressure away",
     "positions": "leave topics.position away",
     "readout": "give that time, in s, as readout_s of camera.top and camera.bottom",
+    "readout-top": "give that time, in s, as readout_s of camera.top",
+    "readout-bottom": "give that time, in s, as readout_s of camera.bottom",
 }
 
 

@@ -150,11 +150,14 @@ def with_pixels(measured, by_camera):
     return replace(measured, tracks=replace(tracks, **seen))
 
 
-def read_out(dive, readout_s):
-    """The measurements with rows that were exposed one after another."""
+def read_out(dive, readout_s, cameras=("top", "bottom")):
+    """The measurements with rows of some cameras that were exposed one after another."""
     tracks, per_leg = dive.measured.tracks, len(dive.tray) // 2
 
     def by_camera(name, pixel):
+        if name not in cameras:
+            return pixel
+
         def at(time):
             poses, tray, _ = path(time, per_leg)
             top = poses @ _tray_poses(tray) @ TRAY_FROM_TOP
@@ -184,6 +187,12 @@ def test_readout_that_nobody_gave_is_named_and_its_remedy_heals(scene):
     assert float(found) == pytest.approx(20, abs=2)
     healed = read_out(replace(dive, measured=measured), -1e-3 * float(found))
     assert path_rounds(healed).verdict.suspects == ()
+
+
+def test_readout_of_one_camera_is_named():
+    said = refused(read_out(simulate(**STEREO), 0.02, ("bottom",)))
+    (found,) = re.findall(r"rows of an image of the bottom camera exposed .*?, (\d+) ms", said)
+    assert float(found) == pytest.approx(20, abs=2)
 
 
 @pytest.mark.parametrize("name", ["fy", "cx"])
