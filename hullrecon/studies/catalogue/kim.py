@@ -330,8 +330,9 @@ _RESULTS = Chapter(
             ),
             differs=(
                 "navigation refuses links that would turn the path: by either model it lies "
-                "within its sigma, and the choice joins twice as many pairs as the essential "
-                "matrix alone"
+                "within its sigma. In ten draws the essential matrix alone was nearer by 0.5 mm, "
+                "known to 0.4 mm, and pairs that both join were as good by either: what the choice "
+                "brings is nearly twice as many pairs"
             ),
         ),
         Part(

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.links import CameraLinks
-from hullrecon.typing import Array
+from hullrecon.typing import Array, Ints
 from hullrecon.vision.pairs import mono_motion
 
 
@@ -19,9 +19,18 @@ from hullrecon.vision.pairs import mono_motion
 class LinkErrors:
     """Errors of links, whose lengths one camera does not measure."""
 
+    pairs: Ints  # (m, 2) nodes
     rotation_rad: Array  # (m,)
     direction_rad: Array  # (m,) of the translation
     chi2: Array  # (m,) of both together, by their covariance: five degrees of freedom
+
+    def rows_of_same_pairs(self, other: LinkErrors) -> tuple[Ints, Ints]:
+        """Find the rows (k,) of pairs that both have, here and in the other."""
+        nodes = [1 + int(max(self.pairs.max(initial=0), other.pairs.max(initial=0))), 1]
+        _, here, there = np.intersect1d(
+            self.pairs @ nodes, other.pairs @ nodes, return_indices=True
+        )
+        return here, there
 
 
 def link_errors(links: CameraLinks, hull_from_camera: Poses) -> LinkErrors:
@@ -40,4 +49,9 @@ def link_errors(links: CameraLinks, hull_from_camera: Poses) -> LinkErrors:
         chi2 = whole @ np.linalg.solve(by @ links.covariance[k] @ by.T, whole)
         errors.append((np.linalg.norm(rotation), np.linalg.norm(off), chi2))
     rotation, direction, chi2 = np.array(errors).reshape(-1, 3).T
-    return LinkErrors(rotation_rad=rotation, direction_rad=direction, chi2=chi2)
+    return LinkErrors(
+        pairs=np.column_stack([links.first, links.second]),
+        rotation_rad=rotation,
+        direction_rad=direction,
+        chi2=chi2,
+    )

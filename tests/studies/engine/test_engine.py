@@ -26,7 +26,7 @@ from hullrecon.studies.engine.fly_through import (
     TexturedHull,
     film,
 )
-from hullrecon.studies.engine.link_errors import link_errors
+from hullrecon.studies.engine.link_errors import LinkErrors, link_errors
 from hullrecon.studies.engine.one_camera import TrueCamera
 from hullrecon.studies.engine.pair_overlap import ComparedPair
 from hullrecon.studies.engine.pair_stages import five_numbers
@@ -138,6 +138,16 @@ def test_links_errors_are_of_rotation_and_direction_alone() -> None:
     assert found.direction_rad == pytest.approx(0.010, rel=1e-3)
     assert found.rotation_rad == pytest.approx(0.002, rel=1e-6)
     assert found.chi2 == pytest.approx(1.0 + 4.0, rel=1e-3)
+
+
+def test_links_of_two_models_are_compared_pair_by_pair() -> None:
+    none = np.zeros(0)
+    one, other = (
+        LinkErrors(pairs=np.array(pairs), rotation_rad=none, direction_rad=none, chi2=none)
+        for pairs in ([[0, 1], [0, 12], [3, 4]], [[0, 12], [1, 2], [2, 3], [3, 4]])
+    )
+    here, there = one.rows_of_same_pairs(other)
+    assert (here.tolist(), there.tolist()) == ([1, 2], [0, 3])
 
 
 def test_white_noise_alone_lets_no_sigma_fall() -> None:
