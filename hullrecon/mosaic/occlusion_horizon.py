@@ -10,13 +10,14 @@ import numpy as np
 
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.geometry.meshes.refinement import refine
-from hullrecon.typing import Array, Floats32, Ints32
+from hullrecon.native import least_tangents
+from hullrecon.typing import Array, Floats32, Ints, Ints32
 
-CELL_M = 0.1  # of the chart, for each of which the outermost point of the surface is kept
+# of the chart, for each of which the outermost point of the surface is kept. Cells of 0.1 m
+# leave four times as many texels near some relief, for which rays are cast.
+CELL_M = 0.05
 BLOCK_M = 0.1  # texels that share one answer
 MIN_RELIEF_M = 0.012  # lower relief is within the surface's own error and hides nothing
-PAIRS = 50_000  # of blocks and cells at a time, which a processor's cache holds
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,29 +33,42 @@ def build_occlusion_horizon(
     mesh: Mesh, chart: Chart, bounds: Array, span_m: float
 ) -> OcclusionHorizon:
     """Build the horizon of what lies within span_m of the texels."""
-    at = chart.to_chart(mesh.vertices)[:, :2]
-    corner = at[mesh.faces]
+    charted = chart.to_chart(mesh.vertices)
+    corner = charted[mesh.faces][..., :2]
     corner = np.where(np.isfinite(corner), corner, np.roll(corner, 1, axis=1))
     low, high = corner.min(axis=1), corner.max(axis=1)
     near = ((high >= bounds[0] - span_m) & (low <= bounds[1] + span_m)).all(axis=1)
-    vertices = _cover(mesh.vertices, mesh.faces[near])
-    charted = chart.to_chart(vertices)
-    known = np.flatnonzero(np.isfinite(charted).all(axis=1))
-    known = known[np.argsort(-charted[known, 2], kind="stable")]
-    _, first = np.unique(np.floor(charted[known, :2] / CELL_M), axis=0, return_index=True)
-    chosen = known[first]
+    used, between = np.unique(mesh.faces[near]), _points_between(mesh.vertices, mesh.faces[near])
+    point = np.concatenate([mesh.vertices[used], between])
+    charted = np.concatenate([charted[used], chart.to_chart(between)])
+    chosen = _outermost(charted)
     return OcclusionHorizon(
-        top=vertices[chosen], normal=chart.from_chart(charted[chosen, :2])[1], span_m=span_m
+        top=point[chosen], normal=chart.from_chart(charted[chosen, :2])[1], span_m=span_m
     )
 
 
-def _cover(vertices: Array, faces: Ints32) -> Array:
-    """Cover faces with points (n, 3) no farther apart than a cell, their corners among them."""
+def _points_between(vertices: Array, faces: Ints32) -> Array:
+    """Cover the faces that are larger than a cell with points (n, 3) no farther apart."""
     corner = vertices[faces]
-    edge = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2)
-    used, coarse = np.unique(faces[edge.max(axis=1) > CELL_M], return_inverse=True)
-    fine, _ = refine(Mesh(vertices[used], coarse.reshape(-1, 3).astype(np.int32)), CELL_M)
-    return np.vstack([vertices[np.unique(faces)], fine.vertices[len(used) :]])
+    edge = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max(axis=1, initial=0)
+    parts = np.ceil(edge / CELL_M).astype(np.int64)
+    covers = [np.zeros((0, 3))]
+    for count in np.unique(parts[parts > 1]).tolist():
+        first, second = np.mgrid[: count + 1, : count + 1].reshape(2, -1)
+        share = np.stack([count - first - second, first, second], axis=1) / count
+        covers.append((share[share[:, 0] >= 0] @ corner[parts == count]).reshape(-1, 3))
+    return np.concatenate(covers)
+
+
+def _outermost(charted: Array) -> Ints:
+    """Select the outermost of charted points (n, 3) in each cell."""
+    known = np.flatnonzero(np.isfinite(charted).all(axis=1))
+    cell = np.floor(charted[known, :2] / CELL_M).astype(np.int64)
+    cell -= cell.min(axis=0, initial=0)
+    key = cell[:, 0] * (cell[:, 1].max(initial=0) + 1) + cell[:, 1]
+    order = np.lexsort((-charted[known, 2], key))
+    is_first = np.diff(key[order], prepend=-1) > 0
+    return np.asarray(known[order[is_first]])
 
 
 def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: float) -> Floats32:
@@ -68,11 +82,9 @@ def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: 
     """
     height, width = point.shape[:2]
     side = max(1, round(BLOCK_M / step_m))
-    blocks = _blocks(point, side), _blocks(normal, side)
-    some = np.flatnonzero(np.isfinite(blocks[0][..., 0]).any(axis=1))
-    bound = np.full(len(blocks[0]), np.inf)
-    if len(some):
-        bound[some] = _least_tangent(horizon, blocks[0][some], blocks[1][some])
+    limits = (CELL_M, horizon.span_m, MIN_RELIEF_M)
+    blocks = (_blocks(field, side) for field in (point, normal))
+    bound = least_tangents(horizon.top, horizon.normal, limits, *blocks)
     rows = -(-height // side)
     spread = np.repeat(np.repeat(bound.reshape(rows, -1), side, axis=0), side, axis=1)
     return np.asarray(spread[:height, :width], np.float32)
@@ -89,41 +101,3 @@ def _blocks(field: Array, side: int) -> Array:
         .swapaxes(1, 2)
         .reshape(rows * columns, side * side, 3)
     )
-
-
-def _least_tangent(horizon: OcclusionHorizon, points: Array, normals: Array) -> Array:
-    """Minimise d / h (blocks,) over the horizon, inf where nothing stands out."""
-    middle, up = np.nanmean(points, axis=1), np.nanmean(normals, axis=1)
-    up /= np.linalg.norm(up, axis=1, keepdims=True)
-    off = points - middle[:, None]
-    level = np.einsum("bki,bi->bk", off, up)
-    floor = np.nanmin(level, axis=1)
-    radius = np.sqrt(np.nanmax(np.einsum("bki,bki->bk", off, off), axis=1))
-    center = 0.5 * (middle.min(axis=0) + middle.max(axis=0))
-    extent = float(np.linalg.norm(middle - center, axis=1).max() + radius.max())
-    near = np.linalg.norm(horizon.top - center, axis=1) < extent + horizon.span_m + 3 * CELL_M
-    top, normal = horizon.top[near] - center, horizon.normal[near]
-    least = np.full(len(middle), np.inf)
-    if not len(top):
-        return least
-    chunk = max(1, PAIRS // len(top))
-    for i in range(0, len(middle), chunk):
-        part = slice(i, i + chunk)
-        at, n = middle[part] - center, up[part]
-        above = n @ top.T
-        above -= np.einsum("bi,bi->b", n, at)[:, None]
-        # other points of the cell may stand higher by its tilt
-        rise = n @ normal.T
-        np.square(rise, out=rise)
-        np.sqrt(np.maximum(np.subtract(1, rise, out=rise), 0, out=rise), out=rise)
-        rise *= np.sqrt(2) * CELL_M
-        rise += above
-        rise -= floor[part, None]
-        # of most pairs the cell does not stand out
-        block, cell = np.nonzero(rise > MIN_RELIEF_M)
-        off = top[cell] - at[block]
-        level = np.einsum("ki,ki->k", off, off) - above[block, cell] ** 2
-        away = np.sqrt(np.maximum(level, 0)) - radius[part][block] - (1 + np.sqrt(2)) * CELL_M
-        bound = np.where(away < horizon.span_m, np.maximum(away, 0) / rise[block, cell], np.inf)
-        np.minimum.at(least[part], block, bound)
-    return least

@@ -9,6 +9,7 @@ installed has no hullrecon._native. Importing this package does not load it yet.
 
 from hullrecon.native.columns import IDENTITY
 from hullrecon.native.curvature import curvature_difference, curvature_information
+from hullrecon.native.drawing import draw_triangles
 from hullrecon.native.feature_pairs import best_and_next, descriptor_distances, pairs_in_regions
 from hullrecon.native.links import LinkKernel, LinkTable, bearing_basis
 from hullrecon.native.mesh_index import Closest, Hits, MeshIndex
@@ -58,7 +59,13 @@ from hullrecon.native.solver import (
     pair_covariance,
     solve,
 )
-from hullrecon.native.views import BlendSums, incidence, insert_view, project_into
+from hullrecon.native.views import (
+    BlendSums,
+    incidence,
+    insert_view,
+    least_tangents,
+    project_into,
+)
 
 __all__ = [
     "FACTORS",
@@ -109,9 +116,11 @@ __all__ = [
     "curvature_difference",
     "curvature_information",
     "descriptor_distances",
+    "draw_triangles",
     "evaluate",
     "incidence",
     "insert_view",
+    "least_tangents",
     "linearise_stereo",
     "normal_of_reprojections",
     "pair_covariance",

@@ -66,6 +66,37 @@ def insert_view(best_view: Ints32, best_cost: Floats32, view: int, cost: Floats3
     _native.insert_view(best_view, best_cost, view, cost)
 
 
+def least_tangents(
+    top: Array,
+    top_normal: Array,
+    limits: tuple[float, float, float],
+    points: Array,
+    normals: Array,
+) -> Array:
+    """Bound tangents (n,) of the incidence up to which nothing hides blocks of a surface.
+
+    Parameters
+    ----------
+    top, top_normal
+        The outermost point of each cell of the chart (m, 3), with the chart's normal there (m, 3).
+    limits
+        Side of a cell, the distance from which on nothing stands in the way, and the relief up to
+        which nothing is hidden, m.
+    points, normals
+        Of each block (n, k, 3), on the surface and of the chart; NaN where there is no surface.
+
+    Returns
+    -------
+    Array
+        The least distance of a cell over its height above the block, both on the safe side. inf
+        where no cell stands out, and for a block without a point.
+    """
+    import hullrecon._native as _native
+
+    least: Array = _native.least_tangents(top, top_normal, *limits, points, normals)
+    return least
+
+
 @dataclass(frozen=True, kw_only=True)
 class BlendSums:
     """Sums over the views that were blended so far, at each of n texels."""

@@ -12,6 +12,7 @@
 
 #include "common/errors.h"
 #include "common/parallel.h"
+#include "mesh/drawing.h"
 #include "mesh/mesh_index.h"
 #include "python/convert.h"
 #include "python/matching.h"
@@ -27,7 +28,10 @@ namespace hullrecon {
 namespace {
 
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
 using Int32s = py::array_t<int32_t, py::array::c_style | py::array::forcecast>;
+
+constexpr int64_t kRaysOfThread = 4096;  // a ray takes some 0.4 us, to start a thread as much as a hundred
 
 void expect(const py::array& array, const char* name) {
   if (array.ndim() != 2 || array.shape(1) != 3) throw InputError("the array must be (n, 3)", name, "");
@@ -87,14 +91,15 @@ py::tuple cast(const MeshIndex& index, const Doubles& origins, const Doubles& di
   int32_t* f = face.mutable_data();
   {
     py::gil_scoped_release free;
-    for_slabs(n, threads, [&](int64_t begin, int64_t end) {
+    const auto work = [&](int64_t begin, int64_t end) {
       for (int64_t i = begin; i < end; ++i) {
         const Hit hit = index.cast(from[i], along[i].normalized());
         r[i] = hit.range;
         f[i] = hit.face;
         Eigen::Map<Vec3>(m + 3 * i) = hit.normal;
       }
-    });
+    };
+    for_slabs(n, threads, work, kRaysOfThread);
   }
   return py::make_tuple(range, face, normal);
 }
@@ -107,11 +112,35 @@ py::array_t<bool> is_free(const MeshIndex& index, const Doubles& starts, const D
   bool* is = out.mutable_data();
   {
     py::gil_scoped_release free;
-    for_slabs(n, threads, [&](int64_t begin, int64_t end) {
+    const auto work = [&](int64_t begin, int64_t end) {
       for (int64_t i = begin; i < end; ++i) is[i] = index.is_free(from[i], to[i]);
-    });
+    };
+    for_slabs(n, threads, work, kRaysOfThread);
   }
   return out;
+}
+
+void draw_triangles(Floats& picture, const Doubles& points, const Int32s& faces, const Floats& values) {
+  if (picture.ndim() != 3) throw InputError("the array must be (h, w, channels)", "picture", "");
+  if (points.ndim() != 2 || points.shape(1) != 2) throw InputError("the array must be (n, 2)", "points", "");
+  if (values.ndim() != 2 || values.shape(0) != points.shape(0) || values.shape(1) != picture.shape(2)) {
+    throw InputError("the array must be (n, channels)", "values", "");
+  }
+  expect(faces, "faces");
+  for (py::ssize_t i = 0; i < faces.size(); ++i) {
+    if (faces.data()[i] < 0 || faces.data()[i] >= points.shape(0)) throw InputError("a corner is not there", "faces", "");
+  }
+  const Canvas canvas{picture.mutable_data(), picture.shape(0), picture.shape(1), picture.shape(2)};
+  const double* at = points.data();
+  const float* value = values.data();
+  const int32_t* corner = faces.data();
+  const py::ssize_t count = faces.shape(0);
+  py::gil_scoped_release free;
+  for (py::ssize_t i = 0; i < count; ++i, corner += 3) {
+    draw_triangle(
+        canvas, {at + 2 * corner[0], at + 2 * corner[1], at + 2 * corner[2]},
+        {value + canvas.channels * corner[0], value + canvas.channels * corner[1], value + canvas.channels * corner[2]});
+  }
 }
 
 template <class Number, class Value>
@@ -325,6 +354,8 @@ PYBIND11_MODULE(_native, m) {
       .def("__len__", &MeshIndex::faces);
   bind_matching(m);
   bind_mosaic(m);
+  m.def("draw_triangles", &draw_triangles, py::arg("picture").noconvert(), py::arg("points"), py::arg("faces"),
+        py::arg("values"));
   m.def("solve", &run_solve);
   m.def("solve_parts", &run_solve_parts);
   m.def("evaluate", &run_evaluate);

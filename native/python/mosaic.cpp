@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/errors.h"
+#include "mosaic/horizon.h"
 #include "mosaic/views.h"
 
 namespace py = pybind11;
@@ -95,6 +96,26 @@ void blend(Sums<float>& value, Sums<float>& weight, Sums<float>& moment, Sums<ui
   add_view(picture, span_of(rows), span_of(pixel), span_of(ratio), span_of(steepness), sums);
 }
 
+Values<double> least_tangents(const Values<double>& top, const Values<double>& top_normal, double cell, double span,
+                              double least_relief, const Values<double>& points, const Values<double>& normals) {
+  const Index cells = top.shape(0);
+  expect(top, {cells, 3}, "top"), expect(top_normal, {cells, 3}, "top_normal");
+  if (points.ndim() != 3) throw InputError("the array is of another shape", "points", "");
+  const Index n = points.shape(0), texels = points.shape(1);
+  expect(points, {n, texels, 3}, "points"), expect(normals, {n, texels, 3}, "normals");
+  const Outermost outermost{span_of(top), span_of(top_normal), cell, span, least_relief};
+  Values<double> out(n);
+  double* least = out.mutable_data();
+  {
+    py::gil_scoped_release free;
+    const auto size = static_cast<size_t>(3 * texels);
+    for (Index i = 0; i < n; ++i) {
+      least[i] = least_tangent(outermost, span_of(points).subspan(i * size, size), span_of(normals).subspan(i * size, size));
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 void bind_mosaic(py::module_& m) {
@@ -106,6 +127,7 @@ void bind_mosaic(py::module_& m) {
   m.def("add_view", &blend, py::arg("value").noconvert(), py::arg("weight").noconvert(), py::arg("moment").noconvert(),
         py::arg("views").noconvert(), py::arg("rows"), py::arg("pixel"), py::arg("ratio"), py::arg("steepness"),
         py::arg("bands"));
+  m.def("least_tangents", &least_tangents);
 }
 
 }  // namespace hullrecon

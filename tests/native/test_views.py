@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
-from hullrecon.native import BlendSums, incidence, insert_view, project_into
+from hullrecon.native import BlendSums, incidence, insert_view, least_tangents, project_into
 
 CAMERA = CameraModel(
     width=40, height=30, fx=35.0, fy=36.0, cx=19.0, cy=15.5, k1=-0.2, k2=0.05, p1=0.003, p2=-0.002
@@ -115,3 +115,35 @@ def test_rows_and_shapes_that_cannot_be_are_refused() -> None:
         insert_view(
             np.zeros((4, 2), np.int32), np.zeros((4, 3), np.float32), 0, np.zeros(2, np.float32)
         )
+
+
+def test_least_tangents_equal_their_twin() -> None:
+    """Of the texels of a block the nearest to a cell, and the lowest under it, may be any."""
+    random = np.random.default_rng(7)
+    top, up = random.uniform(-1, 1, (25, 3)) * [1, 1, 0.1], random.normal(size=(25, 3))
+    up = (up * 0.1 + [0, 0, 1]) / np.linalg.norm(up * 0.1 + [0, 0, 1], axis=1, keepdims=True)
+    points = random.uniform(-0.05, 0.05, (30, 1, 3)) + random.uniform(-0.04, 0.04, (30, 9, 3))
+    points[:, :, :2] += random.uniform(-1, 1, (30, 1, 2))
+    points[random.random((30, 9)) < 0.3] = np.nan
+    points[5] = np.nan
+    normals = np.broadcast_to([0.0, 0.28, 0.96], points.shape)
+    cell, span, relief = 0.05, 0.5, 0.03
+    expected = np.full(30, np.inf)
+    for k, block in enumerate(points):
+        known = block[np.isfinite(block[:, 0])]
+        if not len(known):
+            continue
+        off = known - known.mean(axis=0)
+        floor, radius = (off @ normals[0, 0]).min(), np.linalg.norm(off, axis=1).max()
+        away = top - known.mean(axis=0)
+        above = away @ normals[0, 0]
+        tilt = np.sqrt(1 - (up @ normals[0, 0]) ** 2)
+        rise = above + np.sqrt(2) * cell * tilt - floor
+        level = np.sqrt(np.maximum((away**2).sum(axis=1) - above**2, 0))
+        level -= radius + (1 + np.sqrt(2)) * cell
+        counts = (rise > relief) & (level < span)
+        expected[k] = np.min(np.maximum(level, 0)[counts] / rise[counts], initial=np.inf)
+    found = least_tangents(top, up, (cell, span, relief), points, normals)
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+    assert np.isinf(found).any()
+    assert len(np.unique(found)) > 10

@@ -20,7 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.mosaic.grid import TexelGrid, Window
-from hullrecon.mosaic.output.tile_store import CompressedTiles, append, read_at
+from hullrecon.mosaic.output.tile_store import (
+    CompressedTiles,
+    append,
+    mean_of_squares,
+    read_at,
+)
 from hullrecon.mosaic.stream import in_threads
 
 BLOCK = 512  # px, side of a block of the file
@@ -164,21 +169,20 @@ def halve(block: NDArray[np.generic], nodata: float | None) -> NDArray[np.generi
 
     A block whose last band is alpha (`nodata` is None) is weighed by it.
     """
-    height, width, bands = block.shape
-    values = block.reshape(height // 2, 2, width // 2, 2, bands).astype(np.float32)
+    values = block.astype(np.float32)
     if nodata is None:
-        weight = values[..., -1:]
-        alpha = weight.mean(axis=(1, 3))
+        weight = values[..., -1:].copy()
     else:
         known = np.isfinite(values) if np.isnan(nodata) else values != nodata
         weight = known.astype(np.float32)
-        values = np.where(known, values, 0)
-    total = weight.sum(axis=(1, 3))
-    mean = (values * weight).sum(axis=(1, 3)) / np.maximum(total, 1e-9)
+        values[~known] = 0
+    total = mean_of_squares(weight, 2)
+    values *= weight
+    mean = mean_of_squares(values, 2) / np.maximum(total, 1e-9)
     if nodata is None:
-        mean[..., -1:] = alpha
+        mean[..., -1:] = total
     else:
-        mean = np.where(total > 0, mean, nodata)
+        mean[total == 0] = nodata
     whole = np.issubdtype(block.dtype, np.integer)
     return np.asarray(np.rint(mean) if whole else mean, block.dtype)
 

@@ -22,6 +22,7 @@ from hullrecon.mosaic.output.tile_store import TileStore
 from hullrecon.typing import Mask
 
 PREVIEW_PX = 1760  # longer side of the picture as drawn, 11 inches
+PNG_LEVEL = 4  # zlib's: 6, which is usual, takes thrice the time for 8 % fewer bytes of a mosaic
 INK, BACK, UNSEEN = "#1c2733", "#ffffff", "#e9edf1"
 
 
@@ -77,7 +78,8 @@ def preview_png(
     _scale_bar(axis, extent, caption.flips)
     FigureCanvasAgg(figure)
     buffer = BytesIO()
-    figure.savefig(buffer, format="png", metadata={"Software": None})
+    effort = {"compress_level": PNG_LEVEL}
+    figure.savefig(buffer, format="png", metadata={"Software": None}, pil_kwargs=effort)
     return buffer.getvalue()
 
 
@@ -94,15 +96,17 @@ def stretch_contrast(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
     Colour grows less, or it would glare.
     """
-    seen = picture[picture[..., 3] > 0][:, :3]
+    bands = [picture[..., k].astype(np.float32) for k in range(3)]
+    level = (bands[0] + bands[1] + bands[2]) / 3
+    seen = level[picture[..., 3] > 0]
     if not len(seen):
         return picture
-    low, high = np.percentile(seen.mean(axis=1), (0.5, 99.5))
-    gain = 220 / max(high - low, 25)
-    level = picture[..., :3].mean(axis=2, keepdims=True)
-    color = (picture[..., :3] - level) * min(gain, 1.25)
+    low, high = np.percentile(seen, (0.5, 99.5), overwrite_input=True)
+    gain = np.float32(220 / max(high - low, 25))
+    bright, colorful = 15 + (level - np.float32(low)) * gain, min(gain, np.float32(1.25))
     out = picture.copy()
-    out[..., :3] = np.clip(15 + (level - low) * gain + color, 0, 255)
+    for k, band in enumerate(bands):
+        out[..., k] = np.clip(bright + (band - level) * colorful, 0, 255)
     return out
 
 

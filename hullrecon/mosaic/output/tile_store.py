@@ -18,6 +18,7 @@ from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.imagery.camera_views import Footprints, ImageView, footprint_windows
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.stream import Stream
+from hullrecon.typing import Floats32
 
 TEXTURE_PX = 4096  # longer side of the small copy, which is the GLB's texture
 VARIANCE_STEP = 0.25  # squared gray levels; finer is noise, and compresses badly
@@ -37,6 +38,16 @@ def read_at(file: BinaryIO, at: int, length: int) -> bytes:
     with _at_one_place:
         file.seek(at)
         return file.read(length)
+
+
+def mean_of_squares(picture: Floats32, side: int) -> Floats32:
+    """Average each square of so many pixels a side of a picture (h, w, bands)."""
+    import cv2
+
+    height, width, bands = picture.shape
+    size = (width // side, height // side)
+    mean = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
+    return np.asarray(mean, np.float32).reshape(size[1], size[0], bands)
 
 
 @dataclass
@@ -137,12 +148,11 @@ class TileStore:
         A block is opaque where half of it or more is seen, so that holes of single texels do not
         show through.
         """
-        n = self.reduction
-        blocks = color.reshape(self.size // n, n, self.size // n, n, -1).astype(np.float32)
-        alpha = blocks[..., -1:] / 255
-        count = alpha.sum(axis=(1, 3))
-        mean = (blocks[..., :-1] * alpha).sum(axis=(1, 3)) / np.maximum(count, 1)
-        small = np.concatenate([mean, 255 * np.minimum(1, 2 * count / (n * n))], axis=2)
+        seen = (color[..., -1:] > 0).astype(np.float32)
+        share = mean_of_squares(seen, self.reduction)
+        mean = mean_of_squares(color[..., :-1] * seen, self.reduction)
+        mean /= np.maximum(share, self.reduction**-2)
+        small = np.concatenate([mean, 255 * np.minimum(1, 2 * share)], axis=2)
         return np.asarray(np.rint(small).astype(np.uint8))
 
     def variance_percentiles(self, percent: Sequence[float]) -> list[float]:

@@ -11,10 +11,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hullrecon.native import draw_triangles
 from hullrecon.records.surface import DeviationSplit
 from hullrecon.report.figures.hull_map import (
     Bounds,
@@ -26,20 +26,16 @@ from hullrecon.report.figures.hull_map import (
     form_shadings,
     survey_fields,
 )
-from hullrecon.report.figures.style import new_figure, png_bytes
+from hullrecon.report.figures.style import encode_png, new_figure, png_bytes
 from hullrecon.report.format_limits import WEBP_SIDE_PX, reduction
 from hullrecon.report.survey import Survey
-from hullrecon.typing import Array, Ints32, Mask, Pixels
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.collections import TriMesh
-    from matplotlib.figure import Figure
+from hullrecon.typing import Array, Floats32, Mask, Pixels
 
 # of a mosaic: 10 m² at 1 mm a pixel in some 4 MB. The delivered GeoTIFF has all pixels.
 MOST_PIXELS = 12e6
 FIELD_STEP_M = 0.005  # a pixel of a field, which is smooth over centimetres
 MOST_FIELD_PIXELS = 2.5e6  # 10 m by 6 m at FIELD_STEP_M, far below CANVAS_PIXELS
+FORM_PX = 1200  # longer side of a map of the form, before it is drawn into its frame
 MOST_NARROW = 12.0  # sides of a map of the form, as drawn
 MOSAIC_TITLES = {"optical": "Camera mosaic", "sonar": "Sonar mosaic"}
 RASTERS = {  # the delivered raster of a layer
@@ -142,8 +138,7 @@ def field_layer(found: ChartedSurface, field: MapField, extent: Extent) -> MapLa
     """
     step_m = field_step_m(extent)
     level, seen = _levels(found, field.values, field.shading, extent, step_m)
-    colours = palette(field.shading.colours)[level]
-    rgba = np.dstack([colours, np.where(seen, 255, 0).astype(np.uint8)])
+    rgba = _with_alpha(palette(field.shading.colours)[level], seen)
     return MapLayer(
         name=field.name,
         title=field.title,
@@ -172,17 +167,32 @@ def _levels(
     found: ChartedSurface, values: Array, shading: Shading, extent: Extent, step_m: float
 ) -> tuple[Pixels, Mask]:
     """Draw values as levels 0 to 255 of the shading (h, w), with a mask (h, w) of pixels drawn."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
     width, height = (span / step_m for span in extent.size)
-    figure, axis = _filled_figure(extent, width, height)
-    canvas = FigureCanvasAgg(figure)
+    drawn = _draw(found, values, extent, width, height)
+    seen = np.isfinite(drawn)
+    share = (np.where(seen, drawn, shading.low) - shading.low) / (shading.high - shading.low)
+    return np.rint(255 * np.clip(share, 0, 1)).astype(np.uint8), seen
+
+
+def _draw(
+    found: ChartedSurface, values: Array, extent: Extent, width_px: float, height_px: float
+) -> Floats32:
+    """Draw values at the vertices of the seen faces (h, w), at least one pixel a side.
+
+    NaN where nothing was seen or a corner has no value.
+    """
+    size = np.maximum(1, np.rint([width_px, height_px]))
+    (left, right), (bottom, top) = extent.limits
     faces = found.seen_faces()
     faces = faces[np.isfinite(values[faces]).all(axis=1)]
-    _draw(axis, found, faces, np.nan_to_num(values), replace(shading, colours="gray"))
-    canvas.draw()
-    drawn = np.asarray(canvas.buffer_rgba())
-    return np.ascontiguousarray(drawn[..., 0]), np.asarray(drawn[..., 3] >= 128)
+    at = (found.at - [left, top]) / [right - left, bottom - top] * size
+    shape = (int(size[1]), int(size[0]))
+    return draw_triangles(at, faces, values[:, None], shape)[..., 0]
+
+
+def _with_alpha(colours: Pixels, seen: Mask) -> Pixels:
+    """Make what was not seen of a picture (h, w, 3) transparent (h, w, 4)."""
+    return np.dstack([colours, np.where(seen, 255, 0).astype(np.uint8)])
 
 
 def webp_bytes(rgba: Pixels, lossless: bool = False) -> bytes:
@@ -206,13 +216,11 @@ def ground_png(found: ChartedSurface, extent: Extent, width_px: int = 1400) -> b
     The picture fills the extent without a frame. A tall picture is at most twice width_px high.
     """
     width, height = extent.size
-    height_px = width_px * height / width
-    shrink = reduction(width_px, height_px, 2 * width_px)
-    figure, axis = _filled_figure(extent, width_px / shrink, height_px / shrink)
+    shrink = reduction(width_px, width_px * height / width, 2 * width_px)
     views = np.minimum(found.surface.support, 8).astype(float)
     shading = Shading(colours="GnBu", low=-4, high=12, label="views", extend="max")
-    _draw(axis, found, found.seen_faces(), views, shading)
-    return png_bytes(figure, transparent=True)
+    level, seen = _levels(found, views, shading, extent, width / width_px * shrink)
+    return encode_png(_with_alpha(palette(shading.colours)[level], seen))
 
 
 def form_png(found: ChartedSurface, split: DeviationSplit, view: HullMap) -> bytes:
@@ -226,13 +234,20 @@ def form_png(found: ChartedSurface, split: DeviationSplit, view: HullMap) -> byt
         figure, axes = new_figure(7.6, min(9.0, max(4.0, 3.0 * height / width)), columns=2)
     else:
         figure, axes = new_figure(7.6, 2 * min(5.0, max(1.8, 6.0 * height / width + 0.6)), rows=2)
-    fields = (1000 * np.nan_to_num(split.form), 1000 * np.nan_to_num(split.form_sigma))
+    fields = (1000 * split.form, 1000 * split.form_sigma)
+    shrink = max(width, height) / FORM_PX
     for axis, values, shading in zip(axes, fields, form_shadings(found, split) or (), strict=False):
-        drawn = _draw(axis, found, found.seen_faces(), values, shading)
-        if drawn is not None:
-            bar = figure.colorbar(drawn, ax=axis, shrink=0.9, pad=0.01, extend=shading.extend)
-            bar.set_label(shading.label, size=9)
-            bar.ax.tick_params(labelsize=8)
+        drawn = axis.imshow(
+            _draw(found, values, extent, width / shrink, height / shrink),
+            cmap=shading.colours,
+            vmin=shading.low,
+            vmax=shading.high,
+            extent=(*extent.limits[0], *extent.limits[1]),
+        )
+        axis.grid(False)  # it would lie over the picture
+        bar = figure.colorbar(drawn, ax=axis, shrink=0.9, pad=0.01, extend=shading.extend)
+        bar.set_label(shading.label, size=9)
+        bar.ax.tick_params(labelsize=8)
     # a strip is drawn wider than it is: of 330 m by 2 m nothing would be seen
     stretch = max(1.0, width / height / MOST_NARROW) / max(1.0, height / width / MOST_NARROW)
     for axis in axes:
@@ -249,33 +264,3 @@ def form_png(found: ChartedSurface, split: DeviationSplit, view: HullMap) -> byt
         number = str(placed.found.id)
         axes[0].annotate(number, at, fontsize=8, ha="center", va="center", bbox=style)
     return png_bytes(figure)
-
-
-def _filled_figure(extent: Extent, width_px: float, height_px: float) -> tuple[Figure, Axes]:
-    """Make a figure of that many pixels, at least one a side, that the extent fills."""
-    from matplotlib.figure import Figure
-
-    size = (max(1.0, width_px) / 100, max(1.0, height_px) / 100)
-    figure = Figure(figsize=size, dpi=100, frameon=False)
-    axis = figure.add_axes((0, 0, 1, 1))
-    axis.set(xlim=extent.limits[0], ylim=extent.limits[1])
-    axis.axis("off")
-    return figure, axis
-
-
-def _draw(
-    axis: Axes, found: ChartedSurface, faces: Ints32, values: Array, shading: Shading
-) -> TriMesh | None:
-    """Colour faces by the values at their corners. None if there are none."""
-    if not len(faces):
-        return None
-    drawn: TriMesh = axis.tripcolor(
-        *np.nan_to_num(found.at).T,  # no face uses a vertex off the chart
-        faces,
-        values,
-        cmap=shading.colours,
-        vmin=shading.low,
-        vmax=shading.high,
-        shading="gouraud",
-    )
-    return drawn

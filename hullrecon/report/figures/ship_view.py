@@ -7,18 +7,19 @@ from __future__ import annotations
 from base64 import b64encode
 from dataclasses import dataclass
 from html import escape
-from io import BytesIO
 
 import numpy as np
 
 from hullrecon.geometry.meshes.mesh import Mesh, face_areas, face_normals
+from hullrecon.native import draw_triangles
 from hullrecon.report.figures.plan_view import nice_below
-from hullrecon.report.figures.style import png_bytes
+from hullrecon.report.figures.style import encode_png
 from hullrecon.report.format_limits import reduction
 from hullrecon.typing import Array
 
 WIDTH, MARGIN, FOOT = 1000.0, 26.0, 26.0
 TALLEST = 1000.0  # height of the picture of a model that is taller than long
+PICTURE_PX = 1600  # longer side of the drawn ship
 # least side of the rectangle around the patch, so that a small patch is found on a long ship
 LEAST_FRAME = 26.0
 STEEL, PATCH = np.array([0.50, 0.58, 0.66]), np.array([0.88, 0.42, 0.10])
@@ -116,38 +117,30 @@ def _foot(side: Side, scale: float, height: float) -> str:
 
 
 def _render(ship: Mesh, patch: Mesh, side: Side, bounds: tuple[Array, Array]) -> bytes:
-    """Draw the shaded ship with the patch as PNG, transparent around it, filling the bounds."""
-    from matplotlib.collections import TriMesh
-    from matplotlib.figure import Figure
-    from matplotlib.tri import Triangulation
+    """Draw the shaded ship with the patch as PNG, transparent around it, filling the bounds.
+
+    It is drawn twice as large, and halved to smooth its outlines.
+    """
+    import cv2
 
     low, high = bounds
     wide, tall = np.maximum(high - low, 1e-3)
     shrink = reduction(1.0, tall / wide, 1.0)
-    figure = Figure(
-        figsize=(max(16 / shrink, 0.4), max(16 * tall / wide / shrink, 0.4)), dpi=200, frameon=False
-    )
-    axis = figure.add_axes((0, 0, 1, 1))
-    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    axis.axis("off")
+    width, height = (max(20, round(share * PICTURE_PX / shrink)) for share in (1.0, tall / wide))
+    pictures = []
     for mesh, tint in ((ship, STEEL), (patch, PATCH)):
         corners, colours = _shaded_faces(mesh, side, tint)
-        if len(corners):  # as arrays: a polygon of its own for each takes a kilobyte
-            places = corners.reshape(-1, 2)
-            drawn = TriMesh(Triangulation(*places.T, np.arange(len(places)).reshape(-1, 3)))
-            drawn.set_facecolor(np.repeat(colours, 3, axis=0))
-            axis.add_collection(drawn, autolim=False)
-    return _halved(png_bytes(figure, transparent=True))
-
-
-def _halved(png: bytes) -> bytes:
-    """Halve a picture to smooth its outlines: faces drawn without antialiasing leave no seams."""
-    from PIL import Image
-
-    buffer = BytesIO()
-    with Image.open(BytesIO(png)) as picture:
-        picture.reduce(2).save(buffer, format="PNG", optimize=True)
-    return buffer.getvalue()
+        places = corners.reshape(-1, 2)
+        at = (places - [low[0], high[1]]) / [wide, -tall] * [2 * width, 2 * height]
+        faces = np.arange(len(places)).reshape(-1, 3)
+        values = np.repeat(255 * colours, 3, axis=0)
+        pictures.append(draw_triangles(at, faces, values, (2 * height, 2 * width)))
+    drawn = np.where(np.isfinite(pictures[1]), pictures[1], pictures[0])
+    seen = np.isfinite(drawn[..., :1]).astype(np.float32)
+    layers = np.concatenate([np.nan_to_num(drawn), 255 * seen], axis=2)
+    small = np.asarray(cv2.resize(layers, (width, height), interpolation=cv2.INTER_AREA))
+    small[..., :3] /= np.maximum(small[..., 3:] / 255, 0.25)  # of the pixels that were drawn
+    return encode_png(np.rint(small).astype(np.uint8))
 
 
 def _shaded_faces(mesh: Mesh, side: Side, tint: Array) -> tuple[Array, Array]:

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from io import BytesIO
 from typing import TYPE_CHECKING
 
+from hullrecon.typing import Pixels
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
@@ -83,4 +85,13 @@ def png_bytes(figure: Figure, transparent: bool = False) -> bytes:
     FigureCanvasAgg(figure)
     buffer = BytesIO()
     figure.savefig(buffer, format="png", metadata={"Software": None}, transparent=transparent)
+    return buffer.getvalue()
+
+
+def encode_png(picture: Pixels) -> bytes:
+    """Encode a picture (h, w, 4) as PNG."""
+    from PIL import Image
+
+    buffer = BytesIO()
+    Image.fromarray(picture, "RGBA").save(buffer, format="PNG")
     return buffer.getvalue()
