@@ -21,6 +21,13 @@ from hullrecon.studies.figure_style import (
 from hullrecon.studies.study import ComparedValue, StudyResult
 from hullrecon.studies.submaps.effort import Effort
 from hullrecon.studies.submaps.ekf_slam import EkfMap, Limits
+from hullrecon.studies.submaps.end_errors import (
+    Ends,
+    build_variant,
+    ends_of,
+    mean_band,
+    together,
+)
 from hullrecon.studies.submaps.missions import (
     Track,
     build_submaps,
@@ -28,7 +35,6 @@ from hullrecon.studies.submaps.missions import (
     run_strategy,
 )
 from hullrecon.studies.submaps.models import observe
-from hullrecon.studies.submaps.repeated import ends_nees, mean_band
 from hullrecon.studies.submaps.selective import SelectiveJoining
 from hullrecon.studies.submaps.world_study import EKF, SELECTIVE, THRESHOLD
 from hullrecon.studies.submaps.worlds import Noise, Survey, World, simulate_loop
@@ -43,6 +49,7 @@ CAUSES = {
     "with a tenth of the odometry's noise": (SQUARE, FINE_ODOMETRY),
     "with a tenth of the laser's noise": (SQUARE, FINE_LASER),
 }
+FIRST = "by Jacobians at first estimates"
 READ_M = (0.5, 1.0, 2.0, 4.0)
 SUBMAPS = "submaps, each in its own frame"
 LINES = {EKF: INK, SELECTIVE: COLOURS["maxmix"], SUBMAPS: GREEN}
@@ -54,7 +61,7 @@ class Lap:
 
     world: World
     tracks: dict[str, Track]
-    submaps: Array  # (n,) NEES of where each submap ended, in its own frame
+    ends: Ends  # of the submaps, each in its own frame
 
 
 def run_lap(seed: int, survey: Survey = SQUARE, laps: float = LAPS) -> Lap:
@@ -69,7 +76,7 @@ def run_lap(seed: int, survey: Survey = SQUARE, laps: float = LAPS) -> Lap:
             EKF: run_filter(world.log, Effort())[1],
             SELECTIVE: run_strategy(submaps, selective),
         },
-        submaps=ends_nees(world, submaps),
+        ends=ends_of(world, submaps, seed),
     )
 
 
@@ -80,7 +87,7 @@ def study_consistency() -> StudyResult:
         name: np.mean([lap.tracks[name].nees(lap.world) for lap in laps], axis=0) / bound(RUNS)
         for name in (EKF, SELECTIVE)
     }
-    ends = np.concatenate([lap.submaps for lap in laps])
+    ends = together([lap.ends for lap in laps]).nees
     own = float(ends.mean()) / bound(len(ends))
     # over the last third, after the loop
     at_end = {name: float(values[2 * len(values) // 3 :].mean()) for name, values in index.items()}
@@ -89,7 +96,8 @@ def study_consistency() -> StudyResult:
         for name, values in index.items()
     ]
     rows.append((SUBMAPS, f"{own:.2f}", "", ""))
-    causes = {name: nees_of_ends(*case) for name, case in CAUSES.items()}
+    causes = {name: _nees_of_ends(_worlds(*case)) for name, case in CAUSES.items()}
+    causes[FIRST] = _nees_of_ends([lap.world for lap in laps], first_estimates=True)
     rows += [
         (f"{SUBMAPS}, {name}", f"{nees.mean() / bound(len(nees)):.2f}", "", "")
         for name, nees in causes.items()
@@ -103,13 +111,13 @@ def study_consistency() -> StudyResult:
     )
 
 
-def nees_of_ends(survey: Survey, noise: Noise) -> Array:
-    """Compute the NEES (n,) of where submaps end, over several laps."""
-    ends = []
-    for seed in range(RUNS):
-        world = simulate_loop(survey, LAPS, noise, seed)
-        ends.append(ends_nees(world, build_submaps(world.log, Limits(), Effort())))
-    return np.concatenate(ends)
+def _nees_of_ends(worlds: list[World], first_estimates: bool = False) -> Array:
+    ends = [ends_of(world, build_variant(world, first_estimates)) for world in worlds]
+    return together(ends).nees
+
+
+def _worlds(survey: Survey, noise: Noise) -> list[World]:
+    return [simulate_loop(survey, LAPS, noise, seed) for seed in range(RUNS)]
 
 
 def nees_after_reading(range_m: float, draws: int = 300) -> float:

@@ -53,9 +53,15 @@ class PathPoint:
 
 
 class EkfMap:
-    """A car and landmarks in the frame of the first pose, in one state (3.16)."""
+    """A car and landmarks in the frame of the first pose, in one state (3.16).
 
-    def __init__(self, effort: Effort, whole: bool = False) -> None:
+    The thesis takes each Jacobian at the newest estimate, (3.8) and (3.9). A pose or a landmark
+    that is linearised before and after an update then seems to tell of the heading what no reading
+    told. With `first_estimates` a landmark is linearised where it was placed first, a pose where it
+    was predicted [Huang2010].
+    """
+
+    def __init__(self, effort: Effort, whole: bool = False, first_estimates: bool = False) -> None:
         self.mean = np.zeros(3)
         self.covariance = np.eye(3) * START
         self.fixed = 3  # rows before the landmarks: the car's pose, and what a method adds
@@ -64,6 +70,9 @@ class EkfMap:
         self.wrong_pairs = 0  # against the truth
         # multiply F and H as they are printed; else leave out their ones and zeros
         self._whole = whole
+        self._first_estimates = first_estimates
+        self._predicted = self.mean.copy()  # the car at the last scan, before its update
+        self._placed = np.zeros((0, 2))  # the landmarks when they were added
         self._effort = effort
 
     @property
@@ -71,9 +80,22 @@ class EkfMap:
         """Places of the landmarks (n, 2)."""
         return self.mean[self.fixed :].reshape(-1, 2)
 
-    def predict(self, car: Car, odometry: Array, step_s: Array, noise: Array) -> None:
+    def predict(
+        self,
+        car: Car,
+        odometry: Array,
+        step_s: Array,
+        noise: Array,
+        covariance_at: Array | None = None,
+    ) -> None:
         """Move the car by what its counters told since the last scan (3.7); landmarks stay."""
-        self.mean[:3], by_pose, spread = car.move_steps(self.mean[:3], odometry, step_s, noise)
+        before = self.mean[:3].copy()
+        start = self._predicted if self._first_estimates else before
+        self.mean[:3], by_pose, spread = car.move_steps(before, odometry, step_s, noise)
+        if covariance_at is not None:
+            spread = car.spread(before, covariance_at, step_s, noise, with_product=True)
+        by_pose[:2, 2] = start[1] - self.mean[1], self.mean[0] - start[0]
+        self._predicted = self.mean[:3].copy()
         size = len(self.mean)
         if self._whole:
             moved = np.eye(size)  # F
@@ -130,7 +152,10 @@ class EkfMap:
     def update(self, landmarks: list[int], readings: Array, noise: Array) -> float:
         """Update by readings (m, 2) of landmarks (m) (3.10), and return the innovation squared."""
         points = self.landmarks[landmarks]
-        by_pose, by_point = observe_jacobians(self.mean[:3], points)
+        if self._first_estimates:
+            by_pose, by_point = observe_jacobians(self._predicted, self._placed[landmarks])
+        else:
+            by_pose, by_point = observe_jacobians(self.mean[:3], points)
         columns = np.r_[:3, self.rows(np.array(landmarks))]
         jacobian = np.concatenate([by_pose.reshape(-1, 3), _block_diagonal(by_point)], axis=1)
         if self._whole:
@@ -157,14 +182,17 @@ class EkfMap:
         if not new:
             return
         readings = scan.readings[new]
-        points, pose = sighted_points(readings), self.mean[:3]
-        by_pose = place_by_pose(pose, points)
-        turn = rotation(pose[2])
-        spread = turn @ sighted_covariance(readings, noise) @ turn.T
+        points = place(self.mean[:3], sighted_points(readings))
+        seen_from = self._predicted if self._first_estimates else self.mean[:3]
+        by_pose, by_point = observe_jacobians(seen_from, points)
+        back = np.linalg.inv(by_point)  # a point is where its reading says: h (3.5) the other way
+        by_pose = -(back @ by_pose).reshape(-1, 3)
+        spread = back @ noise @ back.transpose(0, 2, 1)
         across = by_pose @ self.covariance[:3]
         own = by_pose @ self.covariance[:3, :3] @ by_pose.T + _block_diagonal(spread)
-        self.mean = np.concatenate([self.mean, place(pose, points).ravel()])
+        self.mean = np.concatenate([self.mean, points.ravel()])
         self.covariance = np.block([[self.covariance, across.T], [across, own]])
+        self._placed = np.concatenate([self._placed, points])
         self.truth += [scan.truth[j] if scan.truth else -1 for j in new]
 
     def _judge(self, scan: Scan, landmarks: list[int], readings: list[int]) -> None:
@@ -220,7 +248,12 @@ def pair_points(sets: PointSets) -> Association:
 
 
 def build_map(
-    log: Log, first_step: int, limits: Limits | None, effort: Effort, whole: bool = False
+    log: Log,
+    first_step: int,
+    limits: Limits | None,
+    effort: Effort,
+    whole: bool = False,
+    first_estimates: bool = False,
 ) -> tuple[EkfMap, int]:
     """Build one map from a step on, until it is full, or to the last scan where it has no limits.
 
@@ -236,6 +269,8 @@ def build_map(
         What it costs is added here.
     whole
         Multiply F and H as they are printed, or leave out their zeros.
+    first_estimates
+        Take Jacobians at first estimates, or at the newest, as they are printed.
 
     Returns
     -------
@@ -244,10 +279,11 @@ def build_map(
     int
         The step after its last.
     """
-    built, step = EkfMap(effort, whole), first_step
+    built, step = EkfMap(effort, whole, first_estimates), first_step
     for number in sorted(number for number in log.scans if number >= first_step):
         moved = slice(step, number + 1)
-        built.predict(log.car, log.odometry[moved], log.step_s[moved], log.noise.odometry)
+        at = None if log.covariance_at is None else log.covariance_at[moved]
+        built.predict(log.car, log.odometry[moved], log.step_s[moved], log.noise.odometry, at)
         built.observe(number, log.scans[number], log.noise.laser)
         step = number + 1
         if limits is not None and _full(built, limits):

@@ -55,20 +55,24 @@ class Track:
         return np.asarray(np.einsum("ni,ni->n", off, solved))
 
 
-def build_submaps(log: Log, limits: Limits, effort: Effort, whole: bool = False) -> list[EkfMap]:
+def build_submaps(
+    log: Log, limits: Limits, effort: Effort, whole: bool = False, first_estimates: bool = False
+) -> list[EkfMap]:
     """Build the submaps of a mission one after the other; steps after the last scan are left."""
     submaps, step, last = [], 0, max(log.scans)
     with effort.stage("local"):
         while step <= last:
-            built, step = build_map(log, step, limits, effort, whole)
+            built, step = build_map(log, step, limits, effort, whole, first_estimates)
             submaps.append(built)
     return submaps
 
 
-def run_filter(log: Log, effort: Effort, whole: bool = False) -> tuple[EkfMap, Track]:
+def run_filter(
+    log: Log, effort: Effort, whole: bool = False, first_estimates: bool = False
+) -> tuple[EkfMap, Track]:
     """Run one filter over the whole mission."""
     with effort.stage("local"):
-        built, _ = build_map(log, 0, None, effort, whole)
+        built, _ = build_map(log, 0, None, effort, whole, first_estimates)
     return built, track_of([(np.zeros(3), np.zeros((3, 3)), built)])
 
 

@@ -139,26 +139,59 @@ class Car:
         Array
             Covariance (3, 3) that the odometry adds, G Q G' of (3.7).
         """
+        moves, _, heading = self._steps(pose, odometry, step_s)
+        after = np.array([*(pose[:2] + moves.sum(axis=1)), float(wrap(heading[-1]))])
+        by_pose = np.eye(3)
+        by_pose[0, 2], by_pose[1, 2] = pose[1] - after[1], after[0] - pose[0]
+        return after, by_pose, self.spread(pose, odometry, step_s, noise)
+
+    def spread(
+        self,
+        pose: Array,
+        odometry: Array,
+        step_s: Array,
+        noise: Array,
+        with_product: bool = False,
+    ) -> Array:
+        """Compute the covariance (3, 3) that the odometry of many steps adds, as `move_steps`.
+
+        G Q G' of (3.7) is of first order: the turn of a step, v tan(alpha) / L, errs by the product
+        of both errors, too. `with_product` adds that.
+        """
+        moves, swing, heading = self._steps(pose, odometry, step_s)
+        speed, steering = odometry.T
+        ahead = moves.sum(axis=1, keepdims=True) - moves.cumsum(axis=1)  # what follows a step
+        # by the turn of each step: the laser moves, and what follows is turned
+        lever = swing + np.array([-ahead[1], ahead[0]])
+        by_turn = step_s * np.vstack([lever, np.ones(len(step_s))])
+        straight = step_s * np.array([np.cos(heading[:-1]), np.sin(heading[:-1]), 0 * step_s])
+        sharper = by_turn / (self.wheelbase_m * np.cos(steering) ** 2)
+        by_speed = straight + by_turn * np.tan(steering) / self.wheelbase_m
+        by_odometry = np.concatenate([by_speed, sharper * speed], axis=1)
+        spread = by_odometry @ np.kron(noise, np.eye(len(speed))) @ by_odometry.T
+        if with_product:
+            spread += noise[0, 0] * noise[1, 1] * sharper @ sharper.T
+        return np.asarray(spread)
+
+    def _steps(self, pose: Array, odometry: Array, step_s: Array) -> tuple[Array, Array, Array]:
+        """Move the laser by each step.
+
+        Returns
+        -------
+        Array
+            The steps (2, k).
+        Array
+            What the laser moves by a turn of one radian (2, k).
+        Array
+            The heading before each step, and after the last (k + 1).
+        """
         speed, steering = odometry.T
         turn = speed / self.wheelbase_m * np.tan(steering)
         heading = pose[2] + np.concatenate([[0.0], np.cumsum(step_s * turn)])
         cos, sin = np.cos(heading[:-1]), np.sin(heading[:-1])
         a, b = self.laser_ahead_m, self.laser_left_m
-        swing = np.array([-(a * sin + b * cos), a * cos - b * sin])  # of the laser, by the turn
-        moves = step_s * (speed * np.array([cos, sin]) + turn * swing)
-        ahead = moves.sum(axis=1, keepdims=True) - moves.cumsum(axis=1)  # what follows a step
-        after = np.array([*(pose[:2] + moves.sum(axis=1)), float(wrap(heading[-1]))])
-        by_pose = np.eye(3)
-        by_pose[0, 2], by_pose[1, 2] = pose[1] - after[1], after[0] - pose[0]
-        # by speed and by steering of each step: the laser moves, and what follows is turned
-        more = np.tan(steering) / self.wheelbase_m
-        sharper = speed / self.wheelbase_m / np.cos(steering) ** 2
-        lever = swing + np.array([-ahead[1], ahead[0]])
-        by_speed = np.array([cos + lever[0] * more, sin + lever[1] * more, more])
-        by_steering = np.array([lever[0] * sharper, lever[1] * sharper, sharper])
-        by_odometry = np.concatenate([step_s * by_speed, step_s * by_steering], axis=1)
-        spread = by_odometry @ np.kron(noise, np.eye(len(speed))) @ by_odometry.T
-        return after, by_pose, spread
+        swing = np.array([-(a * sin + b * cos), a * cos - b * sin])
+        return step_s * (speed * np.array([cos, sin]) + turn * swing), swing, heading
 
 
 def observe(pose: Array, points: Array) -> Array:

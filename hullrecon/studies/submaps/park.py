@@ -64,7 +64,9 @@ def simulate_park(seed: int, laps: float = LAPS) -> Park:
     odometry = controls + rng.standard_normal(controls.shape) * sigmas
     step_s = np.full(len(controls), STEP_S)
     log = Log(car=car, noise=NOISE, step_s=step_s, odometry=odometry, scans=scans)
-    return Park(world=World(landmarks=trees[:, :2], track=track, log=log), trees=trees)
+    return Park(
+        world=World(landmarks=trees[:, :2], track=track, controls=controls, log=log), trees=trees
+    )
 
 
 def _way(laps: float) -> Array:

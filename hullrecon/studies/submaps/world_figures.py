@@ -21,18 +21,16 @@ from hullrecon.studies.figure_style import (
 )
 from hullrecon.studies.study import StudyResult
 from hullrecon.studies.submaps.ekf_slam import Limits
+from hullrecon.studies.submaps.end_errors import compare_ends, mean_band
 from hullrecon.studies.submaps.repeated import (
+    FIRST,
     Repeated,
-    compare_ends,
     compare_repeated,
-    mean_band,
     repeat_world,
-    submap_ends,
 )
 from hullrecon.studies.submaps.selective import Fusion, SelectiveJoining
 from hullrecon.studies.submaps.world_study import (
     EKF,
-    END_SEEDS,
     HEADS,
     SEEDS,
     SELECTIVE,
@@ -131,15 +129,17 @@ def draw_consistency(repeated: Repeated) -> PublishedFigure:
     """Draw the mean normalised error squared of several missions, with its band [Fig. 3.6]."""
     canvas, rows = new_canvas(8.0, 3.6)
     axis = rows[0][0]
-    means = {name: nees.mean(axis=0) for name, nees in repeated.nees.items()}
-    runs, scans = repeated.nees[EKF].shape
+    nees = repeated.nees()
+    means = {name: of.mean(axis=0) for name, of in nees.items()}
+    runs, scans = nees[EKF].shape
     low, high = mean_band(runs)
     for name, mean in means.items():
         axis.plot(
             range(scans),
             np.maximum(mean, 1e-2),
-            color=METHOD_COLOURS[name],
-            lw=1.2,
+            color=METHOD_COLOURS[name.removesuffix(f" {FIRST}")],
+            lw=0.8 if name.endswith(FIRST) else 1.2,
+            ls="--" if name.endswith(FIRST) else "-",
             label=f"{name}: {100 * np.mean(mean < high):.0f} % below",
         )
     axis.axhspan(low, high, color=LIGHT, alpha=0.6, label="95 % of chi-square, 3 degrees")
@@ -147,7 +147,7 @@ def draw_consistency(repeated: Repeated) -> PublishedFigure:
     label_log_axis(axis.yaxis)
     axis.set_xlabel("scan")
     axis.set_ylabel(f"NEES of the pose, mean of {runs}")
-    axis.legend(frameon=False, fontsize=7, ncols=3)
+    axis.legend(frameon=False, fontsize=7, ncols=2)
     lines = ["scan," + ",".join(means)]
     for number in range(scans):
         lines.append(",".join([str(number), *(f"{m[number]:.3f}" for m in means.values())]))
@@ -176,7 +176,7 @@ def study_world() -> StudyResult:
         rows=table(missions, world),
         compared=(
             *compare(missions, world),
-            *compare_ends(submap_ends(END_SEEDS)),
+            *compare_ends(repeated.ends()),
             *compare_repeated(repeated),
         ),
     )

@@ -49,6 +49,9 @@ class Log:
     step_s: Array  # (n,) duration of each step
     odometry: Array  # (n, 2) speed m/s of the axle and steering rad during the step
     scans: dict[int, Scan]  # by the step that they follow
+    # speed and steering (n, 2) where the odometry's covariance is taken, to second order; of none
+    # at the readings, to first order, as printed
+    covariance_at: Array | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,6 +60,7 @@ class World:
 
     landmarks: Array  # (k, 2) m
     track: Array  # (n + 1, 3) the laser's poses, the first one the origin of all maps
+    controls: Array  # (n, 2) true speed and steering
     log: Log
 
     @property
@@ -157,7 +161,7 @@ def simulate(
     sigmas = [noise.speed_m_s, noise.steering_rad]
     odometry = controls + rng.standard_normal(controls.shape) * sigmas
     log = Log(car=car, noise=noise, step_s=step_s, odometry=odometry, scans=scans)
-    return World(landmarks=landmarks, track=track, log=log)
+    return World(landmarks=landmarks, track=track, controls=controls, log=log)
 
 
 def _scan(

@@ -31,7 +31,14 @@ from hullrecon.studies.submaps.models import compose, invert, place, rotation, w
 from hullrecon.studies.submaps.selective import SelectiveJoining
 from hullrecon.studies.submaps.sequence import JoinedSequence
 from hullrecon.studies.submaps.shared import SharedSeparators
-from hullrecon.studies.submaps.worlds import Noise, Survey, World, dead_reckon, simulate_survey
+from hullrecon.studies.submaps.worlds import (
+    Noise,
+    Scan,
+    Survey,
+    World,
+    dead_reckon,
+    simulate_survey,
+)
 from hullrecon.typing import Array
 
 SMALL = Survey(cells=6, leg_m=28.0, legs=3, steps_a_scan=10)
@@ -90,6 +97,24 @@ def test_submaps_end_as_surely_as_they_say(survey: Survey3) -> None:
     nees = np.einsum("ni,ni->n", off, np.linalg.solve(spread, off[..., None])[..., 0])
     count = 3 * len(nees)
     assert chi_square(0.005, count) < nees.sum() < chi_square(0.995, count)
+
+
+@pytest.mark.parametrize(("first_estimates", "learnt"), [(False, True), (True, False)])
+def test_a_car_that_stands_learns_its_heading_only_as_printed(
+    first_estimates: bool, learnt: bool
+) -> None:
+    """Readings of one new landmark tell nothing of a heading that nothing else tells of."""
+    world, rng = simulate_survey(SMALL, Noise(), seed=1), np.random.default_rng(0)
+    built, noise = EkfMap(Effort(), first_estimates=first_estimates), Noise().laser
+    built.covariance[2, 2] = 0.1**2
+    for step in range(40):
+        built.predict(world.log.car, np.zeros((1, 2)), np.ones(1), np.zeros((2, 2)))
+        reading = [6.0, np.pi / 2] + rng.standard_normal((1, 2)) @ np.sqrt(noise)
+        built.observe(step, Scan(readings=reading, truth=(0,)), noise)
+    assert len(built.landmarks) == 1
+    sigma = np.sqrt(built.covariance[2, 2])
+    assert (sigma < 0.099) == learnt
+    assert sigma <= 0.1 + 1e-9
 
 
 def test_chained_transforms_have_their_derivatives() -> None:

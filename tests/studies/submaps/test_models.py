@@ -102,6 +102,19 @@ def test_many_steps_of_the_car_are_one_after_the_other() -> None:
     np.testing.assert_allclose(spread, expected, atol=1e-8)
 
 
+def test_turns_scatter_by_the_product_of_both_errors_too() -> None:
+    """(3.7) of [Aulinas2011] is of first order: at half the speed's error it lacks a fifth."""
+    car, rng, noise = Car(), np.random.default_rng(0), np.diag([1.0, np.radians(7.0) ** 2])
+    true, step_s = np.array([[2.0, 0.0]]), np.array([0.05])
+    drawn = true + rng.standard_normal((40000, 2)) @ np.sqrt(noise)
+    turns = step_s * drawn[:, 0] / car.wheelbase_m * np.tan(drawn[:, 1])
+    first, second = (
+        car.spread(POSE, true, step_s, noise, with_product=flag)[2, 2] for flag in (False, True)
+    )
+    assert second == pytest.approx(turns.var(), rel=0.06)
+    assert first == pytest.approx(0.8 * second)
+
+
 def test_wheel_that_counts_is_slower_than_the_axle_in_a_left_turn() -> None:
     car = Car()
     radius = car.wheelbase_m / np.tan(STEERING)
