@@ -12,6 +12,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -100,6 +101,18 @@ def wait_for_interrupt(folder: Path, context: Context[Any]) -> None:
         time.sleep(60)
     finally:
         (folder / "tidied").touch()
+
+
+def die_once(folder: Path, item: int) -> int:
+    """Kill the worker that does item 3 first, as a lack of memory would."""
+    if item == 3 and not (folder / "died").exists():
+        (folder / "died").touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return item
+
+
+def lose_a_worker(folder: Path, context: Context[Any]) -> None:
+    context.out.json("items.json", context.map(partial(die_once, folder), range(8), "items"))
 
 
 def process_of(item: int) -> int:

@@ -59,6 +59,14 @@ def test_step_and_workers_are_processes_and_workers_have_a_thread(
     assert {worker["threads"] for worker in seen["workers"]} == {"1"}
 
 
+def test_work_of_a_killed_worker_is_done_again(
+    in_process: StepCaller, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    steps.make(partial(steps.lose_a_worker, tmp_path), tmp_path / "out", in_process, jobs=2)
+    assert json.loads((tmp_path / "out" / "items.json").read_text()) == list(range(8))
+    assert "the work is done again by 1 worker" in caplog.text
+
+
 class Shown(Progress):
     def __init__(self) -> None:
         self.loops: list[tuple[str, int | None, int]] = []
