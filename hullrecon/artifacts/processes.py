@@ -13,6 +13,9 @@ from contextlib import contextmanager
 from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import wait
 from multiprocessing.context import ForkServerContext
+from tempfile import gettempdir
+
+from hullrecon.errors import StageError
 
 # A worker has one core: libraries that count the machine's cores would start that many threads.
 THREAD_VARIABLES = (
@@ -35,6 +38,11 @@ def clean_context(preload: Sequence[str] = ()) -> ForkServerContext:
     preload
         Modules that the server imports for all its copies, and that start no threads. Nothing if
         the server runs already.
+
+    Raises
+    ------
+    StageError
+        The server's socket has no place: it lies in the folder for temporary files.
     """
     context = multiprocessing.get_context("forkserver")
     # without a name of its own it would import the user's script, which may start threads
@@ -45,6 +53,12 @@ def clean_context(preload: Sequence[str] = ()) -> ForkServerContext:
     try:
         with one_thread_each():
             forkserver.ensure_running()
+    except OSError as error:
+        raise StageError(
+            f"no process can be started: {error.strerror or error}",
+            where=gettempdir(),
+            remedy="TMPDIR must name a folder that may be written and has a short path",
+        ) from error
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
     return context

@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 from hullrecon.artifacts.executor import Executor, Processes, choose_executor
-from hullrecon.artifacts.processes import THREAD_VARIABLES, one_thread_each
+from hullrecon.artifacts.processes import THREAD_VARIABLES
 from hullrecon.errors import StageError
 
 ORPHANS = """
@@ -106,14 +106,6 @@ def test_worker_has_one_thread_unless_the_parent_sets_more(
     with Processes(1) as executor:
         seen = dict(zip(THREAD_VARIABLES, executor.map(os.getenv, THREAD_VARIABLES), strict=True))
     assert seen == {**dict.fromkeys(THREAD_VARIABLES, "1"), "OMP_NUM_THREADS": "3"}
-
-
-def test_the_parents_environment_is_as_before(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("MKL_NUM_THREADS", raising=False)
-    before = dict(os.environ)
-    with one_thread_each():
-        assert os.environ["MKL_NUM_THREADS"] == "1"
-    assert dict(os.environ) == before
 
 
 def test_workers_end_when_their_parent_is_killed(tmp_path: Path) -> None:

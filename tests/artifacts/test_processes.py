@@ -1,0 +1,36 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""artifacts.processes: the environment of processes, and what stands in their way."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hullrecon.artifacts.processes import one_thread_each
+
+
+def test_the_parents_environment_is_as_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("MKL_NUM_THREADS", raising=False)
+    before = dict(os.environ)
+    with one_thread_each():
+        assert os.environ["MKL_NUM_THREADS"] == "1"
+    assert dict(os.environ) == before
+
+
+def test_a_temporary_folder_of_a_long_path_is_named(tmp_path: Path) -> None:
+    folder = tmp_path / ("long" * 25)
+    folder.mkdir()
+    start = "from hullrecon.artifacts.processes import clean_context; clean_context()"
+    ended = subprocess.run(
+        [sys.executable, "-c", start],
+        env={**os.environ, "TMPDIR": str(folder), "PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert f"no process can be started: AF_UNIX path too long ({folder}): TMPDIR" in ended.stderr
