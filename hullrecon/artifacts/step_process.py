@@ -104,7 +104,7 @@ def _call_in_process(
         with theirs:
             process.start()
         try:
-            return _await_result(call.job.stage.name, process, ours, display)
+            result = _await_result(process, ours, display)
         except BaseException:
             _interrupt(process, ours)
             raise
@@ -112,24 +112,26 @@ def _call_in_process(
             process.join(_PATIENCE_S)
             process.kill()  # nothing that is left to do there matters
             process.join()
+    if result is None:
+        raise _ended_early(call.job.stage.name, process.exitcode or 0)
+    if isinstance(result, _Failed):
+        raise result.error from _StepError(result.trace)
+    return result
 
 
 def _await_result(
-    step: str, process: BaseProcess, connection: Connection[Any, Any], display: _Display
-) -> Made:
-    """Show what the step says until its result or its error comes."""
+    process: BaseProcess, connection: Connection[Any, Any], display: _Display
+) -> Made | _Failed | None:
+    """Show what the step says until its result or its error comes. None if it ended without."""
     while connection in wait([connection, process.sentinel]):
         try:
             message = connection.recv()
         except EOFError:
             break
-        if isinstance(message, Made):
+        if isinstance(message, Made | _Failed):
             return message
-        if isinstance(message, _Failed):
-            raise message.error from _StepError(message.trace)
         display.show(message)
-    process.join()
-    raise _ended_early(step, process.exitcode or 0)
+    return None
 
 
 def _ended_early(step: str, exit_code: int) -> StageError:
@@ -234,6 +236,8 @@ def _serve(
             result = call_here(call, _ToldProgress(send), _ToldOutlook(mark, send))
     except BaseException as error:  # the run's process raises it
         result = _Failed(_that_pickles(error), "".join(traceback.format_exception(error)))
+    # it has ended: a signal that comes now is the run's
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     send(result)
 
 
