@@ -19,6 +19,7 @@ from hullrecon.dive.logs.dvl_beams import SAME_UNIT, SMALL_UNITS
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rigid_fit import fit_rigid
+from hullrecon.records.clock import format_time
 from hullrecon.records.sensors import DvlPings
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Floats32, Ints, Pixels
@@ -41,6 +42,7 @@ TURN_SIGMAS = 5.0  # by which such a turn must be known
 FAR = 4.0  # median error as calibrated over that of a fitted pose, from where on another is meant
 CLEARLY_BETTER = 1.2  # the median error of one fit over another's
 MAX_SHARE = 0.3  # of the pairs beyond MAX_ERROR_PX
+LEAST_PART = 2  # pairs that fit, and that do not, where a part of the dive is wrong
 MAX_SHIFT = 3  # frames by which the stamps of one camera may be off
 MAX_DEPTH_RATIO = 0.15  # of stereo and DVL: a curved hull, relief and lever arms make some of it
 NEAR_NS = 1_000_000_000  # of a ping to a pair of images
@@ -155,12 +157,16 @@ def check_stereo_rig(
     if (error_px > limit_px).mean() > MAX_SHARE or behind:
         # A shift first: a vehicle that moves evenly makes wrong neighbours look like a rig of
         # another direction.
-        problem = _find_shift(look, frames, places, limit_px) or _explain(look, pairs, middle_px)
+        problem = (
+            _find_part(look, pairs, error_px, limit_px)
+            or _find_shift(look, frames, places, limit_px)
+            or _explain(look, pairs, middle_px)
+        )
     else:
         problem = _describe_turn(look, pairs, middle_px, sigma_rad)
     return RigCheck(
         error_px=middle_px,
-        depth_m=np.array([np.nan if behind else np.median(z[z > 0]) for z in depth]),
+        depth_m=np.array([np.nan if behind else _middle(z[z > 0]) for z in depth]),
         at_ns=np.array([found.at_ns for found in pairs], np.int64),
         problem=problem,
         delay=delay,
@@ -415,6 +421,41 @@ def _timed(
 def _error(matched: _Matched, bottom_from_top: Array) -> float:
     squared = sampson_squared(essential_of(bottom_from_top), matched.top, matched.bottom)
     return float(np.sqrt(np.median(squared)))
+
+
+def _middle(values: Array) -> float:
+    return float(np.median(values)) if len(values) else np.nan
+
+
+def _find_part(
+    look: _ImageMatcher, pairs: Sequence[_Matched], error_px: Array, limit_px: float
+) -> RigProblem | None:
+    """Test whether some pairs fit the rig as calibrated, and the others are far from it.
+
+    A calibration is right or wrong of all of them. error_px: (k,) of the pairs.
+    """
+    behind = np.array([np.mean(look.depths(m) > 0) < 0.5 for m in pairs])
+    good = (error_px <= limit_px) & ~behind
+    if good.sum() < LEAST_PART or (~good).sum() < LEAST_PART:
+        return None
+    good_px = float(np.median(error_px[good]))
+    if (error_px[~good & ~behind] < FAR * good_px).any():
+        return None
+    at_ns = np.array([m.at_ns for m in pairs], np.int64)
+    remedy = ""
+    if good[0] and (np.diff(good.astype(np.int8)) != 0).sum() == 1:
+        remedy = f"map the part before (dive.to = {format_time(int(at_ns[good][-1]))})"
+    elif good[-1] and (np.diff(good.astype(np.int8)) != 0).sum() == 1:
+        remedy = f"map the part after (dive.from = {format_time(int(at_ns[good][0]))})"
+    far = f"{float(np.median(error_px[~good])):.1f} px"
+    if behind.any():
+        far += ", and behind the cameras"
+    return RigProblem(
+        what=f"{good.sum()} of {len(pairs)} pairs of images, spread over the dive, fit the stereo "
+        f"calibration ({good_px:.1f} px from the epipolar lines), the others do not ({far}): "
+        "images were paired wrongly, or the cameras exchanged, for a part of it",
+        remedy=remedy,
+    )
 
 
 def _find_shift(

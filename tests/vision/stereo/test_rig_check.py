@@ -4,6 +4,7 @@
 
 import re
 from dataclasses import replace
+from datetime import datetime
 
 import numpy as np
 import pytest
@@ -60,6 +61,29 @@ def check(rig, bottom_from=0, swap=False, sigma_rad=0.0):
     return check_stereo_rig(
         rig, frames, lambda camera, row: (other[camera] if swap else camera, row), sigma_rad
     )
+
+
+@pytest.mark.parametrize("early", [False, True])
+def test_pairs_that_are_wrong_for_a_part_of_the_dive_are_told_from_a_wrong_rig(rig, dive, early):
+    rows = np.arange(COUNT)
+    slipped = np.where((rows < 6) == early, np.minimum(rows + 2, COUNT - 1), rows)
+
+    def checked(part):
+        frames = StereoFrames(
+            pair=np.stack([rows, rows], axis=1)[part], top=(STAMPS, rows), bottom=(STAMPS, slipped)
+        )
+        return check_stereo_rig(rig, frames, lambda camera, row: (camera, row))
+
+    problem = checked(slice(None)).problem
+    assert "of 6 pairs of images, spread over the dive, fit the stereo calibration" in problem.what
+    assert ("dive.from" if early else "dive.to") in problem.remedy
+    (stamp,) = re.findall(r"= (\S+Z)", problem.remedy)
+    kept = stamp_s(stamp) <= STAMPS / 1e9 if early else stamp_s(stamp) >= STAMPS / 1e9
+    assert checked(kept).problem is None
+
+
+def stamp_s(text):
+    return datetime.fromisoformat(text).timestamp()
 
 
 def with_rig(rig, pose):
