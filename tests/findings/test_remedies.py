@@ -189,6 +189,8 @@ FOLLOWED = {
     "test_dvl_attitude_needs_its_mount_and_is_noted",
     "dive/logs/streams.py::_above_water": "dive/logs/test_streams.py::"
     "test_a_pressure_of_another_unit_is_refused_with_one_that_heals",
+    "dive/logs/streams.py::_refuse_unclear_numbers": "dive/logs/test_streams.py::"
+    "test_hectopascals_logged_as_depths_are_asked_for",
     "dive/logs/streams.py::joint_samples": "dive/logs/test_streams.py::"
     "test_joint_angles_in_degrees_are_refused_until_their_unit_is_given",
     "dive/logs/time_window.py::time_window": "dive/test_ingest.py::"

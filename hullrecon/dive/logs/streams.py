@@ -344,7 +344,7 @@ def pressure_samples(
     Raises
     ------
     InputError
-        Half of the depths lie above the water.
+        Half of the depths lie above the water, or two units read alike.
     """
     if any(is_of_dvl(s) for s in samples):
         notes.append(Finding("depth-of-dvl", where="pressure"))
@@ -357,6 +357,7 @@ def pressure_samples(
     cut = windows(depth)
     away = "leave topics.pressure (or pressure.csv) away"
     refuse_two_sensors("pressure", np.abs(cut - cut[:, :1]), "m", away)
+    _refuse_unclear_numbers([s for s, known in zip(samples, good, strict=True) if known], model)
     if np.median(depth) < -HIGHEST_M:
         if compared and (model.unit or "Pa") in PASCALS and isinstance(samples[0], PressureSample):
             return PressureSamples(t_ns=_times(samples)[good], depth=depth)
@@ -366,6 +367,30 @@ def pressure_samples(
         values = {"lost": int((~in_water).sum()), "count": len(depth), "limit_m": HIGHEST_DECK_M}
         notes.append(Finding("depths-above-water", values, "pressure"))
     return PressureSamples(t_ns=_times(samples)[good][in_water], depth=depth[in_water])
+
+
+def _refuse_unclear_numbers(
+    samples: Sequence[PressureSample | DepthSample], model: PressureModel
+) -> None:
+    """Raise InputError for numbers that may be hectopascals or centimetres.
+
+    A centimetre of water is a hectopascal: motion does not tell them apart.
+    """
+    if model.unit is not None or isinstance(samples[0], PressureSample):
+        return
+    fitting = []
+    for name in ("hPa", "cm"):
+        depth = [_depth(s, replace(model, unit=name)) for s in samples]
+        low, high = np.percentile(depth, [5, 95])
+        if low < -HIGHEST_M or high > DEEPEST_HULL_M:
+            return
+        fitting.append(f'"{name}" ({low:.1f} to {high:.1f} m deep then)')
+    raise InputError(
+        "the depths are hundreds of metres: they are a pressure in hectopascals or centimetres of "
+        "water, which change alike",
+        where="pressure.unit",
+        remedy=f"give pressure.unit = {' or '.join(fitting)}",
+    )
 
 
 def _depth(sample: PressureSample | DepthSample, model: PressureModel) -> float:

@@ -181,6 +181,17 @@ def test_a_pressure_of_another_unit_is_refused_with_one_that_heals(unit, reading
     assert healed.depth == pytest.approx([0.0, 20_000 / (1025 * 9.81)], abs=1e-9)
 
 
+def test_hectopascals_logged_as_depths_are_asked_for():
+    samples = [DepthSample(t, 1013.25 + 100 + t, is_up=False) for t in range(30)]
+    with pytest.raises(InputError, match="hectopascals or centimetres") as caught:
+        streams.pressure_samples(samples, MODEL, [])
+    assert 'pressure.unit = "hPa" (1.0 to 1.3 m deep then) or "cm" (11.1 to' in caught.value.remedy
+    told = streams.pressure_samples(samples, replace(MODEL, unit="hPa"), [])
+    assert told.depth[0] == pytest.approx(1.0, abs=0.01)
+    shallow = [DepthSample(t, 150.0 + t, is_up=False) for t in range(30)]  # centimetres
+    assert streams.pressure_samples(shallow, MODEL, []) is not None
+
+
 def test_a_gauge_pressure_is_refused_with_the_atmosphere_that_heals():
     samples = [PressureSample(0, 20_000.0)]
     with pytest.raises(InputError, match=r"pressure\.atmosphere = 0"):
