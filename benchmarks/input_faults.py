@@ -338,7 +338,11 @@ def _joints(random: Random) -> dict[str, Fault]:
 
     return {
         "joint-deg": fault(np.degrees),
-        "joint-rad": fault(np.radians, "as if in degrees"),
+        "joint-rad": Fault(
+            sensor="joints",
+            files=toml("joint", lambda name: f'{name}\njoint_unit = "deg"'),
+            size="read as degrees",
+        ),
         "joint-sign": fault(np.negative),
         "joint-dead": fault(np.zeros_like, "zero"),
         "joint-offset": fault(lambda x: x + np.radians(off), f"{off:.1f} degrees"),
