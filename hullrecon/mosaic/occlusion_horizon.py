@@ -82,12 +82,22 @@ def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: 
     """
     height, width = point.shape[:2]
     side = max(1, round(BLOCK_M / step_m))
+    near = _near(horizon, point)
     limits = (CELL_M, horizon.span_m, MIN_RELIEF_M)
     blocks = (_blocks(field, side) for field in (point, normal))
-    bound = least_tangents(horizon.top, horizon.normal, limits, *blocks)
+    bound = least_tangents(horizon.top[near], horizon.normal[near], limits, *blocks)
     rows = -(-height // side)
     spread = np.repeat(np.repeat(bound.reshape(rows, -1), side, axis=0), side, axis=1)
     return np.asarray(spread[:height, :width], np.float32)
+
+
+def _near(horizon: OcclusionHorizon, point: Array) -> Ints:
+    """Select what of the horizon is within its span of the texels (h, w, 3), and a little more."""
+    known = point[np.isfinite(point[..., 0])]
+    reach = horizon.span_m + BLOCK_M + 4 * CELL_M
+    low = known.min(axis=0, initial=np.inf) - reach
+    high = known.max(axis=0, initial=-np.inf) + reach
+    return np.flatnonzero(((horizon.top >= low) & (horizon.top <= high)).all(axis=1))
 
 
 def _blocks(field: Array, side: int) -> Array:

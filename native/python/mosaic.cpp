@@ -103,14 +103,14 @@ Values<double> least_tangents(const Values<double>& top, const Values<double>& t
   if (points.ndim() != 3) throw InputError("the array is of another shape", "points", "");
   const Index n = points.shape(0), texels = points.shape(1);
   expect(points, {n, texels, 3}, "points"), expect(normals, {n, texels, 3}, "normals");
-  const Outermost outermost{span_of(top), span_of(top_normal), cell, span, least_relief};
+  const OcclusionHorizon horizon(span_of(top), span_of(top_normal), {cell, span, least_relief});
   Values<double> out(n);
   double* least = out.mutable_data();
   {
     py::gil_scoped_release free;
     const auto size = static_cast<size_t>(3 * texels);
     for (Index i = 0; i < n; ++i) {
-      least[i] = least_tangent(outermost, span_of(points).subspan(i * size, size), span_of(normals).subspan(i * size, size));
+      least[i] = horizon.least_tangent(span_of(points).subspan(i * size, size), span_of(normals).subspan(i * size, size));
     }
   }
   return out;

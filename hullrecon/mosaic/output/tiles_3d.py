@@ -9,7 +9,7 @@ borders, close the cracks between tiles of two levels.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +21,7 @@ from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.output.cog import Picture
 from hullrecon.mosaic.output.raster import RasterLayout
 from hullrecon.mosaic.output.textured_mesh import TexturedMesh, encode_glb
+from hullrecon.mosaic.stream import in_threads
 from hullrecon.typing import Array, Ints, Mask
 
 TILE_PX = 512  # texels along a tile
@@ -65,11 +66,23 @@ class Pyramid:
         return float(self.layout.grid.step_m * 2**level)
 
 
+Place = tuple[int, int, int]  # level, row and column of a tile
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Tile:
     """A tile with what is below it."""
 
     document: dict[str, object]
+    low: Array  # (3,) of the box around it, in the tileset's frame
+    high: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Content:
+    """What there is to see in a tile."""
+
+    uri: str
     low: Array  # (3,) of the box around it, in the tileset's frame
     high: Array
 
@@ -95,7 +108,7 @@ def write_tileset(
         tileset.json, None where too little was seen for a mesh.
     """
     level = pyramid.top
-    root = _build(pyramid, level, 0, 0, write)
+    root = _tree(pyramid, (level, 0, 0), _write_contents(pyramid, write))
     if root is None:
         return None
     return {
@@ -108,37 +121,59 @@ def write_tileset(
     }
 
 
-def _build(
-    pyramid: Pyramid, level: int, row: int, column: int, write: Callable[[str, bytes], None]
-) -> _Tile | None:
-    """Write a tile and all below it. None if there is nothing to see."""
+def _write_contents(pyramid: Pyramid, write: Callable[[str, bytes], None]) -> dict[Place, _Content]:
+    """Write the GLB of every tile in which there is something to see."""
+
+    def make(place: Place) -> tuple[TexturedMesh, bytes] | None:
+        level, row, column = place
+        texture = _texture(pyramid.pictures[level], row, column)
+        mesh = _mesh(pyramid, level, row, column, np.asarray(texture[..., -1] > 0))
+        if not len(mesh.faces):
+            return None
+        return mesh, encode_glb(mesh, _painted(texture), pyramid.surface.chart.ship_axes[2])
+
+    contents, places = {}, _places(pyramid)
+    for (level, row, column), made in zip(places, in_threads(make, places), strict=True):
+        if made is not None:
+            mesh, glb = made
+            uri = f"{pyramid.top - level}/{column}-{row}.glb"
+            write(uri, glb)
+            placed = mesh.vertices @ pyramid.rotation_from_frame.T
+            low, high = placed.min(axis=0), placed.max(axis=0)
+            contents[level, row, column] = _Content(uri=uri, low=low, high=high)
+    return contents
+
+
+def _places(pyramid: Pyramid) -> list[Place]:
+    """List the tiles of all levels, the finest first."""
+    return [
+        (level, row, column)
+        for level, picture in enumerate(pyramid.pictures[: pyramid.top + 1])
+        for row in range(-(-picture.height // TILE_PX))
+        for column in range(-(-picture.width // TILE_PX))
+    ]
+
+
+def _tree(pyramid: Pyramid, place: Place, contents: Mapping[Place, _Content]) -> _Tile | None:
+    """Describe a tile and all below it. None if there is nothing to see."""
+    level, row, column = place
     picture = pyramid.pictures[level]
     if row * TILE_PX >= picture.height or column * TILE_PX >= picture.width:
         return None
-    below = (
-        []
-        if level == 0
-        else [
-            _build(pyramid, level - 1, 2 * row + i, 2 * column + j, write)
-            for i in (0, 1)
-            for j in (0, 1)
-        ]
-    )
-    children = [tile for tile in below if tile is not None]
-    texture = _texture(picture, row, column)
-    mesh = _mesh(pyramid, level, row, column, np.asarray(texture[..., -1] > 0))
-    lows, highs = [tile.low for tile in children], [tile.high for tile in children]
-    document: dict[str, object] = {}
-    if len(mesh.faces):
-        name = f"{pyramid.top - level}/{column}-{row}.glb"
-        write(name, encode_glb(mesh, _painted(texture), pyramid.surface.chart.ship_axes[2]))
-        document["content"] = {"uri": name}
-        placed = mesh.vertices @ pyramid.rotation_from_frame.T
-        lows.append(placed.min(axis=0))
-        highs.append(placed.max(axis=0))
-    if not lows:
+    below = [
+        _tree(pyramid, (level - 1, 2 * row + i, 2 * column + j), contents)
+        for i in (0, 1)
+        for j in (0, 1)
+        if level > 0
+    ]
+    children, content = [tile for tile in below if tile is not None], contents.get(place)
+    boxes = [(tile.low, tile.high) for tile in children]
+    if content is not None:
+        boxes.append((content.low, content.high))
+    if not boxes:
         return None
-    low, high = np.min(lows, axis=0), np.max(highs, axis=0)
+    document: dict[str, object] = {} if content is None else {"content": {"uri": content.uri}}
+    low, high = np.min([box[0] for box in boxes], axis=0), np.max([box[1] for box in boxes], axis=0)
     document["geometricError"] = ERROR_TEXELS * pyramid.texel_m(level) if children else 0
     document["boundingVolume"] = {"box": _box(low, high)}
     if children:

@@ -106,29 +106,37 @@ def mosaic_layer(name: str, title: str, ortho: Path, note: str = "") -> MapLayer
         seen = source.dataset_mask(out_shape=shape)
         left, bottom, right, top = (float(v) for v in source.bounds)
         step_m = float(source.res[0]) * shrink
-    rgba = np.dstack([*_stretched(np.asarray(picture, np.uint8), seen > 0), seen])
+    rgba = np.empty((*shape, 4), np.uint8)
+    rgba[..., 3] = seen
+    _stretch(np.asarray(picture, np.uint8), rgba)
+    del picture, seen  # a mosaic of MOST_PIXELS takes 100 MB more while it is encoded
     bounds = (left, bottom, right, top)
     return MapLayer(
         name=name, title=title, webp=webp_bytes(rgba), bounds=bounds, step_m=step_m, note=note
     )
 
 
-def _stretched(picture: Pixels, seen: Mask) -> Pixels:
+def _stretch(picture: Pixels, rgba: Pixels) -> None:
     """Spread the brightness of bands (3, h, w) over the range, as water leaves a third of it.
 
-    Colour is amplified less, or it would glare.
+    Colour is amplified less, or it would glare. `rgba`: (h, w, 4) is given the bands, and says by
+    its alpha what was seen. Row by row, as a picture of floats would take 100 MB and more.
     """
-    level = picture.mean(axis=0, dtype=np.float32)
-    if not seen.any():
-        return picture
-    low, high = np.percentile(level[seen], (0.5, 99.5), overwrite_input=True)
-    gain = 220 / max(high - low, 25.0)
-    stretched = np.empty_like(picture)
-    for row in range(level.shape[0]):  # of all at once, these are 100 MB each
-        gray, bands = level[row], picture[:, row]
-        color = 15 + (gray - low) * gain + (bands - gray) * min(gain, 1.25)
-        stretched[:, row] = np.clip(color, 0, 255)
-    return stretched
+    sums = np.zeros(3 * 255 + 1, np.int64)
+    for row, alpha in enumerate(rgba[..., 3]):
+        total = picture[:, row].sum(axis=0, dtype=np.int64)
+        sums += np.bincount(total[alpha > 0], minlength=len(sums))
+    if not sums.any():
+        rgba[..., :3] = np.moveaxis(picture, 0, 2)
+        return
+    share = np.cumsum(sums) / sums.sum()
+    low, high = (float(np.searchsorted(share, percent / 100)) / 3 for percent in (0.5, 99.5))
+    gain = np.float32(220 / max(high - low, 25.0))
+    for row in range(picture.shape[1]):
+        bands = picture[:, row].astype(np.float32)
+        gray = bands.mean(axis=0)
+        color = 15 + (gray - np.float32(low)) * gain + (bands - gray) * min(gain, np.float32(1.25))
+        rgba[row, :, :3] = np.clip(color, 0, 255).T
 
 
 def field_layer(found: ChartedSurface, field: MapField, extent: Extent) -> MapLayer:

@@ -127,20 +127,21 @@ def _render(ship: Mesh, patch: Mesh, side: Side, bounds: tuple[Array, Array]) ->
     wide, tall = np.maximum(high - low, 1e-3)
     shrink = reduction(1.0, tall / wide, 1.0)
     width, height = (max(20, round(share * PICTURE_PX / shrink)) for share in (1.0, tall / wide))
-    pictures = []
-    for mesh, tint in ((ship, STEEL), (patch, PATCH)):
-        corners, colours = _shaded_faces(mesh, side, tint)
-        places = corners.reshape(-1, 2)
-        at = (places - [low[0], high[1]]) / [wide, -tall] * [2 * width, 2 * height]
-        faces = np.arange(len(places)).reshape(-1, 3)
-        values = np.repeat(255 * colours, 3, axis=0)
-        pictures.append(draw_triangles(at, faces, values, (2 * height, 2 * width)))
-    drawn = np.where(np.isfinite(pictures[1]), pictures[1], pictures[0])
-    seen = np.isfinite(drawn[..., :1]).astype(np.float32)
-    layers = np.concatenate([np.nan_to_num(drawn), 255 * seen], axis=2)
-    small = np.asarray(cv2.resize(layers, (width, height), interpolation=cv2.INTER_AREA))
-    small[..., :3] /= np.maximum(small[..., 3:] / 255, 0.25)  # of the pixels that were drawn
-    return encode_png(np.rint(small).astype(np.uint8))
+    shaded = [_shaded_faces(mesh, side, tint) for mesh, tint in ((ship, STEEL), (patch, PATCH))]
+    corners, colours = (np.concatenate(parts) for parts in zip(*shaded, strict=True))
+    places = (corners.reshape(-1, 2) - [low[0], high[1]]) / [wide, -tall] * [2 * width, 2 * height]
+    faces = np.arange(len(places)).reshape(-1, 3)
+    drawn = draw_triangles(
+        places, faces, np.repeat(255 * colours, 3, axis=0), (2 * height, 2 * width)
+    )
+    seen = np.isfinite(drawn[..., 0])
+    drawn[~seen] = 0
+    share, colour = (
+        np.asarray(cv2.resize(layer, (width, height), interpolation=cv2.INTER_AREA))
+        for layer in (seen.astype(np.float32), drawn)
+    )
+    colour /= np.maximum(share, 0.25)[..., None]  # of the pixels that were drawn
+    return encode_png(np.rint(np.dstack([colour, 255 * share])).astype(np.uint8))
 
 
 def _shaded_faces(mesh: Mesh, side: Side, tint: Array) -> tuple[Array, Array]:
