@@ -81,16 +81,21 @@ def finish_figure(
     caption: str,
     compared: tuple[ComparedValue, ...] = (),
 ) -> PublishedFigure:
-    """Render PNG bytes without date or version, and the table's lines as CSV."""
+    """Join a drawn figure's picture and its table's lines as CSV."""
+    return PublishedFigure(
+        name=name,
+        png=render_png(canvas),
+        csv="\n".join(table) + "\n",
+        caption=caption,
+        compared=compared,
+    )
+
+
+def render_png(canvas: Canvas) -> bytes:
+    """Render a matplotlib figure as PNG without date or version."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     FigureCanvasAgg(canvas)
     buffer = io.BytesIO()
     canvas.savefig(buffer, format="png", metadata={"Software": None})
-    return PublishedFigure(
-        name=name,
-        png=buffer.getvalue(),
-        csv="\n".join(table) + "\n",
-        caption=caption,
-        compared=compared,
-    )
+    return buffer.getvalue()

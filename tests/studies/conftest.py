@@ -25,6 +25,18 @@ __all__ = [
 
 
 @pytest.fixture
+def pictures() -> None:
+    """Is asked for by tests that look at pictures."""
+
+
+@pytest.fixture(autouse=True)
+def _no_other_pictures(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave the pictures of figures away, which cost far more than their tables and captions."""
+    if "pictures" not in request.fixturenames:
+        monkeypatch.setattr("hullrecon.studies.figure_style.render_png", lambda _: b"")
+
+
+@pytest.fixture
 def rng() -> np.random.Generator:
     return np.random.default_rng(11)
 

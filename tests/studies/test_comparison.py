@@ -112,6 +112,7 @@ def test_lengths_are_in_millimetres_and_missing_figures_a_dash(
     assert rows[0][-1] == "1"
 
 
+@pytest.mark.usefixtures("pictures")
 def test_all_of_the_sources_figures_are_drawn(
     solved: list[SolvedVariant], start: DeadReckoning, truth: Truth
 ) -> None:

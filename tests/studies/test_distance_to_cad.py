@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
+import pytest
 
 from hullrecon.studies.paths.path_figures import ReturnsOnHull, distance_to_cad_model
 
@@ -27,6 +28,7 @@ def test_the_table_has_a_row_a_path_with_its_spread() -> None:
     assert "planes 10 mm in the mean, 0 % beyond 0.1 m" in figure.caption
 
 
+@pytest.mark.usefixtures("pictures")
 def test_there_is_a_panel_a_path_and_one_for_the_histogram() -> None:
     rng = np.random.default_rng(0)
     few = distance_to_cad_model({"a": on_hull(rng.normal(size=50))})

@@ -32,6 +32,7 @@ def test_a_canvas_has_a_row_of_axes_for_each_row() -> None:
     assert [len(row) for row in axes] == [3, 3]
 
 
+@pytest.mark.usefixtures("pictures")
 def test_a_figure_ends_its_table_with_a_line_end() -> None:
     canvas, _ = new_canvas(2, 1)
     figure = finish_figure("name", canvas, ["a,b", "1,2"], "What it shows.")
@@ -39,6 +40,7 @@ def test_a_figure_ends_its_table_with_a_line_end() -> None:
     assert figure.png[:4] == b"\x89PNG"
 
 
+@pytest.mark.usefixtures("pictures")
 def test_a_picture_is_as_large_as_asked_and_without_a_date() -> None:
     canvas, axes = new_canvas(4, 3)
     axes[0][0].plot([0, 1], [0, 1])

@@ -67,6 +67,7 @@ def test_caption_says_where_the_choice_turns() -> None:
     )
 
 
+@pytest.mark.usefixtures("pictures")
 def test_growing_criterion_is_drawn_deterministically() -> None:
     """On a logarithmic axis, beside one that is not."""
     steep = trials([[600.0, 600.0], [700.0, 720.0], [9000.0, 9500.0]])
@@ -75,6 +76,7 @@ def test_growing_criterion_is_drawn_deterministically() -> None:
     assert figure.png != gic_by_relief({"as published": RISING, "capped": RISING}).png
 
 
+@pytest.mark.usefixtures("pictures")
 def test_there_is_a_panel_a_scoring_and_one_for_the_choice() -> None:
     one, two = (gic_by_relief(dict.fromkeys(names, RISING)).png for names in (["a"], ["a", "b"]))
     width = [

@@ -86,6 +86,7 @@ def test_starts_of_rounds_are_no_iterations() -> None:
     assert "maxmix as weighted by us 4 iterations" in words
 
 
+@pytest.mark.usefixtures("pictures")
 @pytest.mark.parametrize("draw", [label_frequency, cost_history])
 def test_the_picture_is_not_blank_and_the_same_each_time(draw) -> None:  # type: ignore[no-untyped-def]
     first, second = draw([solve(True), solve(False)]), draw([solve(True), solve(False)])

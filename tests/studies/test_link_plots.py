@@ -145,6 +145,7 @@ def test_a_path_that_nothing_ties_is_drawn_without_a_link(
     assert figure.csv.splitlines() == ["first,second,across,joined,rejected"]
 
 
+@pytest.mark.usefixtures("pictures")
 def test_figures_are_pictures_and_deterministic(track: VehicleTrack, truth: Truth) -> None:
     def draw() -> list[bytes]:
         off = drifted(track, 0.3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
+import pytest
 
 from hullrecon.studies.figure_style import PublishedFigure
 from hullrecon.studies.methods.plots import (
@@ -61,12 +62,14 @@ def test_heights_are_listed_with_true_and_delivered() -> None:
     ]
 
 
+@pytest.mark.usefixtures("pictures")
 def test_method_without_landmarks_on_top_is_plotted() -> None:
     figure = structure_heights({"naive": np.zeros(0), "maxmix": np.array([0.1])}, 0.11, "box", None)
     assert picture(figure).std() > 5
     assert "delivered" not in figure.caption
 
 
+@pytest.mark.usefixtures("pictures")
 def test_cross_sections_draw_a_panel_a_method_below_its_overview() -> None:
     nothing = np.zeros((0, 2))
     section = CrossSection(

@@ -159,6 +159,7 @@ def test_what_the_chain_solves_itself_stands_in_its_own_place(
     assert not (root / "compare" / "maxmix-as-weighted-by-us").exists()
 
 
+@pytest.mark.usefixtures("pictures")
 def test_figures_solves_and_leaves_pictures_and_tables(
     opened: Any, package: Path, scene_figures: list, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -89,6 +89,7 @@ def test_the_caption_says_the_median_and_the_least_share_by_size(
     assert f"off {0.5 * share[0]:.1f} % (least 0.0 %)" in caption
 
 
+@pytest.mark.usefixtures("pictures")
 def test_there_is_a_panel_a_size(gaussian: TransferredPoints) -> None:
     pngs = [
         search_ellipses(dict.fromkeys(names, gaussian), IMAGE_PX).png for names in ("ab", "abc")

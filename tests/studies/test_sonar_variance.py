@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
+import pytest
 
 from hullrecon.studies.paths.path_figures import VarianceMap, sonar_variance
 
@@ -35,6 +36,7 @@ def test_mean_variance_leaves_out_pixels_of_one_view() -> None:
     assert f"dead reckoned {mean:.0f}" in sonar_variance({"dead reckoned": found}).caption
 
 
+@pytest.mark.usefixtures("pictures")
 def test_there_is_a_map_a_source() -> None:
     two = {name: of_variance(200.0) for name in ("a", "b")}
     height = [

@@ -114,6 +114,7 @@ def test_the_caption_says_how_the_paths_lie_and_where_they_end(whole: SphereSurv
     )
 
 
+@pytest.mark.usefixtures("pictures")
 def test_the_picture_has_four_panels_and_is_the_same_again(whole: SphereSurvey) -> None:
     figure = sphere(whole)
     picture = cv2.imdecode(np.frombuffer(figure.png, np.uint8), cv2.IMREAD_COLOR)
