@@ -26,8 +26,8 @@ Pipeline = Callable[[Path], object]
 
 @pytest.fixture(params=["fleet", "make"])
 def pipeline(request, call, pipelines: Path, program: Path, tmp_path: Path) -> Pipeline:
-    """Gives a package to pipelines/fleet or to dive.mk, in a folder of its own; nothing may appear
-    there.
+    """Gives a package to pipelines/fleet, or to the first rule of dive.mk, which is written as all
+    are; in a folder of its own, where nothing may appear.
     """
     here = tmp_path / "here"
     here.mkdir()
@@ -46,6 +46,7 @@ def pipeline(request, call, pipelines: Path, program: Path, tmp_path: Path) -> P
                 pipelines / "dive.mk",
                 f"PACKAGE={package}",
                 f"RUNS={runs}",
+                runs / "kestrel" / "ingest" / "manifest.json",
                 env=environment,
                 cwd=here,
             )
@@ -77,7 +78,7 @@ def test_the_name_of_a_packages_folder_or_file_runs_no_code(
     )
     answer = pipeline(package)
     assert (answer.returncode, answer.stdout, answer.stderr) == (0, "", "")
-    assert (tmp_path / "runs/kestrel/deliver/report.txt").exists()
+    assert (tmp_path / "runs/kestrel/ingest/manifest.json").exists()
 
 
 def test_vessel_of_several_lines_is_only_a_vessel(
