@@ -40,8 +40,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: item.path not in slow)
 
 
-def pytest_collection_finish() -> None:
-    """Let the garbage collector pass over what the session keeps: thousands of tests and modules.
+@pytest.fixture(autouse=True, scope="module")
+def _earlier_files_are_no_garbage() -> None:
+    """Let the garbage collector pass over what the session keeps: thousands of tests and modules,
+    and what earlier files imported and made for others.
 
     Every step of a chain collects before it starts, and looking at these took half of the time of
     the tests that run many short chains.
