@@ -22,7 +22,7 @@ from hullrecon.adjustment.partition.plan import plan_parts
 from hullrecon.adjustment.partition.sub_problem import SubProblems
 from hullrecon.adjustment.results.summary import summarise_adjustment
 
-QUICK = settings(max_examples=40, deadline=None, derandomize=True)
+QUICK = settings(max_examples=20, deadline=None, derandomize=True)
 # column of each table in which the rows of a drawn problem are numbered
 NUMBERED = {
     "odometry": "tray",

@@ -41,7 +41,7 @@ def test_arrays_come_back_with_name_type_and_shape(out: ArtifactWriter, tmp_path
 
 
 @settings(
-    max_examples=100, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None
+    max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None
 )
 @given(
     array=arrays_of.arrays(

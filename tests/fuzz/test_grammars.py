@@ -16,7 +16,7 @@ from hullrecon.dive.config.load import load_config
 from hullrecon.errors import InputError, UsageError
 
 QUICK = settings(
-    max_examples=150,
+    max_examples=75,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
@@ -151,7 +151,7 @@ cell = st.one_of(
 )
 
 
-@settings(QUICK, max_examples=120)
+@settings(QUICK, max_examples=60)
 @given(
     table=st.sampled_from(sorted(TABLES)),
     rows=st.lists(st.lists(cell, max_size=9), max_size=5),

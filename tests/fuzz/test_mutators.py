@@ -17,7 +17,7 @@ from benchmarks.fuzz.seed_ad2cp import dvl_file
 from benchmarks.fuzz.seed_files import pd0
 from benchmarks.fuzz.text_mutators import encode_otherwise
 
-QUICK = settings(max_examples=60, deadline=None, derandomize=True)
+QUICK = settings(max_examples=30, deadline=None, derandomize=True)
 
 
 @pytest.mark.parametrize(
@@ -115,7 +115,7 @@ def test_damaged_ad2cp_gets_valid_checksums():
     assert with_right_word_sums(repaired) == repaired
 
 
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=50, deadline=None, derandomize=True)
 @given(form=st.sampled_from(["toml", "yaml", "pd0", "hull"]), seed=st.integers(0, 10_000))
 def test_an_entry_of_the_corpus_gives_the_bytes_back(form, seed):
     whole = seeds()[form][0]

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from hullrecon.geometry.cameras import CameraModel
 
-QUICK = settings(max_examples=60, deadline=None, derandomize=True)
+QUICK = settings(max_examples=30, deadline=None, derandomize=True)
 
 BENT = CameraModel(640, 512, 600.0, 610.0, 321.0, 254.0, -0.21, 0.07, 0.001, -0.0008, -0.01)
 

@@ -23,7 +23,7 @@ from hullrecon.geometry.charts.chart import (
 from hullrecon.geometry.charts.region import chart_limits
 from hullrecon.geometry.meshes.mesh import Mesh
 
-QUICK = settings(max_examples=60, deadline=None, derandomize=True)
+QUICK = settings(max_examples=30, deadline=None, derandomize=True)
 
 RADIUS = 3.0
 

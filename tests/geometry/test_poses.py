@@ -11,7 +11,7 @@ from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import roll_pitch_yaw
 
-QUICK = settings(max_examples=60, deadline=None, derandomize=True)
+QUICK = settings(max_examples=30, deadline=None, derandomize=True)
 
 numbers = st.floats(-10, 10, allow_nan=False)
 vectors = st.lists(numbers, min_size=3, max_size=3)

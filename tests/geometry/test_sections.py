@@ -19,7 +19,7 @@ from hullrecon.geometry.charts.section_casting import (
 from hullrecon.geometry.charts.sections import Sections
 from hullrecon.geometry.meshes.mesh import Mesh, face_normals
 
-QUICK = settings(max_examples=40, deadline=None, derandomize=True)
+QUICK = settings(max_examples=20, deadline=None, derandomize=True)
 RADIUS = 3.0  # of the barge of conftest.py, whose centre line lies at z = RADIUS
 BEAM, DEPTH = 4.0, 3.0  # of the box
 

@@ -16,7 +16,7 @@ from hullrecon.navigation.sensors.servo import doubtful_angles, servo
 from hullrecon.navigation.sensors.smoothing import local_line, running_median
 from hullrecon.records.sensors import DvlPings, JointSamples
 
-QUICK = settings(max_examples=60, deadline=None, derandomize=True)
+QUICK = settings(max_examples=30, deadline=None, derandomize=True)
 
 SECOND = 1_000_000_000
 NONE = (np.zeros(0, np.int64), np.zeros(0, np.int64))

@@ -15,7 +15,7 @@ from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.poses import exp
 from hullrecon.records.solution import DeviationField, Solution
 
-QUICK = settings(max_examples=40, deadline=None, derandomize=True)
+QUICK = settings(max_examples=20, deadline=None, derandomize=True)
 SEEDS = st.integers(0, 10**6)
 
 # 3 x 2 nodes from (1, -1) on, half a metre along and two metres of girth apart

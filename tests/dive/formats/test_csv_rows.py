@@ -11,7 +11,7 @@ from hullrecon.dive.logs.formats.csv_rows import LONGEST_LINE, read_rows
 from hullrecon.errors import InputError
 
 QUICK = settings(
-    max_examples=100,
+    max_examples=50,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
     derandomize=True,

@@ -17,7 +17,7 @@ from hullrecon.dive.logs.formats.oculus_ping import (
 from hullrecon.dive.logs.readers.unpack import DamagedError
 
 QUICK = settings(
-    max_examples=150,
+    max_examples=75,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
     derandomize=True,

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hullrecon.dive.logs.formats.sonar_file import read_ping
 
 QUICK = settings(
-    max_examples=150,
+    max_examples=75,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
     derandomize=True,

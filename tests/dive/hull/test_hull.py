@@ -20,7 +20,7 @@ from hullrecon.synthetic.hull_shapes import hull_shape
 from hullrecon.synthetic.options import Ship
 
 QUICK = settings(
-    max_examples=60,
+    max_examples=30,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
     derandomize=True,

@@ -124,7 +124,7 @@ def test_a_cut_header_has_no_size(suffix):
     assert header_size(encoded(suffix)[:7]) is None
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=100, deadline=None, derandomize=True)
 @given(
     st.sampled_from(
         [

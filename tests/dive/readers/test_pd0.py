@@ -18,7 +18,7 @@ from hullrecon.dive.logs.readers.unpack import DamagedError, fields
 from hullrecon.findings.finding import sentences
 
 QUICK = settings(
-    max_examples=80,
+    max_examples=40,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
     derandomize=True,

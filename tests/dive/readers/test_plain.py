@@ -15,7 +15,7 @@ from hullrecon.errors import InputError
 from hullrecon.findings.finding import sentences
 
 QUICK = settings(
-    max_examples=60,
+    max_examples=30,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
     derandomize=True,

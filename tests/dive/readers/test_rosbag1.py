@@ -15,7 +15,7 @@ from hullrecon.dive.logs.readers.rosbag1 import Rosbag1Log, find_chunk
 from hullrecon.findings.finding import Finding, sentences
 
 QUICK = settings(
-    max_examples=60,
+    max_examples=30,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
     derandomize=True,

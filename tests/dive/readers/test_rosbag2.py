@@ -21,7 +21,7 @@ from hullrecon.errors import HullreconError, InputError, StorageError
 from hullrecon.findings.finding import sentences
 
 QUICK = settings(
-    max_examples=40,
+    max_examples=20,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
     derandomize=True,
