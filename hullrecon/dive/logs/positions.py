@@ -92,7 +92,7 @@ def _refuse_other_units(samples: Sequence[PositionSample]) -> None:
         return
     latitude, longitude = np.median(place, axis=0)
     if (place <= FARTHEST_RAD).all():
-        unit = "radians, by which a ship would lie in the open ocean where the equator begins"
+        unit = "radians (in degrees the ship would lie in the open Gulf of Guinea)"
     elif (place <= FARTHEST_DEG).all(axis=1).mean() >= 0.5:
         return
     elif (place <= MOST_DDMM).all() and (place % 100 < 60).all():
@@ -100,8 +100,8 @@ def _refuse_other_units(samples: Sequence[PositionSample]) -> None:
     else:
         unit = "1e-7 degrees, as MAVLink counts"
     raise InputError(
-        f"half of the latitudes are {latitude:.7g} and more, of the longitudes {longitude:.7g}, "
-        f"which are no degrees: are they {unit}?",
+        f"half of the latitudes are {latitude:.7g} and more, of the longitudes {longitude:.7g}: "
+        f"are they {unit}?",
         where="position",
         remedy="log them in degrees, or leave topics.position (or position.csv) away",
     )

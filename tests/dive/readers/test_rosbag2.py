@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 import errno
+import gzip
 import os
 import re
 import shutil
@@ -73,6 +74,16 @@ def test_a_file_that_the_metadata_names_but_is_gone_is_a_loss(folder):
     messages, log = read(Rosbag2Log(folder))
     assert messages == []
     assert any("is missing" in loss.why for loss in log.losses())
+
+
+def test_a_file_that_was_packed_by_hand_is_named_and_read_once_it_is_unpacked(folder, kit):
+    path = database(folder)
+    path.with_name(path.name + ".gz").write_bytes(gzip.compress(whole := path.read_bytes()))
+    path.unlink()
+    _, log = read(Rosbag2Log(folder))
+    assert any(f"{path.name}.gz lies there: unpack it" in loss.why for loss in log.losses())
+    path.write_bytes(whole)
+    assert len(read(Rosbag2Log(folder))[0]) == len(kit.dive())
 
 
 def test_an_empty_file_is_a_loss(folder):

@@ -25,6 +25,7 @@ from hullrecon.findings.finding import Finding
 
 METADATA = "metadata.yaml"
 STORAGE: dict[str, Callable[[Path], Log]] = {".mcap": McapLog, ".db3": SqliteLog}
+PACKED = (".gz", ".bz2", ".xz", ".lz4", ".zip")  # by hand: rosbag2 packs by zstd alone
 LARGEST_METADATA = 1 << 18  # bytes; a topic has some 400
 MOST_MESSAGES = 1 << 63  # a recorder's integers; those of YAML may have thousands of digits
 
@@ -94,11 +95,17 @@ class Rosbag2Log:
             forms.setdefault(unpacked_name(path.name), []).append(path)
         named = dict.fromkeys(unpacked_name(name) for name in info.files)
         missing = [name for name in named if name not in forms]
-        self._losses += [Loss(f"the file {printable(name)} is missing") for name in missing]
+        self._losses += [Loss(self._describe_missing(name)) for name in missing]
         order = [name for name in named if name in forms]
         order += [name for name in sorted(forms) if name not in named]
         chosen = [self._choose(forms[name]) for name in order]
         return [self._open(path) for path in chosen if path is not None]
+
+    def _describe_missing(self, name: str) -> str:
+        """Say that a file is missing, and which packed form of it lies there."""
+        packed = next((name + end for end in PACKED if (self.path / (name + end)).exists()), None)
+        there = f", {printable(packed)} lies there: unpack it" if packed else ""
+        return f"the file {printable(name)} is missing{there}"
 
     def _choose(self, forms: Sequence[Path]) -> Path | None:
         """Choose the first form of a file that has bytes. None, with the losses, without any."""
