@@ -9,7 +9,19 @@ from pathlib import Path
 
 import pytest
 from datasets import dataset
-from end_to_end.shell import TINY, Shell
+from end_to_end.shell import COARSE, SMALL, TINY, Shell
+
+REGIONS = """
+[[hull.region]]
+name = "after part"
+along = [30.0, 32.6]
+girth = [4.5, 8.0]
+
+[[hull.region]]
+name = "frames 55 to 60"
+along = [33.0, 36.0]
+girth = [4.0, 6.4]
+"""
 
 
 @pytest.fixture
@@ -27,6 +39,21 @@ def tiny(once):
     """A dive of some seconds, simulated once a session: stereo, sonar, one structure."""
     options = (*TINY, "--leg-length-m", 1.6, "--structures", 1, "--seed", 5)
     return once("tiny", lambda shell: shell("simulate", "tiny", *options)) / "tiny"
+
+
+@pytest.fixture(scope="session")
+def mono_dive(once):
+    """A small dive with one camera and regions of its hull, simulated into `package` and run whole
+    into `out`, once a session.
+    """
+
+    def fill(shell):
+        shell("simulate", "package", *SMALL, "--cameras", "mono")
+        with (shell.folder / "package" / "dive.toml").open("a") as file:
+            file.write(REGIONS)
+        shell("run", "package", "--runs", "out", *COARSE)
+
+    return once("mono", fill)
 
 
 @pytest.fixture

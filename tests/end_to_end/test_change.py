@@ -38,6 +38,7 @@ from hullrecon.steps.artifacts import SurfaceArtifact
 
 pytestmark = pytest.mark.slow
 SEED = 1
+SIZE = {**SMALLEST, "leg_length_m": 3.0}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,8 +74,8 @@ class Compared:
 @pytest.fixture(scope="module")
 def compared(tmp_path_factory: pytest.TempPathFactory) -> Compared:
     folder = tmp_path_factory.mktemp("change")
-    by_diff = run_both(folder, SEED, SMALLEST)
-    first, second = simulate(folder, SEED, SMALLEST)
+    by_diff = run_both(folder, SEED, SIZE)
+    first, second = simulate(folder, SEED, SIZE)
     earlier = f"change.earlier={folder / 'runs' / first.name}"
     Shell(folder)("run", second, "--runs", "runs", "--set", earlier, *COARSE)
     deliver = folder / "runs" / second.name / "deliver"

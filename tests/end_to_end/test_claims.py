@@ -16,36 +16,17 @@ import pytest
 from datasets import FOLDER
 from end_to_end import claims
 from end_to_end.sentences import untrue
-from end_to_end.shell import COARSE, SAMPLE, Shell
+from end_to_end.shell import COARSE, SAMPLE, SMALL, Shell
 from end_to_end.statements import Statement, statements
 from end_to_end.true_dive import TrueDive
 
 pytestmark = pytest.mark.slow
 
-SMALL = (
-    "--legs",
-    2,
-    "--leg-length-m",
-    2,
-    "--marks",
-    1,
-    "--structures",
-    2,
-    "--barnacles",
-    0,
-    "--image-width",
-    400,
-    "--image-height",
-    320,
-    "--seed",
-    11,
-)
 WITHOUT = {
     "no CAD model": ("hull",),
     "no DVL": ("dvl",),
     "images alone": ("hull", "dvl", "pressure"),
 }
-SIMULATED = {"mono": "mono", "no camera": "none"}
 # runs that other files read as well
 SHARED = {"demo": ("demo_run", SAMPLE), "dive-a": ("dive_a_run", FOLDER / "dive-a")}
 IN_SHIP_FRAME = ("demo", "dive-a", "no DVL", "mono", "no camera")
@@ -53,17 +34,6 @@ IN_G = ("no CAD model", "images alone")
 WITH_CAMERA = ("demo", "dive-a", "no CAD model", "no DVL", "images alone", "mono")
 ALL = (*WITH_CAMERA, "no camera")
 WITH_REGIONS = "mono"
-REGIONS = """
-[[hull.region]]
-name = "after part"
-along = [30.0, 32.6]
-girth = [4.5, 8.0]
-
-[[hull.region]]
-name = "frames 55 to 60"
-along = [33.0, 36.0]
-girth = [4.0, 6.4]
-"""
 
 
 def leave_out(package, sensors):
@@ -90,14 +60,14 @@ def dives(tmp_path_factory, request):
     def run(name):
         if name in SHARED:
             return request.getfixturevalue(SHARED[name][0]), SHARED[name][1]
-        package = simulated(SIMULATED.get(name, "stereo"))
-        if name == WITH_REGIONS:
-            path = package / "dive.toml"
-            path.write_text(path.read_text() + REGIONS)
+        if name == "mono":
+            folder = request.getfixturevalue("mono_dive")
+            return folder / "out" / "simulated", folder / "package"
+        package = simulated("none" if name == "no camera" else "stereo")
         if name in WITHOUT:
             package = shutil.copytree(package, shell.folder / name.replace(" ", "_"))
             leave_out(package, WITHOUT[name])
-        shell("run", package, "--runs", package.name + "_out", "--jobs", 2, *COARSE)
+        shell("run", package, "--runs", package.name + "_out", *COARSE)
         return next((shell.folder / f"{package.name}_out").glob("*/deliver")).parent, package
 
     def make(name):

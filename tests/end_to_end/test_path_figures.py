@@ -3,10 +3,10 @@
 """What the figures of a path say of a dive with one camera is what its run and its truth say."""
 
 import csv
+import shutil
 
 import numpy as np
 import pytest
-from end_to_end.shell import Shell
 
 from hullrecon.api.dive_run import open_dive
 from hullrecon.artifacts.executor import choose_executor
@@ -22,37 +22,13 @@ from hullrecon.studies.paths.path_figures import draw_path_figures
 from hullrecon.studies.surfaces.comparison import AS_FOUND, SURFACES
 
 pytestmark = pytest.mark.slow
-DIVE = (
-    "--cameras",
-    "mono",
-    "--legs",
-    2,
-    "--leg-length-m",
-    1.8,
-    "--image-width",
-    400,
-    "--image-height",
-    320,
-    "--structures",
-    1,
-    "--marks",
-    0,
-    "--barnacles",
-    0,
-    "--heading-drift-deg-per-hour",
-    400,
-    "--seed",
-    6,
-)
 
 
 @pytest.fixture(scope="module")
-def drawn(tmp_path_factory):
+def drawn(mono_dive, tmp_path_factory):
     """The dive, and its figures by name."""
-    shell = Shell(tmp_path_factory.mktemp("path_figures"))
-    shell("simulate", "dive", *DIVE)
-    shell("run", "dive", "--runs", "runs", "--to", "detect")
-    dive = open_dive(shell.folder / "dive", shell.folder / "runs", ())
+    folder = shutil.copytree(mono_dive, tmp_path_factory.mktemp("path_figures") / "mono")
+    dive = open_dive(folder / "package", folder / "out", ())
     with choose_executor(1) as executor:
         figures = draw_path_figures(
             dive,

@@ -21,7 +21,7 @@ def run(evaluation_data, tmp_path_factory):
     """The folder of a whole run, to be read."""
     shell = Shell(tmp_path_factory.mktemp("seabed"))
     seabed.write(evaluation_data / "stereo-haltbrekken", shell.folder / "seabed")
-    shell("run", shell.folder / "seabed", "--runs", "out", "--jobs", 2, *COARSE)
+    shell("run", shell.folder / "seabed", "--runs", "out", *COARSE)
     return shell.folder / "out" / "seabed"
 
 
