@@ -161,7 +161,9 @@ def test_without_ranges_landmarks_are_laid_onto_the_model():
 
 def test_dive_without_ranges_and_camera_cannot_register():
     estimate = true_path(ranges=False, camera=False)
-    with pytest.raises(StageError, match="nothing to register to the CAD model"):
+    with pytest.raises(
+        StageError, match="nothing measures the hull: there is no DVL range and no image"
+    ):
         place(estimate.measured.cad_model, estimate)
 
 

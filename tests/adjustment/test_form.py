@@ -136,7 +136,9 @@ def test_what_the_points_tell_of_the_ratios_is_their_sigma():
 def test_each_reason_names_what_speaks():
     assert refused(AGREES) is None
     assert "4.0 times hull.deviation_sigma" in refused(replace(AGREES, deviation=16.0))
-    assert "its proportions, its scale, the path or" in refused(replace(AGREES, scale_chi2=20.0))
+    assert "its proportions, its scale, the path, the tray's" in refused(
+        replace(AGREES, scale_chi2=20.0)
+    )
     # contradicted, but a package may be mistaken by a factor of two
     assert refused(replace(AGREES, deviation=5.0)) is None
     # unless a plane leaves hardly more
