@@ -167,9 +167,14 @@ def _attitude(nodes: Poses, rng: np.random.Generator) -> AttitudeTable:
 
 
 def _tray(tray: Array, rng: np.random.Generator) -> TrayTable:
-    """The tray's error is its backlash, by direction of motion."""
+    """The tray's error is its backlash, by the sense in which it last moved: it never hangs between
+    its two sides.
+    """
     n = len(tray)
-    backlash = BACKLASH_RAD * np.sign(np.diff(tray, prepend=tray[0]))
+    sense = np.sign(np.diff(tray, prepend=tray[0]))
+    moved = np.flatnonzero(sense)
+    last = np.maximum(np.searchsorted(moved, np.arange(n), side="right") - 1, 0)
+    backlash = BACKLASH_RAD * (sense[moved][last] if len(moved) else np.ones(n))
     measured = tray + backlash + np.radians(0.05) * rng.standard_normal(n)
     node = np.arange(n, dtype=np.int32)
     return TrayTable(
