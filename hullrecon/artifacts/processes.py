@@ -8,12 +8,12 @@ import fcntl
 import multiprocessing
 import os
 import signal
+import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from multiprocessing import forkserver, resource_tracker
+from multiprocessing import forkserver, resource_tracker, util
 from multiprocessing.connection import wait
 from multiprocessing.context import ForkServerContext
-from tempfile import gettempdir
 
 from hullrecon.errors import StageError
 
@@ -25,6 +25,8 @@ THREAD_VARIABLES = (
     "NUMEXPR_NUM_THREADS",
     "OPENCV_FOR_THREADS_NUM",
 )
+# Linux has 108 bytes for the path of a socket. The library adds two names of up to 18, and a zero.
+_LONGEST_FOLDER_OF_SOCKETS = 70
 
 
 def clean_context(preload: Sequence[str] = ()) -> ForkServerContext:
@@ -52,16 +54,31 @@ def clean_context(preload: Sequence[str] = ()) -> ForkServerContext:
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         with one_thread_each():
+            _choose_folder_of_sockets()
             forkserver.ensure_running()
     except OSError as error:
         raise StageError(
             f"no process can be started: {error.strerror or error}",
-            where=gettempdir(),
-            remedy="TMPDIR must name a folder that may be written and has a short path",
+            where=error.filename or tempfile.gettempdir(),
+            remedy="TMPDIR must name a folder that may be written, with free space",
         ) from error
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
     return context
+
+
+def _choose_folder_of_sockets() -> None:
+    """Put the server's socket below /tmp where the path of TMPDIR is too long for a socket.
+
+    Folders that a batch system makes for a job often are.
+    """
+    folder = tempfile.gettempdir()
+    if len(os.fsencode(folder)) > _LONGEST_FOLDER_OF_SOCKETS:
+        tempfile.tempdir = "/tmp"
+    try:
+        util.get_temp_dir()  # made once, and removed when this process ends
+    finally:
+        tempfile.tempdir = folder
 
 
 def stop_server() -> None:

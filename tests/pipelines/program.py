@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -27,29 +28,34 @@ class Options(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     factor: int = 1
 
 
+# Functions of the module, for steps that run in processes of their own.
+def run(name: str, context: Context) -> None:
+    if name == "navigate" and os.environ.get("TOY_FAIL", "?") in " ".join(sys.argv):
+        raise StageError("the path could not be reckoned", remedy="look at the DVL")
+    with open(os.environ["TOY_TRACE"], "a") as trace:
+        trace.write(f"{name}\n")
+    texts = [(folder / "text.txt").read_text() for folder in context.inputs.values()]
+    total = sum(context.map(abs, [-1, -2, -3], "values")) * context.parameters.factor
+    context.out.text("text.txt", f"{name}({','.join(texts)}){total}")
+    if name == "report":
+        context.out.text("deliver/report.txt", "done")
+
+
+def no_camera(settings: Any, package: Path) -> str | None:
+    return "there is no camera" if settings["camera.top"] is None else None
+
+
+def files(name: str, settings: Any, source: Path) -> list[Path]:
+    if name == "change":  # as the run of an earlier dive, outside the package
+        return [file for file in [source.absolute().parent / "earlier.txt"] if file.exists()]
+    return [Path(file) for file in settings["logs"].files]
+
+
 def toy(name: str, inputs: list[str], optional: list[str], needs_camera: bool) -> Stage:
-    def run(context: Context) -> None:
-        if name == "navigate" and os.environ.get("TOY_FAIL", "?") in " ".join(sys.argv):
-            raise StageError("the path could not be reckoned", remedy="look at the DVL")
-        with open(os.environ["TOY_TRACE"], "a") as trace:
-            trace.write(f"{name}\n")
-        texts = [(folder / "text.txt").read_text() for folder in context.inputs.values()]
-        total = sum(context.map(abs, [-1, -2, -3], "values")) * context.parameters.factor
-        context.out.text("text.txt", f"{name}({','.join(texts)}){total}")
-        if name == "report":
-            context.out.text("deliver/report.txt", "done")
-
-    def no_camera(settings: Any, package: Path) -> str | None:
-        return "there is no camera" if settings["camera.top"] is None else None
-
-    def files(settings: Any, source: Path) -> list[Path]:
-        if name == "change":  # as the run of an earlier dive, outside the package
-            return [file for file in [source.absolute().parent / "earlier.txt"] if file.exists()]
-        return [Path(file) for file in settings["logs"].files]
-
     return Stage(
-        name, name, tuple(inputs), Options, 1, run, ("camera.top", "logs"), tuple(optional),
-        files if name in ("ingest", "change") else None, no_camera if needs_camera else None,
+        name, name, tuple(inputs), Options, 1, partial(run, name), ("camera.top", "logs"),
+        tuple(optional), partial(files, name) if name in ("ingest", "change") else None,
+        no_camera if needs_camera else None,
     )  # fmt: skip
 
 
