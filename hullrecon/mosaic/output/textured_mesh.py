@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from io import BytesIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,9 +101,8 @@ def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], up: Array) -> byt
     from PIL import Image
 
     rgb = texture[..., :3] if texture.shape[2] == 4 else np.repeat(texture[..., :1], 3, axis=2)
-    encoded = BytesIO()
-    Image.fromarray(np.ascontiguousarray(rgb)).save(encoded, format="JPEG", quality=90)
-    picture = Image.open(encoded)
+    picture = Image.fromarray(np.ascontiguousarray(rgb))
+    picture.format = "JPEG"  # in which it is written
     material = trimesh.visual.material.PBRMaterial(
         baseColorTexture=picture,
         metallicFactor=0.0,
