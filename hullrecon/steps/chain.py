@@ -118,7 +118,7 @@ STAGES = (
         inputs=("ingest", "navigate"),
         optional=("features",),
         parameters=LinkOptions,
-        version=22,
+        version=23,
         run=_later("links"),
         uses=(*RIG_SECTIONS, "matches"),
     ),

@@ -18,6 +18,7 @@ from hullrecon.records.links import CameraLinks, NodePairs
 from hullrecon.records.trajectory import VehiclePath
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.pairs.camera_track import CameraTrack, RelativeErrors, leading_cameras
+from hullrecon.vision.pairs.expected_links import Compared, ExpectedLinks, learn_links
 from hullrecon.vision.pairs.match_worker import MatchNode, MatchWorker, NodePair
 from hullrecon.vision.pairs.pair_match import FeatureSpool, PairMatch
 from hullrecon.vision.pairs.selection import Proposal
@@ -181,6 +182,18 @@ class ComparedPairs:
             scaled=np.array([self.found[k].scaled for k in rows], bool),
             bottom=np.column_stack([bottom[first], bottom[second]]),
         )
+
+    def expected_links(self, bottom: Mask, min_common: int) -> ExpectedLinks:
+        """Learn what to expect of pairs not compared yet. min_common: features of a link."""
+        common, kept = np.zeros(len(self.found), np.int64), self.kept()
+        common[kept] = [len(self.found[k].stored or ()) for k in kept]
+        compared = Compared(
+            first=self.proposal.first,
+            second=self.proposal.second,
+            overlap=self.proposal.overlap,
+            common=common,
+        )
+        return learn_links(len(bottom), compared, self.links(bottom), common[kept], min_common)
 
     def features(self, spool: FeatureSpool) -> CommonFeatures:
         """Find the common features of the kept pairs."""

@@ -34,18 +34,23 @@ from hullrecon.vision.pairs.cycles import contradicted_links
 from hullrecon.vision.pairs.match_worker import MatchNode, MatchWorker
 from hullrecon.vision.pairs.pair_match import FeatureSpool, Reason
 from hullrecon.vision.pairs.selection import (
+    COVARIANCE_BLOCK,
     Proposal,
+    Revisits,
+    choose_independent,
     propose_neighbours,
-    propose_overlapping,
     propose_revisits,
     select_keyframes,
 )
 from hullrecon.vision.stereo.matching import no_matches
 
 MIN_STEREO_POINTS = 8  # whose median is the depth of the scene
-# Least probability of overlap of the pairs that a round compares. The next step is taken when a
-# round finds nothing.
+# Least probability of overlap of the pairs that a round compares. The next step is taken when no
+# pair is worth comparing.
 PROBABILITIES = (0.5, 0.2, 0.05)
+# Least worth of a comparison across legs, nats. It leaves out three quarters of them where legs
+# overlap by half, and the adjusted path's sigmas are the same to 1 % (docs/methods.md 17).
+LEAST_GAIN = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,6 +78,12 @@ class SolvedPath(Protocol):
 
     def relative_errors(self, bottom: Mask) -> RelativeErrors:
         """Describe how well leading cameras are known. The bottom one leads at `bottom` (n,)."""
+        ...
+
+    def information_gain(
+        self, bottom: Mask, first: Ints, second: Ints, information: Array
+    ) -> Array:
+        """Compute by how much links of that information (m, 6, 6) would inform the path, nats."""
         ...
 
     def record(self) -> LinkedPath:
@@ -170,12 +181,9 @@ def link_images(
         scene=scene, keyframes=keyframes[np.array(salient, bool)], solve_path=solve_path
     )
     recognised: list[Recognition] = []
-    if options.across > 0:
-        compared, solved = rounds.link_legs(compared, solved, max_rounds)
-        if appearance:
-            compared, solved, recognised = rounds.close_loops(compared, solved, max_rounds)
-    if compared.across().any():
-        compared, solved = rounds.link_overlapping(compared, solved)
+    compared, solved = rounds.link_legs(compared, solved, max_rounds)
+    if appearance:
+        compared, solved, recognised = rounds.close_loops(compared, solved, max_rounds)
 
     final = compared.sorted()
     linked = LinkedImages(
@@ -204,13 +212,20 @@ class _Rounds(Generic[Solved]):
     solve_path: PathSolver[Solved]
 
     def link_legs(
-        self, compared: ComparedPairs, solved: Solved, max_rounds: int
+        self,
+        compared: ComparedPairs,
+        solved: Solved,
+        max_rounds: int,
+        least_gain: float = LEAST_GAIN,
     ) -> tuple[ComparedPairs, Solved]:
-        """Compare pairs that probably overlap, each round on the path of the previous round."""
+        """Compare the pairs of most expected information, each round on the path of the previous.
+
+        Of each node one a round, until no comparison promises `least_gain`.
+        """
         scene, level = self.scene, 0
         for _ in range(max_rounds):
             track = self._track(solved)
-            proposal = propose_revisits(
+            revisits = propose_revisits(
                 track,
                 self.keyframes,
                 scene.depth_m,
@@ -219,11 +234,40 @@ class _Rounds(Generic[Solved]):
                 PROBABILITIES[level],
                 compared.keys(len(track)),
             )
-            compared, solved, new = self._try_pairs(track, proposal, compared, solved)
-            level += not new
+            worth = self._expected_gain(track, revisits, compared, solved)
+            ends = revisits.proposal.first, revisits.proposal.second
+            chosen = choose_independent(*ends, worth, least_gain)
+            if len(chosen):
+                proposal = revisits.proposal.take(chosen)
+                compared, solved = self._try_pairs(track, proposal, compared, solved)
+                continue
+            level += 1
             if level == len(PROBABILITIES):
                 break
         return compared, solved
+
+    def _expected_gain(
+        self, track: CameraTrack, revisits: Revisits, compared: ComparedPairs, solved: Solved
+    ) -> Array:
+        """Compute the expected information (m,) of comparisons, nats [docs/methods.md (59b)].
+
+        Where no pair has matched yet, nothing says what a link tells: all are worth the most.
+        """
+        if not len(compared.kept()):
+            return np.where(revisits.probability > 0, np.inf, 0.0)
+        bottom, options = self.scene.bottom, self.scene.worker.options
+        expected = compared.expected_links(bottom, options.min_inliers)
+        gain = np.zeros(len(revisits.proposal))
+        for start in range(0, len(gain), COVARIANCE_BLOCK):
+            rows = slice(start, start + COVARIANCE_BLOCK)
+            first, second = revisits.proposal.first[rows], revisits.proposal.second[rows]
+            common = expected.common(first, second, revisits.expected_overlap[rows])
+            at, back = track.global_from_camera[first], track.global_from_camera[second].inverse()
+            information = expected.link_information(first, second, common, (back @ at).translation)
+            gain[rows] = expected.probability(common) * solved.information_gain(
+                bottom, first, second, information
+            )
+        return revisits.probability * gain
 
     def close_loops(
         self, compared: ComparedPairs, solved: Solved, max_rounds: int
@@ -241,7 +285,8 @@ class _Rounds(Generic[Solved]):
             if places.accepted.any():
                 # From no solution: the closed path is far from the one before.
                 path = self.solve_path(closed.links(self.scene.bottom), None)
-                closed, path = self.link_legs(closed.rejecting(path.rejected), path, 1)
+                # Not for what they tell of the path, but to see whether they match at all.
+                closed, path = self.link_legs(closed.rejecting(path.rejected), path, 1, 0.0)
             if not is_confirmed(closed, number):
                 compared = tried.accepting(np.zeros_like(places.accepted))
                 reason = "the images that it puts beside each other do not match"
@@ -251,41 +296,22 @@ class _Rounds(Generic[Solved]):
             compared, solved = self.link_legs(closed, path, max_rounds)
         return compared, solved, recognised
 
-    def link_overlapping(
-        self, compared: ComparedPairs, solved: Solved
-    ) -> tuple[ComparedPairs, Solved]:
-        """Compare in a last round the pairs that overlap well on the tied path."""
-        track, scene = self._track(solved), self.scene
-        proposal = propose_overlapping(
-            track,
-            self.keyframes,
-            scene.depth_m,
-            scene.camera,
-            scene.worker.options,
-            compared.keys(len(track)),
-        )
-        compared, solved, _ = self._try_pairs(track, proposal, compared, solved)
-        return compared, solved
-
     def _track(self, solved: Solved) -> CameraTrack:
         return self.scene.track(solved.path, solved.relative_errors(self.scene.bottom))
 
     def _try_pairs(
         self, track: CameraTrack, proposal: Proposal, compared: ComparedPairs, solved: Solved
-    ) -> tuple[ComparedPairs, Solved, bool]:
-        """Match proposed pairs and solve the path with them.
-
-        Returns the pairs, the solution, and whether any pair matched.
-        """
+    ) -> tuple[ComparedPairs, Solved]:
+        """Match proposed pairs and solve the path with them."""
         bottom = self.scene.bottom
         found = self.scene.match(track, proposal)
         compared = compared.joined_with(proposal, found, 1 + int(compared.round.max(initial=-1)))
         if not any(pair.reason is Reason.MATCHED for pair in found):
-            return compared, solved, False
+            return compared, solved
         contradicted = contradicted_links(compared.links(bottom), compared.across())
         compared = compared.rejecting(contradicted)
         solved = self.solve_path(compared.links(bottom), solved)
-        return compared.rejecting(solved.rejected), solved, True
+        return compared.rejecting(solved.rejected), solved
 
 
 def _match_cameras(

@@ -44,23 +44,6 @@ class MatchOptions(Section, frozen=True):
     sequential: Annotated[
         int, Meta(ge=1, le=50, description="following nodes that each node is compared with")
     ] = 3
-    across: Annotated[
-        int,
-        Meta(
-            ge=0,
-            le=50,
-            description="nodes of other legs that each is compared with until the path is tied",
-        ),
-    ] = 3
-    revisits: Annotated[
-        int,
-        Meta(
-            ge=0,
-            le=200,
-            description="nodes of other legs that each is compared with on the tied path, "
-            "if they overlap by 30 %",
-        ),
-    ] = 20
     min_overlap: Annotated[
         Share,
         Meta(description="share, of the predicted footprints that two nodes must have in common"),

@@ -27,6 +27,7 @@ from hullrecon import native
 from hullrecon.geometry.poses import Poses, exp, pose_from_vector
 from hullrecon.navigation.pose_graph.graph import (
     OPTIONS,
+    GraphErrors,
     GraphSolution,
     PoseGraph,
     link_table,
@@ -408,6 +409,38 @@ def test_what_links_tie_is_known_better_than_what_they_do_not(
     )
     sigma = [np.sqrt(np.trace(e.relative_covariance(*ends)[0, :3, :3])) for e in (loose, tied)]
     assert sigma[1] < 0.02 < 0.1 * sigma[0]
+
+
+def test_information_of_a_link_is_what_it_takes_off_the_covariance(
+    dive: LinkedDive, links: CameraLinks
+) -> None:
+    """Of a pair whose nodes have no link yet: half the logarithm of the ratio of determinants."""
+    found = graph_of(dive).solve(kept(links, np.flatnonzero(links.second - links.first > 2)))
+    ends = np.array([[0], [30]])
+    one = link(dive, ends.T, np.random.default_rng(3))
+    (gain,) = found.information_gain(ALL_TOP, *ends, np.linalg.inv(one.covariance))
+    mounts = found.problem.hold("T_s_d", "T_s_ct", "T_ct_cb")
+    both = link_table(joined(found.links, one), 60, native.LinkKernel.NONE)
+    before, after = (
+        GraphErrors(problem=problem, bottom=ALL_TOP).relative_covariance(*ends)[0]
+        for problem in (mounts, replace(mounts, links=both))
+    )
+    assert gain == pytest.approx(
+        0.5 * np.log(np.linalg.det(before) / np.linalg.det(after)), rel=1e-4
+    )
+    assert gain > 1
+
+
+def test_a_further_link_of_linked_nodes_informs_less(dive: LinkedDive) -> None:
+    ends = np.array([[7], [41]])
+    information = np.linalg.inv(link(dive, ends.T, np.random.default_rng(3)).covariance)
+    few, many = (
+        graph_of(dive)
+        .solve(link(dive, pairs, np.random.default_rng(3)))
+        .information_gain(ALL_TOP, *ends, information)[0]
+        for pairs in (neighbours(), np.vstack([neighbours(), opposite()]))
+    )
+    assert many < 0.5 * few
 
 
 def test_the_record_holds_path_covariance_and_parts(dive: LinkedDive, links: CameraLinks) -> None:

@@ -42,6 +42,7 @@ REJECTED_CHI2 = 5.0
 MAX_REJECTED_SHARE = 0.03  # of the links, beyond which the path itself may be wrong
 # links of a node that count as independent; with more, they share its features' noise
 SHARED_IMAGES = 2.0
+MOUNTS = ("T_s_d", "T_s_ct", "T_ct_cb")
 KERNELS = {
     "scaling": native.LinkKernel.SCALING,
     "switch": native.LinkKernel.SWITCH,
@@ -200,6 +201,31 @@ class GraphSolution:
         """
         return GraphErrors(problem=self.problem, bottom=bottom)
 
+    def information_gain(
+        self, bottom: Mask, first: Ints, second: Ints, information: Array
+    ) -> Array:
+        """Compute what one more link would tell of the path (m,), nats [docs/methods.md (59a)].
+
+        The mounts are held. A link measures cameras: what is unknown of a mount would count as
+        unknown of every motion, however many links there are.
+
+        Parameters
+        ----------
+        bottom
+            Nodes (n,) where the bottom camera leads.
+        first, second
+            Nodes (m,) of the link.
+        information
+            Of the link (m, 6, 6) on second_from_first, singular where it lacks a length.
+        """
+        kept = ~self.rejected
+        ends = np.concatenate([self.links.first[kept], self.links.second[kept]])
+        degree = 1 + np.bincount(ends, minlength=len(bottom))  # with the new link
+        own = information / _shared_noise(degree, first, second)[:, None, None]
+        held = GraphErrors(problem=self.problem.hold(*MOUNTS), bottom=bottom)
+        known = held.relative_covariance(first, second)
+        return np.asarray(0.5 * np.linalg.slogdet(np.eye(6) + own @ known)[1])
+
     def record(self) -> LinkedPath:
         """Record the path with its covariance, and the parts that links tie together."""
         marginals = native.covariance(self.problem, OPTIONS)
@@ -326,7 +352,7 @@ def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> nat
     Links of one node share its features' noise. The more links a node has, the less each weighs.
     """
     degree = np.bincount(np.concatenate([links.first, links.second]), minlength=nodes)
-    shared = np.maximum(0.5 * (degree[links.first] + degree[links.second]) / SHARED_IMAGES, 1.0)
+    shared = _shared_noise(degree, links.first, links.second)
     # in the native table, `first` is the camera in whose axes the motion is given
     return native.LinkTable(
         first=links.second.astype(np.int32),
@@ -338,6 +364,11 @@ def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> nat
         scaled=links.scaled,
         kernel=np.full(len(links), int(kernel), np.int32),
     )
+
+
+def _shared_noise(degree: Ints, first: Ints, second: Ints) -> Array:
+    """Compute the factor (m,) on the variance of links whose nodes (n,) have that many links."""
+    return np.asarray(np.maximum(0.5 * (degree[first] + degree[second]) / SHARED_IMAGES, 1.0))
 
 
 def _whitening(links: CameraLinks) -> Array:

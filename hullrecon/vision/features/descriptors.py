@@ -118,7 +118,7 @@ def best_of_pairs(
         return _no_matches()
     forward, forward_next = native.best_and_next(first, distance)
     backward, backward_next = native.best_and_next(second, distance)
-    chosen = forward[np.isin(forward, backward)]
+    chosen = _in_both(forward, backward, len(first))
     limit = np.minimum(forward_next[first[chosen]], backward_next[second[chosen]]) * ratio
     chosen = np.sort(chosen[(distance[chosen] < limit) & (distance[chosen] < most)])
     return Putative(first=first[chosen], second=second[chosen], distance=distance[chosen])
@@ -157,8 +157,15 @@ def match_places(found: Putative, place_a: Ints, place_b: Ints) -> Putative:
     if len(first) == 0:
         return _no_matches()
     forward, backward = (native.best_and_next(key, found.distance)[0] for key in (first, second))
-    kept = np.sort(forward[np.isin(forward, backward)])
+    kept = np.sort(_in_both(forward, backward, len(first)))
     return Putative(first=first[kept], second=second[kept], distance=found.distance[kept])
+
+
+def _in_both(rows: Ints, others: Ints, count: int) -> Ints:
+    """Select those of rows that are among others too, all below count."""
+    among = np.zeros(count, bool)
+    among[others] = True
+    return rows[among[rows]]
 
 
 def _no_matches() -> Putative:

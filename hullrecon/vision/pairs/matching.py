@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -59,7 +60,12 @@ class PairMatcher:
     options: MatchOptions
     strategy: MatchStrategy = field(default_factory=MatchStrategy)
 
-    @property
+    @cached_property
+    def bottom_from_top(self) -> Array:
+        """Motion (4, 4) from the top camera to the bottom one, the identity with one camera."""
+        return self.rig.from_top(Camera.BOTTOM)
+
+    @cached_property
     def tolerance(self) -> float:
         """RANSAC_PX in ideal coordinates."""
         return RANSAC_PX / self.rig.focal_px(Camera.TOP)
@@ -112,7 +118,9 @@ class PairMatcher:
             int(first.stereo[seeds.first].sum()), int(second.stereo[seeds.second].sum())
         )
         if with_point >= max(MIN_PUTATIVE, self.options.min_inliers):
-            return self._refine_and_guide(first, second, seeds, self._resect(first, second, seeds))
+            views = self.reprojection_terms(first, second, seeds)
+            start = self._resect(first, second, seeds)
+            return self._refine_and_guide(first, second, seeds, views, start)
         # Where these are too few as well, two views without depth.
         return self._match_two_views(first, second, seeds, gated, prior)
 
@@ -125,17 +133,18 @@ class PairMatcher:
         among = np.flatnonzero(second.stereo)
         gated = self._gate(first, second, prior, rows, among)
         seeds = self._best(first, second, gated, rows, among)
-        start = None
-        if len(seeds) >= MIN_PUTATIVE:
-            start = pose_from_points.ransac(
-                first.point[seeds.first],
-                second.point[seeds.second],
-                self.reprojection_terms(first, second, seeds),
-                self.tolerance,
-                RANSAC_TRIALS,
-                seed,
-            )
-        return self._refine_and_guide(first, second, seeds, start)
+        if len(seeds) < MIN_PUTATIVE:
+            return failed_match(len(seeds), Reason.FEW_PUTATIVE)
+        views = self.reprojection_terms(first, second, seeds)
+        start = pose_from_points.ransac(
+            first.point[seeds.first],
+            second.point[seeds.second],
+            views,
+            self.tolerance,
+            RANSAC_TRIALS,
+            seed,
+        )
+        return self._refine_and_guide(first, second, seeds, views, start)
 
     def _gate(
         self, first: NodeView, second: NodeView, prior: Motion | None, rows: Ints, among: Ints
@@ -173,13 +182,16 @@ class PairMatcher:
         return rows[known][a], among[b]
 
     def _refine_and_guide(
-        self, first: NodeView, second: NodeView, seeds: Putative, start: Array | None
+        self,
+        first: NodeView,
+        second: NodeView,
+        seeds: Putative,
+        views: list[pose_from_points.ObservedPoints],
+        start: Array | None,
     ) -> PairMatch:
-        """Refine a first guess of the motion, and search all features along it."""
+        """Refine a first guess of the motion on the views, and search all features along it."""
         if start is None:
-            few = len(seeds) < MIN_PUTATIVE
-            return failed_match(len(seeds), Reason.FEW_PUTATIVE if few else Reason.FEW_INLIERS)
-        views = self.reprojection_terms(first, second, seeds)
+            return failed_match(len(seeds), Reason.FEW_INLIERS)
         motion = Motion(*pose_from_points.refine(start, views, self.tolerance))
         inliers = _count_inliers(motion.second_from_first, views, self.tolerance, len(seeds))
         if inliers < self.options.min_inliers:
@@ -210,9 +222,7 @@ class PairMatcher:
             NodeObservations(lead=view.xy[rows], other=view.other[rows], point=view.point[rows])
             for view, rows in ((first, matched.first), (second, matched.second))
         )
-        found = adjust_stereo_motion(
-            motion.second_from_first, here, there, self.rig.from_top(Camera.BOTTOM)
-        )
+        found = adjust_stereo_motion(motion.second_from_first, here, there, self.bottom_from_top)
         if found is None:
             return motion, None
         return Motion(found.second_from_first, found.covariance), found.calibration
@@ -222,7 +232,7 @@ class PairMatcher:
     ) -> list[pose_from_points.ObservedPoints]:
         """Collect each node's points with their observations in the opposite node's cameras."""
         a, b = seeds.first, seeds.second
-        lead, bottom = np.eye(4), self.rig.from_top(Camera.BOTTOM)
+        lead, bottom = np.eye(4), self.bottom_from_top
         terms = [
             (first.point[a], second.xy[b], lead, False),
             (first.point[a], second.other[b], bottom, False),
@@ -277,8 +287,7 @@ class PairMatcher:
         limit = (VERIFY_PX / self.rig.focal_px(Camera.TOP)) ** 2
         essential = two_view.essential_of(motion)
         good = two_view.sampson_squared(essential, first.xy[a], second.xy[b]) < limit
-        bottom_from_top = self.rig.from_top(Camera.BOTTOM)
-        of_bottom = bottom_from_top @ motion @ np.linalg.inv(bottom_from_top)
+        of_bottom = self.bottom_from_top @ motion @ np.linalg.inv(self.bottom_from_top)
         seen = np.flatnonzero(np.isfinite(first.other[a, 0]) & np.isfinite(second.other[b, 0]))
         error = two_view.sampson_squared(
             two_view.essential_of(of_bottom), first.other[a[seen]], second.other[b[seen]]

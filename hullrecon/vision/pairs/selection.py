@@ -16,8 +16,6 @@ from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.camera_track import CameraTrack
 
 MAX_OVERLAP = 0.98  # with the last keyframe: a node that overlaps it by more is no keyframe
-OVERLAPPING = 0.3  # overlap of a pair that is compared once the path is tied
-PROBABLE = 0.5  # least probability of this overlap
 RETURN = 0.2  # gain of overlap that shows that the vehicle came back, and did not just move slowly
 GRID = 8  # cells of a footprint along each side
 FINE_GRID = 32  # the same where small steps count
@@ -47,6 +45,15 @@ class Proposal:
             across=self.across[rows],
             overlap=self.overlap[rows],
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Revisits:
+    """Pairs of nodes that may show the same hull, seen on two passes."""
+
+    proposal: Proposal  # m pairs
+    probability: Array  # (m,) that they do
+    expected_overlap: Array  # (m,) share of the first footprint that the second covers, if they do
 
 
 def select_keyframes(track: CameraTrack, usable: Mask, depth_m: Array, camera: CameraModel) -> Ints:
@@ -98,10 +105,10 @@ def propose_revisits(
     options: MatchOptions,
     min_probability: float,
     compared: Ints,
-) -> Proposal:
-    """Propose for each keyframe the `across` others that most probably show the same hull.
+) -> Revisits:
+    """Find the pairs of keyframes that probably show the same hull, and were not compared yet.
 
-    Only others to which the vehicle came back count [KimEustice2009].
+    Only nodes to which the vehicle came back count [KimEustice2009].
 
     Parameters
     ----------
@@ -118,95 +125,80 @@ def propose_revisits(
     min_probability
         Least probability that two footprints have min_overlap in common.
     compared
-        Pairs (first * n + second) that are not proposed again, but count among the `across`.
-    """
-    first, second, overlap, probability = _revisits(
-        track, keyframes, depth_m, camera, options, min_probability
-    )
-    return _best_of_each(
-        first, second, overlap, probability + overlap, options.across, compared, len(track)
-    )
-
-
-def propose_overlapping(
-    track: CameraTrack,
-    keyframes: Ints,
-    depth_m: Array,
-    camera: CameraModel,
-    options: MatchOptions,
-    compared: Ints,
-) -> Proposal:
-    """Propose for each keyframe the `revisits` others that overlap it most, by OVERLAPPING.
-
-    Parameters are those of `propose_revisits`.
-    """
-    first, second, overlap, _ = _revisits(track, keyframes, depth_m, camera, options, PROBABLE)
-    rows = np.flatnonzero(overlap >= OVERLAPPING)
-    first, second, overlap = first[rows], second[rows], overlap[rows]
-    return _best_of_each(first, second, overlap, overlap, options.revisits, compared, len(track))
-
-
-def _revisits(
-    track: CameraTrack,
-    keyframes: Ints,
-    depth_m: Array,
-    camera: CameraModel,
-    options: MatchOptions,
-    min_probability: float,
-) -> tuple[Ints, Ints, Array, Array]:
-    """Find pairs of keyframes to which the vehicle came back.
-
-    Returns
-    -------
-    first, second, overlap, probability
-        (m,) each. The probability is that of min_overlap.
+        Pairs (first * n + second) that were compared.
     """
     first, second = _near(track, keyframes, depth_m, camera, options.sequential)
     overlap = footprint_overlap(track, first, second, depth_m, camera)
     ranks = np.searchsorted(keyframes, first), np.searchsorted(keyframes, second)
     lowest = _lowest_between(track, keyframes, *ranks, depth_m, camera, options.min_overlap)
     came_back = (lowest == 0) | (overlap > lowest + RETURN)
+    came_back &= ~np.isin(first * len(track) + second, compared)
     first, second, overlap = first[came_back], second[came_back], overlap[came_back]
-    probability = overlap_probability(track, first, second, depth_m, camera, options.min_overlap)
+    probability, expected = expect_overlap(
+        track, first, second, depth_m, camera, options.min_overlap
+    )
     keep = probability >= min_probability
-    return first[keep], second[keep], overlap[keep], probability[keep]
+    return Revisits(
+        proposal=Proposal(
+            first=first[keep],
+            second=second[keep],
+            across=np.ones(int(keep.sum()), bool),
+            overlap=overlap[keep],
+        ),
+        probability=probability[keep],
+        expected_overlap=expected[keep],
+    )
 
 
-def _best_of_each(
-    first: Ints, second: Ints, overlap: Array, score: Array, most: int, compared: Ints, nodes: int
-) -> Proposal:
-    """Select pairs among the `most` highest scores of one of their nodes, but those compared."""
-    best = _top(second, score, most) | _top(first, score, most)
-    best &= ~np.isin(first * nodes + second, compared)
-    first, second, overlap = first[best], second[best], overlap[best]
-    return Proposal(first=first, second=second, across=np.ones(len(first), bool), overlap=overlap)
+def choose_independent(first: Ints, second: Ints, worth: Array, least: float) -> Ints:
+    """Choose the pairs (m,) of most worth of which no two share a node. Returns their rows.
+
+    Pairs worth less than `least` are not chosen. Links without a common image err independently,
+    and what each adds says what the next of its nodes still can.
+    """
+    rows = np.lexsort((second, first, -worth))
+    rows = rows[worth[rows] >= least]
+    taken: set[int] = set()
+    chosen = []
+    for row, ends in zip(
+        rows.tolist(), zip(first[rows].tolist(), second[rows].tolist(), strict=True), strict=True
+    ):
+        if taken.isdisjoint(ends):
+            taken.update(ends)
+            chosen.append(row)
+    return np.sort(np.array(chosen, np.int64))
 
 
-def overlap_probability(
+def expect_overlap(
     track: CameraTrack,
     first: Ints,
     second: Ints,
     depth_m: Array,
     camera: CameraModel,
     min_overlap: float,
-) -> Array:
-    """Compute the probability (m,) that the second footprint covers min_overlap of the first.
+) -> tuple[Array, Array]:
+    """Predict the share of the first footprint that the second covers, by quantiles of their pose.
 
-    By quantiles of the relative pose. 0 where the depth is unknown.
+    Returns
+    -------
+    probability
+        That the share is min_overlap at least (m,). 0 where the depth is unknown.
+    expected
+        The mean share (m,) where it is. 0 where it cannot be.
     """
-    parts = [np.zeros(0)]
+    probability, expected = np.zeros(len(first)), np.zeros(len(first))
     for start in range(0, len(first), COVARIANCE_BLOCK):
         source, target = (nodes[start : start + COVARIANCE_BLOCK] for nodes in (first, second))
         depth = np.nan_to_num(depth_m[source], nan=1.0)
         relative, covariance = scene_in_target(track, source, target, depth)
         for k in range(0, len(source), BLOCK):
             rows = slice(k, k + BLOCK)
-            parts.append(
-                _share_of_quantiles(
-                    relative[rows], covariance[rows], depth[rows], camera, min_overlap
-                )
-            )
-    return np.where(np.isfinite(depth_m[first]), np.concatenate(parts), 0.0)
+            share = _shares_at_quantiles(relative[rows], covariance[rows], depth[rows], camera)
+            enough = share >= min_overlap
+            out = slice(start + k, start + k + len(share))
+            probability[out] = enough.mean(axis=1)
+            expected[out] = (share * enough).sum(axis=1) / np.maximum(enough.sum(axis=1), 1)
+    return np.where(np.isfinite(depth_m[first]), probability, 0.0), expected
 
 
 def scene_in_target(
@@ -227,10 +219,13 @@ def scene_in_target(
     return relative, by_motion @ covariance @ by_motion.swapaxes(1, 2)
 
 
-def _share_of_quantiles(
-    relative: Array, covariance: Array, depth: Array, camera: CameraModel, min_overlap: float
+def _shares_at_quantiles(
+    relative: Array, covariance: Array, depth: Array, camera: CameraModel
 ) -> Array:
-    """Compute the share (m,) of quantiles of the pose at which footprints share min_overlap."""
+    """Compute the shares (m, q) that footprints have in common at q quantiles of the pose.
+
+    All are that of the pose itself where no quantile is half a cell of the grid from it.
+    """
     values, vectors = np.linalg.eigh(covariance[:, :2, :2])
     root = vectors * np.sqrt(np.maximum(values, 0))[:, None]
     quantile = ndtri((np.arange(QUANTILES) + 0.5) / QUANTILES)
@@ -238,9 +233,15 @@ def _share_of_quantiles(
     shift = np.einsum("mij,qj->mqi", root, drawn) / depth[:, None, None]
     image = _ideal_in_target(relative, depth, camera, GRID)
     low, high = camera.undistort([[-0.5, -0.5], [camera.width - 0.5, camera.height - 0.5]])
-    moved = image[:, None] + shift[:, :, None]
-    share = ((moved >= low) & (moved <= high)).all(axis=3).mean(axis=2)
-    return np.asarray((share >= min_overlap).mean(axis=1))
+    out = np.repeat(_share_within(image, low, high)[:, None], len(drawn), axis=1)
+    open_to = np.flatnonzero((np.abs(shift) > 0.5 * (high - low) / GRID).any(axis=(1, 2)))
+    out[open_to] = _share_within(image[open_to, None] + shift[open_to, :, None], low, high)
+    return out
+
+
+def _share_within(image: Array, low: Array, high: Array) -> Array:
+    """Compute the share of points (..., n, 2) that lie in the image."""
+    return np.asarray(((image >= low) & (image <= high)).all(axis=-1).mean(axis=-1))
 
 
 def _ideal_in_target(relative: Array, depth: Array, camera: CameraModel, grid: int) -> Array:
@@ -285,8 +286,8 @@ def _share(
     relative = (poses[target].inverse() @ poses[source]).matrix()
     image = _ideal_in_target(relative, depth_m[source], camera, grid)
     low, high = camera.undistort([[-0.5, -0.5], [camera.width - 0.5, camera.height - 0.5]])
-    inside = ((image >= low) & (image <= high)).all(axis=2)
-    return np.asarray(np.where(np.isfinite(depth_m[source]), inside.mean(axis=1), np.nan))
+    share = _share_within(image, low, high)
+    return np.asarray(np.where(np.isfinite(depth_m[source]), share, np.nan))
 
 
 def _sequential(nodes: Ints, reach: int) -> tuple[Ints, Ints]:
@@ -379,12 +380,3 @@ def _lowest_between(
         if len(inside) == 0:
             break
     return lowest
-
-
-def _top(key: Ints, score: Array, most: int) -> Mask:
-    """Select the rows with the `most` highest scores of each key."""
-    order = np.lexsort((-np.nan_to_num(score), key))
-    start = np.searchsorted(key[order], key[order])
-    out = np.zeros(len(key), bool)
-    out[order[np.arange(len(key)) - start < most]] = True
-    return out

@@ -10,10 +10,10 @@ from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs import selection
 from hullrecon.vision.pairs.camera_track import CameraTrack, NavigationErrors
 from hullrecon.vision.pairs.selection import (
+    choose_independent,
+    expect_overlap,
     footprint_overlap,
-    overlap_probability,
     propose_neighbours,
-    propose_overlapping,
     propose_revisits,
     select_keyframes,
 )
@@ -75,19 +75,7 @@ def revisits(
         options or MatchOptions(),
         min_probability,
         compared,
-    )
-
-
-def overlapping(places, options=None, sigma_m=0.0, compared=()):
-    depths, compared = np.full(len(places), DEPTH), np.array(compared, np.int64)
-    return propose_overlapping(
-        track(places, sigma_m),
-        keyframes_of(places),
-        depths,
-        CAMERA,
-        options or MatchOptions(),
-        compared,
-    )
+    ).proposal
 
 
 def pairs(proposal):
@@ -110,33 +98,33 @@ def test_without_depth_no_overlap_is_claimed():
 
 
 def test_neighbours_along_dive_are_always_compared():
-    found = neighbours(lawnmower(), MatchOptions(sequential=2, across=0))
+    found = neighbours(lawnmower(), MatchOptions(sequential=2))
     assert pairs(found) == {(k, k + s) for s in (1, 2) for k in range(22 - s)}
     assert not found.across.any()
 
 
 def test_nodes_of_two_legs_that_saw_same_place_are_compared():
-    found = revisits(lawnmower(), MatchOptions(sequential=1, across=1))
+    found = revisits(lawnmower(), MatchOptions(sequential=1))
     # opposite each other; at the turn the footprint is never left
     assert {(k, 21 - k) for k in range(7)} <= pairs(found)
-    # the first node's best partner is the last node
-    assert {b for a, b in pairs(found) if a == 0} == {21}
+    # the first node sees the end of the other leg
+    assert {b for a, b in pairs(found) if a == 0} == {19, 20, 21}
     assert found.across.all()
 
 
 def test_neighbour_never_lost_from_sight_is_not_across():
     slow = np.column_stack([0.05 * np.arange(30), np.zeros(30)])
-    assert pairs(revisits(slow, MatchOptions(sequential=1, across=3))) == set()
+    assert pairs(revisits(slow, MatchOptions(sequential=1))) == set()
 
 
 def test_nodes_without_depth_do_not_make_neighbours_across():
     slow = lawnmower(step=0.05, leg=41)
     # a DVL that is slower than the camera
     depths = np.where(np.arange(len(slow)) % 5 < 3, np.nan, DEPTH)
-    options = MatchOptions(sequential=1, across=3)
+    options = MatchOptions(sequential=1)
     found = propose_revisits(
         track(slow), np.arange(len(slow)), depths, CAMERA, options, 0.2, np.zeros(0, np.int64)
-    )
+    ).proposal
     assert len(found) > 0
     assert all(a < 41 <= b for a, b in pairs(found))
 
@@ -150,57 +138,25 @@ def test_distant_legs_are_compared_only_where_path_is_unsure():
 
 
 def test_less_probable_overlap_may_be_more_is_compared():
-    far, options = lawnmower(apart=0.9), MatchOptions(sequential=1, across=20)
+    far, options = lawnmower(apart=0.9), MatchOptions(sequential=1)
     found = [
         pairs(revisits(far, options, sigma_m=0.6, min_probability=p)) for p in (0.5, 0.2, 0.05)
     ]
     assert found[0] < found[1] < found[2]
 
 
-def test_compared_pair_is_not_proposed_again_nor_replaced():
-    options = MatchOptions(sequential=1, across=1)
-    first = revisits(lawnmower(), options)
-    again = revisits(lawnmower(), options, compared=first.first * 22 + first.second)
+def test_compared_pair_is_not_proposed_again():
+    first = revisits(lawnmower())
+    half = revisits(lawnmower(), compared=(first.first * 22 + first.second)[::2])
     assert len(first) > 0
-    assert len(again) == 0
-    half = revisits(lawnmower(), options, compared=(first.first * 22 + first.second)[::2])
     assert pairs(half) == {pair for k, pair in enumerate(sorted(pairs(first))) if k % 2}
 
 
-def test_on_tied_path_all_overlapping_by_30_percent_are_compared():
-    """Two nodes of these legs share 0.62 of their images opposite each other, 0.39 two steps along,
-    0.23 three.
-    """
-    at = lawnmower(apart=0.3)
-    found = overlapping(at)
-    assert {(k, 21 - k + s) for k in range(2, 6) for s in range(-2, 3)} == {
-        pair for pair in pairs(found) if 2 <= pair[0] < 6
-    }
-    assert found.across.all()
-    assert pairs(found) - pairs(revisits(at, MatchOptions(across=1)))
-
-
-def test_legs_that_overlap_by_less_are_left_to_rounds_before():
-    at = lawnmower(apart=0.6)
-    assert len(revisits(at)) > 0
-    assert len(overlapping(at)) == 0
-
-
-def test_overlap_that_is_not_probable_is_not_proposed():
-    assert len(overlapping(lawnmower(), sigma_m=0.1)) > 0
-    assert not any(a == 0 for a, _ in pairs(overlapping(lawnmower(), sigma_m=3.0)))
-
-
-def test_no_node_is_compared_with_more_than_so_many_that_overlap():
-    at = lawnmower(apart=0.3)
-    few = overlapping(at, MatchOptions(revisits=1))
-    assert 0 < len(few) < len(overlapping(at))
-    assert len(overlapping(lawnmower(), MatchOptions(revisits=0))) == 0
-
-
-def test_overlap_that_was_compared_is_not_proposed_again():
-    found = overlapping(lawnmower())
-    assert len(overlapping(lawnmower(), compared=found.first * 22 + found.second)) == 0
+def test_pairs_of_most_worth_are_chosen_each_node_once():
+    first, second = np.array([0, 0, 1, 1, 2]), np.array([9, 8, 9, 7, 6])
+    worth = np.array([5.0, 4.0, 6.0, 3.0, 0.9])
+    # 1-9 is worth most, and takes both nodes from 0-9 and 1-7
+    assert choose_independent(first, second, worth, 1.0).tolist() == [1, 2]
 
 
 def test_without_depth_only_neighbours_are_compared():
@@ -226,7 +182,7 @@ def test_hovering_vehicle_leaves_few_keyframes():
 
 def test_only_keyframes_given_are_compared_across_legs():
     salient = np.setdiff1d(np.arange(22), [3])
-    found = revisits(lawnmower(), MatchOptions(sequential=1, across=2), keyframes=salient)
+    found = revisits(lawnmower(), MatchOptions(sequential=1), keyframes=salient)
     assert len(found) > 0
     assert not any(3 in pair for pair in pairs(found))
 
@@ -296,23 +252,24 @@ def test_probability_of_overlap_is_that_of_drawn_poses(apart, sigmas):
     poses = Poses(np.tile([0, 0, 0, 1.0], (2, 1)), np.array([[0.0, 0, 0], [*apart, 0]]))
     covariance = np.diag(np.repeat(np.square(sigmas), 3))
     known = CameraTrack(global_from_camera=poses, errors=KnownErrors(covariance))
-    found = overlap_probability(
+    (found,), _ = expect_overlap(
         known, np.array([0]), np.array([1]), np.full(2, DEPTH), CAMERA, 0.15
-    )[0]
+    )
     assert found == pytest.approx(drawn_probability(poses, covariance, 0.15), abs=0.13)
 
 
 def test_pose_without_error_overlaps_or_does_not():
     places = np.array([[0.0, 0.0], [0.5, 0.0], [0.95, 0.0], [0.0, 0.5]])
-    found = overlap_probability(
+    found, share = expect_overlap(
         track(places), np.zeros(4, int), np.arange(4), np.full(4, DEPTH), CAMERA, 0.3
     )
     np.testing.assert_array_equal(found, [1, 1, 0, 1])
+    np.testing.assert_array_equal(share, [1, 0.5, 0, 0.375])
 
 
 def test_where_no_depth_is_known_nothing_overlaps_probably():
     places = np.zeros((2, 2))
-    found = overlap_probability(
+    found, _ = expect_overlap(
         track(places), np.array([0]), np.array([1]), np.array([np.nan, 1.0]), CAMERA, 0.1
     )
     assert found[0] == 0.0
@@ -322,12 +279,12 @@ def test_many_pairs_give_what_each_gives_alone():
     places = np.random.default_rng(0).uniform(0, 2, (50, 2))
     first, second = (x.ravel() for x in np.meshgrid(np.arange(50), np.arange(50)))
     at = track(places, sigma_m=0.4)
-    together = overlap_probability(at, first, second, np.ones(50), CAMERA, 0.15)
+    together, _ = expect_overlap(at, first, second, np.ones(50), CAMERA, 0.15)
     for k in (0, 1000, 1001, 2499):
         rows = slice(k, k + 1)
         assert (
             together[k]
-            == overlap_probability(at, first[rows], second[rows], np.ones(50), CAMERA, 0.15)[0]
+            == expect_overlap(at, first[rows], second[rows], np.ones(50), CAMERA, 0.15)[0][0]
         )
 
 
