@@ -7,8 +7,8 @@ Simulates dives out and back along a hull into FOLDER (kept for next time; the d
 share their images), adjusts each with its CAD model and, with --free, without, and compares the
 path with the truth: dead reckoned, tied by links, adjusted. Prints a line a dive, and with --json
 all figures: rms of the vehicle after rigid alignment, errors in sigmas by axis of the hull, share
-of the pairs of images overlapping by 30 % across legs that were matched, and what was said of the
-CAD model.
+of the pairs of images overlapping by 30 % across legs that links tie, directly or by way of a third
+image, and what was said of the CAD model.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from typing import Any
 
 import numpy as np
 from mcap.reader import make_reader
+from scipy.sparse import csr_array
 
 from hullrecon.evaluation.deliverables import TimedPoses
 from hullrecon.evaluation.trajectory import hull_from_start
@@ -203,10 +204,13 @@ def cast(surface: Scene, origin: Array, direction: Array) -> Array:
     return surface.cast(origin, direction)
 
 
-def matched(run: Path, first: Ints, second: Ints, nodes: int) -> Mask:
-    """Mark the pairs that were compared, and those kept."""
+def tied(run: Path, first: Ints, second: Ints, nodes: int) -> Mask:
+    """Mark the pairs that a link joins, or two links by way of a third image."""
     pairs = LinksArtifact(run / "links").pairs
-    return np.isin(first * nodes + second, (pairs.first * nodes + pairs.second)[pairs.joined])
+    ends = pairs.first[pairs.joined], pairs.second[pairs.joined]
+    linked = csr_array((np.ones(len(ends[0])), ends), shape=(nodes, nodes))
+    linked = linked + linked.T
+    return np.asarray((linked + linked @ linked)[first, second] > 0)
 
 
 def figures(run: Path, package: Path) -> Figures:
@@ -243,9 +247,7 @@ def dive(package: Path, folder: Path, free: bool) -> Figures:
     row = figures(run, package)
     first, second, nodes = true_revisits(run, read_truth(package))
     row["revisits"] = len(first)
-    row["revisits_matched"] = (
-        float(matched(run, first, second, nodes).mean()) if len(first) else None
-    )
+    row["revisits_tied"] = float(tied(run, first, second, nodes).mean()) if len(first) else None
     if free:
         bare, bare_runs = without_cad_model(package, run)
         row["without_cad"] = (
@@ -267,13 +269,13 @@ def line(name: str, row: Figures) -> str:
         if isinstance(free, dict) and "adjust_mm" in free
         else ""
     )
-    share = 100 * (row["revisits_matched"] or 0)
+    share = 100 * (row["revisits_tied"] or 0)
     return (
         f"{name}: {row['nodes']} nodes, rigid rms mm: dead reckoning "
         f"{row['dead_reckoning_mm']:.0f}, links"
         f" {row['links_mm']:.2f}, adjusted {row['adjust_mm']:.2f}{beside}; errors in sigmas "
         f"{sigmas}; scale"
-        f" {1e6 * row['scale_error']:.0f} ppm; {row['revisits']} revisits, {share:.0f} % matched;"
+        f" {1e6 * row['scale_error']:.0f} ppm; {row['revisits']} revisits, {share:.0f} % tied;"
         f" parts {row['parts']}; CAD refused: {row['cad_model_refused']}"
     )
 

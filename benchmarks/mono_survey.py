@@ -7,7 +7,7 @@ Seven legs of 30 m half a metre apart, 1.5 m off, an image every 0.16 m; bare pa
 sternward third, no images over half of the second leg, a DVL 1 % too long and a heading that drifts
 [KimEustice2009 IV]. Simulates it into FOLDER (kept for next time), runs it to `adjust` and prints
 JSON with what is asked: the vehicle's error after rigid alignment, links between images that share
-nothing, true revisits that were linked, the sigma at the end over that of dead reckoning, and on
+nothing, true revisits that links tie, the sigma at the end over that of dead reckoning, and on
 bare paint over elsewhere; besides, where the CAD model was not refused, the NEES of the middle
 pose. Exit code 1 where one of them is not as asked.
 """
@@ -25,7 +25,7 @@ import numpy as np
 from benchmarks.disturbed import disturb
 from benchmarks.dives import nees
 from benchmarks.false_links import read_dive
-from benchmarks.legs import figures, hullrecon, matched, true_revisits
+from benchmarks.legs import figures, hullrecon, tied, true_revisits
 from benchmarks.links_in_graph import solved_graph
 from hullrecon.evaluation.truth import Truth, read_truth
 from hullrecon.geometry.cameras import CameraModel
@@ -140,14 +140,14 @@ def measure(package: Path, run: Path) -> dict[str, object]:
     bare = np.maximum(at[start], at[start + STEPS]) < edge
     textured = np.minimum(at[start], at[start + STEPS]) > edge
     once, again, nodes = true_revisits(run, truth)
-    recalled, on_texture = matched(run, once, again, nodes), np.minimum(at[once], at[again]) > edge
+    recalled, on_texture = tied(run, once, again, nodes), np.minimum(at[once], at[again]) > edge
     return row | {
         "linked": len(first),
         "linked_sharing_nothing": int((in_common == 0).sum()),
         "revisits": len(recalled),
-        "revisits_matched": float(recalled.mean()),
+        "revisits_tied": float(recalled.mean()),
         "revisits_on_texture": int(on_texture.sum()),
-        "revisits_on_texture_matched": float(recalled[on_texture].mean()),
+        "revisits_on_texture_tied": float(recalled[on_texture].mean()),
         "end_sigma_m": float(after.relative_sigma(*end)[0]),
         "end_sigma_over_dead_reckoning": float(
             after.relative_sigma(*end)[0] / before.relative_sigma(*end)[0]
@@ -164,8 +164,8 @@ def asked(row: dict[str, object]) -> dict[str, bool]:
     return {
         f"vehicle at most {MOST_MM:g} mm": float(str(row["adjust_mm"])) <= MOST_MM,
         "no link between images that share nothing": row["linked_sharing_nothing"] == 0,
-        f"at least {LEAST_RECALL:g} of the true revisits on textured steel linked": (
-            float(str(row["revisits_on_texture_matched"])) >= LEAST_RECALL
+        f"at least {LEAST_RECALL:g} of the true revisits on textured steel tied": (
+            float(str(row["revisits_on_texture_tied"])) >= LEAST_RECALL
         ),
         f"sigma at the end at most {MOST_SIGMA_RATIO:g} of dead reckoning's": (
             float(str(row["end_sigma_over_dead_reckoning"])) <= MOST_SIGMA_RATIO

@@ -35,9 +35,10 @@ from hullrecon.vision.pairs.match_worker import MatchNode, MatchWorker
 from hullrecon.vision.pairs.pair_match import FeatureSpool, Reason
 from hullrecon.vision.pairs.selection import (
     COVARIANCE_BLOCK,
+    MOST_GAIN,
     Proposal,
     Revisits,
-    choose_independent,
+    choose_informative,
     propose_neighbours,
     propose_revisits,
     select_keyframes,
@@ -218,9 +219,9 @@ class _Rounds(Generic[Solved]):
         max_rounds: int,
         least_gain: float = LEAST_GAIN,
     ) -> tuple[ComparedPairs, Solved]:
-        """Compare the pairs of most expected information, each round on the path of the previous.
+        """Compare the pairs that would tell most of the path, each round on that of the previous.
 
-        Of each node one a round, until no comparison promises `least_gain`.
+        Until no comparison is worth `least_gain`.
         """
         scene, level = self.scene, 0
         for _ in range(max_rounds):
@@ -234,9 +235,12 @@ class _Rounds(Generic[Solved]):
                 PROBABILITIES[level],
                 compared.keys(len(track)),
             )
-            worth = self._expected_gain(track, revisits, compared, solved)
-            ends = revisits.proposal.first, revisits.proposal.second
-            chosen = choose_independent(*ends, worth, least_gain)
+            chosen = choose_informative(
+                revisits.proposal.first,
+                revisits.proposal.second,
+                *self._foresee(track, revisits, compared, solved),
+                least_gain,
+            )
             if len(chosen):
                 proposal = revisits.proposal.take(chosen)
                 compared, solved = self._try_pairs(track, proposal, compared, solved)
@@ -246,28 +250,34 @@ class _Rounds(Generic[Solved]):
                 break
         return compared, solved
 
-    def _expected_gain(
+    def _foresee(
         self, track: CameraTrack, revisits: Revisits, compared: ComparedPairs, solved: Solved
-    ) -> Array:
-        """Compute the expected information (m,) of comparisons, nats [docs/methods.md (59b)].
+    ) -> tuple[Array, Array]:
+        """Foresee what comparisons would tell of the path [docs/methods.md 17].
 
-        Where no pair has matched yet, nothing says what a link tells: all are worth the most.
+        Where no pair has matched yet, nothing says what a link tells: then each tells MOST_GAIN.
+
+        Returns
+        -------
+        probability
+            That the pairs match (m,).
+        gain
+            What they would tell (m,), if they did, nats.
         """
+        probability, gain = revisits.probability.copy(), np.full(len(revisits.proposal), MOST_GAIN)
         if not len(compared.kept()):
-            return np.where(revisits.probability > 0, np.inf, 0.0)
+            return probability, gain
         bottom, options = self.scene.bottom, self.scene.worker.options
         expected = compared.expected_links(bottom, options.min_inliers)
-        gain = np.zeros(len(revisits.proposal))
         for start in range(0, len(gain), COVARIANCE_BLOCK):
             rows = slice(start, start + COVARIANCE_BLOCK)
             first, second = revisits.proposal.first[rows], revisits.proposal.second[rows]
             common = expected.common(first, second, revisits.expected_overlap[rows])
             at, back = track.global_from_camera[first], track.global_from_camera[second].inverse()
             information = expected.link_information(first, second, common, (back @ at).translation)
-            gain[rows] = expected.probability(common) * solved.information_gain(
-                bottom, first, second, information
-            )
-        return revisits.probability * gain
+            probability[rows] *= expected.probability(common)
+            gain[rows] = solved.information_gain(bottom, first, second, information)
+        return probability, gain
 
     def close_loops(
         self, compared: ComparedPairs, solved: Solved, max_rounds: int

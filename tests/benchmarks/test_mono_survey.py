@@ -17,7 +17,7 @@ from hullrecon.synthetic.options import options
 MET: dict[str, object] = {
     "adjust_mm": 50.0,
     "linked_sharing_nothing": 0,
-    "revisits_on_texture_matched": 0.9,
+    "revisits_on_texture_tied": 0.9,
     "end_sigma_over_dead_reckoning": 0.3,
     "sigma_on_bare_paint_over_elsewhere": 1.4,
 }
@@ -68,7 +68,7 @@ def test_what_is_asked_is_met_at_its_bounds() -> None:
     [
         ("adjust_mm", 50.1),
         ("linked_sharing_nothing", 1),
-        ("revisits_on_texture_matched", 0.89),
+        ("revisits_on_texture_tied", 0.89),
         ("end_sigma_over_dead_reckoning", 0.31),
         ("sigma_on_bare_paint_over_elsewhere", 1.0),
     ],

@@ -191,7 +191,7 @@ def test_a_dive_in_two_parts_is_said_to_be(dive, tmp_path):
     shift = np.zeros((10, 6))
     shift[5:, 0] = 0.5  # navigation jumps by half a metre between the legs
     astray = with_navigation(dive, tmp_path, exp(shift) @ dive.global_from_top)
-    found = run(astray, tmp_path, sequential=1, across=0)
+    found = run(astray, tmp_path, links=LinkOptions(max_rounds=0), sequential=1)
     assert found.path.part.tolist() == [0] * 5 + [1] * 5
     assert found.path.part_sigma[0] == 0.0 < found.path.part_sigma[1]
     warning = json.loads((found.folder / "manifest.json").read_text())["warnings"][0]

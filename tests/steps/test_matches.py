@@ -14,6 +14,7 @@ from hullrecon.records.serialisation import from_arrays
 from hullrecon.records.tracks import Tracks
 from hullrecon.steps.chain import stage
 from hullrecon.vision import match_images
+from hullrecon.vision.options import LinkOptions
 
 STAGE = stage("matches")
 
@@ -135,7 +136,7 @@ def test_why_a_pair_failed_is_kept_as_a_text(dive, tmp_path):
     shift = np.zeros((10, 6))
     shift[5:, 0] = 0.5  # navigation jumps by half a metre between the legs
     astray = with_navigation(dive, tmp_path, exp(shift) @ dive.global_from_top)
-    _, pairs, report = run(astray, tmp_path, sequential=1, across=0)
+    _, pairs, report = run(astray, tmp_path, links=LinkOptions(max_rounds=0), sequential=1)
     jump = (pairs["first"] == 4) & (pairs["second"] == 5)
     assert report["reasons"][str(int(pairs["reason"][jump][0]))] == "inconsistent with navigation"
     assert report["failed"] == {"inconsistent with navigation": 1}

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,7 @@ QUANTILES = 6  # of a relative position along each axis
 BLOCK = 1000  # pairs whose quantiles are in memory at a time
 COVARIANCE_BLOCK = 60_000  # pairs whose covariances are computed at a time, each by factoring anew
 GRID_POINTS = 1_000_000  # of footprints, in memory at a time
+MOST_GAIN = 1e3  # nats: beyond, a motion is as good as unknown
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,23 +152,45 @@ def propose_revisits(
     )
 
 
-def choose_independent(first: Ints, second: Ints, worth: Array, least: float) -> Ints:
-    """Choose the pairs (m,) of most worth of which no two share a node. Returns their rows.
+def choose_informative(
+    first: Ints, second: Ints, probability: Array, gain: Array, least: float
+) -> Ints:
+    """Choose the pairs (m,) whose comparison is worth `least` nats, the best first. Returns rows.
 
-    Pairs worth less than `least` are not chosen. Links without a common image err independently,
-    and what each adds says what the next of its nodes still can.
+    A pair whose nodes were chosen k - 1 times already counts as the k-th measurement of one motion
+    [docs/methods.md (59b)]: the path is solved anew only with what the pairs have given.
+
+    Parameters
+    ----------
+    first, second
+        Nodes (m,).
+    probability
+        That the pairs match (m,).
+    gain
+        What each would tell of the path (m,) if it did, nats.
+    least
+        Worth of the last pair chosen.
     """
+    worth = probability * gain
     rows = np.lexsort((second, first, -worth))
-    rows = rows[worth[rows] >= least]
-    taken: set[int] = set()
+    taken: dict[int, int] = {}
     chosen = []
-    for row, ends in zip(
-        rows.tolist(), zip(first[rows].tolist(), second[rows].tolist(), strict=True), strict=True
-    ):
-        if taken.isdisjoint(ends):
-            taken.update(ends)
+    for row in rows[worth[rows] >= least].tolist():
+        a, b = int(first[row]), int(second[row])
+        before = taken.get(a, 0) + taken.get(b, 0)
+        if probability[row] * _gain_of_next(float(gain[row]), before) >= least:
+            taken[a], taken[b] = taken.get(a, 0) + 1, taken.get(b, 0) + 1
             chosen.append(row)
     return np.sort(np.array(chosen, np.int64))
+
+
+def _gain_of_next(gain: float, before: int) -> float:
+    """Compute what one more measurement tells after `before` alike, of which the first told gain.
+
+    Six numbers, each measured equally well.
+    """
+    ratio = math.expm1(min(gain, MOST_GAIN) / 3)  # of the variance known to that measured
+    return 3 * math.log((1 + (before + 1) * ratio) / (1 + before * ratio))
 
 
 def expect_overlap(

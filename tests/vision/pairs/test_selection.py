@@ -10,7 +10,7 @@ from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs import selection
 from hullrecon.vision.pairs.camera_track import CameraTrack, NavigationErrors
 from hullrecon.vision.pairs.selection import (
-    choose_independent,
+    choose_informative,
     expect_overlap,
     footprint_overlap,
     propose_neighbours,
@@ -152,11 +152,21 @@ def test_compared_pair_is_not_proposed_again():
     assert pairs(half) == {pair for k, pair in enumerate(sorted(pairs(first))) if k % 2}
 
 
-def test_pairs_of_most_worth_are_chosen_each_node_once():
-    first, second = np.array([0, 0, 1, 1, 2]), np.array([9, 8, 9, 7, 6])
-    worth = np.array([5.0, 4.0, 6.0, 3.0, 0.9])
-    # 1-9 is worth most, and takes both nodes from 0-9 and 1-7
-    assert choose_independent(first, second, worth, 1.0).tolist() == [1, 2]
+def test_pairs_of_most_worth_are_chosen():
+    first, second = np.array([0, 1, 2, 3]), np.array([9, 8, 7, 6])
+    probability, gain = np.array([0.1, 1.0, 0.5, 1.0]), np.array([5.0, 4.0, 3.0, 0.9])
+    assert choose_informative(first, second, probability, gain, 1.0).tolist() == [1, 2]
+
+
+def test_a_node_is_chosen_again_as_long_as_that_tells_enough():
+    """Of a motion as good as unknown, the second measurement of six numbers tells 3 ln 2 = 2.1
+    nats, the third 1.2, the fourth 0.9.
+    """
+    first, second = np.zeros(5, int), np.arange(5, 10)
+    chosen = choose_informative(first, second, np.ones(5), np.arange(40.0, 35, -1), 1.0)
+    assert chosen.tolist() == [0, 1, 2]
+    # twice as good as known: 2.1 nats, and a second one 1.2
+    assert len(choose_informative(first, second, np.ones(5), np.full(5, 2.08), 1.0)) == 2
 
 
 def test_without_depth_only_neighbours_are_compared():
