@@ -46,8 +46,8 @@ from hullrecon.vision.pairs.selection import (
 from hullrecon.vision.stereo.matching import no_matches
 
 MIN_STEREO_POINTS = 8  # whose median is the depth of the scene
-# Least probability of overlap of the pairs that a round compares. The next step is taken when no
-# pair is worth comparing.
+# Least probability of overlap of the pairs that a round compares. The next step is taken when a
+# round finds nothing.
 PROBABILITIES = (0.5, 0.2, 0.05)
 # Least worth of a comparison across legs, nats. It leaves out three quarters of them where legs
 # overlap by half, and the adjusted path's sigmas are the same to 1 % (docs/methods.md 17).
@@ -241,11 +241,10 @@ class _Rounds(Generic[Solved]):
                 *self._foresee(track, revisits, compared, solved),
                 least_gain,
             )
-            if len(chosen):
-                proposal = revisits.proposal.take(chosen)
-                compared, solved = self._try_pairs(track, proposal, compared, solved)
-                continue
-            level += 1
+            compared, solved, new = self._try_pairs(
+                track, revisits.proposal.take(chosen), compared, solved
+            )
+            level += not new
             if level == len(PROBABILITIES):
                 break
         return compared, solved
@@ -311,17 +310,20 @@ class _Rounds(Generic[Solved]):
 
     def _try_pairs(
         self, track: CameraTrack, proposal: Proposal, compared: ComparedPairs, solved: Solved
-    ) -> tuple[ComparedPairs, Solved]:
-        """Match proposed pairs and solve the path with them."""
+    ) -> tuple[ComparedPairs, Solved, bool]:
+        """Match proposed pairs and solve the path with them.
+
+        Returns the pairs, the solution, and whether any pair matched.
+        """
         bottom = self.scene.bottom
         found = self.scene.match(track, proposal)
         compared = compared.joined_with(proposal, found, 1 + int(compared.round.max(initial=-1)))
         if not any(pair.reason is Reason.MATCHED for pair in found):
-            return compared, solved
+            return compared, solved, False
         contradicted = contradicted_links(compared.links(bottom), compared.across())
         compared = compared.rejecting(contradicted)
         solved = self.solve_path(compared.links(bottom), solved)
-        return compared.rejecting(solved.rejected), solved
+        return compared.rejecting(solved.rejected), solved, True
 
 
 def _match_cameras(
