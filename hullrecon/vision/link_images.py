@@ -49,8 +49,8 @@ MIN_STEREO_POINTS = 8  # whose median is the depth of the scene
 # Least probability of overlap of the pairs that a round compares. The next step is taken when a
 # round finds nothing.
 PROBABILITIES = (0.5, 0.2, 0.05)
-# Least worth of a comparison across legs, nats. It leaves out three quarters of them where legs
-# overlap by half, and the adjusted path's sigmas are the same to 1 % (docs/methods.md 17).
+# Least worth of a comparison across legs, nats. It leaves out a quarter to 70 % of those that
+# overlap, and the adjusted path's sigmas are the same to 1 % (docs/methods.md 17).
 LEAST_GAIN = 1.0
 
 

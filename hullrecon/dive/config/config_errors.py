@@ -28,6 +28,11 @@ TYPES = {  # of msgspec's messages, in words
     "bool": "true or false",
     "array": "a list",
 }
+# Keys that went without a successor, and what is done instead
+GONE = dict.fromkeys(
+    ("matches.across", "matches.revisits"),
+    "images are compared across legs for what each comparison would tell of the path",
+)
 DEEPEST = 30  # tables and lists within each other; the schema has five
 
 
@@ -150,6 +155,10 @@ def _unknown(
     key: str, section: str, kind: type, prefix: str, more: Sequence[str], file: str
 ) -> UsageError:
     dotted = _join([section, key])
+    if dotted in GONE:
+        return UsageError(
+            f"the key {dotted} is gone: {GONE[dotted]}", where=file, remedy="delete it"
+        )
     known = [*known_keys(kind, prefix), *more]
     section = re.sub(r"\[\d+\]", "", section)  # of a table in a list
     alike = _join([section, key])[:200]

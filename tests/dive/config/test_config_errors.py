@@ -6,6 +6,7 @@ import pytest
 from hullrecon.dive.config.config_errors import explain_error, known_keys, refuse_not_finite
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.errors import UsageError
+from hullrecon.vision.options import MatchOptions
 
 
 def told(raw: dict, kind: type = DiveConfig, prefix: str = "", more: tuple[str, ...] = ()) -> str:
@@ -52,6 +53,13 @@ def test_a_step_section_has_its_name_in_front():
         told({"clahe": "x"}, Step, "features")
         == "features.clahe = 'x': expected a number, got text (dive.toml)"
     )
+
+
+def test_a_key_that_is_gone_is_to_be_deleted():
+    for key in ("across", "revisits"):
+        line = told({key: 3}, MatchOptions, "matches")
+        assert line.startswith(f"the key matches.{key} is gone: images are compared")
+        assert line.endswith("delete it")
 
 
 def test_a_missing_key_has_its_section_in_front():

@@ -259,7 +259,8 @@ def test_links_are_undone_where_images_put_together_do_not_match(dive, monkeypat
     around it does not match.
     """
     monkeypatch.setattr("hullrecon.vision.appearance.hypotheses.CONTROLS", 0)
-    found, before = link(dive, looking=ShiftedMatcher), link(dive, appearance=False)
+    found = link(dive, looking=ShiftedMatcher)
+    before = link(dive, looking=ShiftedMatcher, appearance=False)
     (asked,) = found.found.appearance
     assert asked.counts["within_gate"] > 10
     assert asked.refusal == "the images that it puts beside each other do not match"
