@@ -53,14 +53,15 @@ def split_deviation(
     seen = (surface.support > 0) & np.isfinite(surface.deviation) & np.isfinite(surface.sigma)
     if (seen & bare).sum() < MIN_VERTICES:
         return None
-    near = Scene(cad_model).closest(surface.vertices[seen])
+    scene = Scene(cad_model)
+    normals = scene.smooth_normals(scene.closest(surface.vertices[seen]))
     by_pose, pose = (
-        pose_jacobian(surface.vertices[seen], near.normal, hull_pose),
+        pose_jacobian(surface.vertices[seen], normals, hull_pose),
         hull_pose.covariance,
     )
     weight = np.where(bare, vertex_areas(surface.mesh()), 0.0)[seen]
     deviation, total = surface.deviation[seen], surface.sigma[seen]
-    fit = _fit_patch(surface.vertices[seen], near.normal, deviation, weight, chart)
+    fit = _fit_patch(surface.vertices[seen], normals, deviation, weight, chart)
     coefficients, of_pose = fit.solver @ deviation, fit.solver @ by_pose
     by_hull_pose = _variance(by_pose, pose)
     own = (

@@ -10,8 +10,10 @@ import pytest
 from hullrecon.detection.deviation import split_deviation
 from hullrecon.estimation.landmark_variance import pose_jacobian
 from hullrecon.geometry.charts.plane_chart import PlaneChart
+from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
+from hullrecon.geometry.meshes.topology import find_edges
 from hullrecon.geometry.poses import exp, from_rpy
 from hullrecon.records.solution import HullPose
 from hullrecon.records.surface import DeviationSplit, Surface
@@ -108,3 +110,41 @@ def test_unseen_hull_has_no_form_and_little_has_no_split(wall: Mesh, fine: Mesh)
     assert split is not None
     np.testing.assert_array_equal(np.isfinite(split.form), surface.support > 0)
     assert split_deviation(surface, None, np.zeros(n, bool), wall, CHART, POSE) is None
+
+
+def test_sigma_of_form_does_not_jump_between_facets_of_a_curved_hull() -> None:
+    """The hull's position enters the form's sigma by how the hull is curved, without steps where
+    the CAD model has edges.
+    """
+    angle = np.linspace(-0.6, 0.6, 13)
+    facets = _cylinder_side(angle)
+    fine = refine(facets, 0.06)[0]
+    n = len(fine.vertices)
+    scene = Scene(facets)
+    by_pose = pose_jacobian(fine.vertices, scene.smooth_normals(scene.closest(fine.vertices)), POSE)
+    place = np.einsum("ni,ij,nj->n", by_pose, POSE.covariance, by_pose)
+    surface = Surface(
+        vertices=fine.vertices,
+        faces=fine.faces,
+        deviation=np.zeros(n),
+        sigma=np.sqrt(place + 0.002**2),
+        support=np.ones(n, np.int64),
+    )
+    split = split_deviation(surface, np.full(n, 0.002), np.ones(n, bool), facets, CHART, POSE)
+    assert split is not None
+    a, b = split.form_sigma[find_edges(fine.faces).vertices].T
+    assert split.form_sigma.max() > 0.004
+    assert np.abs(a - b).max() < 0.2 * split.form_sigma.max()
+
+
+def _cylinder_side(angle: Array, radius_m: float = 5.2) -> Mesh:
+    """Facets about the vertical line through (2, 2 - radius): the hull's outside looks along y."""
+    ends = [
+        np.stack(
+            [2 + radius_m * np.sin(angle), 2 - radius_m * (1 - np.cos(angle)), 0 * angle + z], 1
+        )
+        for z in (0.0, 2.0)
+    ]
+    k, n = np.arange(len(angle) - 1), len(angle)
+    faces = np.vstack([np.stack([k, n + k, n + k + 1], 1), np.stack([k, n + k + 1, k + 1], 1)])
+    return Mesh(np.vstack(ends), faces.astype(np.int32))

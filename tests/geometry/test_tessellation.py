@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.tessellation import facet_sagitta, facet_turn, tessellation_error
+from hullrecon.typing import Array
 
 RADIUS_M = 5.0
 
@@ -65,3 +67,24 @@ def test_a_flat_plate_has_no_error() -> None:
     )
     assert np.allclose(facet_sagitta(plate), 0)
     assert tessellation_error(plate, plate.vertices).sigma_m == 0
+
+
+def _on_cylinder(sides: int, count: int = 400) -> tuple[Array, Array]:
+    """Smooth normals at points along a line around a cylinder of facets, and the true ones."""
+    angle = 2 * np.pi * (np.arange(count) + 0.5) / count
+    outward = np.stack([np.zeros(count), np.cos(angle), np.sin(angle)], axis=1)
+    scene = Scene(cylinder(sides))
+    found = scene.smooth_normals(scene.closest(RADIUS_M * outward + np.array([0.7, 0, 0])))
+    return found, outward
+
+
+def test_smooth_normals_of_facets_are_those_of_the_cylinder() -> None:
+    found, true = _on_cylinder(24)  # facets turn by 15 degrees, and are up to 7.5 off
+    off = np.degrees(np.arccos(np.einsum("ni,ni->n", found, true).clip(-1, 1)))
+    assert off.max() < 0.2
+    np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1)
+
+
+def test_smooth_normals_stay_the_facets_beside_sharp_edges() -> None:
+    found, _ = _on_cylinder(6)  # turns of 60 degrees
+    assert len(np.unique(np.round(found, 9), axis=0)) == 6

@@ -10,11 +10,13 @@ from functools import cached_property
 import numpy as np
 
 from hullrecon.geometry.meshes.mesh import Mesh, face_normals
+from hullrecon.geometry.meshes.tessellation import smooth_normals
+from hullrecon.rows import Rows
 from hullrecon.typing import Array, Ints, Ints32, Mask
 
 
 @dataclass(frozen=True, kw_only=True)
-class ClosestPoints:
+class ClosestPoints(Rows):
     """Closest points of a mesh."""
 
     distance: Array  # (n,) m, signed, positive outside
@@ -51,6 +53,13 @@ class Scene:
             distance[known], foot[known], face[known] = near.distance, near.point, near.face
             normal[known] = self._normal[near.face]
         return ClosestPoints(distance=distance, foot=foot, normal=normal, face=face)
+
+    def smooth_normals(self, near: ClosestPoints) -> Array:
+        """Compute the normals (n, 3), at finite closest points, of the hull that facets stand for.
+
+        They pass from facet to facet without a jump, but for sharp edges.
+        """
+        return smooth_normals(self._mesh, near.foot, near.face)
 
     def hit(self, origins: Array, directions: Array) -> tuple[Array, Ints32]:
         """Cast rays as `cast` does, and tell the faces (n,) that they meet, -1 on a miss."""

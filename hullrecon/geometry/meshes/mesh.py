@@ -57,19 +57,27 @@ def vertex_normals(mesh: Mesh) -> Array:
 
     Zero at vertices without a face.
     """
-    corner, normal = mesh.vertices[mesh.faces], face_normals(mesh)
+    angle, normal = corner_angles(mesh), face_normals(mesh)
     out = np.zeros_like(mesh.vertices)
+    for k in range(3):
+        for axis in range(3):
+            out[:, axis] += np.bincount(
+                mesh.faces[:, k], angle[:, k] * normal[:, axis], minlength=len(out)
+            )
+    return np.asarray(out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-15))
+
+
+def corner_angles(mesh: Mesh) -> Array:
+    """Compute the angle of each face at each of its corners (m, 3), rad."""
+    corner = mesh.vertices[mesh.faces]
+    out = np.zeros(mesh.faces.shape)
     for k in range(3):
         a, b = corner[:, (k + 1) % 3] - corner[:, k], corner[:, (k + 2) % 3] - corner[:, k]
         cosine = np.einsum("ni,ni->n", a, b) / np.maximum(
             np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-15
         )
-        angle = np.arccos(np.clip(cosine, -1, 1))
-        for axis in range(3):
-            out[:, axis] += np.bincount(
-                mesh.faces[:, k], angle * normal[:, axis], minlength=len(out)
-            )
-    return np.asarray(out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-15))
+        out[:, k] = np.arccos(np.clip(cosine, -1, 1))
+    return out
 
 
 def face_cross_products(mesh: Mesh) -> Array:
