@@ -318,7 +318,8 @@ def residual_growth(problem: native.Problem, settings: native.Options) -> dict[s
         return growth
     try:
         freed = _freed_squares(
-            native.covariance(without_cad, naive), native.covariance(problem, settings)
+            native.covariance(without_cad, naive, of_landmarks=False),
+            native.covariance(problem, settings, of_landmarks=False),
         )
     except StageError:
         return growth  # something is not determined at all: nothing to count

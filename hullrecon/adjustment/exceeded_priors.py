@@ -81,7 +81,9 @@ def widen_exceeded_priors(path: Phase, solver: RoundSolver) -> Phase | None:
     if path.last is None:
         return None
     try:
-        covariance = native.covariance(path.last.problem, replace(solver.settings, method="naive"))
+        covariance = native.covariance(
+            path.last.problem, replace(solver.settings, method="naive"), of_landmarks=False
+        )
     except StageError:
         return None  # something is not determined at all; the last round says what
     widening = {

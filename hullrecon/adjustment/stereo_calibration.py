@@ -68,7 +68,9 @@ def free_contradicted_rig(path: Phase, solver: RoundSolver) -> Phase | None:
     if found is None or not len(trial.problem.stereo.node):
         return None
     try:
-        marginals = native.covariance(trial.problem, replace(solver.settings, method="naive"))
+        marginals = native.covariance(
+            trial.problem, replace(solver.settings, method="naive"), of_landmarks=False
+        )
     except StageError:
         return None  # something is not determined at all; the last round says what
     contradiction = compare_rigs(calibrated, found, marginals.T_ct_cb + _prior_covariance(rig))

@@ -10,7 +10,13 @@ from pathlib import Path
 
 from hullrecon.native.columns import integers
 from hullrecon.native.problem import Problem, Unknowns
-from hullrecon.native.solver import DEFAULTS, Covariance, IterationRecord, Options
+from hullrecon.native.solver import (
+    DEFAULTS,
+    Covariance,
+    IterationRecord,
+    Options,
+    covariance_from,
+)
 from hullrecon.typing import Array, Ints32, Mask
 
 
@@ -89,14 +95,20 @@ def solve_parts(
 
 
 def covariance_parts(
-    parts: Iterable[Part], options: Options = DEFAULTS, folder: Path | None = None
+    parts: Iterable[Part],
+    options: Options = DEFAULTS,
+    folder: Path | None = None,
+    *,
+    of_landmarks: bool = True,
 ) -> tuple[Covariance, ...]:
     """Compute what `covariance` does of a problem in parts, at their start values.
 
     Marginals are those of the whole problem; each part has those of its own rows. Leverages are of
-    its own factors. Parts and folder are as in `solve_parts`. Raises as `covariance`, and OSError.
+    its own factors. Parts and folder are as in `solve_parts`, of_landmarks as in `covariance`.
+    Raises as `covariance`, and OSError.
     """
     import hullrecon._native as _native
 
-    found = _native.covariance_parts(parts, options, None if folder is None else str(folder))
-    return tuple(Covariance(**of_part) for of_part in found)
+    place = None if folder is None else str(folder)
+    found = _native.covariance_parts(parts, options, place, of_landmarks)
+    return tuple(covariance_from(of_part) for of_part in found)

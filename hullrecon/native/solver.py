@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -128,7 +129,7 @@ class Covariance:
 
     pose: Array  # (n, 7, 7)
     pose_T_g_M: Array  # (n, 7, 6) with T_g_M
-    landmark: Array  # (L, 3, 3)
+    landmark: Array  # (L, 3, 3), none unless asked for, as are the next
     landmark_T_g_M: Array  # (L, 3, 6)
     T_g_M: Array  # (6, 6) as are the next four
     T_s_ct: Array
@@ -187,16 +188,27 @@ def evaluate(problem: Problem, options: Options = DEFAULTS, *, jacobian: bool = 
     return Evaluation(**_native.evaluate(problem, options, jacobian))
 
 
-def covariance(problem: Problem, options: Options = DEFAULTS) -> Covariance:
+def covariance(
+    problem: Problem, options: Options = DEFAULTS, *, of_landmarks: bool = True
+) -> Covariance:
     """Compute marginals of the inverse of the information at the start values.
 
     Huber rows are weighted by rho', surface rows by their label. Landmarks are eliminated, the rest
     factored sparse, and only the entries on the factor's pattern are inverted. Raises StageError
     naming the unknowns that nothing determines; else as `solve`.
+
+    of_landmarks: False leaves those of landmarks out, a third of the time.
     """
     import hullrecon._native as _native
 
-    return Covariance(**_native.covariance(problem, options))
+    return covariance_from(_native.covariance(problem, options, of_landmarks))
+
+
+def covariance_from(marginals: dict[str, Any]) -> Covariance:
+    """Build the covariance, zero of landmarks with a hull that is held."""
+    if not len(marginals["landmark_T_g_M"]):
+        marginals["landmark_T_g_M"] = np.zeros((len(marginals["landmark"]), 3, 6))
+    return Covariance(**marginals)
 
 
 def pair_covariance(problem: Problem, pairs: Ints32, options: Options = DEFAULTS) -> PairCovariance:

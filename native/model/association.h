@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/shelf.h"
 #include "factors/residual.h"
 #include "mesh/mesh_index.h"
 
@@ -42,6 +43,8 @@ class Association {
   };
   Beams beams() const { return {missed_, accepted_misses_, static_cast<int64_t>(range_.size())}; }
   void refuse(bool refused) { refused_ = refused; }  // the point, for the beams of all parts of a problem
+
+  void shelve(Shelf& shelf) { shelf.add(surface_, range_, distance_, last_face_, hit_, was_hit_, flickers_); }
 
   int64_t missed() const { return missed_; }
   const std::vector<double>& distance() const { return distance_; }  // m, signed, of each surface row, without the field

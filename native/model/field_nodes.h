@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/shelf.h"
 #include "factors/residual.h"
 
 namespace hullrecon {
@@ -33,6 +34,7 @@ class NodeTable {
     if (row + 1 >= static_cast<int64_t>(start_.size())) return {};
     return {node_.data() + start_[row], static_cast<size_t>(start_[row + 1] - start_[row])};
   }
+  void shelve(Shelf& shelf) { shelf.add(start_, node_, weight_); }
   FieldAt at(int64_t row) const { return {{weight_.data() + (nodes(row).empty() ? 0 : start_[row]), nodes(row).size()}}; }
 
  private:

@@ -38,20 +38,35 @@ double squared_norm(const double* r, int rows) {
 
 }  // namespace
 
-Model::Model(const Tables& tables, const Options& options, std::shared_ptr<const MeshIndex> mesh)
+Model::Model(const Tables& tables, const Options& options, std::shared_ptr<const MeshIndex> mesh,
+             std::pmr::memory_resource* pages)
     : tables_(tables),
       options_(options),
       mixture_(options.sigma_on, options.sigma_off),
       association_(mesh ? std::move(mesh) : index_mesh(tables), tables.surface_landmark.rows(), tables.range_node.rows(),
-                   options.threads) {
+                   options.threads),
+      shelf_(pages) {
   add_blocks();
   std::copy_n(intrinsics_, 18, intrinsics_start_.begin());
   number_factors();
+  shelf_.add(blocks_, surface_rows_, field_rows_, held_labels_);
+  association_.shelve(shelf_);
+  for (NodeTable* nodes : {&range_nodes_, &surface_nodes_, &prior_nodes_}) nodes->shelve(shelf_);
 }
 
-void Model::add_block(double* data, int size, int tangent, std::string name) {
-  blocks_.push_back({data, size, tangent, tangent > 0 ? columns_ : -1, std::move(name)});
+void Model::add_block(double* data, int size, int tangent) {
+  blocks_.push_back({data, size, tangent, tangent > 0 ? columns_ : -1});
   columns_ += tangent;
+}
+
+std::string Model::name_of(int block) const {
+  const int landmark = static_cast<int>(poses()), global = landmark + static_cast<int>(landmarks());
+  if (block < landmark) return "pose " + std::to_string(block);
+  if (block < global) return "landmark " + std::to_string(block - landmark);
+  if (block < first_node()) return kGlobalNames[block - global];
+  if (block < first_plane()) return "deviation " + std::to_string(block - first_node());
+  if (block < first_switch()) return "plane " + std::to_string(block - first_plane());
+  return "link_switch " + std::to_string(block - first_switch());
 }
 
 void Model::add_blocks() {
@@ -70,26 +85,26 @@ void Model::add_blocks() {
   double *const pose = all, *const motion = all + start[2], *const deviation = all + start[9], *const plane = all + start[10],
                 *const switches = all + start[11];
   landmark_ = all + start[1], intrinsics_ = all + start[7];
-  for (int64_t i = 0; i < poses(); ++i) add_block(&pose[8 * i], 8, t.held("tray") ? 6 : 7, "pose " + std::to_string(i));
-  for (int64_t i = 0; i < landmarks(); ++i) add_block(&landmark_[3 * i], 3, 3, "landmark " + std::to_string(i));
+  blocks_.reserve(first_switch() + t.link_switch.rows());
+  for (int64_t i = 0; i < poses(); ++i) add_block(&pose[8 * i], 8, t.held("tray") ? 6 : 7);
+  for (int64_t i = 0; i < landmarks(); ++i) add_block(&landmark_[3 * i], 3, 3);
   const auto tangent = [&](const char* name, int width) { return t.held(name) ? 0 : width; };
-  for (int k = 0; k < 4; ++k) add_block(&motion[7 * k], 7, tangent(kGlobalNames[k], 6), kGlobalNames[k]);
-  add_block(all + start[6], 6, tangent("navigation", 6), "navigation");
-  for (int k = 0; k < 2; ++k)
-    add_block(&intrinsics_[9 * k], 9, tangent(kGlobalNames[kTopIntrinsics + k], 9), kGlobalNames[kTopIntrinsics + k]);
+  for (int k = 0; k < 4; ++k) add_block(&motion[7 * k], 7, tangent(kGlobalNames[k], 6));
+  add_block(all + start[6], 6, tangent("navigation", 6));
+  for (int k = 0; k < 2; ++k) add_block(&intrinsics_[9 * k], 9, tangent(kGlobalNames[kTopIntrinsics + k], 9));
   // A world that is held, and lenses without displacement, stay where they were given and are never written: norms of all
   // unknowns are sums over the array, and more numbers would change their last digits in problems that have none.
   double* const world = t.places_world() ? all + start[12] : const_cast<double*>(t.world.data);
-  add_block(world, 3, t.places_world() ? 3 : 0, "world");
+  add_block(world, 3, t.places_world() ? 3 : 0);
   for (int k = 0; k < 2; ++k) {
     const char* const name = kGlobalNames[kTopLens + k];
     double* const given = const_cast<double*>((k == 0 ? t.lens_top : t.lens_bottom).data);
     double* const lens = t.has_lens() ? all + unknowns_.size() - (2 - k) * kLensNumbers : given;
-    add_block(lens, kLensNumbers, t.has_lens() ? tangent(name, kLensNumbers) : 0, name);
+    add_block(lens, kLensNumbers, t.has_lens() ? tangent(name, kLensNumbers) : 0);
   }
-  for (int k = 0; k < nodes(); ++k) add_block(&deviation[k], 1, tangent("deviation", 1), "deviation " + std::to_string(k));
-  for (int k = 0; k < planes(); ++k) add_block(&plane[3 * k], 3, 3, "plane " + std::to_string(k));
-  for (int64_t k = 0; k < t.link_switch.rows(); ++k) add_block(&switches[k], 1, 1, "link_switch " + std::to_string(k));
+  for (int k = 0; k < nodes(); ++k) add_block(&deviation[k], 1, tangent("deviation", 1));
+  for (int k = 0; k < planes(); ++k) add_block(&plane[3 * k], 3, 3);
+  for (int64_t k = 0; k < t.link_switch.rows(); ++k) add_block(&switches[k], 1, 1);
 }
 
 int Model::block(const char* name) const {

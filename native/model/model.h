@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/shelf.h"
 #include "factors/lens.h"
 #include "factors/mixture.h"
 #include "model/association.h"
@@ -59,7 +60,6 @@ struct Block {
   double* data;
   int size, tangent;
   int64_t column;  // of its first tangent coordinate; -1 when held
-  std::string name;
 };
 
 struct Range;  // factors/hull_residuals.h
@@ -70,11 +70,18 @@ std::shared_ptr<const MeshIndex> index_mesh(const Tables& tables);
 class Model {
  public:
   // mesh: of the CAD model, as index_mesh makes it; null: made here.
-  Model(const Tables& tables, const Options& options, std::shared_ptr<const MeshIndex> mesh = nullptr);
+  // pages: where what grows with the tables stands at rest; null: in memory.
+  Model(const Tables& tables, const Options& options, std::shared_ptr<const MeshIndex> mesh = nullptr,
+        std::pmr::memory_resource* pages = nullptr);
+
+  // A model at rest knows its tables and unknowns alone.
+  void rest() { shelf_.put(); }
+  void wake() { shelf_.take(); }
 
   // Blocks in the order of columns: poses, landmarks, T_g_M, T_s_ct, T_ct_cb, T_s_d, navigation, intrinsics_top,
   // intrinsics_bottom, world, lens_top, lens_bottom, nodes of the deviation field, planes, switches of links.
   const std::vector<Block>& blocks() const { return blocks_; }
+  std::string name_of(int block) const;  // "pose 0", "T_g_M"
 
   // Factors are numbered by kind, then by row. Their residuals are made when they are evaluated: half a million kept would cost
   // 300 MB.
@@ -121,7 +128,7 @@ class Model {
 
  private:
   void add_blocks();
-  void add_block(double* data, int size, int tangent, std::string name);
+  void add_block(double* data, int size, int tangent);
   void number_factors();
   void hold_labels();
   int64_t number_of(int64_t factor) const { return factor - first_[static_cast<size_t>(kind_of(factor))]; }  // in its kind
@@ -152,6 +159,7 @@ class Model {
   std::array<double, 18> intrinsics_start_;
   std::array<int64_t, kKindNames.size() + 1> first_{};  // factor of each kind
   std::vector<int32_t> held_labels_;                    // empty: labels are free
+  Shelf shelf_;
 };
 
 }  // namespace hullrecon

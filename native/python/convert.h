@@ -224,12 +224,15 @@ class BoundParts {
     std::shared_ptr<const MeshIndex> mesh;  // the CAD model is one for all
     for (size_t k = 0; k < problems_.size(); ++k) {
       if (!mesh) mesh = index_mesh(problems_[k].tables);
-      Model& model = models.emplace_back(problems_[k].tables, problems_[k].options, mesh);
+      PageFile* const pages = pages_.empty() ? nullptr : pages_[k].get();
+      Model& model = models.emplace_back(problems_[k].tables, problems_[k].options, mesh, pages);
       const std::array<std::pair<int, int64_t>, 4> kinds{{{0, model.poses()},
                                                           {model.first_node(), model.nodes()},
                                                           {model.first_plane(), model.planes()},
                                                           {model.first_switch(), model.tables().link_switch.rows()}}};
-      out.push_back({&model, {}, pages_.empty() ? nullptr : pages_[k].get()});
+      model.rest();
+      if (pages) pages->rest();
+      out.push_back({&model, {}, pages});
       for (size_t kind = 0; kind < kinds.size(); ++kind) {
         for (const auto& [row, number] : shared_[k][kind]) {
           if (row < 0 || row >= kinds[kind].second)

@@ -162,7 +162,7 @@ py::dict unknowns(const Model& model) {
   const auto globals = static_cast<int>(model.poses() + model.landmarks());
   for (int b = globals; b < model.first_node(); ++b) {
     const Block& block = model.blocks()[b];
-    out[block.name.c_str()] = py::array_t<double>(block.size, block.data);
+    out[model.name_of(b).c_str()] = py::array_t<double>(block.size, block.data);
   }
   const auto numbers = [&](int first, py::ssize_t count) { return gather(first, count, 1).reshape({count}); };
   out["deviation"] = numbers(model.first_node(), model.nodes());
@@ -250,7 +250,11 @@ py::dict run_solve_parts(const py::iterable& parts, const py::object& settings, 
     throw py::error_already_set();
   }
   py::list found;
-  for (const Model& model : models) found.append(rows_of(model));
+  for (Model& model : models) {
+    model.wake();
+    found.append(rows_of(model));
+    model.rest();
+  }
   py::dict out;
   out["parts"] = found;
   add_record(out, solution);
@@ -267,8 +271,9 @@ py::dict run_evaluate(const py::object& problem, const py::object& settings, boo
     e = evaluate(*model, jacobian);
   }
   py::dict out, columns, cost;
-  for (const Block& block : model->blocks()) {
-    if (jacobian && block.tangent > 0) columns[block.name.c_str()] = py::make_tuple(block.column, block.tangent);
+  for (int b = 0; jacobian && b < static_cast<int>(model->blocks().size()); ++b) {
+    const Block& block = model->blocks()[b];
+    if (block.tangent > 0) columns[model->name_of(b).c_str()] = py::make_tuple(block.column, block.tangent);
   }
   for (size_t k = 0; k < kKindNames.size(); ++k) cost[kKindNames[k]] = e.cost[k];
   out["residual"] = column<double>(e.residual), out["weight"] = column<double>(e.weight);
@@ -281,12 +286,13 @@ py::dict run_evaluate(const py::object& problem, const py::object& settings, boo
 }
 
 py::dict marginals_of(const Model& model, const Covariance& c) {
-  const auto n = model.poses(), l = model.landmarks();
+  const auto n = model.poses(), l = static_cast<int64_t>(c.landmark.size()) / 9;
+  const auto with_hull = static_cast<int64_t>(c.landmark_hull.size()) / 18;
   py::dict out;
   out["pose"] = column<double>(c.pose).reshape({n, int64_t{7}, int64_t{7}});
   out["pose_T_g_M"] = column<double>(c.pose_hull).reshape({n, int64_t{7}, int64_t{6}});
   out["landmark"] = column<double>(c.landmark).reshape({l, int64_t{3}, int64_t{3}});
-  out["landmark_T_g_M"] = column<double>(c.landmark_hull).reshape({l, int64_t{3}, int64_t{6}});
+  out["landmark_T_g_M"] = column<double>(c.landmark_hull).reshape({with_hull, int64_t{3}, int64_t{6}});
   out["deviation"] = column<double>(c.deviation);
   out["deviation_T_g_M"] = column<double>(c.deviation_hull).reshape({int64_t{model.nodes()}, int64_t{6}});
   for (const auto& [name, block] : c.global) out[name.c_str()] = block;
@@ -296,25 +302,26 @@ py::dict marginals_of(const Model& model, const Covariance& c) {
   return out;
 }
 
-py::dict run_covariance(const py::object& problem, const py::object& settings) {
+py::dict run_covariance(const py::object& problem, const py::object& settings, bool of_landmarks) {
   const BoundProblem bound(problem, settings);
   std::unique_ptr<Model> model;
   Covariance c;
   {
     py::gil_scoped_release free;
     model = std::make_unique<Model>(bound.tables, bound.options);
-    c = covariance(*model);
+    c = covariance(*model, of_landmarks);
   }
   return marginals_of(*model, c);
 }
 
-py::list run_covariance_parts(const py::iterable& parts, const py::object& settings, const std::optional<std::string>& folder) {
+py::list run_covariance_parts(const py::iterable& parts, const py::object& settings, const std::optional<std::string>& folder,
+                              bool of_landmarks) {
   const BoundParts bound(parts, settings, folder);
   std::deque<Model> models;
   std::vector<Covariance> all;
   {
     py::gil_scoped_release free;
-    all = covariance(bound.models(models));
+    all = covariance(bound.models(models), of_landmarks);
   }
   py::list out;
   for (size_t k = 0; k < all.size(); ++k) {

@@ -52,8 +52,9 @@ void Schur::eliminate_row(int i, std::vector<int64_t>& place) {
   const Vec3 origin = images_.chains()[i].origin;
   Twist eliminated = Twist::Zero();
   Mat6 with_hull = Mat6::Zero();
-  Mat6X with_intrinsics = Mat6X::Zero(6, intrinsics_);
-  Eigen::Matrix3Xd cross(3, intrinsics_);
+  Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor> with_intrinsics(6, intrinsics_);
+  with_intrinsics.setZero();
+  WithIntrinsics cross(3, intrinsics_);
   for (int32_t v : images_.views_of_pose(i)) {
     const View& view = images_.view(v);
     const int32_t rank = view.landmark;
@@ -78,13 +79,14 @@ void Schur::eliminate_row(int i, std::vector<int64_t>& place) {
     }
     if (intrinsics_ == 0) continue;
     cross.setZero();
-    images_.add_intrinsics(v, cross, nullptr, nullptr);
+    images_.add_intrinsics(v, cross, nullptr);
     cross.noalias() -= (h * inverse(rank)) * intrinsics_of(rank);  // of the displacement; E' takes it to the twist
     with_intrinsics.topRows<3>() += cross;
     with_intrinsics.bottomRows<3>().noalias() += hat(q) * cross;
   }
   Eigen::Map<Mat6>(&x_[place[i]]) += own_[i];
-  eliminated_.col(i) = eliminated, with_hull_[i] = with_hull, with_intrinsics_[i] = with_intrinsics;
+  eliminated_.col(i) = eliminated, with_hull_[i] = with_hull;
+  this->with_intrinsics(i) = with_intrinsics;
   for (const auto& entry : row) place[entry.block] = -1;
 }
 
@@ -111,7 +113,7 @@ void Schur::reduce_row(int i, Border& sum) {
   }
   rhs_.segment(offset(i), width) -= (p * eliminated_.col(i)).head(width);
   if (hull_ >= 0) border.middleRows<6>(hull_) += (p * with_hull_[i]).topRows(width).transpose();
-  const Eigen::MatrixXd intrinsics = (p * with_intrinsics_[i]).topRows(width);
+  const Eigen::MatrixXd intrinsics = (p * with_intrinsics(i)).topRows(width);
   for (int c = 0; c < intrinsics_; ++c) border.row(intrinsics_in_border(c)) += intrinsics.col(c).transpose();
   if (mount_ >= 0) {
     border.middleRows<6>(mount_) += (p * by_mount).topRows(width).transpose();
@@ -119,7 +121,7 @@ void Schur::reduce_row(int i, Border& sum) {
     sum.own.block<6, 6>(mount_, mount_) += q * by_mount;
     sum.rhs.segment<6>(mount_) -= q * eliminated_.col(i);
     if (hull_ >= 0) sum.own.block<6, 6>(mount_, hull_) += q * with_hull_[i];
-    const Eigen::MatrixXd of_mount = q * with_intrinsics_[i];
+    const Eigen::MatrixXd of_mount = q * with_intrinsics(i);
     for (int c = 0; c < intrinsics_; ++c)
       sum.own.row(intrinsics_in_border(c)).segment<6>(mount_) += of_mount.col(c).transpose();
   }

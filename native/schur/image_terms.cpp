@@ -193,6 +193,7 @@ void ImageTerms::place_cameras() {
   for_slabs(static_cast<int64_t>(chain_.size()), model_.options().threads, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) chain_[i] = CameraChain(model_.blocks()[i].data, mount, tray);
   });
+  cameras_ = std::make_shared<const Cameras>(model_);
 }
 
 // Chunks of landmarks in turn: work(first rank, last rank, sums of the chunk).
@@ -211,7 +212,7 @@ static std::array<double, 2> summed(int64_t landmarks, int threads, const Work& 
 
 std::array<double, 2> ImageTerms::cost() {
   place_cameras();
-  const Cameras cameras(model_);
+  const Cameras& cameras = *cameras_;
   return summed(model_.landmarks(), model_.options().threads, [&](int64_t first, int64_t last, std::array<double, 2>& sum) {
     Observation s;
     double rho, slope;
@@ -230,7 +231,7 @@ std::array<double, 2> ImageTerms::cost() {
 
 void ImageTerms::linearise() {
   place_cameras();
-  const Cameras cameras(model_);
+  const Cameras& cameras = *cameras_;
   const auto work = [&](int64_t begin, int64_t end) {
     Observation s;
     double rho, slope;
@@ -253,8 +254,8 @@ void ImageTerms::linearise() {
   for_slabs(views(), model_.options().threads, work);
 }
 
-void ImageTerms::add_intrinsics(int64_t v, Eigen::Matrix3Xd& cross, Eigen::MatrixXd* own, Eigen::VectorXd* gradient) const {
-  const Cameras cameras(model_);
+void ImageTerms::add_intrinsics(int64_t v, WithIntrinsics& cross, OfIntrinsics* alone) const {
+  const Cameras& cameras = *cameras_;
   const View& view = view_[v];
   const Vec3 landmark = model_.landmark(order_[view.landmark]);
   Observation s;
@@ -273,22 +274,30 @@ void ImageTerms::add_intrinsics(int64_t v, Eigen::Matrix3Xd& cross, Eigen::Matri
     J *= inverse_sigma;
     const auto rows = J.topRows(s.rows);
     cross.leftCols(width).noalias() += slope * s.by.topRows(s.rows).transpose() * rows;
-    if (own) own->topLeftCorner(width, width).noalias() += slope * rows.transpose() * rows;
-    if (gradient) gradient->head(width).noalias() += slope * rows.transpose() * s.r.head(s.rows);
+    if (alone) alone->own.topLeftCorner(width, width).noalias() += slope * rows.transpose() * rows;
+    if (alone) alone->gradient.head(width).noalias() += slope * rows.transpose() * s.r.head(s.rows);
     for (int camera = 0; camera < 2; ++camera) {
       const int first = intrinsics_.lens(camera), row = camera == 0 ? 0 : s.rows - 2;
       if (first < 0 || !(camera == 0 ? above : below)) continue;
       // Either row of an image meets the modes of its own axis alone, and both by the same numbers.
       const LensModes by = -inverse_sigma * s.modes[camera], weighted = slope * by;
-      const Eigen::Matrix<double, kLensModes, kLensModes> square =
-          own ? (weighted * by.transpose()).eval() : Eigen::Matrix<double, kLensModes, kLensModes>();
+      if (alone) alone->modes[camera].noalias() += weighted * by.transpose();
       for (int axis = 0; axis < 2; ++axis) {
         const int at = first + axis * kLensModes;
         cross.middleCols<kLensModes>(at).noalias() += s.by.row(row + axis).transpose() * weighted.transpose();
-        if (own) own->block<kLensModes, kLensModes>(at, at) += square;
-        if (own) own->block(at, 0, kLensModes, width).noalias() += weighted * J.row(row + axis);
-        if (gradient) gradient->segment<kLensModes>(at) += s.r[row + axis] * weighted;
+        if (!alone) continue;
+        alone->own.block(at, 0, kLensModes, width).noalias() += weighted * J.row(row + axis);
+        alone->gradient.segment<kLensModes>(at) += s.r[row + axis] * weighted;
       }
+    }
+  }
+}
+
+void ImageTerms::put_lenses(OfIntrinsics& alone) const {
+  for (int camera = 0; camera < 2; ++camera) {
+    const int first = intrinsics_.lens(camera);
+    for (int at = first; first >= 0 && at < first + 2 * kLensModes; at += kLensModes) {
+      alone.own.block<kLensModes, kLensModes>(at, at) = alone.modes[camera];
     }
   }
 }

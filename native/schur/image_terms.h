@@ -4,10 +4,12 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <memory_resource>
 #include <span>
 #include <vector>
 
+#include "factors/lens.h"
 #include "model/model.h"
 #include "schur/camera_chain.h"
 
@@ -53,6 +55,9 @@ class FreeIntrinsics {
   int width_ = 0;
 };
 
+// What images say of a landmark's displacement with intrinsics, (3, width). Rows stand in a run, so that sums are of vectors.
+using WithIntrinsics = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+
 class ImageTerms {
  public:
   // pages: where what grows with the images stands.
@@ -75,14 +80,28 @@ class ImageTerms {
   bool sees(int64_t pose) const { return of_pose_start_[pose + 1] > of_pose_start_[pose]; }
   const std::vector<CameraChain>& chains() const { return chain_; }  // of each pose; none where there are no landmarks
   const FreeIntrinsics& intrinsics() const { return intrinsics_; }
+  void shelve(Shelf& shelf) { shelf.add(of_pose_start_, chain_); }
 
   void place_cameras();  // at the model's unknowns
   // Refreshes cameras and views at the model's unknowns.
   void linearise();
   // Robustified cost of stereo and mono at the model's unknowns. Not finite: the point cannot be evaluated.
   std::array<double, 2> cost();
-  // Adds what a view's observations say by displacement and intrinsics, (3, width), and by intrinsics alone.
-  void add_intrinsics(int64_t view, Eigen::Matrix3Xd& cross, Eigen::MatrixXd* own, Eigen::VectorXd* gradient) const;
+  // What observations say by intrinsics alone.
+  struct OfIntrinsics {
+    explicit OfIntrinsics(int width)
+        : own(Eigen::MatrixXd::Zero(width, width)),
+          gradient(Eigen::VectorXd::Zero(width)),
+          modes{LensSquare::Zero(), LensSquare::Zero()} {}
+    Eigen::MatrixXd own;  // lower half, but for the squares of lenses
+    Eigen::VectorXd gradient;
+    using LensSquare = Eigen::Matrix<double, kLensModes, kLensModes>;
+    std::array<LensSquare, 2> modes;  // of top and bottom lens, the same of either axis of the image
+  };
+  // Adds what a view's observations say by displacement and intrinsics, (3, width), and by intrinsics alone; null: not wanted.
+  void add_intrinsics(int64_t view, WithIntrinsics& cross, OfIntrinsics* alone) const;
+  // Puts the squares of lenses into `own`.
+  void put_lenses(OfIntrinsics& alone) const;
 
  private:
   struct Cameras;
@@ -100,6 +119,7 @@ class ImageTerms {
   std::vector<int32_t> of_pose_start_;
   std::pmr::vector<int32_t> of_pose_;
   std::vector<CameraChain> chain_;
+  std::shared_ptr<const Cameras> cameras_;  // where the poses' chains were placed
 };
 
 }  // namespace hullrecon

@@ -116,15 +116,15 @@ void Schur::differentiate_border() {
 // What the images say of the intrinsics alone; what they say of them and of each landmark is kept.
 Schur::Border Schur::differentiate_intrinsics() {
   return chunked(intrinsics_ > 0 ? groups() : 0, 1, [&](int64_t group, Border& sum) {
-    Eigen::Matrix3Xd cross(3, intrinsics_);
-    Eigen::MatrixXd own = Eigen::MatrixXd::Zero(intrinsics_, intrinsics_);
-    Eigen::VectorXd g = Eigen::VectorXd::Zero(intrinsics_);
+    WithIntrinsics cross(3, intrinsics_);
+    ImageTerms::OfIntrinsics alone(intrinsics_);
     for (int64_t r = group * kGroup; r < std::min(model_.landmarks(), (group + 1) * kGroup); ++r) {
       cross.setZero();
-      for (int32_t v = images_.first_view(r); v < images_.first_view(r + 1); ++v) images_.add_intrinsics(v, cross, &own, &g);
+      for (int32_t v = images_.first_view(r); v < images_.first_view(r + 1); ++v) images_.add_intrinsics(v, cross, &alone);
       std::copy_n(cross.data(), cross.size(), intrinsics_cross_.data() + 3 * r * intrinsics_);
     }
-    add_intrinsics_to_border(own, g, sum);
+    images_.put_lenses(alone);
+    add_intrinsics_to_border(alone.own, alone.gradient, sum);
   });
 }
 

@@ -41,13 +41,19 @@ Schur::Schur(Model& model, const std::optional<std::vector<int>>& interface, std
   const int64_t landmarks = model.landmarks(), poses = static_cast<int64_t>(images_.chains().size());
   x_.resize(pattern_.size());
   own_.resize(poses), with_hull_.resize(poses), eliminated_.resize(6, poses);
-  with_intrinsics_.assign(poses, Mat6X(6, intrinsics_));
+  with_intrinsics_.resize(6, poses * intrinsics_);
   inverse_.resize(landmarks), gain_.resize(3, landmarks), intrinsics_cross_.resize(3 * landmarks * intrinsics_);
   for (Global global : FreeIntrinsics::kBlocks) {
     for (int c = 0; c < model.blocks()[layout_.model_global(global)].tangent; ++c)
       intrinsics_in_border_.push_back(layout_.column(global) + c);
   }
   for (StepVector* s : {&gradient_, &diagonal_}) s->landmark.resize(3 * landmarks), s->reduced.resize(layout_.size());
+}
+
+void Schur::shelve(Shelf& shelf) {
+  images_.shelve(shelf), surface_.shelve(shelf), pattern_.shelve(shelf);
+  gradient_.shelve(shelf), diagonal_.shelve(shelf);
+  shelf.add(own_, gain_, eliminated_, with_hull_, with_intrinsics_);
 }
 
 std::optional<std::array<double, kKindNames.size()>> Schur::cost() {

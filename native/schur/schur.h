@@ -28,6 +28,7 @@ namespace hullrecon {
 // A step of every free unknown, or a number for each: landmarks by rank, 3 each; the rest as ReducedSystem orders it.
 struct StepVector {
   Eigen::VectorXd landmark, reduced;
+  void shelve(Shelf& shelf) { shelf.add(landmark, reduced); }
   double dot(const StepVector& other) const { return landmark.dot(other.landmark) + reduced.dot(other.reduced); }
 };
 
@@ -42,6 +43,7 @@ class Schur {
   std::optional<std::array<double, kKindNames.size()>> cost();
   // Everything at the model's unknowns; fills gradient and the diagonal of J'J.
   void linearise();
+  void shelve(Shelf& shelf);                   // what grows with the problem and does not stand in `pages`
   void restore() { images_.place_cameras(); }  // after a point was tried: back at the unknowns of linearise()
   // Solves (J'J + diag(damping)) step = -gradient. False: not positive definite.
   bool step(const StepVector& damping, StepVector& step) { return condense(damping) && finish(step); }
@@ -121,8 +123,11 @@ class Schur {
 
   Vec3 at(int64_t rank) const { return images_.at(rank); }
   Mat3 inverse(int64_t rank) const { return symmetric(inverse_[rank]); }
+  auto with_intrinsics(int pose) {
+    return with_intrinsics_.middleCols(static_cast<Eigen::Index>(pose) * intrinsics_, intrinsics_);
+  }
   auto intrinsics_of(int64_t rank) const {
-    return Eigen::Map<const Eigen::Matrix3Xd>(intrinsics_cross_.data() + 3 * rank * intrinsics_, 3, intrinsics_);
+    return Eigen::Map<const WithIntrinsics>(intrinsics_cross_.data() + 3 * rank * intrinsics_, 3, intrinsics_);
   }
   int64_t groups() const { return (model_.landmarks() + kGroup - 1) / kGroup; }
   int intrinsics_in_border(int column) const { return intrinsics_in_border_[column]; }
@@ -134,7 +139,7 @@ class Schur {
   SurfaceTerms surface_;
   SmallFactors small_;
   const int threads_;
-  const TwistPattern pattern_;
+  TwistPattern pattern_;
   const std::unique_ptr<ReducedSystem> reduced_;
   const bool is_part_;
   const int intrinsics_, hull_, mount_;  // columns of the free intrinsics; first of T_g_M, T_s_ct in the border, -1: held
@@ -151,7 +156,7 @@ class Schur {
   std::pmr::vector<double> x_;                       // X, as pattern_ lays it out
   Mat6X eliminated_;                                 // of each pose's twist: sum of E'H K g (linearise: its gradient)
   std::vector<Mat6> with_hull_;                      // rows of X by T_g_M
-  std::vector<Mat6X> with_intrinsics_;               // and by the free intrinsics
+  Mat6X with_intrinsics_;                            // and by the free intrinsics, side by side
   Eigen::VectorXd rhs_;
 };
 

@@ -40,6 +40,7 @@ class SurfaceTerms {
   const SurfaceTerm& operator[](int64_t term) const { return term_[term]; }
   std::span<const int32_t> nodes(const SurfaceTerm& term) const { return model_.surface_nodes(term.row); }
   std::span<const double> weights(const SurfaceTerm& term) const { return model_.surface_field(term.row).weight; }
+  void shelve(Shelf& shelf) { shelf.add(start_, term_, of_node_start_, of_node_); }
   double by_node(const SurfaceTerm& term, int32_t node) const;  // derivative by one of its nodes
 
  private:

@@ -33,6 +33,7 @@ class TwistPattern {
     return {column_.data() + column_start_[block], static_cast<size_t>(column_start_[block + 1] - column_start_[block])};
   }
   int64_t size() const { return size_; }
+  void shelve(Shelf& shelf) { shelf.add(row_start_, column_start_, neighbour_start_, row_, column_, neighbour_); }
   // The reduced system on this pattern, small factors counted in. interface: of a part, its blocks that others meet.
   std::unique_ptr<ReducedSystem> reduced_system(const std::optional<std::vector<int>>& interface,
                                                 std::pmr::memory_resource* pages) const;

@@ -68,7 +68,7 @@ void poses_and_globals(const Model& model, const Schur& schur, const Inverse& z,
   for (int g = 0; g < kGlobals; ++g) {
     const int b = layout.model_global(g);
     const int width = model.blocks()[b].size == 7 ? 6 : model.blocks()[b].size;
-    out.global[model.blocks()[b].name] = z.has(model, b) ? z.get(model, b, b) : Eigen::MatrixXd::Zero(width, width);
+    out.global[model.name_of(b)] = z.has(model, b) ? z.get(model, b, b) : Eigen::MatrixXd::Zero(width, width);
   }
   out.deviation.assign(model.nodes(), 0.0), out.deviation_hull.assign(static_cast<size_t>(model.nodes()) * 6, 0.0);
   for (int k = 0; k < layout.nodes(); ++k) {
@@ -101,23 +101,24 @@ void leverages(const Model& model, const Inverse& z, Covariance& out) {
 
 }  // namespace
 
-Covariance covariance(Model& model) {
+Covariance covariance(Model& model, bool of_landmarks) {
   const BlasGuard guard;
   model.refresh(false, true);
   Schur schur(model);
   schur.linearise();
   if (!schur.condense(schur.no_damping()) || !schur.determines_all()) refuse(model);
   schur.invert();
-  return marginals(model, schur);
+  return marginals(model, schur, of_landmarks);
 }
 
-Covariance marginals(const Model& model, const Schur& schur) {
+Covariance marginals(const Model& model, const Schur& schur, bool of_landmarks) {
   Covariance out;
   const Inverse z(schur);
   poses_and_globals(model, schur, z, out);
   leverages(model, z, out);
+  if (!of_landmarks) return out;
   out.landmark.resize(model.landmarks() * 9);
-  out.landmark_hull.assign(model.landmarks() * 18, 0.0);
+  out.landmark_hull.resize(z.has_hull() ? model.landmarks() * 18 : 0);
   for_slabs(model.landmarks(), model.options().threads, [&](int64_t begin, int64_t end) {
     Schur::LandmarkCovariance found;
     for (int64_t r = begin; r < end; ++r) {

@@ -32,13 +32,23 @@ std::vector<int> interface_of(const ProblemPart& part) {
 
 struct JoinedProblem::Part {
   explicit Part(const ProblemPart& given)
-      : model(*given.model),
+      : model(woken(*given.model)),
         given(given),
         interface(interface_of(given)),
         schur(model, interface, given.memory()),
-        x(model.unknowns()) {
+        x(model.unknowns()),
+        shelf(given.pages) {
     for (const SharedBlock& shared : given.shared) number.push_back(shared.number);
-    given.rest();
+    schur.shelve(shelf), labels.shelve(shelf);
+    for (StepVector* of_step : {&scale, &damping, &step}) of_step->shelve(shelf);
+    shelf.add(x, candidate, counted);
+    rest();
+  }
+  static Model& woken(Model& model) { return model.wake(), model; }
+  void wake() { model.wake(), shelf.take(); }
+  void rest() {
+    shelf.put(), model.rest();
+    if (given.pages) given.pages->rest();
   }
   int offset(int block) const { return schur.offset(block) - schur.interior(); }  // among interface and border
   void set(const std::vector<double>& unknowns) { std::copy(unknowns.begin(), unknowns.end(), model.unknowns().begin()); }
@@ -50,16 +60,21 @@ struct JoinedProblem::Part {
   Schur schur;
   LabelCount labels;
   std::vector<int> to_top, border;  // where scalars of interface and border, and of the border, stand in the top's
-  std::vector<std::pair<ptrdiff_t, int>> counted;  // unknowns whose lengths this part counts: first, how many
+  struct Run {
+    ptrdiff_t first;
+    int count;
+  };
+  std::vector<Run> counted;  // unknowns whose lengths this part counts
   std::vector<double> x, candidate;
   StepVector scale, damping, step;
+  Shelf shelf;
 };
 
 JoinedProblem::JoinedProblem(const std::vector<ProblemPart>& parts) {
   if (parts.empty()) throw InputError("there is none", "parts", "");
   for (const ProblemPart& part : parts) parts_.push_back(std::make_unique<Part>(part));
   number_shared(parts);
-  for (auto& part : parts_) place(*part);
+  each([&](Part& part) { place(part); });
   count_once();
   const int size = top_->size();
   for (Eigen::VectorXd* v : {&gradient_, &diagonal_, &scale_, &damping_, &step_}) v->setZero(size);
@@ -70,19 +85,23 @@ JoinedProblem::~JoinedProblem() = default;
 template <class Work>
 void JoinedProblem::each(const Work& work) {
   for (auto& part : parts_) {
+    part->wake();
     work(*part);
-    part->given.rest();
+    part->rest();
   }
 }
 
 // The top system: two shared blocks meet where a part has both.
 void JoinedProblem::number_shared(const std::vector<ProblemPart>& parts) {
   column_.fill(-1);
+  std::array<int, kGlobals> of_global{};
+  each([&](Part& part) {
+    for (int g = 0; g < kGlobals; ++g)
+      of_global[g] = std::max(of_global[g], part.model.blocks()[part.schur.layout().model_global(g)].tangent);
+  });
   for (int g = 0; g < kGlobals; ++g) {
-    int width = 0;
-    for (const auto& part : parts_) width = std::max(width, part->model.blocks()[part->schur.layout().model_global(g)].tangent);
-    if (width > 0) column_[g] = border_;
-    border_ += width;
+    if (of_global[g] > 0) column_[g] = border_;
+    border_ += of_global[g];
   }
   for (const auto& part : parts_) {
     for (int n : part->number) shared_ = std::max(shared_, n + 1);
@@ -123,20 +142,20 @@ void JoinedProblem::place(Part& part) {
 // Of what several parts hold the first counts the length. Held unknowns count, as they do in a problem held whole.
 void JoinedProblem::count_once() {
   std::vector<char> shared(shared_, 0), global(kGlobals, 0);
-  for (auto& part : parts_) {
-    std::vector<int> number(part->schur.layout().blocks(), -1);
-    for (size_t k = 0; k < part->interface.size(); ++k) number[part->interface[k]] = part->number[k];
-    const auto& blocks = part->model.blocks();
-    const auto size = static_cast<ptrdiff_t>(part->x.size());
+  each([&](Part& part) {
+    std::vector<int> number(part.schur.layout().blocks(), -1);
+    for (size_t k = 0; k < part.interface.size(); ++k) number[part.interface[k]] = part.number[k];
+    const auto& blocks = part.model.blocks();
+    const auto size = static_cast<ptrdiff_t>(part.x.size());
     for (int b = 0; b < static_cast<int>(blocks.size()); ++b) {
-      const ptrdiff_t first = blocks[b].data - part->model.unknowns().data();
+      const ptrdiff_t first = blocks[b].data - part.model.unknowns().data();
       if (first < 0 || first >= size) continue;  // of a lens or a world that nothing meets
-      const int at = part->schur.layout().block_of(b), g = part->schur.layout().global_of(b);
+      const int at = part.schur.layout().block_of(b), g = part.schur.layout().global_of(b);
       char* const seen = g >= 0 && g < kGlobals ? &global[g] : at >= 0 && number[at] >= 0 ? &shared[number[at]] : nullptr;
       if (seen && std::exchange(*seen, 1)) continue;
-      part->counted.emplace_back(first, blocks[b].size);
+      part.counted.push_back({first, blocks[b].size});
     }
-  }
+  });
 }
 
 void JoinedProblem::refresh(bool trial) {
@@ -173,7 +192,7 @@ void JoinedProblem::linearise() {
 
 void JoinedProblem::scale() {
   scale_ = scale_of(diagonal_);
-  for (auto& part : parts_) part->scale = {scale_of(part->schur.diagonal().landmark), scale_of(part->schur.diagonal().reduced)};
+  each([](Part& part) { part.scale = {scale_of(part.schur.diagonal().landmark), scale_of(part.schur.diagonal().reduced)}; });
 }
 
 std::optional<double> JoinedProblem::step(double radius) {
@@ -231,15 +250,15 @@ Eigen::VectorXd JoinedProblem::of_part(const Part& part, const Eigen::VectorXd& 
 }
 
 // By how much the step lowers the cost of the linear problem.
-double JoinedProblem::model_change() const {
+double JoinedProblem::model_change() {
   double change = -0.5 * gradient_.dot(step_) + 0.5 * damping_.dot(step_.cwiseAbs2());
-  for (const auto& part : parts_) {
-    const int interior = part->schur.interior();
-    const StepVector &gradient = part->schur.gradient(), &damping = part->damping, &step = part->step;
+  each([&](Part& part) {
+    const int interior = part.schur.interior();
+    const StepVector &gradient = part.schur.gradient(), &damping = part.damping, &step = part.step;
     change += -0.5 * (gradient.landmark.dot(step.landmark) + gradient.reduced.head(interior).dot(step.reduced.head(interior)));
     change += 0.5 * (damping.landmark.dot(step.landmark.cwiseAbs2()) +
                      damping.reduced.head(interior).dot(step.reduced.head(interior).cwiseAbs2()));
-  }
+  });
   return change;
 }
 
@@ -259,11 +278,11 @@ LeastSquares::Lengths JoinedProblem::move() {
 }
 
 void JoinedProblem::accept() {
-  for (auto& part : parts_) part->x.swap(part->candidate);
+  each([](Part& part) { part.x.swap(part.candidate); });
 }
 
 void JoinedProblem::take_back() {
-  for (auto& part : parts_) part->set(part->x), part->schur.restore();
+  each([](Part& part) { part.set(part.x), part.schur.restore(); });
 }
 
 void JoinedProblem::describe(IterationRow& row) {
@@ -290,7 +309,7 @@ void JoinedProblem::end() {
   each([](Part& part) { part.set(part.x), part.model.refresh(false, true); });
 }
 
-std::vector<Covariance> JoinedProblem::marginals() {
+std::vector<Covariance> JoinedProblem::marginals(bool of_landmarks) {
   const BlasGuard guard;
   bool determined = true;
   top_->clear();
@@ -302,7 +321,7 @@ std::vector<Covariance> JoinedProblem::marginals() {
   });
   constexpr double kVanished = 1e-12;  // of a pivot, as of a whole problem
   if (!determined || !top_->factor() || !(top_->least_pivot() > kVanished)) {
-    for (const auto& part : parts_) Information{part->model};  // names a landmark that its own factors do not determine
+    each([](Part& part) { Information{part.model}; });  // names a landmark that its own factors do not determine
     throw StageError("the factors leave a direction undetermined", "parts", "add a prior or hold a block");
   }
   top_->invert();
@@ -310,7 +329,7 @@ std::vector<Covariance> JoinedProblem::marginals() {
   each([&](Part& part) {
     take_inverse(part);
     part.schur.invert();
-    out.push_back(hullrecon::marginals(part.model, part.schur));
+    out.push_back(hullrecon::marginals(part.model, part.schur, of_landmarks));
   });
   return out;
 }
@@ -331,8 +350,8 @@ void JoinedProblem::take_inverse(Part& part) {
   left.block(first, first, width, width) = top_->block(shared_, shared_)(part.border, part.border);
 }
 
-std::vector<Covariance> covariance(const std::vector<ProblemPart>& parts) {
-  return JoinedProblem(parts).marginals();
+std::vector<Covariance> covariance(const std::vector<ProblemPart>& parts, bool of_landmarks) {
+  return JoinedProblem(parts).marginals(of_landmarks);
 }
 
 Schur::Seconds JoinedProblem::seconds() const {

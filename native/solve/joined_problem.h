@@ -30,9 +30,6 @@ struct ProblemPart {
       nullptr;  // where its tables and what is large of its work stand, at rest while other parts work; null: memory
 
   std::pmr::memory_resource* memory() const { return pages ? pages : std::pmr::get_default_resource(); }
-  void rest() const {
-    if (pages) pages->rest();
-  }
 };
 
 class JoinedProblem final : public LeastSquares {
@@ -53,19 +50,20 @@ class JoinedProblem final : public LeastSquares {
   double gradient_norm() override;
   void end() override;
   Schur::Seconds seconds() const override;
-  // Marginals at the model's unknowns, of each part what it holds. Throws StageError where something is not determined.
-  std::vector<Covariance> marginals();
+  // Marginals at the model's unknowns, of each part what it holds, of landmarks if asked for. Throws StageError where something
+  // is not determined.
+  std::vector<Covariance> marginals(bool of_landmarks);
 
  private:
   struct Part;
   template <class Work>
-  void each(const Work& work);  // work(part) of each in turn, which rests then
+  void each(const Work& work);  // work(part) of each in turn, at rest before and then
   void number_shared(const std::vector<ProblemPart>& parts);
   void place(Part& part);
   void count_once();
   void join(Part& part);
   void take_inverse(Part& part);
-  double model_change() const;
+  double model_change();
   Eigen::VectorXd of_part(const Part& part, const Eigen::VectorXd& of_top) const;
 
   std::vector<std::unique_ptr<Part>> parts_;

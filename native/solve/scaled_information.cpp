@@ -11,23 +11,24 @@
 namespace hullrecon {
 namespace {
 
-const char* coordinate(const Block& block, int k) {
+const char* coordinate(const std::string& name, int size, int k) {
   static constexpr std::array<const char*, 7> motion{"x", "y", "z", "rotation x", "rotation y", "rotation z", "tray angle"};
   static constexpr std::array<const char*, 6> navigation{"DVL scale",  "heading drift", "roll bias",
                                                          "pitch bias", "depth bias",    "tray backlash"};
   static constexpr std::array<const char*, 9> intrinsics{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
-  if (block.name == "navigation") return navigation[k];
-  if (block.name.starts_with("link_switch")) return "value";
-  if (block.name.starts_with("lens")) return "displacement";
-  return block.size == 9 ? intrinsics[k] : block.size == 1 ? "offset" : motion[k];
+  if (name == "navigation") return navigation[k];
+  if (name.starts_with("link_switch")) return "value";
+  if (name.starts_with("lens")) return "displacement";
+  return size == 9 ? intrinsics[k] : size == 1 ? "offset" : motion[k];
 }
 
 std::string name_of(const Model& model, const Information& information, int scalar) {
   const BlockMatrix& m = information.reduced();
   int p = 0;
   while (m.offset(p + 1) <= scalar) ++p;
-  const Block& block = model.blocks()[information.block_at(p)];
-  return block.name + " " + coordinate(block, scalar - m.offset(p));
+  const int block = information.block_at(p);
+  const std::string name = model.name_of(block);
+  return name + " " + coordinate(name, model.blocks()[block].size, scalar - m.offset(p));
 }
 
 }  // namespace

@@ -39,6 +39,7 @@ Solution solve_by_schur(Model& model, const std::function<bool()>& interrupted);
 class LabelCount {
  public:
   void describe(Model& model, IterationRow& row);
+  void shelve(Shelf& shelf) { shelf.add(labels_); }
 
  private:
   std::vector<int32_t> labels_;

@@ -20,10 +20,10 @@ TEST_CASE("blocks stand in their order, their columns side by side, held ones wi
       column += block.tangent;
     }
     CHECK(model.columns() == column);
-    CHECK(model.blocks()[3].name == "pose 3");
-    CHECK(model.blocks()[model.poses() + 2].name == "landmark 2");
-    CHECK(model.blocks()[model.block("T_s_ct")].name == "T_s_ct");
-    CHECK(model.blocks()[model.first_node() + 1].name == "deviation 1");
+    CHECK(model.name_of(3) == "pose 3");
+    CHECK(model.name_of(static_cast<int>(model.poses()) + 2) == "landmark 2");
+    CHECK(model.name_of(model.block("T_s_ct")) == "T_s_ct");
+    CHECK(model.name_of(model.first_node() + 1) == "deviation 1");
     CHECK(model.block("elsewhere") == -1);
     CHECK(static_cast<int>(model.blocks().size()) == model.first_node() + SmallProblem::kNodes);
   }

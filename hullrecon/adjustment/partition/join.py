@@ -64,22 +64,27 @@ def solve(problem: native.Problem, plan: Plan, options: native.Options) -> nativ
     )
 
 
-def covariance(problem: native.Problem, plan: Plan, options: native.Options) -> native.Covariance:
+def covariance(
+    problem: native.Problem, plan: Plan, options: native.Options, *, of_landmarks: bool = True
+) -> native.Covariance:
     """Compute what `native.covariance` does, by the parts of a plan."""
     if plan.parts == 1:
-        return native.covariance(problem, options)
+        return native.covariance(problem, options, of_landmarks=of_landmarks)
     parts = SubProblems(problem, plan.owner)
     with tempfile.TemporaryDirectory() as folder:
-        found = covariance_parts(parts.parts(), options, Path(folder))
-    by_row = {
-        field.name: rows
-        for field in fields(native.Covariance)
-        for name, rows in _unknowns_of(parts).items()
-        if field.name in (name, f"{name}_T_g_M")
-    }
+        found = covariance_parts(parts.parts(), options, Path(folder), of_landmarks=of_landmarks)
+    of_rows = _unknowns_of(parts)
+    if not of_landmarks:
+        del of_rows["landmark"]
+    left_out = {"landmark_T_g_M"} if "T_g_M" in problem.constant else set()  # zero, and large
     gathered = {
-        name: _rows(rows, [getattr(part, name) for part in found]) for name, rows in by_row.items()
+        field.name: _rows(rows, [getattr(part, field.name) for part in found])
+        for field in fields(native.Covariance)
+        for name, rows in of_rows.items()
+        if field.name in (name, f"{name}_T_g_M") and field.name not in left_out
     }
+    for name in left_out:
+        gathered[name] = np.zeros((len(gathered.get("landmark", ())), 3, 6))
     leverage = {
         kind: sum(part.leverage_by_factor[kind] for part in found)
         for kind in found[0].leverage_by_factor
