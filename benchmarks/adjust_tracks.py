@@ -42,6 +42,7 @@ from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.problem.triangulation import camera_poses
 from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
 from hullrecon.adjustment.results.summary import summarise_adjustment
+from hullrecon.artifacts.stage import map_arrays
 from hullrecon.geometry import poses
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.frames import Camera
@@ -185,7 +186,8 @@ def rig() -> Rig:
 def measurements(path: Path) -> Measurements:
     """Read what `make` made, with the CAD model."""
     with np.load(path) as archive:
-        arrays = {name: archive[name] for name in archive.files}
+        arrays = {name: archive[name] for name in archive.files if not name.startswith("tracks.")}
+    arrays |= {name: of for name, of in map_arrays(path).items() if name.startswith("tracks.")}
 
     def record(name: str, kind: type[Any]) -> Any:
         mine = {k[len(name) + 1 :]: v for k, v in arrays.items() if k.startswith(f"{name}.")}

@@ -32,6 +32,7 @@ from hullrecon.adjustment.problem.lens import mode_shares
 from hullrecon.typing import Array, Ints
 
 REACH_M = 0.45  # of what a pose sees from where it looks: some 35 poses share landmarks
+AT_A_TIME = 250_000  # landmarks whose views are chosen
 START_M, START_RAD, LANDMARK_M = 0.005, 0.001, 0.01  # sigmas of the start
 LENS_PX = 0.1
 
@@ -66,17 +67,21 @@ def make(poses: int, landmarks: int, legs: int, views: float, seed: int = 0) -> 
 
 def views_of(size: Size, truth: Truth, views: float, rng: np.random.Generator) -> tuple[Ints, Ints]:
     """Choose who sees what, (m,) nodes and landmarks, of all views that there are."""
-    x, z = tracks(size)
+    tree = cKDTree(np.stack(tracks(size), axis=1))
     in_hull = truth.global_from_hull.inverse().apply(truth.landmark)
-    near = cKDTree(np.stack([x, z], axis=1)).query_ball_point(in_hull[:, [0, 2]], REACH_M)
-    landmark = np.repeat(np.arange(len(near)), [len(k) for k in near])
-    node = np.concatenate([np.asarray(k, np.int64) for k in near])
-    whole = within(pixels_of(truth, node, landmark))
-    node, landmark = node[whole], landmark[whole]
-    kept = rng.random(len(node)) < views * size.landmarks / max(1, len(node))
-    twice = np.bincount(landmark[kept], minlength=size.landmarks)[landmark] < 2
-    kept |= twice
-    return node[kept], landmark[kept]
+    nodes, landmarks = [], []
+    for first in range(0, size.landmarks, AT_A_TIME):
+        near = tree.query_ball_point(in_hull[first : first + AT_A_TIME, [0, 2]], REACH_M)
+        landmark = first + np.repeat(np.arange(len(near)), [len(k) for k in near])
+        node = np.concatenate([np.asarray(k, np.int64) for k in near])
+        whole = within(pixels_of(truth, node, landmark))
+        node, landmark = node[whole], landmark[whole]
+        kept = rng.random(len(node)) < views * len(near) / max(1, len(node))
+        twice = np.bincount(landmark[kept] - first, minlength=len(near))[landmark - first] < 2
+        kept |= twice
+        nodes.append(node[kept])
+        landmarks.append(landmark[kept])
+    return np.concatenate(nodes), np.concatenate(landmarks)
 
 
 def pixels_of(truth: Truth, node: Ints, landmark: Ints) -> Array:

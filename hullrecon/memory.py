@@ -1,12 +1,22 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Memory that was freed, given back to the system."""
+"""Memory that a process gives back: what was freed, and large arrays that stand in a file."""
 
 from __future__ import annotations
 
 import ctypes
 import gc
+import os
+import tempfile
 from contextlib import suppress
+from mmap import MADV_DONTNEED, mmap
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Number = TypeVar("Number", bound=np.generic)
+LARGE_BYTES = 64 << 20  # of an array that stands in a file
 
 
 def return_free_memory() -> None:
@@ -18,3 +28,31 @@ def return_free_memory() -> None:
     gc.collect()
     with suppress(OSError, AttributeError):
         ctypes.CDLL(None).malloc_trim(0)
+
+
+def empty_array(shape: tuple[int, ...], dtype: np.dtype[Number] | type[Number]) -> NDArray[Number]:
+    """Make an array whose values are still to be written, in a file where it is large.
+
+    The file has no name, and is gone with the array. Its pages count as the process's memory from
+    when they are used until `release_pages`. Raises OSError where the disk is full.
+    """
+    size = int(np.prod(shape)) * np.dtype(dtype).itemsize
+    if size < LARGE_BYTES:
+        return np.empty(shape, dtype)
+    with tempfile.TemporaryFile(prefix="hullrecon-array-") as file:
+        # The disk's space is taken here: where there is none, writing to a page would end the
+        # process.
+        os.posix_fallocate(file.fileno(), 0, size)
+        pages = mmap(file.fileno(), size)
+    return np.frombuffer(pages, dtype).reshape(shape)
+
+
+def release_pages(*arrays: NDArray[np.generic]) -> None:
+    """Take what arrays of `empty_array` hold out of memory. It is read again where it is used."""
+    for array in arrays:
+        base: object = array
+        while isinstance(base, np.ndarray):
+            base = base.base
+        pages = base.obj if isinstance(base, memoryview) else base
+        if isinstance(pages, mmap):
+            pages.madvise(MADV_DONTNEED)

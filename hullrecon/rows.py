@@ -11,8 +11,10 @@ from typing import Any, ClassVar, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.memory import LARGE_BYTES, empty_array, release_pages
 from hullrecon.typing import Ints, Mask
 
+BLOCK = 1 << 18  # rows of a large column that are selected at a time
 Number = TypeVar("Number", bound=np.generic)
 
 
@@ -38,7 +40,25 @@ class Rows:
 def _take(column: Any, rows: Ints | Mask | slice) -> Any:
     if isinstance(column, Rows):
         return column.take(rows)
-    return column[rows] if len(column) else column
+    if not len(column):
+        return column
+    is_mask = isinstance(rows, np.ndarray) and rows.dtype.kind == "b"
+    if is_mask and column.nbytes >= LARGE_BYTES:
+        return _take_large(column, np.asarray(rows, bool))
+    return column[rows]
+
+
+def _take_large(column: NDArray[Number], rows: Mask) -> NDArray[Number]:
+    """Select rows of a column that may stand in a file, into an array that may."""
+    out = empty_array((int(rows.sum()), *column.shape[1:]), column.dtype)
+    filled = 0
+    for first in range(0, len(rows), BLOCK):
+        some = slice(first, first + BLOCK)
+        kept = column[some][rows[some]]
+        out[filled : filled + len(kept)] = kept
+        filled += len(kept)
+    release_pages(column, out)
+    return out
 
 
 def read_rows(array: NDArray[Number], rows: slice) -> NDArray[Number]:

@@ -1,13 +1,15 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""memory: what was freed goes back to the system."""
+"""memory: what was freed goes back to the system, and what stands in a file may leave it."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
 
-from hullrecon.memory import return_free_memory
+import numpy as np
+
+from hullrecon.memory import LARGE_BYTES, empty_array, release_pages, return_free_memory
 
 
 def test_freed_memory_goes_back_to_the_system() -> None:
@@ -18,6 +20,16 @@ def test_freed_memory_goes_back_to_the_system() -> None:
     return_free_memory()
     assert resident_bytes() < held - 80e6
     assert len(last) == 60_000
+
+
+def test_a_large_array_leaves_memory_and_keeps_its_values() -> None:
+    rows = 2 * LARGE_BYTES // 16
+    large = empty_array((rows, 2), np.float64)
+    large[:] = np.arange(2)
+    held = resident_bytes()
+    release_pages(large[5:])
+    assert resident_bytes() < held - LARGE_BYTES
+    assert (large.sum(axis=0) == [0, rows]).all()
 
 
 def resident_bytes() -> int:

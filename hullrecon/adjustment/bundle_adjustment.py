@@ -23,6 +23,7 @@ from hullrecon.adjustment.partition.plan import Plan
 from hullrecon.adjustment.problem import iteration_history, selection, weighting
 from hullrecon.adjustment.problem.assembly import Selection
 from hullrecon.adjustment.problem.measurements import Measurements
+from hullrecon.adjustment.problem.observations import landmark_count
 from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.adjustment.rounds import (
     Estimate,
@@ -178,7 +179,7 @@ def _start(measured: Measurements, strategy: Strategy) -> Estimate:
         state=State(
             nodes=path.poses,
             tray=path.tray.copy(),
-            landmark=np.full((selection.landmark_count(measured), 3), np.nan),
+            landmark=np.full((landmark_count(measured), 3), np.nan),
             mounts=mounts,
             navigation=np.zeros(6),
             hull=None,

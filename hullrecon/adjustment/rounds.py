@@ -210,9 +210,10 @@ class RoundSolver:
         """
         # Triangulate landmarks from the path, and choose the measurements that agree with it.
         measured = before.measured
-        landmark = selection.triangulate_landmarks(measured, before.state)
-        state = replace(before.state, landmark=landmark)
-        chosen = self._choose(measured, state, _outlier_limit(before, final), final)
+        state, chosen = selection.find_landmarks(
+            measured, before.state, _outlier_limit(before, final)
+        )
+        chosen = self._choose(measured, state, chosen, final)
         surface = weighting.surface_weights(state, chosen, self.strategy)
         weights = replace(before.weights, surface=surface)
 
@@ -232,7 +233,9 @@ class RoundSolver:
         state = state_from_unknowns(state, result.unknowns, chosen)
         measured = intrinsics.apply_intrinsics(measured, problem, result)
         measured = lens.apply_lenses(measured, problem, result)
-        found = weighting.estimate_weights(measured, state, chosen, weights, self.strategy)
+        found = weights
+        if not final:
+            found = weighting.estimate_weights(measured, state, chosen, weights, self.strategy)
         self.report(_describe_round(len(self.history), result, chosen, found))
         return RoundResult(
             chosen=chosen,
@@ -251,15 +254,14 @@ class RoundSolver:
         )
 
     def _choose(
-        self, measured: Measurements, state: State, max_px: Array, final: bool
+        self, measured: Measurements, state: State, chosen: Selection, final: bool
     ) -> Selection:
         """Choose anchors for a coarse round, all landmarks but isolated ones for the last."""
         settings, strategy = self.settings, self.strategy
-        chosen = selection.select_measurements(measured, state, max_px)
         if final and state.hull is not None and strategy.deviation_field:
             off = np.abs(state.hull.deviation(state.landmark[chosen.landmarks]))
             boundary = selection.label_boundary(settings.sigma_on, settings.sigma_off)
-            chosen = selection.drop_isolated_landmarks(measured, state, chosen, off > boundary)
+            chosen = selection.drop_isolated_landmarks(state, chosen, off > boundary)
         if np.isfinite(strategy.max_off_hull_m) and state.hull is not None:
             off = np.abs(state.hull.deviation(state.landmark[chosen.landmarks]))
             chosen = replace(chosen, landmarks=chosen.landmarks[~(off > strategy.max_off_hull_m)])
@@ -318,10 +320,14 @@ class RoundSolver:
         return done
 
 
-def _outlier_limit(before: Estimate, final: bool) -> Array:
-    """Compute the largest reprojection error (m,) px of the observations that enter a round."""
-    max_px = before.max_px * before.weights.pixel_ratio
-    return max_px if final else np.maximum(LEAST_MAX_PX, max_px)
+def _outlier_limit(before: Estimate, final: bool) -> Callable[[Array], Array]:
+    """Limit the reprojection errors, px, of the observations that enter a round, by response."""
+
+    def limit_px(response: Array) -> Array:
+        max_px = before.max_px * before.weights.by_response.ratio(response)
+        return max_px if final else np.maximum(LEAST_MAX_PX, max_px)
+
+    return limit_px
 
 
 def _describe_round(number: int, result: native.Result, chosen: Selection, weights: Weights) -> str:

@@ -7,12 +7,14 @@ from __future__ import annotations
 import logging
 import math
 import multiprocessing
+import struct
+import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Literal, TypeVar
 
 import numpy as np
 from msgspec import Struct, structs
@@ -224,6 +226,14 @@ class Context(Generic[Parameters]):
         self.times[name] = [round(float(s), 3) for s in seconds]
 
 
+# of the .npy format
+_HEADERS = {
+    (1, 0): np.lib.format.read_array_header_1_0,
+    (2, 0): np.lib.format.read_array_header_2_0,
+}
+_LENGTHS_AT = 26  # where a member's header in a zip has the lengths of its name and extra field
+
+
 def _until_interrupted(items: Iterable[Item]) -> Iterator[Item]:
     for item in items:
         raise_if_requested()
@@ -234,6 +244,35 @@ def load_arrays(path: Path) -> dict[str, NDArray[Any]]:
     """Read all members of an .npz."""
     with np.load(path, allow_pickle=False) as file:
         return {name: file[name] for name in file.files}
+
+
+def map_arrays(path: Path) -> dict[str, NDArray[Any]]:
+    """Map all members of an uncompressed .npz: rows are read with `rows.read_rows`."""
+    arrays: dict[str, NDArray[Any]] = {}
+    with zipfile.ZipFile(path) as archive:
+        for member in archive.infolist():
+            with archive.open(member) as stream:
+                version = np.lib.format.read_magic(stream)
+                read = _HEADERS[version]
+                shape, is_fortran, dtype = read(stream)
+                begin = stream.tell()
+            order: Literal["F", "C"] = "F" if is_fortran else "C"
+            offset = _first_byte(path, member) + begin
+            empty = not np.prod(shape)
+            arrays[member.filename.removesuffix(".npy")] = (
+                np.zeros(shape, dtype)
+                if empty
+                else np.memmap(path, dtype, "r", offset, shape, order)
+            )
+    return arrays
+
+
+def _first_byte(path: Path, member: zipfile.ZipInfo) -> int:
+    """Find where the data of an archive's member begin, behind its own header."""
+    with path.open("rb") as file:
+        file.seek(member.header_offset + _LENGTHS_AT)
+        name, extra = struct.unpack("<HH", file.read(4))
+    return member.header_offset + _LENGTHS_AT + 4 + int(name) + int(extra)
 
 
 def settings_for(stage: Stage, sections: Mapping[str, object]) -> StageSettings:

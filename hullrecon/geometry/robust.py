@@ -20,9 +20,9 @@ def robust_sigma(values: Array, about: float | None = None) -> float:
     """
     if not len(values):
         return float("nan")
-    return float(
-        NORMAL_MAD * np.median(np.abs(values - (np.median(values) if about is None else about)))
-    )
+    distance = values - (np.median(values) if about is None else about)
+    np.abs(distance, out=distance)
+    return float(NORMAL_MAD * np.median(distance, overwrite_input=True))
 
 
 def weighted_quantile(values: Array, weight: Array, share: float) -> float:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import logging
+import shutil
 import tempfile
 from dataclasses import replace
 from functools import partial
@@ -96,7 +97,7 @@ def _measurements(context: Context[Options]) -> Measurements:
         odometry=inputs.navigate.odometry,
         returns=inputs.navigate.returns,
         attitude=inputs.navigate.attitude,
-        tracks=inputs.matches.tracks if inputs.matches is not None else None,
+        tracks=inputs.matches.mapped_tracks() if inputs.matches is not None else None,
         start=inputs.links.path.path() if inputs.links is not None else None,
         planes=inputs.links.planes if inputs.links is not None else None,
         positions=inputs.navigate.positions,
@@ -155,7 +156,8 @@ def _write_colmap(context: Context[Options], m: Measurements, adjusted: Adjusted
     with tempfile.TemporaryDirectory() as folder:
         write_model(model, Path(folder))
         for file in sorted(Path(folder).iterdir()):
-            context.out.bytes(f"colmap/{file.name}", file.read_bytes())
+            with context.out.path(f"colmap/{file.name}") as target:
+                shutil.copyfile(file, target)
 
 
 def _stamps(ingest: IngestArtifact, image: Ints) -> Ints:

@@ -18,7 +18,7 @@ from typing import Generic, Literal, TypeVar
 import msgspec
 import numpy as np
 
-from hullrecon.artifacts.stage import StageSettings, load_arrays
+from hullrecon.artifacts.stage import StageSettings, load_arrays, map_arrays
 from hullrecon.dive.config.mounts import (
     ChosenMount,
     choose_mounts,
@@ -213,6 +213,13 @@ class MatchesArtifact(StepArtifact):
 
     tracks = RequiredFile("tracks.npz", Tracks)
     pairs = JsonFile("pairs.json")
+
+    def mapped_tracks(self) -> Tracks:
+        """Map the tracks from their file: those of a long dive do not fit into memory."""
+        path = self.folder / "tracks.npz"
+        if not path.exists():
+            raise self.missing(path.name)
+        return from_arrays(Tracks, map_arrays(path))
 
 
 class AdjustArtifact(StepArtifact):

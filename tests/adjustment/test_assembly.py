@@ -34,6 +34,7 @@ from hullrecon.adjustment.problem.assembly import (
     state_from_unknowns,
 )
 from hullrecon.adjustment.problem.deviation_field import grid_over
+from hullrecon.adjustment.problem.observations import landmark_count
 from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.solution import Mounts
@@ -52,7 +53,7 @@ def with_mounts(state, **mounts):
 
 def some_state(rng, measured, stereo, cad, camera):
     """Any state that fits the measurements in its shapes."""
-    n, count = len(measured.trajectory.t_ns), selection.landmark_count(measured)
+    n, count = len(measured.trajectory.t_ns), landmark_count(measured)
     return State(
         nodes=some_poses(rng, n),
         tray=rng.normal(0, 1, n),
@@ -80,12 +81,15 @@ def some_hull(rng, cad_model):
 
 def chosen_from(rng, measured):
     """Some landmarks, observations and returns."""
-    count = selection.landmark_count(measured)
+    count = landmark_count(measured)
     rows = 0 if measured.tracks is None else len(measured.tracks.node)
     returns = 0 if measured.returns is None else len(measured.returns.node)
     top, bottom = (rng.random(rows) < 0.7 for _ in range(2))
     landmarks = np.flatnonzero(rng.random(count) < 0.6)
-    return selection.Selection(top, bottom, rng.random(returns) < 0.8, landmarks)
+    rays = np.zeros(count, np.int32)
+    if rows:
+        rays += np.bincount(measured.tracks.landmark, top + 1 * bottom, count).astype(np.int32)
+    return selection.Selection(top, bottom, rng.random(returns) < 0.8, landmarks, rays)
 
 
 def true_state(dive):

@@ -64,13 +64,13 @@ def test_legs_share_the_landmarks_that_both_see():
         | {k: [70, 71, 120] for k in range(20, 30)}
         | {40: [130, 131]}
     )
-    ties = tie_legs(back_and_forth(3, 12.0), *seen(views))
+    ties = tie_legs(back_and_forth(3, 12.0), [seen(views)])
     assert ties.shared.tolist() == [[20, 20, 0], [20, 30, 10], [0, 10, 11]]
 
 
 def test_a_leg_that_shares_too_little_is_named_with_its_start():
     views = {k: [5, 60] for k in range(20)} | {k: [70, 120] for k in range(20, 30)}
-    ties = tie_legs(back_and_forth(3, 12.0), *seen(views))
+    ties = tie_legs(back_and_forth(3, 12.0), [seen(views)])
     t_ns = T0 + np.arange(150) * 10**9
     sentence = ties.describe_untied(t_ns)
     assert sentence is not None
@@ -82,15 +82,15 @@ def test_a_leg_that_shares_too_little_is_named_with_its_start():
 
 
 def test_legs_that_are_tied_and_a_single_leg_are_not_spoken_of():
-    tied = tie_legs(back_and_forth(2, 12.0), *seen({k: [5, 60] for k in range(12)}))
-    single = tie_legs(back_and_forth(1, 12.0), *seen({k: [5, 6] for k in range(12)}))
+    tied = tie_legs(back_and_forth(2, 12.0), [seen({k: [5, 60] for k in range(12)})])
+    single = tie_legs(back_and_forth(1, 12.0), [seen({k: [5, 6] for k in range(12)})])
     t_ns = T0 + np.arange(100) * 10**9
     assert tied.describe_untied(t_ns) is None
     assert single.describe_untied(t_ns[:50]) is None
 
 
 def test_a_leg_without_landmarks_is_not_called_untied():
-    ties = tie_legs(back_and_forth(3, 12.0), *seen({k: [5, 60] for k in range(12)}))
+    ties = tie_legs(back_and_forth(3, 12.0), [seen({k: [5, 60] for k in range(12)})])
     assert ties.shared[2].tolist() == [0, 0, 0]
     assert ties.untied.tolist() == []
 
@@ -98,7 +98,7 @@ def test_a_leg_without_landmarks_is_not_called_untied():
 def test_the_table_has_a_row_a_leg_and_counts_each_pair_once():
     views = {k: [5, 60] for k in range(20)} | {k: [70, 120] for k in range(20, 30)}
     t_ns = T0 + np.arange(150) * 10**9
-    rows = tie_legs(back_and_forth(3, 12.0), *seen(views)).table(t_ns)
+    rows = tie_legs(back_and_forth(3, 12.0), [seen(views)]).table(t_ns)
     assert [row["leg"] for row in rows] == [1, 2, 3]
     assert [row["shared_with"] for row in rows] == [{"2": 20}, {"3": 10}, {}]
     assert sum(row["nodes"] for row in rows) == 150

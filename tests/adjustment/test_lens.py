@@ -22,6 +22,7 @@ from hullrecon.adjustment.problem.lens import (
     summarise_lenses,
 )
 from hullrecon.adjustment.problem.measurements import Measurements
+from hullrecon.adjustment.problem.observations import read_blocks
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses, from_rpy, identity
@@ -224,14 +225,18 @@ def test_pixels_are_moved_by_what_was_found_and_the_prior_with_them() -> None:
     first = free_lenses(problem, m, SIGMA_PX)
     once = native.solve(first, OPTIONS)
     moved = apply_lenses(m, first, once)
-    assert moved.tracks is not None
     assert m.tracks is not None
     np.testing.assert_allclose(moved.lenses[0], once.unknowns.lens_top)
+    (tracks,) = (block.tracks for block in read_blocks(moved))
     np.testing.assert_allclose(
-        moved.tracks.top - m.tracks.top, displacement(m.tracks.top, IMAGE, moved.lenses[0])
+        tracks.top - m.tracks.top, displacement(m.tracks.top, IMAGE, moved.lenses[0]), atol=1e-12
+    )
+    np.testing.assert_allclose(
+        displacement(GRID, IMAGE, moved.lenses[0]),
+        lens_modes(GRID, IMAGE) @ moved.lenses[0].reshape(2, -1).T,
+        atol=1e-14,
     )
     # solved again on the moved pixels, nothing is left to find
-    tracks = moved.tracks
     pixel = np.hstack([tracks.top, tracks.bottom])
     again = replace(problem, stereo=replace(problem.stereo, pixel=pixel, **_rows(tracks)))
     second = native.solve(free_lenses(again, moved, SIGMA_PX), OPTIONS)

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from hullrecon.adjustment.problem import triangulation
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.problem.triangulation import (
     camera_poses,
@@ -68,15 +67,3 @@ def test_reprojection_errors_are_pixel_distances(scene):
     top, bottom = reprojection_errors(moved, scene.points, scene.top, scene.bottom, scene.rig)
     np.testing.assert_allclose(top[np.isfinite(top)], 5.0, atol=1e-6)
     np.testing.assert_allclose(bottom[np.isfinite(bottom)], 0.0, atol=1e-6)
-
-
-def test_blocks_of_observations_change_no_byte(scene, monkeypatch):
-    given = (scene.top, scene.bottom, scene.rig)
-    positions, errors = [], []
-    for observations in (1 << 16, 64):
-        monkeypatch.setattr(triangulation, "OBSERVATIONS", observations)
-        assert len(scene.tracks.node) > 64
-        positions.append(triangulate(scene.tracks, len(scene.points), *given)[0])
-        errors.append(reprojection_errors(scene.tracks, scene.points, *given))
-    np.testing.assert_array_equal(*positions)
-    np.testing.assert_array_equal(*errors)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hullrecon.adjustment.options import PRODUCT, Strategy
-from hullrecon.adjustment.problem.state import State, Weights
+from hullrecon.adjustment.problem.state import ResponseSigmas, State, Weights
 from hullrecon.adjustment.problem.weighting import (
     depth_sigma,
     estimate_pixel_sigmas,
@@ -20,7 +20,7 @@ from hullrecon.records.trajectory import Attitude
 
 WEIGHTS = Weights(
     pixel=1.0,
-    pixel_ratio=np.ones(0),
+    by_response=ResponseSigmas(pixel=1.0, least=0.0),
     depth=1.0,
     tray=0.01,
     range_sigma=0.02,
@@ -63,7 +63,8 @@ def dive(scene, depth, noise_m, given_m=GIVEN_M, nodes_per_reading=1):
 def depth_weight(scene, monkeypatch):
     """The sigma of depths that a round settles, in the sigma given."""
     monkeypatch.setattr(
-        "hullrecon.adjustment.problem.weighting.estimate_pixel_sigmas", lambda *_: (0.5, np.ones(0))
+        "hullrecon.adjustment.problem.weighting.estimate_pixel_sigmas",
+        lambda *_: WEIGHTS.by_response,
     )
 
     def found(*of, **more):
@@ -83,7 +84,7 @@ def seen_with(scene):
         t, rng = scene.tracks, np.random.default_rng(4)
         noise = [sigma_px[:, None] * rng.standard_normal((len(t.node), 2)) for _ in range(2)]
         tracks = replace(t, top=t.top + noise[0], bottom=t.bottom + noise[1], response=response)
-        measured = SimpleNamespace(rig=scene.rig, tracks=tracks)
+        measured = SimpleNamespace(rig=scene.rig, tracks=tracks, lens_steps=())
         state = State(
             nodes=scene.nodes,
             tray=scene.tray,
@@ -93,10 +94,14 @@ def seen_with(scene):
             hull=None,
         )
         every = [np.isfinite(pixels[:, 0]) for pixels in (t.top, t.bottom)]
-        chosen = SimpleNamespace(top=every[0], bottom=every[1], landmarks=np.unique(t.landmark))
-        weights = replace(WEIGHTS, pixel_ratio=np.ones(len(t.node)))
-        pixel, ratio = estimate_pixel_sigmas(measured, state, chosen, weights)
-        return pixel * ratio
+        landmarks, rays = np.unique(
+            np.r_[t.landmark[every[0]], t.landmark[every[1]]], return_counts=True
+        )
+        of_each = np.zeros(len(scene.points), np.int32)
+        of_each[landmarks] = rays
+        chosen = SimpleNamespace(top=every[0], bottom=every[1], landmarks=landmarks, rays=of_each)
+        found = estimate_pixel_sigmas(measured, state, chosen, WEIGHTS)
+        return found.pixel * found.ratio(response)
 
     return found
 

@@ -20,6 +20,7 @@ from hullrecon.adjustment.hull_pose.observability import find_weak_directions
 from hullrecon.adjustment.problem.assembly import Selection
 from hullrecon.adjustment.problem.deviation_field import DeviationGrid
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements
+from hullrecon.adjustment.problem.observations import first_nodes
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry.poses import Poses
@@ -107,7 +108,7 @@ def collect_hull_points(
         thinned = thin_over_surface(points, hull.global_from_hull, hull.cad_model)
         return HullPoints(xyz=thinned[:, :3], by_range=thinned[:, 3:])
     nodes = [
-        _first_nodes(m, on_hull),
+        first_nodes(m)[on_hull],
         *([] if m.returns is None else [m.returns.node[chosen.returns]]),
     ]
     of_point, most = segments.of_node[np.concatenate(nodes)], MAX_POINTS // len(segments)
@@ -135,15 +136,6 @@ def _range_scale_sigma(m: Measurements, seen: bool) -> float:
     assert m.returns is not None
     of_sound = float(m.rig.priors.navigation_sigma[0])
     return of_sound if seen else float(np.hypot(of_sound, m.returns.scale_sigma))
-
-
-def _first_nodes(m: Measurements, landmarks: Ints) -> Ints:
-    """Find the first node (L,) that saw each of some landmarks."""
-    if m.tracks is None:
-        return np.zeros(0, np.int64)
-    first = np.full(int(m.tracks.landmark.max(initial=-1)) + 1, np.iinfo(np.int64).max)
-    np.minimum.at(first, m.tracks.landmark, m.tracks.node)
-    return np.asarray(first[landmarks])
 
 
 def thin_over_surface(

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from hullrecon import native
+from hullrecon.memory import release_pages
 from hullrecon.native.parts import Part
 from hullrecon.typing import Array, Ints, Ints32
 
@@ -74,7 +75,11 @@ class SubProblems:
 
     def parts(self) -> Iterator[Part]:
         """Build the parts, one at a time."""
-        return (self.part(k) for k in range(self.count))
+        for k in range(self.count):
+            part = self.part(k)
+            for table in (self.problem.stereo, self.problem.mono):
+                release_pages(*vars(table).values())
+            yield part
 
     def part(self, k: int) -> Part:
         """Build a part, its tables copied."""

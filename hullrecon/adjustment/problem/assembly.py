@@ -17,6 +17,7 @@ from hullrecon import native
 from hullrecon.adjustment.hull_pose.registration import frame_at
 from hullrecon.adjustment.problem.deviation_field import DeviationGrid, as_rows, prior_rows
 from hullrecon.adjustment.problem.measurements import Measurements
+from hullrecon.adjustment.problem.observations import landmark_count, read_blocks
 from hullrecon.adjustment.problem.state import HullState, State, Weights
 from hullrecon.estimation.navigation_tables import (
     attitude_table,
@@ -30,10 +31,10 @@ from hullrecon.estimation.plane_tables import with_planes
 from hullrecon.estimation.position_tables import with_positions
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses, pose_from_vector, pose_vector
+from hullrecon.memory import empty_array, release_pages
 from hullrecon.records.solution import Mounts
-from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Odometry, Returns
-from hullrecon.typing import Array, Ints, Mask
+from hullrecon.typing import Array, Ints, Ints32, Mask
 
 MIN_SHARED = 12  # landmarks seen by two nodes that determine their relative pose well
 
@@ -46,6 +47,7 @@ class Selection:
     bottom: Mask  # (m,) and in the bottom camera
     returns: Mask  # (r,)
     landmarks: Ints  # (L_used,) of the problem, in the tracks' numbering
+    rays: Ints32  # (L,) observations of each landmark in `top` and `bottom`
 
 
 def assemble(
@@ -84,7 +86,7 @@ def assemble(
     )
     problem = with_positions(problem, m.positions)
     if m.tracks is not None:
-        stereo, mono = _image_tables(m.tracks, state, weights.pixel_ratio, chosen)
+        stereo, mono = _image_tables(m, weights, chosen)
         problem = replace(problem, stereo=stereo, mono=mono, sigma_px=weights.pixel)
     if state.hull is None:
         return with_planes(problem, m.planes)  # with a CAD model, the same returns measure that
@@ -106,13 +108,22 @@ def _unseen_motions(m: Measurements, chosen: Selection) -> Odometry:
     """
     if m.tracks is None or not m.odometry.from_images.any():
         return m.odometry
-    rows = (chosen.top | chosen.bottom) & np.isin(m.tracks.landmark, chosen.landmarks)
-    shape = (len(m.trajectory.t_ns), 1 + int(m.tracks.landmark.max(initial=-1)))
-    seen = coo_array(
-        (np.ones(rows.sum()), (m.tracks.node[rows], m.tracks.landmark[rows])), shape=shape
-    ).tocsr()
+    pairs = [np.zeros((2, 0), np.int64)]
+    for block in read_blocks(m, _is_chosen(m, chosen)):
+        rows = chosen.top[block.rows] | chosen.bottom[block.rows]
+        pairs.append(np.stack([block.tracks.node[rows], block.tracks.landmark[rows]]))
+    node, landmark = np.concatenate(pairs, axis=1)
+    shape = (len(m.trajectory.t_ns), landmark_count(m))
+    seen = coo_array((np.ones(len(node)), (node, landmark)), shape=shape).tocsr()
     shared = seen[m.odometry.first].multiply(seen[m.odometry.second]).sum(axis=1)
     return m.odometry.take(~(m.odometry.from_images & (np.asarray(shared).ravel() >= MIN_SHARED)))
+
+
+def _is_chosen(m: Measurements, chosen: Selection) -> Mask:
+    """Tell which of the tracks' landmarks (L,) are of the problem."""
+    out = np.zeros(landmark_count(m), bool)
+    out[chosen.landmarks] = True
+    return out
 
 
 def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selection) -> State:
@@ -222,34 +233,51 @@ def _priors(m: Measurements, state: State) -> native.Priors:
 
 
 def _image_tables(
-    tracks: Tracks, state: State, sigma_ratio: Array, chosen: Selection
+    m: Measurements, weights: Weights, chosen: Selection
 ) -> tuple[native.StereoTable, native.MonoTable]:
     """Split the chosen observations of a node into those by both cameras, and by one."""
-    number = np.full(len(state.landmark), -1)
-    number[chosen.landmarks] = np.arange(len(chosen.landmarks))
-    known = number[tracks.landmark] >= 0
-    both, top, bottom = (
-        known & k
-        for k in (
-            chosen.top & chosen.bottom,
-            chosen.top & ~chosen.bottom,
-            ~chosen.top & chosen.bottom,
-        )
+    known = _is_chosen(m, chosen)
+    number = np.cumsum(known, dtype=np.int32) - 1
+    kinds = (
+        (chosen.top & chosen.bottom, slice(0, 4)),
+        (chosen.top & ~chosen.bottom, slice(0, 2)),
+        (~chosen.top & chosen.bottom, slice(2, 4)),
     )
-    stereo = native.StereoTable(
-        node=tracks.node[both].astype(np.int32),
-        landmark=number[tracks.landmark[both]].astype(np.int32),
-        pixel=np.hstack([tracks.top[both], tracks.bottom[both]]),
-        sigma_ratio=sigma_ratio[both],
+    count = np.zeros(3, np.int64)
+    for block in read_blocks(m, known):
+        count += [np.count_nonzero(rows[block.rows]) for rows, _ in kinds]
+    tables = [_ImageRows(int(count[0]), 4), _ImageRows(int(count[1] + count[2]), 2)]
+    filled = np.array([0, 0, count[1]])  # rows of one camera stand behind those of the other
+    for block in read_blocks(m, known):
+        tracks = block.tracks
+        pixel = np.hstack([tracks.top, tracks.bottom])
+        ratio = weights.by_response.ratio(tracks.response)
+        for kind, (rows, sides) in enumerate(kinds):
+            own = np.flatnonzero(rows[block.rows])
+            to = slice(filled[kind], filled[kind] + len(own))
+            table = tables[min(kind, 1)]
+            table.node[to] = tracks.node[own]
+            table.landmark[to] = number[tracks.landmark[own]]
+            table.pixel[to] = pixel[own, sides]
+            table.sigma_ratio[to] = ratio[own]
+            filled[kind] = to.stop
+    both, one = tables
+    for table in tables:
+        release_pages(*vars(table).values())
+    return (
+        native.StereoTable(**vars(both)),
+        native.MonoTable(**vars(one), camera=np.repeat(np.array([0, 1], np.int32), count[1:])),
     )
-    mono = native.MonoTable(
-        node=np.r_[tracks.node[top], tracks.node[bottom]].astype(np.int32),
-        landmark=number[np.r_[tracks.landmark[top], tracks.landmark[bottom]]].astype(np.int32),
-        camera=np.repeat(np.array([0, 1], np.int32), [top.sum(), bottom.sum()]),
-        pixel=np.vstack([tracks.top[top], tracks.bottom[bottom]]),
-        sigma_ratio=np.r_[sigma_ratio[top], sigma_ratio[bottom]],
-    )
-    return stereo, mono
+
+
+class _ImageRows:
+    """Columns of a table of observations, to be filled: those of a long dive stand in files."""
+
+    def __init__(self, count: int, pixels: int) -> None:
+        self.node = empty_array((count,), np.int32)
+        self.landmark = empty_array((count,), np.int32)
+        self.pixel = empty_array((count, pixels), np.float64)
+        self.sigma_ratio = empty_array((count,), np.float64)
 
 
 def _centred_pose(hull: HullState) -> Poses:

@@ -17,7 +17,6 @@ import numpy as np
 
 from hullrecon import native
 from hullrecon.adjustment.problem.measurements import Measurements
-from hullrecon.adjustment.problem.triangulation import in_blocks
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.rig import Rig
@@ -43,8 +42,28 @@ def lens_modes(pixels: Array, camera: CameraModel) -> Array:
 
 
 def displacement(pixels: Array, camera: CameraModel, lens: Array) -> Array:
-    """Compute the displacement (n, 2) px of a lens (2 LENS_MODES,) at pixels (n, 2)."""
-    return lens_modes(pixels, camera) @ lens.reshape(2, native.LENS_MODES).T
+    """Compute the displacement (n, 2) px of a lens (2 LENS_MODES,) at pixels (n, 2).
+
+    Summed along u first: a fifth of the time that the modes and their sum take.
+    """
+    at = (2 * pixels + 1) / [camera.width, camera.height] - 1
+    degrees = native.LENS_DEGREE + 1
+    number = np.zeros((2, degrees, degrees))
+    along_u, along_v = np.array(_DEGREES).T
+    number[:, along_u, along_v] = lens.reshape(2, native.LENS_MODES)
+    rms = np.sqrt(2 * np.arange(degrees) + 1)
+    u, v = _legendre_polynomials(at[:, 0]), _legendre_polynomials(at[:, 1])
+    of_axes = [((rms[:, None] * by * rms).T @ u * v).sum(axis=0) for by in number]
+    return np.stack(of_axes, axis=1)
+
+
+def _legendre_polynomials(at: Array) -> Array:
+    """Compute Legendre polynomials (LENS_DEGREE + 1, n) at `at` (n,) in -1 to 1."""
+    values = np.empty((native.LENS_DEGREE + 1, len(at)))
+    values[0], values[1] = 1.0, at
+    for k in range(2, len(values)):
+        values[k] = ((2 * k - 1) * at * values[k - 1] - (k - 1) * values[k - 2]) / k
+    return values
 
 
 @cache
@@ -66,8 +85,8 @@ def mode_shares() -> Array:
 def free_lenses(problem: native.Problem, m: Measurements, sigma_px: Array) -> native.Problem:
     """Make unknowns of the displacements of lenses.
 
-    The tracks' pixels have been moved by what was found so far, about the negative of which the
-    prior of the rest stands.
+    Pixels are read moved by what was found so far, about the negative of which the prior of the
+    rest stands.
 
     Parameters
     ----------
@@ -90,21 +109,11 @@ def free_lenses(problem: native.Problem, m: Measurements, sigma_px: Array) -> na
 
 
 def apply_lenses(m: Measurements, problem: native.Problem, result: native.Result) -> Measurements:
-    """Move the tracks' pixels by the displacements that the solve found."""
+    """Move the pixels by the displacements that the solve found, from when they are read on."""
     if not len(problem.lenses.image_size) or m.tracks is None:
         return m
     found = np.stack([result.unknowns.lens_top, result.unknowns.lens_bottom])
-    tracks = m.tracks
-    for camera in Camera:
-        model, name = m.rig.camera_models.get(camera), camera.value
-        if model is not None:
-            pixels = getattr(tracks, name)
-            moved = np.empty(pixels.shape)
-            for some in in_blocks(len(pixels)):
-                by = displacement(pixels[some], model, found[camera.column])
-                moved[some] = pixels[some] + by
-            tracks = replace(tracks, **{name: moved})
-    return replace(m, tracks=tracks, lenses=m.lenses + found)
+    return replace(m, lens_steps=np.concatenate([m.lens_steps, found[None]]))
 
 
 def estimate_lens_sigma(found: Array, calibration_sigma_px: Array) -> Array:

@@ -55,6 +55,11 @@ class Measurements:
     start: VehiclePath | None = None  # path to begin with; None: dead reckoning
     planes: TiedPlanes | None = None  # tie passes where there is no CAD model
     positions: PositionTies | None = None  # from outside (GPS, USBL)
-    # (2, 2 LENS_MODES) px, displacements of top and bottom lens that were found: the pixels of the
-    # tracks have been moved by them
-    lenses: Array = field(default_factory=lambda: np.zeros((2, 2 * LENS_MODES)))
+    # (k, 2, 2 LENS_MODES) px, displacements of top and bottom lens that k rounds found: pixels are
+    # read moved by them, one after the other
+    lens_steps: Array = field(default_factory=lambda: np.zeros((0, 2, 2 * LENS_MODES)))
+
+    @property
+    def lenses(self) -> Array:
+        """The displacements (2, 2 LENS_MODES) px that all rounds found."""
+        return np.asarray(self.lens_steps.sum(axis=0))

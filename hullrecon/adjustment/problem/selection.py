@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeVar
 
@@ -11,33 +12,47 @@ import numpy as np
 
 from hullrecon.adjustment.problem.assembly import Selection
 from hullrecon.adjustment.problem.measurements import Measurements
+from hullrecon.adjustment.problem.observations import (
+    Block,
+    first_nodes,
+    landmark_count,
+    read_blocks,
+)
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.problem.triangulation import (
     camera_poses,
     reprojection_errors,
     triangulate,
 )
+from hullrecon.geometry.poses import Poses
 from hullrecon.native import MonoTable, Problem, Result, StereoTable, SurfaceTable
 from hullrecon.typing import Array, Mask
 
 Table = TypeVar("Table", StereoTable, MonoTable, SurfaceTable)
-
-
-def landmark_count(m: Measurements) -> int:
-    """Count the landmarks of the tracks."""
-    return 0 if m.tracks is None else len(m.tracks.color)
+# Largest reprojection error, px: of all observations, or of each by the detector's response (m,)
+Limit = float | Callable[[Array], Array]
 
 
 def triangulate_landmarks(m: Measurements, state: State) -> Array:
     """Triangulate landmarks (L, 3) in g from the present poses. NaN where it cannot be done."""
     if m.tracks is None or state.mounts.tray_from_top is None:
         return np.zeros((0, 3))
-    top, bottom = camera_poses(m.rig, state)
-    position, _ = triangulate(m.tracks, landmark_count(m), top, bottom, m.rig)
-    return position
+    poses = camera_poses(m.rig, state)
+    landmark = np.full((landmark_count(m), 3), np.nan)
+    for block in read_blocks(m):
+        landmark[block.landmarks] = _triangulated(block, poses, m)
+    return landmark
 
 
-def select_measurements(m: Measurements, state: State, max_px: Array | float) -> Selection:
+def find_landmarks(m: Measurements, state: State, max_px: Limit) -> tuple[State, Selection]:
+    """Triangulate landmarks from the present poses, and select what agrees with these.
+
+    As `select_measurements`, but the landmarks of `state` are found anew.
+    """
+    return _find(m, state, max_px, triangulate_first=True)
+
+
+def select_measurements(m: Measurements, state: State, max_px: Limit) -> Selection:
     """Select observations that agree with the present poses, their landmarks, and returns.
 
     Parameters
@@ -45,26 +60,47 @@ def select_measurements(m: Measurements, state: State, max_px: Array | float) ->
     m, state
         What was measured, and the present poses and landmarks.
     max_px
-        Largest reprojection error, of all observations or of each (m,).
+        Largest reprojection error, of all observations or of each by the detector's response.
 
     Returns
     -------
     Selection
         Landmarks keep at least two rays and lie near the hull. Flagged returns are left out.
     """
+    return _find(m, state, max_px, triangulate_first=False)[1]
+
+
+def _find(
+    m: Measurements, state: State, max_px: Limit, triangulate_first: bool
+) -> tuple[State, Selection]:
     returns = ~m.returns.flagged if m.returns is not None else np.zeros(0, bool)
     if m.tracks is None or state.mounts.tray_from_top is None:
         empty = np.zeros(0, bool)
-        return Selection(empty, empty, returns, np.zeros(0, np.int64))
-    poses = camera_poses(m.rig, state)
-    top_error, bottom_error = reprojection_errors(m.tracks, state.landmark, *poses, m.rig)
-    top, bottom = (
-        np.nan_to_num(top_error, nan=np.inf) <= max_px,
-        np.nan_to_num(bottom_error, nan=np.inf) <= max_px,
-    )
-    rays = np.bincount(m.tracks.landmark, top.astype(float) + bottom, minlength=landmark_count(m))
-    used = (rays >= 2) & np.isfinite(state.landmark[:, 0]) & _near_hull(state)
-    return Selection(top, bottom, returns, np.flatnonzero(used))
+        nothing = Selection(empty, empty, returns, np.zeros(0, np.int64), np.zeros(0, np.int32))
+        return replace(state, landmark=np.zeros((0, 3))), nothing
+    poses, is_near = camera_poses(m.rig, state), _near_hull(state)
+    count, rows = landmark_count(m), len(m.tracks.landmark)
+    landmark = np.full((count, 3), np.nan) if triangulate_first else state.landmark
+    top, bottom, used = np.zeros(rows, bool), np.zeros(rows, bool), np.zeros(count, bool)
+    rays = np.zeros(count, np.int32)
+    for block in read_blocks(m):
+        own = block.landmarks
+        if triangulate_first:
+            landmark[own] = _triangulated(block, poses, m)
+        errors = reprojection_errors(block.numbered_from_0, landmark[own], *poses, m.rig)
+        limit = max_px(block.tracks.response) if callable(max_px) else max_px
+        agree = [np.nan_to_num(error, nan=np.inf) <= limit for error in errors]
+        top[block.rows], bottom[block.rows] = agree
+        of_block = np.add(*agree, dtype=np.int8)
+        rays[own] = np.bincount(block.numbered_from_0.landmark, of_block)
+        used[own] = (rays[own] >= 2) & np.isfinite(landmark[own, 0]) & is_near(landmark[own])
+    chosen = Selection(top, bottom, returns, np.flatnonzero(used), rays)
+    return replace(state, landmark=landmark), chosen
+
+
+def _triangulated(block: Block, poses: tuple[Poses, Poses | None], m: Measurements) -> Array:
+    count = block.landmarks.stop - block.landmarks.start
+    return triangulate(block.numbered_from_0, count, *poses, m.rig)[0]
 
 
 def choose_anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
@@ -75,20 +111,15 @@ def choose_anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
     """
     if m.tracks is None or len(chosen.landmarks) <= most:
         return chosen
-    rays = np.bincount(
-        m.tracks.landmark, chosen.top.astype(float) + chosen.bottom, minlength=landmark_count(m)
-    )
-    first = np.full(landmark_count(m), np.iinfo(np.int64).max)
-    np.minimum.at(first, m.tracks.landmark, m.tracks.node)
-    node = first[chosen.landmarks]
-    order = np.lexsort((-rays[chosen.landmarks], node))
+    node = first_nodes(m)[chosen.landmarks]
+    order = np.lexsort((-chosen.rays[chosen.landmarks], node))
     rank = np.arange(len(order)) - np.searchsorted(node[order], node[order])
     kept = order[rank < max(1, most // max(1, len(np.unique(node))))]
-    return Selection(chosen.top, chosen.bottom, chosen.returns, np.sort(chosen.landmarks[kept]))
+    return replace(chosen, landmarks=np.sort(chosen.landmarks[kept]))
 
 
 def drop_isolated_landmarks(
-    m: Measurements, state: State, chosen: Selection, off: Mask, reach_m: float = 0.15
+    state: State, chosen: Selection, off: Mask, reach_m: float = 0.15
 ) -> Selection:
     """Drop landmarks off the hull that stand alone.
 
@@ -97,8 +128,8 @@ def drop_isolated_landmarks(
 
     Parameters
     ----------
-    m, state, chosen
-        The measurements, and those chosen.
+    state, chosen
+        The landmarks, and those chosen.
     off
         Which chosen landmarks lie off the hull.
     reach_m
@@ -106,18 +137,13 @@ def drop_isolated_landmarks(
     """
     from scipy.spatial import cKDTree
 
-    if m.tracks is None or not off.any():
+    if not off.any():
         return chosen
-    rays = np.bincount(
-        m.tracks.landmark, chosen.top.astype(float) + chosen.bottom, minlength=landmark_count(m)
-    )[chosen.landmarks]
-    position = state.landmark[chosen.landmarks]
-    neighbours = (
-        cKDTree(position[off]).query_ball_point(position[off], reach_m, return_length=True) - 1
-    )
+    position = state.landmark[chosen.landmarks[off]]
+    neighbours = cKDTree(position).query_ball_point(position, reach_m, return_length=True) - 1
     isolated = np.zeros(len(off), bool)
-    isolated[off] = (rays[off] <= 3) & (neighbours < 2)
-    return Selection(chosen.top, chosen.bottom, chosen.returns, chosen.landmarks[~isolated])
+    isolated[off] = (chosen.rays[chosen.landmarks[off]] <= 3) & (neighbours < 2)
+    return replace(chosen, landmarks=chosen.landmarks[~isolated])
 
 
 def label_boundary(sigma_on: float, sigma_off: float) -> float:
@@ -128,18 +154,22 @@ def label_boundary(sigma_on: float, sigma_off: float) -> float:
     return float(np.sqrt(2 * np.log(sigma_off / sigma_on) / (sigma_on**-2 - sigma_off**-2)))
 
 
-def _near_hull(state: State, reach_m: float = 2.0) -> Mask:
-    """Tell which landmarks (L,) lie within reach of the CAD model, or of the path without one.
+def _near_hull(state: State, reach_m: float = 2.0) -> Callable[[Array], Mask]:
+    """Tell which points (n, 3) lie within reach of the CAD model, or of the path without one.
 
     Metres off is a mismatch.
     """
     from scipy.spatial import cKDTree
 
-    finite = np.nan_to_num(state.landmark, nan=1e6)
-    if state.hull is None:
-        gap, _ = cKDTree(state.nodes.translation).query(finite)
-        return np.asarray(gap < 30.0)
-    return np.asarray(np.abs(state.hull.cad_distance(finite)) < reach_m)
+    hull = state.hull
+    if hull is not None:
+        return lambda points: np.abs(hull.cad_distance(_finite(points))) < reach_m
+    path = cKDTree(state.nodes.translation)
+    return lambda points: np.asarray(path.query(_finite(points))[0] < 30.0)
+
+
+def _finite(points: Array) -> Array:
+    return np.nan_to_num(points, nan=1e6)
 
 
 def drop_landmarks(problem: Problem, keep: Mask) -> Problem:

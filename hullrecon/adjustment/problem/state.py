@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -76,11 +76,36 @@ class State:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ResponseSigmas:
+    """Sigma of an observation's coordinate by the detector's response to its feature, px.
+
+    Between the responses known it is linear in the logarithms.
+    """
+
+    pixel: float  # of all, where nothing else is known
+    least: float  # no feature is found better
+    corner: float | None = None  # of corners, which have no response; None: not known
+    response: Array = field(default_factory=lambda: np.zeros(0))  # (k,) ascending
+    sigma: Array = field(default_factory=lambda: np.zeros(0))  # (k,) at these
+
+    def ratio(self, response: Array) -> Array:
+        """Compute the sigma of observations of these responses (m,) in `pixel`."""
+        sigma = np.full(len(response), self.pixel)
+        if self.corner is not None:
+            sigma[np.isnan(response)] = self.corner
+        if len(self.response):
+            known = np.flatnonzero(response > 0)
+            at = np.log(response[known])
+            sigma[known] = np.exp(np.interp(at, np.log(self.response), np.log(self.sigma)))
+        return np.asarray(np.maximum(sigma, self.least) / self.pixel)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Weights:
     """Sigmas and weights of the measurements in a round."""
 
     pixel: float  # px
-    pixel_ratio: Array  # (m,) sigma of each observation of the tracks in `pixel`
+    by_response: ResponseSigmas  # of an observation, in `pixel`
     depth: float  # ratio of the sigma of depths to navigation's
     tray: float  # rad
     range_sigma: float  # m

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Landmarks triangulated from their rays, and reprojection errors, in batches."""
+"""Landmarks triangulated from their rays, and reprojection errors, of a block of observations."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from typing import Protocol
 
 import numpy as np
 
@@ -16,12 +16,14 @@ from hullrecon.records.tracks import Tracks
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
-OBSERVATIONS = 1 << 16  # computed at a time: they take some 300 bytes each, and fit into a cache
 
+class Cameras(Protocol):
+    """Has the two cameras, as a rig does."""
 
-def in_blocks(count: int) -> Iterator[slice]:
-    """Split so many observations into blocks that are computed at a time."""
-    return (slice(k, min(count, k + OBSERVATIONS)) for k in range(0, count, OBSERVATIONS))
+    @property
+    def top(self) -> CameraModel | None: ...
+    @property
+    def bottom(self) -> CameraModel | None: ...
 
 
 def camera_poses(rig: Rig, state: State) -> tuple[Poses, Poses | None]:
@@ -54,14 +56,13 @@ def triangulate(
         if camera is None or pose is None:
             continue
         seen = np.flatnonzero(np.isfinite(pixels[:, 0]))
-        for some in (seen[block] for block in in_blocks(len(seen))):
-            origin, ray = rays_in_global(pixels[some], tracks.node[some], camera, pose)
-            owner = tracks.landmark[some]
-            across = np.eye(3) - ray[:, :, None] * ray[:, None, :]
-            np.add.at(normal, owner, across)
-            np.add.at(right, owner, np.einsum("nij,nj->ni", across, origin))
-            np.add.at(mean_ray, owner, ray)
-            np.add.at(count, owner, 1.0)
+        origin, ray = rays_in_global(pixels[seen], tracks.node[seen], camera, pose)
+        owner = tracks.landmark[seen]
+        across = np.eye(3) - ray[:, :, None] * ray[:, None, :]
+        np.add.at(normal, owner, across)
+        np.add.at(right, owner, np.einsum("nij,nj->ni", across, origin))
+        np.add.at(mean_ray, owner, ray)
+        np.add.at(count, owner, 1.0)
     spread = _ray_spread(mean_ray, count)
     good = (count >= 2) & (spread > np.radians(0.3))
     position = np.full((n_landmarks, 3), np.nan)
@@ -90,7 +91,7 @@ def _ray_spread(mean_ray: Array, count: Array) -> Array:
 
 
 def reprojection_errors(
-    tracks: Tracks, landmark: Array, top: Poses, bottom: Poses | None, rig: Rig
+    tracks: Tracks, landmark: Array, top: Poses, bottom: Poses | None, rig: Cameras
 ) -> tuple[Array, Array]:
     """Compute reprojection errors (m,) in the top and the bottom camera, px.
 
@@ -101,8 +102,6 @@ def reprojection_errors(
     for error, (pixels, camera, pose) in zip(errors, cameras, strict=True):
         if camera is None or pose is None:
             continue
-        to_camera = pose.inverse()
-        for some in in_blocks(len(pixels)):
-            in_camera = to_camera[tracks.node[some]].apply(landmark[tracks.landmark[some]])
-            error[some] = np.linalg.norm(camera.project(in_camera) - pixels[some], axis=1)
+        in_camera = pose.inverse()[tracks.node].apply(landmark[tracks.landmark])
+        error[:] = np.linalg.norm(camera.project(in_camera) - pixels, axis=1)
     return errors[0], errors[1]

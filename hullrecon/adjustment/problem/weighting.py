@@ -9,14 +9,14 @@ from dataclasses import replace
 import numpy as np
 
 from hullrecon.adjustment.options import Strategy
-from hullrecon.adjustment.problem import selection
 from hullrecon.adjustment.problem.assembly import Selection, share_weight_by_cell
 from hullrecon.adjustment.problem.lens import estimate_lens_sigma
 from hullrecon.adjustment.problem.measurements import Measurements
-from hullrecon.adjustment.problem.state import State, Weights
+from hullrecon.adjustment.problem.observations import Block, landmark_count, read_blocks
+from hullrecon.adjustment.problem.state import ResponseSigmas, State, Weights
 from hullrecon.adjustment.problem.triangulation import camera_poses, reprojection_errors
 from hullrecon.geometry.robust import robust_sigma
-from hullrecon.typing import Array, Ints, Ints32
+from hullrecon.typing import Array, Ints
 
 MIN_RESIDUALS = 100  # from which a sigma is estimated
 RESPONSE_GROUPS = 12
@@ -30,11 +30,11 @@ def initial_weights(m: Measurements, strategy: Strategy) -> Weights:
     """Start from the sigmas that the package states."""
     return Weights(
         pixel=m.rig.priors.pixel_sigma_px,
-        pixel_ratio=np.ones(0 if m.tracks is None else len(m.tracks.node)),
+        by_response=ResponseSigmas(pixel=m.rig.priors.pixel_sigma_px, least=0.0),
         depth=1.0,
         tray=m.rig.priors.tray_sigma_rad,
         range_sigma=m.rig.priors.range_sigma_m,
-        surface=np.ones(selection.landmark_count(m)),
+        surface=np.ones(landmark_count(m)),
         tray_direction=m.attitude.tray_direction
         if strategy.systematic_errors
         else np.zeros(len(m.trajectory.t_ns)),
@@ -63,7 +63,7 @@ def estimate_weights(
     """Estimate sigmas from the residuals of a round, and the sides of the tray's backlash."""
     if not strategy.estimate_sigmas or m.tracks is None:
         return weights
-    pixel, pixel_ratio = estimate_pixel_sigmas(m, state, chosen, weights)
+    by_response = estimate_pixel_sigmas(m, state, chosen, weights)
     side = estimate_sides(m.trajectory.tray - state.tray, weights.tray_direction)
     excess = (m.trajectory.tray - state.tray - state.navigation[5] * side)[
         m.attitude.tray_sigma == 0
@@ -72,8 +72,8 @@ def estimate_weights(
     tray = float(np.clip(read, np.radians(MIN_TRAY_SIGMA_DEG), m.rig.priors.tray_sigma_rad))
     return replace(
         weights,
-        pixel=pixel,
-        pixel_ratio=pixel_ratio,
+        pixel=by_response.pixel,
+        by_response=by_response,
         depth=_depth_weight(m, state),
         tray_direction=side,
         tray=tray,
@@ -83,78 +83,88 @@ def estimate_weights(
 
 def estimate_pixel_sigmas(
     m: Measurements, state: State, chosen: Selection, weights: Weights
-) -> tuple[float, Array]:
-    """Estimate the pixel sigma and each observation's ratio to it from residuals.
+) -> ResponseSigmas:
+    """Estimate the pixel sigma, and that of each observation, from residuals.
 
     A feature is found the better the stronger the detector's response to it is: noise moves the
     extremum of a flat bump farther (docs/methods.md 6). So residuals are grouped by response.
     Corners, which have none, are one group. Residuals are those of well-seen landmarks, freed of
     the three coordinates that each landmark takes from them.
-
-    Returns
-    -------
-    pixel, ratio
-        Sigma of a coordinate, px, and (m,) of each observation in it.
     """
     if m.tracks is None or state.mounts.tray_from_top is None:
-        return MIN_SIGMA_PX, weights.pixel_ratio
-    count, landmark = selection.landmark_count(m), m.tracks.landmark
-    seen = chosen.top.astype(np.int8) + chosen.bottom
-    rays = np.bincount(landmark, seen, minlength=count)
-    used = np.zeros(count, bool)
-    used[chosen.landmarks] = rays[chosen.landmarks] >= min(
-        MIN_RAYS, np.percentile(rays[chosen.landmarks], 75)
+        return replace(weights.by_response, pixel=MIN_SIGMA_PX)
+    rays = chosen.rays[chosen.landmarks]
+    well_seen = np.zeros(len(state.landmark), bool)
+    well_seen[chosen.landmarks] = rays >= min(MIN_RAYS, np.percentile(rays, 75))
+    poses = camera_poses(m.rig, state)
+    blocks = [
+        _residuals(
+            block, reprojection_errors(block.tracks, state.landmark, *poses, m.rig), chosen, weights
+        )
+        for block in read_blocks(m, well_seen)
+    ]
+    # of the top camera, then of the bottom one
+    length, freedom, response = (
+        np.concatenate([of_block[name][k] for k in range(2) for of_block in blocks])
+        if blocks
+        else np.zeros(0)
+        for name in ("length", "freedom", "response")
     )
-    of_top, of_bottom = (np.flatnonzero(used[landmark] & k) for k in (chosen.top, chosen.bottom))
-    row = np.r_[of_top, of_bottom].astype(np.int32)
-    if len(row) < MIN_RESIDUALS:
-        return max(MIN_SIGMA_PX, m.rig.priors.pixel_sigma_px), np.ones_like(weights.pixel_ratio)
-    length = _residual_lengths(m, state, of_top, of_bottom)
-    weight = weights.pixel_ratio**-2
-    whole = np.bincount(landmark, weight * seen, minlength=count)
-    # of the two coordinates of a ray
-    freedom = 1 - 1.5 * (weight[row] / np.maximum(whole[landmark[row]], weight[row]))
+    if len(length) < MIN_RESIDUALS:
+        stated = max(MIN_SIGMA_PX, m.rig.priors.pixel_sigma_px)
+        return ResponseSigmas(pixel=stated, least=MIN_SIGMA_PX)
     pixel = max(MIN_SIGMA_PX, _sigma_of_lengths(length, freedom))
-    by_response = _sigma_by_response(m.tracks.response, row, length, freedom, pixel)
-    return pixel, np.maximum(by_response, MIN_SIGMA_PX) / pixel
+    return _sigma_by_response(response, length, freedom, pixel)
 
 
-def _residual_lengths(m: Measurements, state: State, of_top: Ints, of_bottom: Ints) -> Array:
-    """Compute the reprojection errors of rows in the top camera, then of rows in the bottom one."""
-    assert m.tracks is not None  # which have these rows
-    top, bottom = reprojection_errors(m.tracks, state.landmark, *camera_poses(m.rig, state), m.rig)
-    return np.asarray(np.r_[top[of_top], bottom[of_bottom]])
+def _residuals(
+    block: Block, errors: tuple[Array, Array], chosen: Selection, weights: Weights
+) -> dict[str, list[Array]]:
+    """Collect by camera the lengths of residuals, their freedom and the responses of a block."""
+    tracks, sides = block.tracks, (chosen.top[block.rows], chosen.bottom[block.rows])
+    weight = weights.by_response.ratio(tracks.response) ** -2
+    owner = block.numbered_from_0.landmark
+    whole = np.bincount(owner, weight * np.add(*sides, dtype=np.int8))[owner]
+    # of the two coordinates of a ray
+    freedom = 1 - 1.5 * (weight / np.maximum(whole, weight))
+    return {
+        name: [values[k][side] for k, side in enumerate(sides)]
+        for name, values in (
+            ("length", errors),
+            ("freedom", (freedom, freedom)),
+            ("response", (tracks.response, tracks.response)),
+        )
+    }
 
 
 def _sigma_by_response(
-    response: Array, row: Ints32, length: Array, freedom: Array, pixel: float
-) -> Array:
-    """Estimate the sigma (m,) of each observation from its group of like response.
-
-    Between groups it is linear in the logarithms.
-    """
-    sigma = np.full(len(response), pixel)
-    of_length = response[row]
-    corner = np.isnan(of_length)
+    response: Array, length: Array, freedom: Array, pixel: float
+) -> ResponseSigmas:
+    """Estimate sigmas from groups of residuals of like response (n,)."""
+    corner = np.isnan(response)
+    of_corners = None
     if corner.sum() >= MIN_RESIDUALS:
-        sigma[np.isnan(response)] = _sigma_of_lengths(length[corner], freedom[corner])
-    responds = np.flatnonzero(of_length > 0)
-    if not len(responds):
-        return sigma
+        of_corners = _sigma_of_lengths(length[corner], freedom[corner])
+    responds = np.flatnonzero(response > 0)
     edges = np.unique(
-        np.quantile(of_length[responds], np.arange(1, RESPONSE_GROUPS) / RESPONSE_GROUPS)
+        np.quantile(response[responds], np.arange(1, RESPONSE_GROUPS) / RESPONSE_GROUPS)
+        if len(responds)
+        else np.zeros(0)
     )
-    group = np.searchsorted(edges, of_length[responds], side="right").astype(np.int8)
+    group = np.searchsorted(edges, response[responds], side="right").astype(np.int8)
     center, found = [], []
     for k in range(len(edges) + 1):
         rows = responds[group == k]
         if len(rows) >= MIN_RESIDUALS:
-            center.append(np.median(of_length[rows]))
+            center.append(float(np.median(response[rows])))
             found.append(_sigma_of_lengths(length[rows], freedom[rows]))
-    if found:
-        known = np.flatnonzero(response > 0)
-        sigma[known] = np.exp(np.interp(np.log(response[known]), np.log(center), np.log(found)))
-    return sigma
+    return ResponseSigmas(
+        pixel=pixel,
+        least=MIN_SIGMA_PX,
+        corner=of_corners,
+        response=np.array(center),
+        sigma=np.array(found),
+    )
 
 
 def _sigma_of_lengths(length: Array, freedom: Array) -> float:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
@@ -73,23 +74,26 @@ class LegTies:
         )
 
 
-def tie_legs(positions: Array, node: Ints, landmark: Ints) -> LegTies:
+def tie_legs(positions: Array, observations: Iterable[tuple[Ints, Ints]]) -> LegTies:
     """Count the landmarks that legs share.
 
     Parameters
     ----------
     positions
         Of the vehicle (n, 3) m.
-    node, landmark
-        Of each observation (m,).
+    observations
+        In blocks of whole landmarks: node and landmark of each (m,).
     """
     leg = split_legs(positions)
     count = int(leg.max(initial=-1)) + 1
-    _, number = np.unique(landmark, return_inverse=True)
-    shape = (count, int(number.max(initial=-1)) + 1)
-    seen = coo_array((np.ones(len(node), np.int64), (leg[node], number)), shape=shape).tocsr()
-    seen.data[:] = 1
-    return LegTies(leg=leg, shared=(seen @ seen.T).toarray())
+    shared = np.zeros((count, count), np.int64)
+    for node, landmark in observations:
+        _, number = np.unique(landmark, return_inverse=True)
+        shape = (count, int(number.max(initial=-1)) + 1)
+        seen = coo_array((np.ones(len(node), np.int64), (leg[node], number)), shape=shape).tocsr()
+        seen.data[:] = 1
+        shared += (seen @ seen.T).toarray()
+    return LegTies(leg=leg, shared=shared)
 
 
 def split_legs(positions: Array) -> Ints:

@@ -21,6 +21,8 @@ from hullrecon.memory import return_free_memory
 from hullrecon.records.solution import DeviationField, HullPose, Landmarks, Solution
 from hullrecon.typing import Array, Ints
 
+POINTS = 1 << 16  # whose covariances are turned at a time: they take some 700 bytes each
+
 
 def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covariance:
     """Compute the covariances at the solution.
@@ -37,24 +39,24 @@ def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covarian
     if hull is None:
         return join.covariance(adjusted.problem, adjusted.plan, adjusted.settings)
     # The last round holds the hull where its profile put it; here it is free again.
-    free = join.covariance(adjusted.problem.free("T_g_M"), adjusted.plan, adjusted.settings)
-    if not adjusted.strategy.deviation_field:
+    has_field = adjusted.strategy.deviation_field
+    free = join.covariance(
+        adjusted.problem.free("T_g_M"),
+        adjusted.plan,
+        adjusted.settings,
+        of_landmarks=not has_field,
+    )
+    if not has_field:
         return free
-    navigation, deviation = free.navigation, free.deviation
-    with_hull = np.zeros_like(free.pose_T_g_M)
-    landmark_with_hull = np.zeros_like(free.landmark_T_g_M)
-    del free  # covariances of all landmarks
     evidence = adjusted.placement.evidence if adjusted.placement is not None else None
     evidence = evidence or _evidence_afterwards(m, adjusted, hull)
     held = _placed(adjusted.problem, evidence, hull)
     placed = join.covariance(held, adjusted.plan, adjusted.settings)
     return replace(
         placed,
-        navigation=navigation,
-        deviation=deviation,
+        navigation=free.navigation,
+        deviation=free.deviation,
         T_g_M=estimate.hull_pose_covariance(evidence, hull.global_from_hull),
-        pose_T_g_M=with_hull,
-        landmark_T_g_M=landmark_with_hull,
     )
 
 
@@ -107,7 +109,7 @@ def build_solution(m: Measurements, adjusted: Adjusted, marginals: native.Covari
             covariance=landmark_covariance,
             label=label,
             deviation=deviation,
-            views=_views(m, adjusted)[used],
+            views=adjusted.chosen.rays[used].astype(np.int64),
             color=m.tracks.color[used] if m.tracks is not None else np.zeros((0, 3), np.uint8),
         ),
         mounts=state.mounts,
@@ -150,9 +152,17 @@ def _covariances(
     nodes = poses_in_hull(
         marginals.pose[:, :6, :6], marginals.pose_T_g_M[:, :6], hull, state.nodes, pose, center
     )
-    landmarks = points_in_hull(
-        marginals.landmark, marginals.landmark_T_g_M, hull, position, pose, center
-    )
+    landmarks = np.empty_like(marginals.landmark)
+    for first in range(0, len(landmarks), POINTS):
+        some = slice(first, first + POINTS)
+        landmarks[some] = points_in_hull(
+            marginals.landmark[some],
+            marginals.landmark_T_g_M[some],
+            hull,
+            position[some],
+            pose,
+            center,
+        )
     return nodes, landmarks
 
 
@@ -180,11 +190,3 @@ def _labels(adjusted: Adjusted, count: int) -> tuple[Ints, Array]:
     if adjusted.state.hull is None or not count:
         return np.zeros(count, np.int64), np.full(count, np.nan)
     return adjusted.result.label.astype(np.int64), adjusted.result.distance
-
-
-def _views(m: Measurements, adjusted: Adjusted) -> Ints:
-    """Count the images that saw each landmark (L,) and were used."""
-    if m.tracks is None:
-        return np.zeros(0, np.int64)
-    seen = adjusted.chosen.top.astype(np.int64) + adjusted.chosen.bottom
-    return np.bincount(m.tracks.landmark, seen, minlength=len(m.tracks.color)).astype(np.int64)

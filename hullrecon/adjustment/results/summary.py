@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.partition import join
 from hullrecon.adjustment.problem import intrinsics, iteration_history, lens, weighting
 from hullrecon.adjustment.problem.measurements import Measurements
+from hullrecon.adjustment.problem.observations import landmark_count, read_blocks
 from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.adjustment.results.legs import LegTies, tie_legs
@@ -37,7 +38,7 @@ from hullrecon.findings.finding import Finding
 from hullrecon.geometry.poses import pose_vector
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.records.solution import Solution
-from hullrecon.typing import Array, Arrays
+from hullrecon.typing import Array, Arrays, Ints
 
 # Sigma of the CAD model's scale beyond which the report says that the survey cannot tell it
 TRUSTED_SCALE = 0.1
@@ -201,9 +202,17 @@ def _ties(m: Measurements, adjusted: Adjusted) -> LegTies | None:
     """Count the landmarks that legs share. None without images."""
     if m.tracks is None:
         return None
+    return tie_legs(adjusted.state.nodes.translation, _observed(m, adjusted))
+
+
+def _observed(m: Measurements, adjusted: Adjusted) -> Iterator[tuple[Ints, Ints]]:
+    """Go through the observations that entered, node and landmark of each, in blocks."""
     chosen = adjusted.chosen
-    used = (chosen.top | chosen.bottom) & np.isin(m.tracks.landmark, chosen.landmarks)
-    return tie_legs(adjusted.state.nodes.translation, m.tracks.node[used], m.tracks.landmark[used])
+    is_chosen = np.zeros(landmark_count(m), bool)
+    is_chosen[chosen.landmarks] = True
+    for block in read_blocks(m, is_chosen):
+        rows = chosen.top[block.rows] | chosen.bottom[block.rows]
+        yield block.tracks.node[rows], block.tracks.landmark[rows]
 
 
 def _figures(m: Measurements, adjusted: Adjusted) -> dict[str, object]:
@@ -263,7 +272,10 @@ def _mounts(state: State) -> dict[str, list[float]]:
 def _left_out(m: Measurements, adjusted: Adjusted) -> int:
     if m.tracks is None:
         return 0
-    seen = np.isfinite(m.tracks.top[:, 0]).sum() + np.isfinite(m.tracks.bottom[:, 0]).sum()
+    seen = sum(
+        np.isfinite(block.tracks.top[:, 0]).sum() + np.isfinite(block.tracks.bottom[:, 0]).sum()
+        for block in read_blocks(m)
+    )
     return int(seen - adjusted.chosen.top.sum() - adjusted.chosen.bottom.sum())
 
 

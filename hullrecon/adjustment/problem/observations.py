@@ -1,0 +1,123 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Observations of landmarks, read in blocks: those of a long dive do not fit into memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hullrecon.adjustment.problem.lens import displacement
+from hullrecon.adjustment.problem.measurements import Measurements
+from hullrecon.geometry.frames import Camera
+from hullrecon.records.tracks import Tracks
+from hullrecon.rows import read_rows
+from hullrecon.typing import Array, Ints, Mask
+
+ROWS = 1 << 16  # of a block: triangulation takes some 300 bytes each, and fits into a cache
+
+
+@dataclass(frozen=True, kw_only=True)
+class Block:
+    """Observations of some landmarks, all that each has."""
+
+    rows: Ints | slice  # of the dive's tracks
+    tracks: Tracks  # these rows, with the colours of all
+
+    @property
+    def landmarks(self) -> slice:
+        """The numbers of the landmarks, from the first to the last."""
+        number = self.tracks.landmark
+        return slice(int(number.min()), int(number.max()) + 1)
+
+    @property
+    def numbered_from_0(self) -> Tracks:
+        """The rows with `landmarks` numbered from 0 on."""
+        return replace(self.tracks, landmark=self.tracks.landmark - self.landmarks.start)
+
+
+def landmark_count(m: Measurements) -> int:
+    """Count the landmarks of the tracks."""
+    return 0 if m.tracks is None else len(m.tracks.color)
+
+
+def read_blocks(m: Measurements, of: Mask | None = None) -> Iterator[Block]:
+    """Read the observations in blocks of whole landmarks, pixels moved by what lenses displace.
+
+    Parameters
+    ----------
+    m
+        Whose tracks may be mapped from a file.
+    of
+        (L,) landmarks whose observations are read. None: all.
+    """
+    if m.tracks is None:
+        return
+    for block in read_tracks(m.tracks, of):
+        yield replace(block, tracks=_moved(m, block.tracks))
+
+
+def read_tracks(tracks: Tracks, of: Mask | None = None) -> Iterator[Block]:
+    """Read tracks in blocks as `read_blocks`, at the pixels where features were found."""
+    for rows, landmark in _whole_landmarks(tracks.landmark):
+        if of is None:
+            yield Block(rows=rows, tracks=_read(tracks, landmark, rows))
+            continue
+        kept = np.flatnonzero(of[landmark])
+        if len(kept):
+            some = _read(tracks, landmark, rows).take(kept)
+            yield Block(rows=rows.start + kept, tracks=some)
+
+
+def first_nodes(m: Measurements) -> Ints:
+    """Find the first node (L,) that saw each landmark. The largest integer where none did."""
+    first = np.full(landmark_count(m), np.iinfo(np.int64).max)
+    if m.tracks is not None:
+        for rows, landmark in _whole_landmarks(m.tracks.landmark):
+            np.minimum.at(first, landmark, read_rows(m.tracks.node, rows))
+    return first
+
+
+def _whole_landmarks(landmark: Ints) -> Iterator[tuple[slice, Ints]]:
+    """Split rows, sorted by landmark (m,), where a landmark ends."""
+    first, size = 0, ROWS
+    while first < len(landmark):
+        own = read_rows(landmark, slice(first, first + size))
+        if first + len(own) < len(landmark):
+            # the last landmark may go on
+            own = own[: np.searchsorted(own, own[-1])]
+        if not len(own):
+            size *= 2  # one landmark has more rows than a block
+            continue
+        yield slice(first, first + len(own)), own
+        first, size = first + len(own), ROWS
+
+
+def _read(tracks: Tracks, landmark: Ints, rows: slice) -> Tracks:
+    return Tracks(
+        landmark=landmark,
+        node=read_rows(tracks.node, rows),
+        top=read_rows(tracks.top, rows),
+        bottom=read_rows(tracks.bottom, rows),
+        response=read_rows(tracks.response, rows),
+        color=tracks.color,
+    )
+
+
+def _moved(m: Measurements, tracks: Tracks) -> Tracks:
+    """Move pixels by the displacements that the solves found, one after the other."""
+    return replace(
+        tracks,
+        top=_moved_pixels(m, Camera.TOP, tracks.top),
+        bottom=_moved_pixels(m, Camera.BOTTOM, tracks.bottom),
+    )
+
+
+def _moved_pixels(m: Measurements, camera: Camera, pixels: Array) -> Array:
+    model = m.rig.camera_models.get(camera)
+    if model is not None:
+        for found in m.lens_steps:
+            pixels = pixels + displacement(pixels, model, found[camera.column])
+    return pixels
