@@ -124,8 +124,8 @@ def _shown(part: Part) -> Iterator[str]:
 
 
 def _misprint(slip: Misprint) -> list[str]:
-    held = "<br>".join(_place(test) for test in slip.tests)
-    return [slip.where, slip.printed, slip.right, held or slip.checked or "not held by a test"]
+    held = [_place(test) for test in slip.tests] + ([slip.checked] if slip.checked else [])
+    return [slip.where, slip.printed, slip.right, "<br>".join(held)]
 
 
 def _survey(survey: Survey) -> Iterator[str]:

@@ -71,7 +71,7 @@ class Misprint:
     printed: str
     right: str
     tests: tuple[str, ...] = ()  # in which the print fails and the correction holds
-    checked: str = ""  # how it was found where no test can hold it
+    checked: str = ""  # what a test can hold where the print cannot be made to fail
 
 
 @dataclass(frozen=True, kw_only=True)

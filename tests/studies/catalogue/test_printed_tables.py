@@ -11,7 +11,7 @@ import pytest
 
 from hullrecon.studies.catalogue import SOURCES
 from hullrecon.studies.methods.histories import PRINTED_EXTRA_TIME, PRINTED_ITERATIONS
-from hullrecon.studies.submaps.world_study import PRINTED_SECONDS, SELECTIVE
+from hullrecon.studies.submaps.world_study import PRINTED_MAP, PRINTED_SECONDS, SELECTIVE
 from hullrecon.studies.targets import detector_trials
 
 TABLES = {(s.key, survey.number): survey for s in SOURCES for survey in s.surveys}
@@ -60,6 +60,25 @@ def test_hierarchical_joining_is_printed_as_faster_than_the_fastest() -> None:
     fastest = min(PRINTED_SECONDS, key=lambda name: PRINTED_SECONDS[name])
     assert fastest == "HS"
     assert PRINTED_SECONDS[SELECTIVE] - PRINTED_SECONDS[fastest] == pytest.approx(0.51)
+
+
+def test_no_printed_figure_refutes_that_a_map_has_one_number_for_mean_and_deviation() -> None:
+    """[Aulinas2011 Table 3.3] prints 0.5761 m for both, of one method alone: perhaps a copy.
+
+    Errors between zero and a maximum may have a mean m and a deviation of up to
+    sqrt(m (maximum - m)).
+    """
+    maps = {  # maximum, mean and deviation, m
+        "EKF": (7.9213, 0.5891, 0.9875),
+        "LMJ": (4.8144, 0.4857, 0.6822),
+        "DCS": (6.2612, 0.1260, 0.5391),
+        "HS": (5.5558, 0.5761, 0.5761),
+        "CIS": (4.3284, 0.1870, 0.4568),
+        "SSJS": (4.5268, 0.1960, 0.3468),
+    }
+    assert {name: mean for name, (_, mean, _) in maps.items()} == PRINTED_MAP
+    assert [name for name, (_, mean, spread) in maps.items() if mean == spread] == ["HS"]
+    assert all(spread**2 < mean * (most - mean) for most, mean, spread in maps.values())
 
 
 def test_leonard_2001_is_not_divide_and_conquer_as_printed() -> None:
