@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import base64
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -17,6 +18,11 @@ from hullrecon.studies.registry import STUDIES
 from hullrecon.studies.results import KeptFigure, KeptStudy, read_results
 
 PAGE = "index.html"
+# studies that a part names as such, and not by a figure of theirs: it shows their numbers
+_NAMED_WHOLE = frozenset(
+    name for source in SOURCES for part in source.parts for name in part.studies if "/" not in name
+)
+_CODE = re.compile(r"`([^`]+)`")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,14 +111,14 @@ def _row(part: Part, anchor: str, kept: Mapping[str, KeptStudy], placed: _Placed
         if not placed.is_first(name, anchor):
             shown.append(Shown(study=study, before=placed.anchors[name]))
             continue
-        placed.is_first(study_id, anchor)
+        whole = not figure or (study_id not in _NAMED_WHOLE and placed.is_first(study_id, anchor))
         figures = [
             f
             for f in study.figures
             if (not figure or f.name == figure)
             and (figure or placed.is_first(f"{study_id}/{f.name}", anchor))
         ]
-        shown.append(Shown(study=study, figures=figures, whole=not figure))
+        shown.append(Shown(study=study, figures=figures, whole=whole))
     return Row(
         anchor=anchor,
         part=part,
@@ -138,6 +144,11 @@ def _data_uri(file: Path, kind: str) -> str:
 
 def _render(variables: Mapping[str, object]) -> str:
     from jinja2 import Environment, FunctionLoader, StrictUndefined
+    from markupsafe import Markup, escape
+
+    def prose(text: str) -> Markup:
+        """Set names in backticks as code."""
+        return Markup(_CODE.sub(r"<code>\1</code>", str(escape(text))))
 
     def read(name: str) -> str:
         file = resources.files("hullrecon.studies.page") / name
@@ -150,4 +161,5 @@ def _render(variables: Mapping[str, object]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["prose"] = prose
     return environment.get_template("page.html").render(variables)

@@ -181,7 +181,7 @@ def _compare_distances(paths: Mapping[str, ReturnsOnHull]) -> tuple[ComparedValu
             ),
             of_paper,
             _distances_as_printed(np.abs(paths[name].distance)),
-            ("printed of hours around a ship of 183 m", "", ""),
+            ("printed of hours around a ship of 183 m; ours of minutes",) * 3,
             strict=True,
         )
     )

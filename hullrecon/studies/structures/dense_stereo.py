@@ -339,7 +339,7 @@ def _compare(growth: StructureHeights) -> tuple[ComparedValue, ...]:
             unit="m",
             printed=printed[end],
             ours=float(np.percentile(values, (5, 95)[end])) if len(values) else None,
-            note=note if name == "features" else "",
+            note=note,
         )
         for name, printed, values in (
             ("features", PRINTED_FEATURES_M, growth.features),
