@@ -36,7 +36,7 @@ _STEPS = {
     "links": "link images in rounds, tie passes by the hull, and straighten the path with them",
     "matches": "join matches of linked images to feature tracks",
     "adjust": "adjust images, DVL ranges and the CAD model together",
-    "surface": "make a surface of the DVL's returns",
+    "surface": "fit a surface to the DVL's returns",
     "detect": "find structures and remesh the hull as found",
     "mosaic-optical": "blend the images on the hull's surface",
     "mosaic-sonar": "blend the sonar's pings on the hull's surface",
@@ -45,18 +45,14 @@ _STEPS = {
 }
 STEPS = {name: Entry("steps", name, summary) for name, summary in _STEPS.items()}
 AROUND = {
-    "simulate": Entry("simulate", "simulate", "make a dive package with truth"),
-    "evaluate": Entry(
-        "results", "evaluate", "figures of a run against the truth of a simulated dive"
-    ),
-    "diff": Entry("results", "diff", "what changed on a hull between two runs"),
+    "simulate": Entry("simulate", "simulate", "simulate a dive package, with its truth"),
+    "evaluate": Entry("results", "evaluate", "score a run against the truth of a simulated dive"),
+    "diff": Entry("results", "diff", "say what changed on a hull between two runs"),
     "export": Entry(
-        "results", "export", "results in forms for other programs: undistorted images for COLMAP"
+        "results", "export", "write results for other programs: undistorted images for COLMAP"
     ),
-    "study": Entry(
-        "study", "study", "the published methods, tables and figures, print and ours side by side"
-    ),
-    "completion": Entry("completion", "completion", "the shell's completion script"),
+    "study": Entry("study", "study", "reproduce the published methods, tables and figures"),
+    "completion": Entry("completion", "completion", "print the shell's completion script"),
 }
 SECTIONS = {"A dive": ON_A_DIVE, "Steps of the chain": STEPS, "Around it": AROUND}
 RENAMED = {"compare-methods": "study methods", "figures": "study figures"}  # since 0.2.0

@@ -20,10 +20,10 @@ LARGE_BYTES = 64 << 20  # of an array that stands in a file
 
 
 def return_free_memory() -> None:
-    """Give back to the system what was freed so far.
+    """Return freed memory to the system.
 
-    Without it the allocator keeps it, and what comes next stands on top of it: 300 MB after the
-    adjustment of 232 stereo pairs. Other systems' C libraries than glibc have no such call.
+    The allocator would keep it: 300 MB after the adjustment of 232 stereo pairs, on top of which
+    later steps allocate theirs. C libraries other than glibc have no such call.
     """
     gc.collect()
     with suppress(OSError, AttributeError):

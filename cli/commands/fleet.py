@@ -49,11 +49,11 @@ def fleet(
 ) -> None:
     """Run every dive package in the folder DIVES that is new or whose result is out of date.
 
-    A package is a folder with a dive.toml. Each dive runs in a process of its own; when one fails,
-    the others are run all the same. A failed dive is one line on standard error, and the exit code
-    is 4 when there is one. A dive that failed is not tried again before its package or hullrecon
-    changes, it may do more, or a day has passed; with --quiet it is named once. Safe to be killed
-    and started again; a second one beside it ends with 5.
+    A package is a folder with a dive.toml. Each dive runs in a process of its own. When one fails,
+    the others still run, one line on standard error names it, and the exit code is 4. It is tried
+    again when its package or hullrecon has changed, when --time-limit or --allow-outside lets it do
+    more, after a day, or with --retry. With --quiet it is named once. A fleet may be killed and
+    started again. A second fleet on the same runs ends with exit code 5.
     """
     if dry_run:
         terms = {name: options[name] for name in ("retry", "allow_outside", "time_limit_s")}

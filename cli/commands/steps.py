@@ -64,9 +64,11 @@ def fields(stage: Stage) -> tuple[types.Field, ...]:
 
 
 def _help(stage: Stage) -> str:
-    needs = ", ".join(stage.inputs) or "the package alone"
     what = f"{stage.summary[0].upper()}{stage.summary[1:]}."
-    return f"{what}\n\nTakes {needs}; what is out of date of it runs first."
+    if not stage.inputs:
+        return f"{what}\n\nReads the package alone."
+    read = ", ".join((*stage.inputs, *stage.optional))
+    return f"{what}\n\nReads what these steps left: {read}. Those that are out of date run first."
 
 
 def _option(field: types.Field) -> click.Option:

@@ -32,7 +32,7 @@ def study(context: click.Context) -> None:
         click.echo(context.get_help())
 
 
-@study.command("list")
+@study.command("list", short_help="list the studies")
 def list_studies() -> None:
     """List the studies: id, dive or scene of its own, what it shows, source."""
     from hullrecon.studies import STUDIES
@@ -50,7 +50,7 @@ def list_studies() -> None:
     )
 
 
-@study.command("run")
+@study.command("run", short_help="run studies, with one page of their results")
 @click.argument("ids", nargs=-1, required=True, metavar="ID...|all")
 @click.option("--out", type=FOLDER, required=True, help="folder of the results and their page")
 @click.option(
@@ -118,7 +118,7 @@ def _sample(study_id: str) -> Path:
     return SAMPLE_DIVE
 
 
-def _table_command(name: str, about: str) -> click.Command:
+def _table_command(name: str, about: str, short: str) -> click.Command:
     """Make the command of a study that ends in a table."""
 
     @click.argument("package", type=FOLDER)
@@ -137,7 +137,7 @@ def _table_command(name: str, about: str) -> click.Command:
         (found,) = run_studies(dive, [name], jobs=jobs, progress=progress)
         state_of().emit(without_nan(found.values), _table(found.heads, found.rows))
 
-    return study.command(name, help=about)(run)
+    return study.command(name, help=about, short_help=short)(run)
 
 
 methods = _table_command(
@@ -148,6 +148,7 @@ methods = _table_command(
     are out of date; `adjust` runs six times. As published is one solve from the registration on,
     without a deviation field, outliers left to the Huber loss.
     """,
+    "compare naive, geva and maxmix",
 )
 surfaces = _table_command(
     "surfaces",
@@ -157,6 +158,7 @@ surfaces = _table_command(
     CAD model as reference; the hull as found by fusion along rays. The chain runs up to `detect` if
     it is out of date, `surface` five times more, `detect` once more.
     """,
+    "compare ways to fit the surface",
 )
 links = _table_command(
     "links",
@@ -165,10 +167,11 @@ links = _table_command(
     With Harris corners beside SIFT features, guarded by switches, and without a guard. The chain
     runs up to `links` if it is out of date, `features` once more and `links` three times.
     """,
+    "compare ways to link images",
 )
 
 
-@study.command()
+@study.command(short_help="draw the figures of the sources")
 @click.argument("package", type=FOLDER)
 @_JOBS
 @set_option

@@ -87,7 +87,7 @@ def adjust(
     strategy
         What is solved for. The sources' variants are in hullrecon/studies.
     keep
-        Finds the phases that a run which did not end has left.
+        Returns the phases that an interrupted run has finished, and keeps new ones.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def solve_path(measured: Measurements, solver: RoundSolver) -> Phase:
     # Contradicted priors of navigation and mounts are widened.
     corrected = corrected.then(widen_exceeded_priors(corrected, solver))
 
-    # So far, and not where another sensor explains the contradiction better.
+    # Corrections stop at what is believable, and where a faulty sensor explains more.
     if corrected is path and not contradicts_priors(path) and not is_sheared(path, solver):
         return path
     return hold_within_belief(path, corrected, solver)

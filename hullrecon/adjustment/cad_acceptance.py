@@ -240,7 +240,8 @@ def _reasons_against(found: RoundResult, solver: RoundSolver) -> Iterator[str]:
         yield f"{100 * missed:.0f} % of the DVL's beams miss it"
     on_hull = float(np.mean(label == 1)) if len(label) else 1.0
     if settings.method == "maxmix" and on_hull < MIN_ON_HULL:
-        yield f"only {100 * on_hull:.0f} % of the landmarks lie on its surface{_blame(found.after)}"
+        because = _contradicting_ranges(found.after)
+        yield f"only {100 * on_hull:.0f} % of the landmarks lie on its surface{because}"
     if not len(found.problem.stereo.node) + len(found.problem.mono.node):
         # without images the path is navigation's own: its residuals are nil, and whatever bends it
         # makes them grow
@@ -254,8 +255,8 @@ def _reasons_against(found: RoundResult, solver: RoundSolver) -> Iterator[str]:
         yield f"with it, the residuals grow: {parts}"
 
 
-def _blame(solved: Estimate) -> str:
-    """Tell of ranges that contradict the cameras: the CAD model was placed by the ranges."""
+def _contradicting_ranges(solved: Estimate) -> str:
+    """Word that the DVL's ranges, which place the CAD model, contradict the cameras' landmarks."""
     measured, state = solved.measured, solved.state
     if measured.returns is None:
         return ""

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Stages, workspace, manifests, staleness and lock. Knows nothing of hulls."""
+"""Run a chain of steps: what is out of date, manifests, locks, workers. Knows nothing of hulls."""

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Shapes, fusion into the CAD model, objects and coverage."""
+"""The hull as found, the objects on it, and what of it was seen."""

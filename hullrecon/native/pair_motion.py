@@ -103,9 +103,10 @@ def linearise_stereo(
     motion, bottom_from_top
         (4, 4).
     field
-        Unit of the place in the leading image. Of the twelve unknowns of the calibration the first
-        six are an error of top_from_bottom, (translation, rotation vector) in the top camera's
-        axes; the others one of the disparity, as 1, x, y, x2, xy, y2 of that place.
+        Unit of x and y, the place in the leading image, in the polynomial of the disparity. The
+        calibration has twelve unknowns. Six are an error of top_from_bottom: translation, then
+        rotation vector, in the top camera's axes. Six are an error of the disparity, the
+        coefficients of 1, x, y, x^2, xy, y^2.
     points
         (m, 3) in the first leading camera.
     seen

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Dead reckoning with covariance and visual odometry."""
+"""The path before adjustment: clocks, faulty sensors, dead reckoning, odometry, pose graph."""

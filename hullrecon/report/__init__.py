@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The page that people open first."""
+"""Everything in deliver/: the page and PDF, tables, point clouds, plots, schemas."""

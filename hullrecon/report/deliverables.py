@@ -233,6 +233,8 @@ def _charted_objects(survey: Survey) -> str:
 
 
 def _document(name: str) -> Callable[[Survey], str]:
+    """Require a JSON document that the step detect made."""
+
     def needs(survey: Survey) -> str:
         if name in survey.findings.documents:
             return ""

@@ -144,7 +144,7 @@ STAGES = (
     ),
     Stage(
         name="surface",
-        summary="make a surface of the DVL's returns",
+        summary="fit a surface to the DVL's returns",
         inputs=("ingest", "navigate"),
         optional=("adjust",),
         parameters=SurfaceOptions,

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Surfaces from DVL returns."""
+"""The hull's surface from DVL returns, or from landmarks without a DVL."""

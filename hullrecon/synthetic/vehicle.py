@@ -66,8 +66,8 @@ def true_rig(spec: DiveSpec) -> TrueRig:
         0.0005,
     )
     return TrueRig(
-        tray_from_dvl=from_mount(DVL_MOUNT) @ _slip(random, 0.002, 0.2),
-        tray_from_top=from_mount(CAMERA_MOUNT) @ _slip(random, 0.003, 0.25),
+        tray_from_dvl=from_mount(DVL_MOUNT) @ _draw_misalignment(random, 0.002, 0.2),
+        tray_from_top=from_mount(CAMERA_MOUNT) @ _draw_misalignment(random, 0.003, 0.25),
         top_from_bottom=from_mount(BOTTOM_IN_TOP),
         servo_from_sonar=from_mount(SONAR_MOUNT),
         camera_top=top,
@@ -75,7 +75,8 @@ def true_rig(spec: DiveSpec) -> TrueRig:
     )
 
 
-def _slip(random: np.random.Generator, shift_m: float, turn_deg: float) -> Poses:
+def _draw_misalignment(random: np.random.Generator, shift_m: float, turn_deg: float) -> Poses:
+    """Draw the error of a mount, with a sigma of shift and turn by axis."""
     return exp(
         np.concatenate(
             [shift_m * random.standard_normal(3), np.radians(turn_deg) * random.standard_normal(3)]

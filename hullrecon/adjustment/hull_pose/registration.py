@@ -166,7 +166,7 @@ def thin_points(points: Array, voxel: float, most: int) -> Array:
 
 
 def frame_at(center: Array) -> Poses:
-    """Place the hull frame, moved to a point (3,) of M, as a pose in M."""
+    """Return the pose in M of a frame whose origin is `center` (3,) and whose axes are M's."""
     return Poses(np.array([[0.0, 0, 0, 1]]), center[None])
 
 

@@ -140,7 +140,11 @@ def _residuals(
 def _sigma_by_response(
     response: Array, length: Array, freedom: Array, pixel: float
 ) -> ResponseSigmas:
-    """Estimate sigmas from groups of residuals of like response (n,)."""
+    """Estimate sigmas from groups of residuals whose features responded alike.
+
+    response (n,): of the detector, NaN for corners, which are a group of their own.
+    length, freedom (n,): of each residual, as of `_residuals`. pixel: sigma of all.
+    """
     corner = np.isnan(response)
     of_corners = None
     if corner.sum() >= MIN_RESIDUALS:

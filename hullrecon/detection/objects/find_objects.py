@@ -299,9 +299,9 @@ def _center(found: HullAsFound, region: Region, area: Array) -> int:
 
 
 def _seen_by(found: HullAsFound, region: Region, views: CameraViews, scene: Scene) -> Ints:
-    """Find the views that saw more than half of the top, the best first.
+    """Find the views that saw more than half of an object's top, the best first.
 
-    The best has the top nearest to the image's middle.
+    The best has the top nearest to the middle of its image.
     """
     top = _top_rows(found, region)
     middle = views.result_from_camera.inverse().apply(found.mesh.vertices[top].mean(axis=0)[None])

@@ -171,7 +171,7 @@ class SampledImages(BytesIO):
         self._count, self._at, self._stride = 0, 0, 1
 
     def write(self, data: object, /) -> int:
-        """Keep an image if its run is one of every `_stride`, which doubles when memory is full."""
+        """Keep every `_stride`-th run of images. The stride doubles when MOST images are kept."""
         assert isinstance(data, bytes)
         if (self._count // RUN) % self._stride == 0:
             self._kept[self._at] = (self._count, data)

@@ -497,7 +497,7 @@ def keep_in_memory(shape: tuple[int, int, int], images: Iterator[Images]) -> Ima
 
 
 def leave_black(shape: tuple[int, int, int], images: Iterator[Images]) -> Images:
-    """Make black images, which take no memory."""
+    """Stand in for `keep_in_memory` where no image is looked at: black, without any memory."""
     return np.broadcast_to(np.uint8(0), shape)
 
 

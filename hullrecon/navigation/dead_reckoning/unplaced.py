@@ -32,13 +32,14 @@ def describe_unplaced(
     back = int(np.count_nonzero(np.isfinite(dvl.ranges)))
     unheard_s = seconds_beyond(imu.t_ns, pressure, (int(nodes_ns[0]), int(nodes_ns[-1])))
     return [
-        *_share(unread, len(given_ns), "velocities", "where no attitude was read"),
-        *_share(back - len(returns.t_ns), back, "ranges", "before or after the path"),
+        *_unused(unread, len(given_ns), "velocities", "where no attitude was read"),
+        *_unused(back - len(returns.t_ns), back, "ranges", "before or after the path"),
         *([_silent(unheard_s)] if unheard_s >= UNPLACED_S else []),
     ]
 
 
-def _share(count: int, of: int, noun: str, where: str) -> list[str]:
+def _unused(count: int, of: int, noun: str, where: str) -> list[str]:
+    """Note measurements that cannot be used, where they are more than UNPLACED_SHARE of all."""
     if count < UNPLACED_SHARE * max(of, 1):
         return []
     return [

@@ -108,9 +108,10 @@ def passing(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, jo
 def roughness(
     patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array
 ) -> Array:
-    """Estimate the ratio (3,) of the gaps of pairs to their sigma, in height and slopes.
+    """Estimate by how much the gaps of pairs exceed their sigma (3,), in height and two slopes.
 
-    A robust ratio over the dive, at least one.
+    One robust factor each for the dive, at least 1: an uneven hull widens the ties by it.
+    joint: as of `gaining`.
     """
     whole = _known(patches, pairs, path, rig, joint) + pairs.noise + pairs.fit
     ratio = np.abs(pairs.gap) / np.sqrt(np.einsum("mii->mi", whole))

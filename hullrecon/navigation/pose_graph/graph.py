@@ -287,6 +287,7 @@ class GraphErrors:
         back = rotation[second].swapaxes(1, 2)
         relative = back @ rotation[first]
         shift = np.einsum("mij,mj->mi", back, position[first] - position[second])
+        # of each node three of position, three of rotation, and the tray's angle
         jacobian = np.zeros((len(first), 6, 14))
         jacobian[:, :3, :7] = back @ by_first[:, :3]
         jacobian[:, :3, 7:] = -back @ by_second[:, :3] + cross_matrix(shift) @ by_second[:, 3:]

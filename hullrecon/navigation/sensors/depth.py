@@ -120,12 +120,12 @@ def _smooth(
     silent. A segment of less than two readings takes all readings.
     """
     out = np.zeros(len(at_s))
-    stretch, stretch_at = (np.searchsorted(edges_s, times, side="right") for times in (t_s, at_s))
-    for number in np.unique(stretch_at):
-        inside, width = stretch == number, widths_s[int(_silent(number))]
+    segment, segment_at = (np.searchsorted(edges_s, times, side="right") for times in (t_s, at_s))
+    for number in np.unique(segment_at):
+        inside, width = segment == number, widths_s[int(_silent(number))]
         rows = inside if inside.sum() > 1 else np.ones(len(t_s), bool)
-        out[stretch_at == number] = local_line(
-            t_s[rows], values[rows], at_s[stretch_at == number], width
+        out[segment_at == number] = local_line(
+            t_s[rows], values[rows], at_s[segment_at == number], width
         )[0][:, 0]
     return out
 
@@ -147,9 +147,9 @@ def _noise_left(at_s: Array, edges_s: Array, widths_s: tuple[float, float]) -> A
     )
 
 
-def _silent(stretch: Ints) -> Mask:
-    """Tell in which segments the DVL was silent: edges alternately begin and end its silences."""
-    return np.asarray(stretch % 2 == 1)
+def _silent(segment: Ints) -> Mask:
+    """Mark the segments in which the DVL was silent: edges alternately begin and end silences."""
+    return np.asarray(segment % 2 == 1)
 
 
 def path_seconds(path: Reckoning, t_ns: Ints) -> Array:

@@ -77,7 +77,7 @@ def open_log(path: Path, package: Path | None = None) -> Log:
         start = _start(path)
     except FileNotFoundError:
         raise InputError(
-            f"the log {name} is missing{_beside(path)}",
+            f"the log {name} is missing{_files_there_are(path)}",
             where=where,
             remedy="write / between folders in logs.files"
             if "\\" in path.name
@@ -227,7 +227,8 @@ def _start(path: Path) -> bytes:
         return stream.read(START_BYTES)
 
 
-def _beside(path: Path) -> str:
+def _files_there_are(path: Path) -> str:
+    """Name some files of the folder in which a log was looked for."""
     try:
         names = sorted(p.name for p in path.parent.iterdir())[:6]
     except OSError:

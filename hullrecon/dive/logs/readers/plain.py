@@ -153,7 +153,7 @@ class PlainLog:
             )
         if 2 * len(late) > rows:
             raise InputError(
-                f"{sensor}.csv has stamps such as {late[0]:.17g}{unit_of_stamp(late[0])}",
+                f"{sensor}.csv has stamps such as {late[0]:.17g}{words_for_unit(late[0])}",
                 where=str(self.path),
                 remedy="write column t in seconds since 1970",
             )
@@ -279,8 +279,8 @@ class _LateStampError(ValueError):
         self.seconds = seconds
 
 
-def unit_of_stamp(value: float) -> str:
-    """Guess the unit of a stamp that cannot be in seconds. "" where no unit fits."""
+def words_for_unit(value: float) -> str:
+    """Word the likely unit of a stamp that cannot be in seconds. "" where no unit fits."""
     fits = [name for name, size in UNITS.items() if EARLIEST_S <= value / size <= LATEST_S]
     return f", which look like {fits[0]}" if fits else ""
 

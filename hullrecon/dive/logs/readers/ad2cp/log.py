@@ -113,7 +113,7 @@ class Ad2cpLog(FileLog):
 def to_sample(ping: BottomTrack, units: Array | None, enu_from_dvl: Array | None) -> DvlSample:
     """Convert a bottom track to velocity and distances along z.
 
-    units (n, 3): of the beams, None where the file does not describe them.
+    units (n, 3): unit vectors along the beams, None where the file does not describe them.
     """
     velocity = ping.velocity
     if ping.frame == "beam":
