@@ -177,6 +177,12 @@ NOTES: dict[str, Words] = {
     "depths-above-water": "{lost} of {count} readings lie {limit_m:g} m or more above the water "
     "and were left out",
     "attitudes-lacking": "{lacking} of {count} readings have no attitude and were left out",
+    "attitudes-held": "{held} readings repeat the one before for more than a second, the first at "
+    "{start}: the IMU or its driver stood still, and they were left out",
+    "depths-spikes": "{spikes} of {count} readings lie farther from those around them than a "
+    "vehicle sinks meanwhile and were left out",
+    "beams-inward": "the beams in the messages point into the instrument; those of dive.toml were "
+    "taken",
     "attitude-of-dvl": "attitude comes from the DVL's own sensors; a compass near a steel hull can "
     "be off by tens of degrees, which imu.heading_drift_deg_per_hour has to cover",
     "depth-of-dvl": "depth comes from the DVL's own sensor; pressure.origin is that sensor's",

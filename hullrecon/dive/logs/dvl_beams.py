@@ -79,6 +79,15 @@ def choose_beams(
         )
     described = [s for s in samples if s.beams is not None and len(s.beams) == width]
     logged = [s.beams for s in described if not s.instrument and s.beams is not None]
+    if logged and float(np.mean(logged, axis=0)[:, 2].mean()) < 0:
+        if configured is None:
+            raise ask_for_beams(
+                width,
+                "the DVL's beams in the messages point into the instrument: z of dvl is out of the "
+                "transducers, and their z is negative",
+            )
+        notes.append(Finding("beams-inward", where="dvl"))
+        return unit(configured)
     if logged:
         return _logged_beams(logged, configured, notes)
     if configured is not None:
@@ -90,11 +99,10 @@ def choose_beams(
     raise ask_for_beams(width)
 
 
-def ask_for_beams(count: int) -> InputError:
+def ask_for_beams(count: int, why: str = "") -> InputError:
     """Make the error that asks where the DVL's beams point."""
-    return InputError(
-        f"nothing says where the DVL's {count} beams point", where="dvl.beams", remedy=ADVICE
-    )
+    why = why or f"nothing says where the DVL's {count} beams point"
+    return InputError(why, where="dvl.beams", remedy=ADVICE)
 
 
 def put_ranges_right(beams: Array, ranges: Array, altitude: Array) -> tuple[Array, list[Finding]]:

@@ -136,6 +136,22 @@ def is_false_attitude(quaternion: Array) -> Mask:
     return np.asarray(default & (turned[others[after]] | turned[others[before]]))
 
 
+def is_held(t_ns: Ints, quaternion: Array, rates: Array, acceleration: Array) -> Mask:
+    """Find readings (n,) that repeat the one before to the last digit for more than a second.
+
+    An IMU that turns has no two equal ones: it or its driver stood still. One that is at rest in a
+    simulator has no rates, and a driver that writes each reading several times repeats all alike.
+    """
+    reading = np.hstack([quaternion, rates, acceleration])
+    moved = np.r_[True, (np.diff(reading, axis=0) != 0).any(axis=1)]
+    starts = np.flatnonzero(moved)
+    ends = np.r_[starts[1:], len(reading)]
+    count = ends - starts
+    long = (t_ns[ends - 1] - t_ns[starts]) / NS > LONGEST_HOLD_S
+    long &= count > LONG_RUN * np.median(count)
+    return np.asarray(np.repeat(long, count) & ~moved & (rates != 0).any(axis=1))
+
+
 def drop_ranges_at_limit(ranges: Array, notes: list[Finding]) -> Array:
     """Replace ranges (n, b) by NaN that are exactly the largest of all and far from the others."""
     known = ranges[np.isfinite(ranges)]

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.dvl_beams import (
@@ -27,6 +28,7 @@ from hullrecon.dive.logs.lost_values import (
     drop_lost_velocities,
     drop_ranges_at_limit,
     is_false_attitude,
+    is_held,
 )
 from hullrecon.dive.logs.ping_spool import Images, KeepImages, bright_pixel
 from hullrecon.dive.logs.samples import (
@@ -46,6 +48,7 @@ from hullrecon.dive.logs.sonar_geometry import (
 from hullrecon.dive.logs.two_sensors import refuse_two_sensors, windows
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
+from hullrecon.records.clock import NS, format_time
 from hullrecon.records.sensors import (
     DvlPings,
     ImuSamples,
@@ -64,6 +67,9 @@ FASTEST_MEDIAN_M_S = 4.0  # of a dive: a survey of a hull is ten times slower
 STILL_M = 0.15  # of a depth from the 5th to the 95th percentile; an enclosure's air stays within
 HIGHEST_M = 1.0  # median height over the water, beyond which depths are wrong
 HIGHEST_DECK_M = 6.0  # from which a vehicle is launched; zero pascal is 10 m above the water
+# readings of a depth: one that the median of these around it is farther from than a vehicle
+# sinks meanwhile is a spike
+SPIKE_READINGS, SPIKE_M, FASTEST_DIVE_M_S = 5, 2.0, 4.0
 DEEPEST_HULL_M = 40.0  # the largest ships draw 25 m
 PASCALS = {"Pa": 1.0, "mbar": 1e2, "hPa": 1e2, "kPa": 1e3, "psi": 6894.757, "dbar": 1e4, "bar": 1e5}
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
@@ -233,7 +239,14 @@ def imu_samples(
     if not good.all():
         lacking = {"lacking": int(np.count_nonzero(~good)), "count": len(good)}
         notes.append(Finding("attitudes-lacking", lacking, "imu"))
-    rates = np.array([s.rates for s in samples]).reshape(-1, 3)[good]
+    rates = np.array([s.rates for s in samples]).reshape(-1, 3)
+    acceleration = np.array([s.acceleration for s in samples]).reshape(-1, 3)
+    held = good & is_held(_times(samples), quaternion, rates, acceleration)
+    if held.any():
+        start = format_time(int(_times(samples)[held][0]))
+        notes.append(Finding("attitudes-held", {"held": int(held.sum()), "start": start}, "imu"))
+        good &= ~held
+    rates, acceleration = rates[good], acceleration[good]
     rates = np.radians(rates) if rates_unit == "deg/s" else rates
     _refuse_unfilled(quaternion[good], rates)
     if len(rates) >= LEAST_ATTITUDES and not rates.any() and np.ptp(quaternion[good], axis=0).any():
@@ -243,7 +256,6 @@ def imu_samples(
     cut = windows(rotation.as_quat())
     cosine = np.abs((cut * cut[:, :1]).sum(axis=2))  # of half the angle between two orientations
     refuse_two_sensors("imu", 2 * np.degrees(np.arccos(np.minimum(cosine, 1))), "degrees")
-    acceleration = np.array([s.acceleration for s in samples]).reshape(-1, 3)[good]
     acceleration = _in_m_s2(acceleration, notes)
     if any(s.of_dvl for s in samples):
         mount_deg = _require_mount_of_dvl(mount_deg)
@@ -366,7 +378,27 @@ def pressure_samples(
     if not in_water.all():
         values = {"lost": int((~in_water).sum()), "count": len(depth), "limit_m": HIGHEST_DECK_M}
         notes.append(Finding("depths-above-water", values, "pressure"))
-    return PressureSamples(t_ns=_times(samples)[good][in_water], depth=depth[in_water])
+    t_ns, depth = _times(samples)[good][in_water], depth[in_water]
+    spikes = _are_spikes(t_ns, depth)
+    if spikes.any():
+        counts = {"spikes": int(spikes.sum()), "count": len(depth)}
+        notes.append(Finding("depths-spikes", counts, "pressure"))
+    return PressureSamples(t_ns=t_ns[~spikes], depth=depth[~spikes])
+
+
+def _are_spikes(t_ns: Ints, depth: Array) -> Mask:
+    """Find depths (n,) that a vehicle cannot have reached from the readings around them.
+
+    The noise of depths that are read in too small a unit is no spike.
+    """
+    if len(depth) < SPIKE_READINGS:
+        return np.zeros(len(depth), bool)
+    off = np.abs(depth - median_filter(depth, SPIKE_READINGS, mode="mirror"))
+    rows, half = np.arange(len(depth)), SPIKE_READINGS // 2
+    after, before = t_ns[np.minimum(rows + half, rows[-1])], t_ns[np.maximum(rows - half, 0)]
+    way = FASTEST_DIVE_M_S * (after - before) / NS
+    noise = float(np.median(np.abs(np.diff(depth))))
+    return np.asarray(off > np.maximum(SPIKE_M + way, 10 * noise))
 
 
 def _refuse_unclear_numbers(

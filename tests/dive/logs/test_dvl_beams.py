@@ -250,3 +250,11 @@ def test_ranges_of_a_table_without_altitude_are_unconfirmed():
     assert 2 * sigma < vertical < 4 * sigma
     assert note.severity == "note"
     assert "column altitude" in note.sentence
+
+
+def test_beams_into_the_instrument_are_asked_for():
+    inward = [ping(JANUS * [1, 1, -1])]
+    with pytest.raises(InputError, match="point into the instrument") as caught:
+        choose_beams(inward, None, 4, [])
+    assert caught.value.where == "dvl.beams"
+    assert choose_beams(inward, JANUS, 4, []) == pytest.approx(JANUS)

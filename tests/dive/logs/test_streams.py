@@ -345,3 +345,23 @@ def test_angles_written_as_a_quaternion_are_refused_by_their_length():
     samples = [imu(t, [1.0, -2.0, 3.0 * (t > 0), 0.0]) for t in range(20)]
     with pytest.raises(InputError, match=r"none of 20 .* half of them are 3.74 long or more"):
         streams.imu_samples(samples, "ned", [])
+
+
+def test_depths_that_no_vehicle_reaches_are_left_out_and_counted():
+    depth = np.linspace(2, 3, 40)
+    depth[[7, 20, 21, 39]] = [650, -4, -3, 99]
+    samples = [DepthSample(k * 10**8, value, is_up=False) for k, value in enumerate(depth)]
+    notes = []
+    model = streams.PressureModel(1025, 9.81, 101325)
+    found = streams.pressure_samples(samples, model, notes)
+    assert sorted({*depth} - {*found.depth}) == [-4, -3, 99, 650]
+    assert "4 of 40 readings lie farther" in notes[0].sentence
+
+
+def test_readings_of_an_imu_that_stood_still_are_left_out():
+    turns = [Rotation.from_euler("z", min(k, 30) / 100).as_quat() for k in range(60)]
+    stood = [imu(k * 10**8, q, rates=(0, 0, min(k, 30))) for k, q in enumerate(turns)]
+    notes = []
+    found = streams.imu_samples(stood, "ned", notes)
+    assert len(found.t_ns) == 31
+    assert "29 readings repeat" in notes[0].sentence
