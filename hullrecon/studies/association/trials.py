@@ -10,6 +10,7 @@ from time import process_time
 import numpy as np
 
 from hullrecon.studies.association.methods import (
+    CONFIDENCE,
     joint_compatibility,
     nearest_neighbours,
     randomised_compatibility,
@@ -90,22 +91,29 @@ class Score:
     """A method over many fields."""
 
     recall: float  # share of the true pairs that it found
+    complete: float  # share of the fields of which it found all
     pairs: int  # that it made
     false: float  # share of them that are not true
     tests: float  # joint tests a field
     cpu_s: float  # a field
 
+    @property
+    def false_pairs(self) -> int:
+        """Pairs that are not true."""
+        return round(self.false * self.pairs)
 
-def score(fields: list[Field], method: str, seed: int = 0) -> Score:
-    """Run a method on fields."""
+
+def score(fields: list[Field], method: str, seed: int = 0, confidence: float = CONFIDENCE) -> Score:
+    """Run a method on fields, with gates of this confidence."""
     rng, start = np.random.default_rng(seed), process_time()
-    found = [associate(field.sets, method, rng) for field in fields]
+    found = [associate(field.sets, method, rng, confidence) for field in fields]
     cpu_s = process_time() - start
     right = [len(field.true_pairs & {*f.pairs}) for field, f in zip(fields, found, strict=True)]
-    true = sum(len(field.true_pairs) for field in fields)
     made = sum(len(f.pairs) for f in found)
+    wanted = [len(field.true_pairs) for field in fields]
     return Score(
-        recall=sum(right) / true,
+        recall=sum(right) / sum(wanted),
+        complete=float(np.mean(np.equal(right, wanted))),
         pairs=made,
         false=1.0 - sum(right) / max(made, 1),
         tests=float(np.mean([f.tests for f in found])),
@@ -113,10 +121,12 @@ def score(fields: list[Field], method: str, seed: int = 0) -> Score:
     )
 
 
-def associate(sets: PointSets, method: str, rng: np.random.Generator) -> Association:
+def associate(
+    sets: PointSets, method: str, rng: np.random.Generator, confidence: float
+) -> Association:
     """Pair points by a method, given by its abbreviation in the thesis."""
     if method == NN:
-        return nearest_neighbours(sets)
+        return nearest_neighbours(sets, confidence)
     if method == JCBB:
-        return joint_compatibility(sets)
-    return randomised_compatibility(sets, rng)
+        return joint_compatibility(sets, confidence)
+    return randomised_compatibility(sets, rng, confidence)
