@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Number = TypeVar("Number", bound=np.generic)
-LARGE_BYTES = 64 << 20  # of an array that stands in a file
+LARGE_BYTES = 8 << 20  # of an array that stands in a file
 
 
 def return_free_memory() -> None:
