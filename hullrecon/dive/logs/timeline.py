@@ -74,6 +74,7 @@ def put_in_order(
         raise InputError(
             f"{name}: all {len(stamp)} stamps are the same, {format_time(int(stamp[0]))}"
         )
+    logged = _on_one_logger(stamp, logged, number)
     jumped = clock_error(stamp, logged)
     near = np.flatnonzero(~_far_from_all(stamp - jumped))
     jumped, far = jumped[near], np.delete(stamp, near)
@@ -100,6 +101,23 @@ def put_in_order(
         notes.insert(0, Finding("stamps-far", values, name))
     keep = order[kept]
     return Timeline(near[keep], right[keep], notes)
+
+
+def _on_one_logger(stamp: Ints, logged: Ints, log: Ints) -> Ints:
+    """Put the logging times (n,) of recordings that overlap onto the clock of the first one.
+
+    Two computers that record the same messages write other times beside the same stamps. Recordings
+    one after the other are left: stamps on a grid meet by chance after the sensor's clock fell
+    back.
+    """
+    out, numbers = logged.copy(), np.unique(log)
+    for number in numbers[1:]:
+        rows, before = np.flatnonzero(log == number), np.flatnonzero(log < number)
+        _, mine, theirs = np.intersect1d(stamp[rows], stamp[before], return_indices=True)
+        first, last = logged[before].min(), logged[before].max()
+        if len(mine) >= LASTING and logged[rows].min() < last and logged[rows].max() > first:
+            out[rows] -= int(np.median(logged[rows][mine] - out[before][theirs]))
+    return out
 
 
 def _refuse_two_bases(name: str, stamp: Ints) -> None:

@@ -79,6 +79,14 @@ def test_two_recordings_that_overlap_are_sorted_and_not_moved():
     )
 
 
+def test_a_recording_by_another_computer_of_the_same_is_no_jump():
+    first, second = np.arange(0, 400) * 10**8, np.arange(200, 500) * 10**8
+    stamp, log = np.r_[first, second], np.repeat([0, 1], [400, 300])
+    line = put_in_order("imu", stamp, stamp + 10**7 + log * 7 * 10**9, log)
+    assert line.t_ns.tolist() == (np.arange(500) * 10**8).tolist()
+    assert not any("clock jumps" in said for said in sentences(line.notes))
+
+
 def test_logs_listed_in_another_order_show_no_clock_jump():
     stamps = ns(*np.arange(300, 600, 0.1), *np.arange(0, 300, 0.1))
     line = put_in_order("dvl", stamps, stamps + 2_000_000, np.repeat([0, 1], 3000))
