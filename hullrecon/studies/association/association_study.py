@@ -108,7 +108,7 @@ def _compare(scores: dict[str, dict[str, Score]], sure: Score) -> tuple[Compared
             unit="%",
             printed=None,
             ours=100 * clear[JCBB].recall,
-            note=f"{words}: `very robust`, nor its gate. Here it is 95 %, asked anew with each pair "
+            note=f"{words}: `very robust`, nor its gate: here 95 %, asked anew with each pair "
             f"that joins. {_losses(clear[JCBB])}",
         ),
         ComparedValue(
