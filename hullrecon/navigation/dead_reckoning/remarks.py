@@ -4,12 +4,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from hullrecon.navigation.dead_reckoning.nodes import Nodes
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.depth import Depth
+from hullrecon.navigation.sensors.servo import Servo
 from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.records.clock import SILENT_S, format_time, longest_pause_s
 from hullrecon.records.trajectory import Returns
@@ -25,91 +28,112 @@ def remarks_of(
 
     Times in the numbers are seconds since start_ns.
     """
-
-    def since(t_ns: Ints) -> list[float]:
-        """Convert stamps to seconds since the start of the path."""
-        return [round(float(t), 3) for t in (np.asarray(t_ns) - path.start_ns).ravel() * 1e-9]
-
-    v, holes, turned = path.velocities, path.attitude.holes, path.attitude.steps
     way_m = np.concatenate(
         [[0.0], np.cumsum(np.linalg.norm(np.diff(path.at(nodes.t_ns).instrument, axis=0), axis=1))]
     )
     blank = images_missing(nodes, way_m)
-    steps = np.zeros(0, np.int64) if depth is None else depth.steps
-    no_depth = "" if depth is None else depth.silence
-    no_angle = path.servo.silence(nodes.t_ns)
-    bridged, no_velocity, no_attitude = (
-        _bridged(v),
-        _silent_dvl(v, nodes.t_ns),
-        _silent_imu(path.attitude, nodes.t_ns),
-    )
-    sentences = [
-        (bridged, bridged),
-        (no_velocity, no_velocity),
-        (no_attitude, no_attitude),
-        (len(v.outliers), f"DVL: {_times(len(v.outliers), 'velocity')} rejected as outliers"),
-        (
-            returns.flagged.any(),
-            f"{returns.flagged.sum()} of {len(returns.flagged)} DVL ranges rejected as outliers",
-        ),
-        (len(holes), f"IMU: {_times(len(holes), 'gap')} in the attitude, {_longest(holes)}"),
-        (len(turned.row), _heading_steps(np.degrees(turned.size), path.attitude.t_ns[turned.row])),
-        (
-            len(turned.disagreement),
-            _disagreements(
-                np.degrees(turned.disagreement_rad), path.attitude.t_ns[turned.disagreement]
-            ),
-        ),
-        (not path.attitude.fused, "IMU: no rates; the attitude between readings is interpolated"),
-        (len(blank), _without_images(nodes.t_ns, blank, v)),
-        (depth is None, "no pressure: the depth is counted from the start and drifts"),
-        (
-            len(steps),
-            (
-                f"pressure: {_times(len(steps), 'step')} that the DVL did not see, the "
-                f"first at {_first(steps)}"
-            ),
-        ),
-        (no_depth, f"pressure: {no_depth}; there the depth is counted on by the DVL"),
-        (not path.servo.is_read, "no tray angles: the tray is taken to stand at zero"),
-        (
-            no_angle,
-            (
-                f"tray: {no_angle}; there it is taken to stand as last read, or to turn "
-                "evenly between two readings"
-            ),
-        ),
-        (nodes.outside, _without_pose(nodes.outside)),
-        (
-            nodes.lone,
-            f"{_times(nodes.lone, 'image')} of the upper camera without a partner in the lower one",
-        ),
-        (
-            nodes.unpaired,
-            (
-                f"{_times(nodes.unpaired, 'image')} of the lower camera without a "
-                "partner in the upper one"
-            ),
-        ),
+    remarks = [
+        *_motion_remarks(path, nodes.t_ns, returns),
+        _without_images(nodes.t_ns, blank, path.velocities),
+        *_depth_remarks(depth),
+        *_tray_remarks(path.servo, nodes.t_ns),
+        *_image_remarks(nodes),
     ]
-    facts: dict[str, object] = {
+    facts = {
         "start_ns": path.start_ns,
         "pings": len(pings_ns),
-        "velocities": len(v.t_ns),
-        "outages_s": np.reshape(since(v.outages), (-1, 2)).tolist(),
-        "outlier_velocities_s": since(v.outliers),
-        "returns": len(returns.t_ns),
-        "flagged_returns_s": since(returns.t_ns[returns.flagged]),
-        "attitude_gaps_s": np.reshape(since(holes), (-1, 2)).tolist(),
-        "heading_steps_s": since(path.attitude.t_ns[turned.row]),
-        "heading_steps_deg": np.degrees(turned.size).round(3).tolist(),
-        "attitude_sigma_deg": round(float(np.degrees(path.attitude.sigma_rad)), 5),
-        "depth_steps_s": since(steps),
-        "depth_white_sigma_m": None if depth is None else round(depth.white, 5),
-        "without_images_s": [since(nodes.t_ns[[first, last]]) for first, last, _ in blank],
+        **_sensor_facts(path, depth, returns),
+        "without_images_s": [
+            _seconds_since(path.start_ns, nodes.t_ns[[first, last]]) for first, last, _ in blank
+        ],
         "path_length_m": round(float(way_m[-1]), 3),
     }
-    return [sentence for holds, sentence in sentences if holds], facts
+    return [remark for remark in remarks if remark], facts
+
+
+def _motion_remarks(path: Reckoning, nodes_ns: Ints, returns: Returns) -> Iterator[str]:
+    """Describe what was wrong with DVL and IMU."""
+    v, attitude = path.velocities, path.attitude
+    holes, turned = attitude.holes, attitude.steps
+    yield _bridged(v)
+    yield _silent_dvl(v, nodes_ns)
+    yield _silent_imu(attitude, nodes_ns)
+    if len(v.outliers):
+        yield f"DVL: {_times(len(v.outliers), 'velocity')} rejected as outliers"
+    if returns.flagged.any():
+        yield f"{returns.flagged.sum()} of {len(returns.flagged)} DVL ranges rejected as outliers"
+    if len(holes):
+        yield f"IMU: {_times(len(holes), 'gap')} in the attitude, {_longest(holes)}"
+    yield _heading_steps(np.degrees(turned.size), attitude.t_ns[turned.row])
+    yield _disagreements(np.degrees(turned.disagreement_rad), attitude.t_ns[turned.disagreement])
+    if not attitude.fused:
+        yield "IMU: no rates; the attitude between readings is interpolated"
+
+
+def _depth_remarks(depth: Depth | None) -> Iterator[str]:
+    """Describe what was wrong with the pressure sensor."""
+    if depth is None:
+        yield "no pressure: the depth is counted from the start and drifts"
+        return
+    if len(depth.steps):
+        yield (
+            f"pressure: {_times(len(depth.steps), 'step')} that the DVL did not see, the "
+            f"first at {_first(depth.steps)}"
+        )
+    if depth.silence:
+        yield f"pressure: {depth.silence}; there the depth is counted on by the DVL"
+
+
+def _tray_remarks(servo: Servo, nodes_ns: Ints) -> Iterator[str]:
+    """Describe where the tray's angle was not read."""
+    no_angle = servo.silence(nodes_ns)
+    if not servo.is_read:
+        yield "no tray angles: the tray is taken to stand at zero"
+    if no_angle:
+        yield (
+            f"tray: {no_angle}; there it is taken to stand as last read, or to turn "
+            "evenly between two readings"
+        )
+
+
+def _image_remarks(nodes: Nodes) -> Iterator[str]:
+    """Describe images without a pose or a partner."""
+    if nodes.outside:
+        yield _without_pose(nodes.outside)
+    if nodes.lone:
+        yield (
+            f"{_times(nodes.lone, 'image')} of the upper camera without a partner in the lower one"
+        )
+    if nodes.unpaired:
+        yield (
+            f"{_times(nodes.unpaired, 'image')} of the lower camera without a "
+            "partner in the upper one"
+        )
+
+
+def _sensor_facts(path: Reckoning, depth: Depth | None, returns: Returns) -> dict[str, object]:
+    """Collect what was wrong with the sensors in numbers, times in s since the path's start."""
+    start_ns, v, attitude = path.start_ns, path.velocities, path.attitude
+    turned = attitude.steps
+    steps = np.zeros(0, np.int64) if depth is None else depth.steps
+    return {
+        "velocities": len(v.t_ns),
+        "outages_s": np.reshape(_seconds_since(start_ns, v.outages), (-1, 2)).tolist(),
+        "outlier_velocities_s": _seconds_since(start_ns, v.outliers),
+        "returns": len(returns.t_ns),
+        "flagged_returns_s": _seconds_since(start_ns, returns.t_ns[returns.flagged]),
+        "attitude_gaps_s": np.reshape(_seconds_since(start_ns, attitude.holes), (-1, 2)).tolist(),
+        "heading_steps_s": _seconds_since(start_ns, attitude.t_ns[turned.row]),
+        "heading_steps_deg": np.degrees(turned.size).round(3).tolist(),
+        "attitude_sigma_deg": round(float(np.degrees(attitude.sigma_rad)), 5),
+        "depth_steps_s": _seconds_since(start_ns, steps),
+        "depth_white_sigma_m": None if depth is None else round(depth.white, 5),
+    }
+
+
+def _seconds_since(start_ns: int, t_ns: Ints) -> list[float]:
+    """Convert stamps to seconds since the start of the path, in ms."""
+    return [round(float(t), 3) for t in (np.asarray(t_ns) - start_ns).ravel() * 1e-9]
 
 
 def _bridged(velocities: Velocities) -> str:

@@ -63,28 +63,24 @@ def page_context(
     view = hull_map(survey)
     layers = survey_layers(survey, view) if view else []
     dive = survey.facts.dive
-    coverage = survey.findings.coverage
     figures = deviation_figures(survey)
     scene = make_scene(survey, view)
     data = {**page_data(survey, view, layers), "scene": scene and scene.document}
     quality, mosaics = quality_tables(survey), survey.mosaics.named()
-    has = {
-        "deviation": survey.is_in_hull_frame,
-        "view": data["scene"],
-        "mosaics": mosaics,
-        "coverage": coverage_rows(coverage),
-        "change": survey.change,
-        "appendix": plots,
-        "plan": view is not None,
-        "objects": survey.findings.objects is not None,
-        "quality": quality,
-    }
-    since = f" since {survey.change.chapter.first}" if survey.change is not None else ""
-    sections = [
-        (name, title + since * (name == "change"))
-        for name, title in SECTIONS
-        if has.get(name, True)
-    ]
+    sections = _sections(
+        survey,
+        {
+            "deviation": survey.is_in_hull_frame,
+            "view": data["scene"],
+            "mosaics": mosaics,
+            "coverage": coverage_rows(survey.findings.coverage),
+            "change": survey.change,
+            "appendix": plots,
+            "plan": view is not None,
+            "objects": survey.findings.objects is not None,
+            "quality": quality,
+        },
+    )
     return {
         "sections": sections,
         "number": {name: k for k, (name, _) in enumerate(sections, start=1)},
@@ -117,15 +113,7 @@ def page_context(
         "gaps": any(m.facts.gap_area_m2 > 0 for m in mosaics.values()),
         **_coverage_context(survey),
         **_change_context(survey),
-        "plots": {
-            p.name: {
-                "title": p.title,
-                "alt": p.alt,
-                "src": png_uri(p.png),
-                "csv": f"plots/{p.name}.csv",
-            }
-            for p in plots
-        },
+        "plots": {p.name: _plot_context(p) for p in plots},
         "rejected": rejected_groups(survey),
         "settings": settings_rows(survey.provenance.steps),
         "steps": survey.provenance.steps,
@@ -135,6 +123,26 @@ def page_context(
         "data": script_json(data),
         "has_scene": data["scene"] is not None,
         "version": version(),
+    }
+
+
+def _sections(survey: Survey, contents: Mapping[str, object]) -> list[tuple[str, str]]:
+    """List name and title of the sections of the page, without those whose contents are empty."""
+    since = f" since {survey.change.chapter.first}" if survey.change is not None else ""
+    return [
+        (name, title + since * (name == "change"))
+        for name, title in SECTIONS
+        if contents.get(name, True)
+    ]
+
+
+def _plot_context(plot: Plot) -> PageContext:
+    """Build the variables of a plot in the appendix."""
+    return {
+        "title": plot.title,
+        "alt": plot.alt,
+        "src": png_uri(plot.png),
+        "csv": f"plots/{plot.name}.csv",
     }
 
 
