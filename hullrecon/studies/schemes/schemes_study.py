@@ -201,7 +201,7 @@ def draw_shared(found: shared.Normal) -> PublishedFigure:
         axes[0][0].plot(*shared.PLACES_M[group].T, "o", color=ink, label=name)
     for name, at in zip(shared.NAMES, shared.PLACES_M, strict=True):
         axes[0][0].annotate(name, at, xytext=(3, 5), textcoords="offset points", fontsize=8)
-    axes[0][0].legend(fontsize=8, frameon=False, loc="center", bbox_to_anchor=(0.5, 0.42))
+    axes[0][0].legend(fontsize=8, frameon=False, loc="lower left", bbox_to_anchor=(0, 1), ncols=3)
     matrix = np.abs(np.linalg.inv(found.covariance))
     axes[0][1].imshow(matrix > 1e-6, cmap="Greys")
     axes[0][1].set_xticks(range(10), shared.NAMES, fontsize=7)
