@@ -197,6 +197,20 @@ def test_a_few_wrong_points_get_no_more_than_their_share():
     assert np.mean(np.abs(distance) > 0.03) < 0.03
 
 
+def test_thinned_points_of_a_curved_hull_lie_on_it():
+    """The mean of the points of a wide cell lies inside a bilge by more than the points' noise."""
+    mesh, rng = side(CURVED), np.random.default_rng(9)
+    local = np.repeat(survey(mesh, rng), 20, axis=0)
+    local += 0.3 * rng.standard_normal(local.shape) * [1, 0, 1]
+    nearest = mesh.index.closest(local)
+    points = TRUTH.apply(local - nearest.distance[:, None] * nearest.gradient)
+    model = cad_model(mesh, TRUTH, 0 * GUESS_ERROR)
+    kept = estimate.thin_over_surface(points, TRUTH, model, most=25)
+    distance, _ = signed_distances(kept, TRUTH, np.zeros(3), mesh)
+    assert len(kept) > 10
+    np.testing.assert_allclose(distance, 0, atol=1e-4)
+
+
 def test_registration_finds_offset_whichever_way_guess_errs():
     mesh = side(CURVED)
     points = TRUTH.apply(survey(mesh, np.random.default_rng(2)))

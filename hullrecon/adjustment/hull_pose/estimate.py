@@ -143,8 +143,9 @@ def thin_over_surface(
 ) -> Array:
     """Thin points (n, 3) in g to one for each cell of the CAD model's surface.
 
-    That is the mean of the half of the cell's points whose distances lie in the middle. Cells grow
-    until at most `most` are left. Further columns (n, 3 + k) are averaged with the points.
+    That is the mean of the half of the cell's points whose distances lie in the middle, at the mean
+    of their distances: the mean of places on a curved hull lies inside of it. Cells grow until at
+    most `most` are left. Further columns (n, 3 + k) are averaged with the points.
 
     Cells in space would give a few points off the surface cells of their own, and as much weight as
     all those that are right. Cells of M would hold other points wherever a first pose lies along
@@ -159,8 +160,12 @@ def thin_over_surface(
         _, owner = np.unique(np.floor(foot / cell_m).astype(np.int64), axis=0, return_inverse=True)
         count = np.bincount(owner)
         if len(count) <= most:
-            return _middle_half_means(points, nearest.distance, owner, count)
+            break
         cell_m *= 1.25
+    means = _middle_half_means(np.c_[points, nearest.distance], nearest.distance, owner, count)
+    near = cad_model.mesh.index.closest(pose.inverse().apply(means[:, :3]))
+    outward = pose.rotation.apply(near.gradient) * (means[:, -1] - near.distance)[:, None]
+    return np.c_[means[:, :3] + outward, means[:, 3:-1]]
 
 
 def _middle_half_means(points: Array, distance: Array, owner: Ints, count: Ints) -> Array:
