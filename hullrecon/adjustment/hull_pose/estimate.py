@@ -165,7 +165,7 @@ def thin_over_surface(
     means = _middle_half_means(np.c_[points, nearest.distance], nearest.distance, owner, count)
     near = cad_model.mesh.index.closest(pose.inverse().apply(means[:, :3]))
     outward = pose.rotation.apply(near.gradient) * (means[:, -1] - near.distance)[:, None]
-    return np.c_[means[:, :3] + outward, means[:, 3:-1]]
+    return np.asarray(np.c_[means[:, :3] + outward, means[:, 3:-1]])
 
 
 def _middle_half_means(points: Array, distance: Array, owner: Ints, count: Ints) -> Array:
