@@ -43,7 +43,8 @@ def _take(column: Any, rows: Ints | Mask | slice) -> Any:
     if not len(column):
         return column
     is_mask = isinstance(rows, np.ndarray) and rows.dtype.kind == "b"
-    if is_mask and column.nbytes >= LARGE_BYTES:
+    # a column may also be of poses, which are small
+    if is_mask and isinstance(column, np.ndarray) and column.nbytes >= LARGE_BYTES:
         return _take_large(column, np.asarray(rows, bool))
     return column[rows]
 
