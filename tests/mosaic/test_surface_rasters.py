@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
+from hullrecon.geometry.meshes.mesh import corner_shares
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.output.raster import (
     RasterLayout,
-    corner_shares,
     surface_bands,
     surface_tiles,
     surface_values,

@@ -72,7 +72,7 @@ def read_tracks(tracks: Tracks, of: Mask | None = None) -> Iterator[Block]:
 
 
 def first_nodes(m: Measurements) -> Ints:
-    """Find the first node (L,) that saw each landmark. The largest integer where none did."""
+    """Find the first node (L,) that saw each landmark, int64's maximum for an unseen one."""
     first = np.full(landmark_count(m), np.iinfo(np.int64).max)
     if m.tracks is not None:
         for rows, landmark in _whole_landmarks(m.tracks.landmark):

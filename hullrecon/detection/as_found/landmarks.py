@@ -70,8 +70,7 @@ def measure_surface(
         sideways <= 0.005 + 0.7 * np.abs(near.distance)
     )
     good = np.flatnonzero(near_it & (variance > 0))
-    # The hull's pose is known worse than a facet is wide. By the facets' own normals, what it adds
-    # would jump from one to the next.
+    # By the normals of the facets, the variance that the hull's pose adds would jump at each edge.
     along = variance_along_normals(
         position[row[good]],
         scene.smooth_normals(near.take(good)),

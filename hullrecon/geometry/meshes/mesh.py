@@ -80,6 +80,20 @@ def corner_angles(mesh: Mesh) -> Array:
     return out
 
 
+def corner_shares(corners: Array, points: Array) -> Array:
+    """Compute barycentric shares (n, 3) of points (n, 3) on faces with corners (n, 3, 3)."""
+    to_b, to_c, to_point = (end - corners[:, 0] for end in (corners[:, 1], corners[:, 2], points))
+    bb, bc, cc, pb, pc = (
+        np.einsum("ni,ni->n", u, v)
+        for u, v in (
+            (to_b, to_b), (to_b, to_c), (to_c, to_c), (to_point, to_b), (to_point, to_c)
+        )
+    )  # fmt: skip
+    size = np.maximum(bb * cc - bc * bc, 1e-30)
+    of_b, of_c = (cc * pb - bc * pc) / size, (bb * pc - bc * pb) / size
+    return np.asarray(np.clip(np.stack([1 - of_b - of_c, of_b, of_c], axis=1), 0.0, 1.0))
+
+
 def face_cross_products(mesh: Mesh) -> Array:
     """Compute (b - a) x (c - a) of each face (m, 3): twice the area along the normal."""
     a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)

@@ -15,7 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from hullrecon.geometry.meshes.mesh import Mesh, corner_angles, face_areas, face_normals
+from hullrecon.geometry.meshes.mesh import (
+    Mesh,
+    corner_angles,
+    corner_shares,
+    face_areas,
+    face_normals,
+)
 from hullrecon.geometry.meshes.topology import find_shared_edges, weld_vertices
 from hullrecon.typing import Array, Ints, Mask
 
@@ -87,22 +93,19 @@ def tessellation_error(mesh: Mesh, points: Array, reach_m: float = 1.0) -> Tesse
 def smooth_normals(mesh: Mesh, points: Array, faces: Ints) -> Array:
     """Compute the unit normals (n, 3) of the curved hull at points (n, 3) on their faces (n,).
 
-    Facets' own jump from one to the next. Those of a facet's corners are interpolated instead. A
-    corner's is the mean, by angle, of the facets around it that no sharp edge parts from this one.
+    A facet's own normal jumps to that of the next. So the normals of its corners are interpolated,
+    each the mean, weighted by angle, of the facets around the corner that turn from this one by
+    less than a sharp edge does.
     """
     asked, row = np.unique(faces, return_inverse=True)
     at_corner = _corner_normals(mesh, asked)[row.reshape(-1)]
-    smooth = np.einsum(
-        "nk,nki->ni", _barycentric(mesh.vertices[mesh.faces[faces]], points), at_corner
-    )
+    share = corner_shares(mesh.vertices[mesh.faces[faces]], points)
+    smooth = np.einsum("nk,nki->ni", share, at_corner)
     return np.asarray(smooth / np.linalg.norm(smooth, axis=1, keepdims=True))
 
 
 def _corner_normals(mesh: Mesh, asked: Ints) -> Array:
-    """Average the normals around the corners of some faces (k,), without those beyond sharp edges.
-
-    Returns (k, 3, 3), of length one.
-    """
+    """Compute the smooth unit normals (k, 3, 3) at the three corners of some faces (k,)."""
     vertex = weld_vertices(mesh).faces
     normal, angle = face_normals(mesh), corner_angles(mesh).ravel()
     # the corners of all faces in the order of their vertices
@@ -123,16 +126,6 @@ def _corner_normals(mesh: Mesh, asked: Ints) -> Array:
     length = np.linalg.norm(total, axis=1, keepdims=True)
     facet = np.repeat(normal[asked], 3, axis=0)
     return np.where(length > 0, total / np.where(length > 0, length, 1), facet).reshape(-1, 3, 3)
-
-
-def _barycentric(corners: Array, points: Array) -> Array:
-    """Weigh the corners (n, 3, 3) of triangles for points (n, 3) on them: (n, 3), sum one."""
-    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    across, offset = np.cross(first, second), points - corners[:, 0]
-    square = np.maximum(np.einsum("ni,ni->n", across, across), 1e-30)
-    by_second = np.einsum("ni,ni->n", np.cross(offset, second), across) / square
-    by_third = np.einsum("ni,ni->n", np.cross(first, offset), across) / square
-    return np.stack([1 - by_second - by_third, by_second, by_third], axis=1).clip(0, 1)
 
 
 def _faces_near(mesh: Mesh, points: Array, reach_m: float) -> Mask:

@@ -13,6 +13,7 @@ from typing import BinaryIO
 import numpy as np
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
+from hullrecon.geometry.meshes.mesh import corner_shares
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface
 from hullrecon.mosaic.output.cog import BLOCK, Picture, write_cog
@@ -208,20 +209,6 @@ def _interpolate(
             else np.rint((value[corners] * share).sum(axis=1) / QUANTUM_M) * QUANTUM_M
         )
     return tiles
-
-
-def corner_shares(corners: Array, points: Array) -> Array:
-    """Compute barycentric shares (n, 3) of points (n, 3) on faces with corners (n, 3, 3)."""
-    to_b, to_c, to_point = (end - corners[:, 0] for end in (corners[:, 1], corners[:, 2], points))
-    bb, bc, cc, pb, pc = (
-        np.einsum("ni,ni->n", u, v)
-        for u, v in (
-            (to_b, to_b), (to_b, to_c), (to_c, to_c), (to_point, to_b), (to_point, to_c)
-        )
-    )  # fmt: skip
-    size = np.maximum(bb * cc - bc * bc, 1e-30)
-    of_b, of_c = (cc * pb - bc * pc) / size, (bb * pc - bc * pb) / size
-    return np.asarray(np.clip(np.stack([1 - of_b - of_c, of_b, of_c], axis=1), 0.0, 1.0))
 
 
 def surface_bands(name: str, *, by_images: bool = True) -> RasterBands:
