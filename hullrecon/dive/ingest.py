@@ -27,6 +27,7 @@ from hullrecon.dive.logs.positions import is_acoustic, position_fixes
 from hullrecon.dive.logs.read_streams import LogContents, Watch, read_streams
 from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.readers.protocol import Log, Loss, Message
+from hullrecon.dive.logs.republished import drop_republished
 from hullrecon.dive.logs.samples import (
     DepthSample,
     DvlSample,
@@ -37,6 +38,7 @@ from hullrecon.dive.logs.samples import (
     PressureSample,
     Sample,
     are_written_twice,
+    find_copies,
     is_of_dvl,
 )
 from hullrecon.dive.logs.time_bases import BagStamps, join_time_bases
@@ -423,6 +425,11 @@ class _Source:
             self.notes.append(Finding("dvl-sensors-ignored", values, sensor))
             rows = own
         name = sensor if joint is None else f"joint {joint}"
+        copies = set(find_copies([sample for sample, *_ in rows], [log for *_, log in rows]))
+        if copies and len(copies) < len(rows) - 1:  # else the clock stands still
+            values = {"copies": len(copies), "count": len(rows)}
+            self.notes.append(Finding("readings-twice", values, name))
+            rows = [row for number, row in enumerate(rows) if number not in copies]
         line = put_in_order(
             name,
             [sample.t_ns for sample, *_ in rows],
@@ -432,7 +439,8 @@ class _Source:
         )
         self.notes += line.notes
         ordered = ((rows[i][0], int(t_ns)) for i, t_ns in zip(line.keep, line.t_ns, strict=True))
-        return [s if s.t_ns == t_ns else replace(s, t_ns=t_ns) for s, t_ns in ordered]
+        kept = [s if s.t_ns == t_ns else replace(s, t_ns=t_ns) for s, t_ns in ordered]
+        return drop_republished(name, kept, self.notes)
 
 
 def _build_dvl(source: _Source) -> DvlPings | None:

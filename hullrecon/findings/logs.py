@@ -146,10 +146,19 @@ NOTES: dict[str, Words] = {
     "data-lost": _lost,
     # stamps
     "stamps-doubled": "{doubled} of {count} stamps are duplicates; the first of each was kept",
+    "readings-twice": "{copies} of {count} readings stand in the log once more, with the same "
+    "stamp and values; they were left out",
+    "readings-republished": "{repeated} of {count} readings repeat the one before to the last "
+    "digit, as evenly as a driver that publishes each several times with new stamps; the first of "
+    "each was kept",
     "stamps-unordered": "{count} readings stood out of order and were sorted",
     "stamps-far": _far,
     "rates-unfilled": "all {count} angular velocities are zero while the orientation turns: they "
     "were not filled in, and are left out",
+    "accelerations-unfilled": "all {count} accelerations are zero: they were not filled in, and "
+    "are left out",
+    "gravity-taken-off": "its accelerations have gravity taken off (their median is "
+    "{felt_m_s2:.2g} m/s2); it was added again by the orientation",
     "accelerations-in-unit": "half of its accelerations are {median:.3g} and more, as gravity in "
     "{unit}: they were converted to m/s2",
     "stamps-in-bursts": _in_bursts,
@@ -169,6 +178,8 @@ NOTES: dict[str, Words] = {
     "readings-not-finite": "{lost} of {count} readings are no finite numbers and were left out",
     "ranges-all-lost": "every range is lost; it measures no distance to the hull",
     "velocities-absurd": "{count} velocities above {limit_m_s:.0f} m/s were taken as lost",
+    "velocities-not-over-ground": "{lost} of {count} velocities are {what}, not over ground along "
+    "the DVL's axes: they are not used",
     "velocities-marked-lost": _marked_lost,
     "velocity-sigmas-useless": "every velocity has a sigma of {least_m_s:.2g} m/s or more, which "
     "says nothing of it; dvl.sigma_velocity was used",
@@ -260,6 +271,7 @@ NOTES: dict[str, Words] = {
     "database-wal": "the write-ahead log beside the database was read with it",
     "folder-by-name": "{why}; the folder's files were read by name",
     # files of instruments and tables
+    "table-empty": "it has a header and no row",
     "tables-not-read": "not read: {files}; the tables of sensors are {tables}",
     "pd0-no-bottom": "no ensemble has a bottom track (a current profiler's file?): it gives no "
     "velocity over ground",

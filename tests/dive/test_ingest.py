@@ -109,6 +109,16 @@ def write_tables(folder: Path, **first_s: float) -> None:
         )
 
 
+def test_a_table_that_was_pasted_twice_is_read_once(tmp_path):
+    write_tables(tmp_path / "logs", imu=0, dvl=0)
+    table = tmp_path / "logs" / "dvl.csv"
+    table.write_text(2 * table.read_text())
+    found, _ = run(tmp_path, logs=("logs",), topics={}, calibration={})
+    assert len(found.records.dvl.t_ns) == 20
+    (said,) = (note for note in sentences(found.notes) if note.startswith("dvl: "))
+    assert "20 of 40 readings stand in the log once more" in said
+
+
 def test_the_window_holds_stamps_as_they_are_corrected(tmp_path):
     write_tables(tmp_path / "logs", imu=0, dvl=0, position=7200)
     limits = {"start": START + timedelta(seconds=5), "end": START + timedelta(seconds=10)}

@@ -14,7 +14,7 @@ from hullrecon.dive.logs.timeline import describe_ends, describe_gaps
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.clock import NS, format_time, rate_hz
-from hullrecon.records.sensors import ImageIndex, SensorRecords
+from hullrecon.records.sensors import DvlPings, ImageIndex, SensorRecords
 
 NOUNS = {
     "dvl": "ping",
@@ -49,7 +49,18 @@ def describe_streams(records: SensorRecords, images: Mapping[str, ImageIndex]) -
         out.append(Finding("stream-read", values, name))
         out += describe_gaps(name, t_ns)
         out += [] if name in apart else describe_ends(name, t_ns, start_ns, stop_ns)
+        if name == "dvl" and records.dvl is not None:
+            out += _describe_lost_lock(records.dvl)
     return out + _describe_values(records)
+
+
+def _describe_lost_lock(dvl: DvlPings) -> list[Finding]:
+    """Describe when pings came, but no velocity over ground."""
+    heard_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
+    silent = [finding.values for finding in describe_gaps("dvl", dvl.t_ns)]
+    name, ends = "velocity of the DVL", (int(dvl.t_ns[0]), int(dvl.t_ns[-1]))
+    gaps = [gap for gap in describe_gaps(name, heard_ns) if gap.values not in silent]
+    return gaps + (describe_ends(name, heard_ns, *ends) if len(heard_ns) else [])
 
 
 def _describe_values(records: SensorRecords) -> list[Finding]:

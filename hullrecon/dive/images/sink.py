@@ -103,8 +103,13 @@ class ImageSink:
                 what,
                 remedy="see that the files are there and whole",
             )
-        stamp, logged, log, file, offset, size, usable = (
-            list(column) for column in zip(*self._rows, strict=True)
+        usable = [row[-1] for row in self._rows]
+        listed = list(dict.fromkeys(self._rows))  # a table may hold its rows twice
+        if len(listed) < len(self._rows):
+            copies = {"copies": len(self._rows) - len(listed), "count": len(self._rows)}
+            notes.append(Finding("readings-twice", copies, self._camera))
+        stamp, logged, log, file, offset, size, is_usable = (
+            list(column) for column in zip(*listed, strict=True)
         )
         line = put_in_order(self._camera, stamp, logged, log)
         bits = significant_bits(self._largest)
@@ -115,7 +120,7 @@ class ImageSink:
             file=np.array(file, np.str_)[rows],
             offset=np.array(offset, np.int64)[rows],
             size=np.array(size, np.int64)[rows],
-            usable=np.array(usable, bool)[rows],
+            usable=np.array(is_usable, bool)[rows],
             bits=np.array(bits),
         )
 

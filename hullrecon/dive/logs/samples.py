@@ -33,6 +33,7 @@ class DvlSample:
     along_axis: bool = False  # ranges are along z of `dvl`, wherever the beams turn out to point
     # of a table: its writer may have taken distances along the axis for ranges
     by_hand: bool = False
+    not_over_ground: str = ""  # why a velocity that was measured is lost: what else it is
 
     def __post_init__(self) -> None:
         _require(self.velocity.shape == (3,) and self.ranges.ndim == 1)
@@ -148,6 +149,21 @@ Sample = (
 def is_of_dvl(sample: object) -> bool:
     """Tell whether a sample is an attitude or a depth by sensors inside the DVL."""
     return isinstance(sample, ImuSample | DepthSample) and sample.of_dvl
+
+
+def find_copies(samples: Sequence[Sample], log: Sequence[int]) -> list[int]:
+    """Find the rows whose log has the same reading, with the same stamp, further up.
+
+    log: number of the log of each sample. Two recordings of one message are no copies: their
+    loggers' clocks are compared by them.
+    """
+    keys = np.array([(number, s.t_ns) for number, s in zip(log, samples, strict=True)], np.int64)
+    if not len(keys):
+        return []
+    _, first, of = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    earlier = first[of.ravel()]
+    again = np.flatnonzero(earlier != np.arange(len(keys)))
+    return [row for row in again.tolist() if _is_same(samples[earlier[row]], samples[row])]
 
 
 def are_written_twice(samples: Sequence[Sample]) -> bool:

@@ -141,6 +141,7 @@ def dvl_pings(
     scale = METRES_A_SECOND[unit]
     velocity = scale * np.array([s.velocity for s in samples]).reshape(-1, 3)
     velocity[~np.isfinite(velocity).all(axis=1)] = np.nan
+    notes += _describe_not_over_ground(samples)
     speed = np.linalg.norm(velocity, axis=1)
     _refuse_fast(speed, unit)
     absurd = speed > FASTEST_M_S
@@ -172,6 +173,16 @@ def dvl_pings(
         beams=directions,
         range_scale_sigma=np.array(scale_sigma),
     )
+
+
+def _describe_not_over_ground(samples: Sequence[DvlSample]) -> list[Finding]:
+    """Count the velocities that a DVL measured relative to something else than the ground."""
+    code, count = "velocities-not-over-ground", len(samples)
+    others = Counter(s.not_over_ground for s in samples if s.not_over_ground)
+    return [
+        Finding(code, {"lost": lost, "count": count, "what": what}, "dvl")
+        for what, lost in sorted(others.items())
+    ]
 
 
 def _refuse_far(ranges: Array) -> None:
@@ -271,7 +282,7 @@ def imu_samples(
         t_ns=_times(samples)[good],
         quaternion=rotation.as_quat(),
         angular_velocity=rates,
-        acceleration=acceleration,
+        acceleration=_with_gravity(acceleration, rotation, notes),
     )
 
 
@@ -299,6 +310,25 @@ def _in_m_s2(acceleration: Array, notes: list[Finding]) -> Array:
             notes.append(Finding("accelerations-in-unit", {"unit": name, "median": felt}, "imu"))
             return scale * acceleration
     return acceleration
+
+
+def _with_gravity(acceleration: Array, rotation: Rotation, notes: list[Finding]) -> Array:
+    """Add gravity to accelerations (n, 3) that a filter freed of it by its own orientation.
+
+    rotation: (n,) from the vehicle to `global`.
+    """
+    felt = rotation.apply(acceleration)
+    known = np.isfinite(felt).all(axis=1)
+    if not known.any():
+        return acceleration
+    if len(felt) >= LEAST_ATTITUDES and not felt[known].any():
+        notes.append(Finding("accelerations-unfilled", {"count": int(known.sum())}, "imu"))
+        return np.full_like(acceleration, np.nan)
+    mean = float(np.linalg.norm(np.median(felt[known], axis=0)))
+    if mean >= LEAST_FELT_M_S2:
+        return acceleration
+    notes.append(Finding("gravity-taken-off", {"felt_m_s2": mean}, "imu"))
+    return np.asarray(acceleration - rotation.inv().apply([0.0, 0.0, GRAVITY_M_S2]))
 
 
 def _refuse_unfilled(quaternion: Array, rates: Array) -> None:

@@ -30,6 +30,7 @@ LASTING = 20
 FAR_S = 86400.0
 UNSET_NS = 10 * 365 * 86400 * NS  # a clock before 1980 was never set
 FAR_SHARE = 0.05  # of a sensor's readings; more are another dive, which is not ours to leave out
+SUMMER_NS = 3600 * NS  # that clocks of local time fall back as summer time ends
 FEW = 2  # readings with one stamp are duplicates; more, and no other, are a clock that stands still
 MOST_GAPS = 5  # that are told one by one
 
@@ -72,7 +73,8 @@ def put_in_order(
     number = np.zeros(len(stamp), np.int64) if log is None else np.asarray(log, np.int64)
     if len(stamp) > FEW and (stamp == stamp[0]).all():
         raise InputError(
-            f"{name}: all {len(stamp)} stamps are the same, {format_time(int(stamp[0]))}"
+            f"{name}: all {len(stamp)} stamps are the same, {format_time(int(stamp[0]))}",
+            remedy="write the stamps with all their digits, or log those of the sensor",
         )
     logged = _on_one_logger(stamp, logged, number)
     jumped = clock_error(stamp, logged)
@@ -189,8 +191,8 @@ def _set_back(stamp: Ints, logged: Ints, log: Ints) -> Ints:
 def _set_back_within(stamp: Ints, logged: Ints) -> Ints:
     """Estimate by how much stamps (n,) of one log are off after its clock was set back, ns.
 
-    A later part then begins within the previous part and ends after it. Zeros where parts were
-    logged in another order or twice.
+    A later part then begins within the previous part and ends after it, or an hour before the
+    previous one ended. Zeros where parts were logged in another order or twice.
     """
     out, step = np.zeros_like(stamp), np.diff(stamp)
     back = (step <= -JUMP_S * NS) & (np.diff(logged) <= -JUMP_S * NS)
@@ -199,12 +201,16 @@ def _set_back_within(stamp: Ints, logged: Ints) -> Ints:
         before, after = stamp[begin:middle], stamp[middle:end]
         # stamps on a grid meet those of before by chance
         overlap = logged[middle:end][after <= before[-1]]
-        is_short = min(len(before), len(after)) < LASTING
-        if is_short or after[0] <= before[0] or after[-1] <= before[-1]:
+        if min(len(before), len(after)) < LASTING or not (step > 0).any():
+            return np.zeros_like(stamp)
+        period = round(float(np.median(step[step > 0])))
+        late = int(before[-1] - after[0]) + period  # that the later part is
+        is_summer = abs(late - SUMMER_NS) < max(period, JUMP_S * NS)
+        if not (is_summer or (after[0] > before[0] and after[-1] > before[-1])):
             return np.zeros_like(stamp)
         if np.isin(overlap, logged[begin:middle]).mean() > 0.5:
             return np.zeros_like(stamp)
-        out[middle:] -= before[-1] - after[0] + round(float(np.median(step[step > 0])))
+        out[middle:] -= SUMMER_NS if is_summer else late
     return out
 
 

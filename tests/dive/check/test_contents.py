@@ -78,6 +78,22 @@ def test_a_silent_spell_and_the_range_of_a_servo_are_told():
     assert "tray angles run from 0.0 to 45.0 degrees" in lines
 
 
+def test_a_spell_without_bottom_lock_is_told():
+    t = np.arange(60, dtype=np.int64) * 1_000_000_000
+    velocity = np.zeros((60, 3))
+    velocity[20:30] = np.nan
+    pings = DvlPings(
+        t_ns=t,
+        velocity=velocity,
+        velocity_sigma=np.ones(60),
+        ranges=np.ones((60, 1)),
+        beams=np.array([[0.0, 0.0, 1.0]]),
+    )
+    lines = sentences(describe_streams(SensorRecords(dvl=pings), {}))
+    start, end = "1970-01-01T00:00:19.000Z", "1970-01-01T00:00:30.000Z"
+    assert f"velocity of the DVL: nothing for 11.0 s from {start} to {end}" in lines
+
+
 def test_single_reading_is_described_in_singular_without_rate():
     one = np.array([5], np.int64) * 1_000_000_000
     ping = DvlPings(

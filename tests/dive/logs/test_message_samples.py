@@ -53,7 +53,9 @@ def test_velocity_is_lost_by_covariance_or_water_mode(kit):
     lost = np.zeros(9)
     lost[0] = -1
     assert np.isnan(dvl(kit.dvl(T, velocity_covar=lost)).velocity).all()
-    assert np.isnan(dvl(kit.dvl(T, velocity_mode=2)).velocity).all()
+    of_the_water = dvl(kit.dvl(T, velocity_mode=2))
+    assert np.isnan(of_the_water.velocity).all()
+    assert of_the_water.not_over_ground == "relative to the water"
 
 
 def test_a_covariance_of_zero_says_nothing(kit):
@@ -413,6 +415,7 @@ def test_a_dvl_of_the_deep_submergence_laboratory_is_read(kit):
     ):
         (ping,) = translate("dvl", kind, deep_submergence(kit, **lost))
         assert np.isnan(ping.velocity).all()
+        assert bool(ping.not_over_ground) == ("velocity_covar" not in lost)
 
 
 def test_the_altitude_of_a_ping_is_kept_where_it_is_one(kit):

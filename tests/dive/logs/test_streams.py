@@ -48,6 +48,12 @@ def test_a_half_lost_velocity_and_a_senseless_one_are_lost_whole():
     assert "1 velocities above 15 m/s" in notes[0].sentence
 
 
+def test_velocities_relative_to_the_water_are_counted():
+    notes, water = [], replace(ping(1, [np.nan] * 3), not_over_ground="relative to the water")
+    streams.dvl_pings([ping(0), water, ping(2)], None, 0.003, notes)
+    assert "1 of 3 velocities are relative to the water" in notes[0].sentence
+
+
 def test_ranges_not_positive_or_infinite_are_lost():
     pings = streams.dvl_pings([ping(ranges=(0, -1, np.inf, 2))], None, 0.003, [])
     assert np.isnan(pings.ranges[0]).tolist() == [True, True, True, False]
@@ -100,6 +106,20 @@ def test_readings_without_attitude_are_left_out_and_counted():
     assert found.t_ns.tolist() == [1]
     assert np.linalg.norm(found.quaternion[0]) == pytest.approx(1)
     assert "2 of 3 readings" in notes[0].sentence
+
+
+def test_gravity_that_a_filter_took_off_is_added_by_the_orientation():
+    notes = []
+    tilted = Rotation.from_euler("x", 30, degrees=True).as_quat()
+    found = streams.imu_samples([imu(0, tilted, acceleration=(0.1, 0, 0))], "ned", notes)
+    want = [0.1, -9.80665 * 0.5, -9.80665 * np.sqrt(0.75)]
+    assert found.acceleration[0] == pytest.approx(want)
+    assert "gravity taken off (their median is 0.1 m/s2)" in notes[0].sentence
+
+
+def test_accelerations_that_nobody_filled_in_are_left_out():
+    still = [imu(t, [0, 0, 1e-3 * t, 1], acceleration=(0, 0, 0)) for t in range(50)]
+    assert np.isnan(streams.imu_samples(still, "ned", []).acceleration).all()
 
 
 def test_an_imu_without_any_attitude_is_refused():

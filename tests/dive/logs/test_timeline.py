@@ -57,6 +57,13 @@ def test_clock_set_back_is_corrected_without_logger_clock():
     assert "150 stamps were put right as if it had been set back" in sentences(line.notes)[0]
 
 
+def test_clock_of_local_time_falls_back_by_an_hour_amid_the_dive():
+    true = np.arange(10_000, 10_030, 0.1)
+    stamps = ns(*np.where(true >= 10_015, true - 3600, true))
+    line = put_in_order("dvl", stamps, stamps)
+    np.testing.assert_allclose(line.t_ns / NS, true, atol=1e-6)
+
+
 @pytest.mark.parametrize(
     "second", [np.arange(0, 15, 0.1), np.arange(5, 30, 0.1)], ids=["logged later", "logged twice"]
 )

@@ -120,6 +120,28 @@ def test_unreadable_row_is_a_named_loss_and_others_are_kept(tmp_path):
     assert "lines 3, 4 of pressure.csv" in loss.why
 
 
+def test_rows_that_hold_no_reading_are_no_loss(tmp_path):
+    (tmp_path / "pressure.csv").write_text(
+        "t,pascal\ns,Pa\n0,1e5\n# mark 3\nt,pascal\n1,null\n2,1e5\nTotal,2\n"
+    )
+    samples, log = read(tmp_path)
+    assert [s.t_ns // 10**9 for s in samples] == [0, 2]
+    assert [loss.why for loss in log.losses()] == ["line 6 of pressure.csv cannot be read"]
+
+
+def test_a_word_for_no_value_is_a_lost_one(tmp_path):
+    (tmp_path / "dvl.csv").write_text("t,vx,vy,vz,range_1\n0,NULL,n/a,-,1\n")
+    (ping,), log = read(tmp_path)
+    assert np.isnan(ping.velocity).all()
+    assert (ping.ranges.tolist(), log.losses()) == ([1.0], [])
+
+
+def test_decimal_commas_between_commas_are_refused(tmp_path):
+    (tmp_path / "pressure.csv").write_text("t,pascal\n1777887000,25,112896,34\n")
+    with pytest.raises(InputError, match="has 4 cells, its header 2: commas stand in its numbers"):
+        read(tmp_path)
+
+
 def test_a_missing_column_is_an_input_error_that_names_it(tmp_path):
     (tmp_path / "pressure.csv").write_text("time,pascal\n0,1e5\n")
     with pytest.raises(InputError, match=r"pressure\.csv has no column t"):
@@ -413,7 +435,8 @@ def test_a_table_of_another_name_is_named_as_not_read(tmp_path):
 def test_a_date_and_time_with_its_zone_is_a_stamp(tmp_path):
     (tmp_path / "pressure.csv").write_text("t,pascal\n2026-05-04T11:30:00.25+02:00,5\n")
     samples, _ = read(tmp_path)
-    assert samples[0].t_ns == 1_777_887_000_250_000_000
+    (tmp_path / "pressure.csv").write_text("t,pascal\n2026-05-04 09:30:00.25 UTC,5\n")
+    assert read(tmp_path)[0][0].t_ns == samples[0].t_ns == 1_777_887_000_250_000_000
 
 
 @pytest.mark.parametrize("stamp", ["2026-05-04T09:30:00", "05/04/2026 09:30:00 AM"])

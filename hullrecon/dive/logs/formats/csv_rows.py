@@ -33,7 +33,8 @@ def read_rows(path: Path, needed: Sequence[str]) -> Iterator[tuple[int, Row | No
 
     Cells are separated as the header's are, by commas, semicolons or tabs. Columns are named by
     small letters. Blank lines and those above the header are passed over. Raises InputError when
-    the file cannot be read or a column that every row needs is not in the header.
+    the file cannot be read, a column that every row needs is not in the header, or rows have so
+    many cells that their numbers' decimal commas separate cells too.
     """
     try:
         require_regular_file(path)
@@ -42,6 +43,9 @@ def read_rows(path: Path, needed: Sequence[str]) -> Iterator[tuple[int, Row | No
             header, separator = _find_header(path, lines, needed)
             for number, line in lines:
                 cells = _cells(line, separator)
+                _refuse_decimal_commas(path, number, cells, header, separator)
+                if cells is not None and [cell.strip().lower() for cell in cells] == header:
+                    continue  # once more, where tables were pasted together
                 if cells is None or (
                     line is not None and 0 < len(cells) < len(header) and not line.endswith(ENDS)
                 ):
@@ -81,6 +85,22 @@ def _find_header(
         f"{path.name} has no column {', '.join(missing)}{begins}",
         where=printable(str(path.parent)),
         remedy=f"its header row needs {', '.join(needed)}, with commas, semicolons or tabs between",
+    )
+
+
+def _refuse_decimal_commas(
+    path: Path, number: int, cells: Sequence[str] | None, header: Sequence[str], separator: str
+) -> None:
+    """Raise InputError for a row with half as many numbers again as the header has columns."""
+    if separator != "," or cells is None or 2 * len(cells) <= 3 * len(header):
+        return
+    if sum(any(c.isdigit() for c in cell) for cell in cells) <= len(header):
+        return
+    raise InputError(
+        f"line {number} of {path.name} has {len(cells)} cells, its header {len(header)}: commas "
+        "stand in its numbers and between them",
+        where=printable(str(path.parent)),
+        remedy="write the table with semicolons or tabs between, or with decimal points",
     )
 
 

@@ -22,6 +22,7 @@ FIGURE_OF_MERIT_LIMIT = 0.4
 NORTEK_LOST, NORTEK_BAD_MERIT = -32.0, 10.0
 # marine_acoustic_msgs and ds_sensor_msgs: velocity_mode; ds_sensor_msgs: coordinate_mode
 OF_THE_WATER, IN_EARTH = 2, 3
+TO_THE_WATER, ALONG_EARTH = "relative to the water", "along the earth's axes"
 
 
 def marine_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
@@ -41,7 +42,19 @@ def marine_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     velocity = LOST if of_the_water else vector(message.velocity)
     altitude = _positive(message.altitude)
     known = beams if _are_unit(beams) else None
-    return [_known(DvlSample(t_ns, velocity, sigma, ranges, known, altitude=altitude))]
+    return [
+        _known(
+            DvlSample(
+                t_ns,
+                velocity,
+                sigma,
+                ranges,
+                known,
+                altitude=altitude,
+                not_over_ground=TO_THE_WATER if of_the_water else "",
+            )
+        )
+    ]
 
 
 def deep_submergence_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
@@ -51,11 +64,13 @@ def deep_submergence_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """
     sigma = sigma_of(message.velocity_covar, VELOCITY)
     ranges = np.asarray(message.range, float)
-    lost = message.velocity_mode == OF_THE_WATER or message.coordinate_mode == IN_EARTH
+    what = ALONG_EARTH if message.coordinate_mode == IN_EARTH else ""
+    what = TO_THE_WATER if message.velocity_mode == OF_THE_WATER else what
     ranges = np.where((np.asarray(message.range_covar, float) < 0) | ~(ranges > 0), np.nan, ranges)
     beams = np.array([vector(b) for b in message.beam_unit_vec])
-    velocity = LOST if lost else vector(message.velocity)
-    return [_known(DvlSample(t_ns, velocity, sigma, ranges, beams if _are_unit(beams) else None))]
+    velocity = LOST if what else vector(message.velocity)
+    known = beams if _are_unit(beams) else None
+    return [_known(DvlSample(t_ns, velocity, sigma, ranges, known, not_over_ground=what))]
 
 
 def twist_with_covariance(message: Fields, t_ns: int, role: str) -> list[Sample]:

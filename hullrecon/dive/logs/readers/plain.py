@@ -49,6 +49,9 @@ LISTED_LINES = 5
 PING_FREE_BYTES, PING_RATIO = 1 << 26, 64
 # characters; file systems take no longer names, and paths of up to 4096 in all
 LONGEST_FILE_NAME, LONGEST_PATH = 255, 1000
+# cells in which spreadsheets and databases have no value
+NO_NUMBERS = frozenset({"nan", "inf", "infinity"})
+NULLS = frozenset({"", "-", "--", "null", "none", "n/a", "na", "#n/a", "nil"})
 RATES, ACCELERATION = ("wx", "wy", "wz"), ("ax", "ay", "az")
 WINDOW = ("range_from", "range_to")
 ALTITUDE = "altitude"
@@ -119,6 +122,8 @@ class PlainLog:
         bad, rows, late, first_reason = _BadLines(), 0, list[float](), ""
         first_ns = last_ns = read = 0
         for line, row in self._read(sensor):
+            if row is not None and _is_remark(row["t"]):
+                continue
             rows += 1
             try:
                 if row is None:
@@ -157,6 +162,8 @@ class PlainLog:
                 where=str(self.path),
                 remedy="write column t in seconds since 1970",
             )
+        if not rows:
+            self.notes.append(Finding("table-empty", where=f"{sensor}.csv"))
         if rows and bad.count == rows:
             raise InputError(
                 f"{sensor}.csv has no row that can be read: {first_reason}", where=str(self.path)
@@ -236,6 +243,13 @@ class PlainLog:
                 f"{name}: with it the pings would unpack to more than {PING_RATIO} times their size"
             )
         return SonarSample(_ns(row), image, None if azimuth is None else in_fan(azimuth), range_m)
+
+
+def _is_remark(stamp: str) -> bool:
+    """Tell a row of units, a remark or a total from a reading by its cell of column t."""
+    text = stamp.strip()
+    is_word = text[:1].isalpha() and not any(c.isdigit() for c in text)
+    return text.startswith(("#", "%", "[")) or (is_word and text.lower() not in NULLS | NO_NUMBERS)
 
 
 class _BadLines:
@@ -325,8 +339,8 @@ def _window(row: Row) -> tuple[float, float] | None:
 
 
 def _number(value: str, lost: bool = False) -> float:
-    """Read a cell's number. An empty cell is a lost value where `lost` allows it."""
-    if lost and not (value or "").strip():
+    """Read a cell's number. One without a value is a lost value where `lost` allows it."""
+    if lost and (value or "").strip().lower() in NULLS:
         return float("nan")
     try:
         return float(value)
@@ -357,6 +371,8 @@ def _ns(row: Row) -> int:
 
 def _date_and_time_ns(text: str) -> int:
     """Read a date and time of ISO 8601 with its zone."""
+    for name in (" UTC", " GMT"):
+        text = text.removesuffix(name) + ("Z" if text.endswith(name) else "")
     try:
         since = datetime.fromisoformat(text) - datetime(1970, 1, 1, tzinfo=UTC)
     except (ValueError, TypeError):  # none, or without a zone

@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Find readings that a driver published again, with new stamps, until the next one was measured.
+
+Taken for measurements they make a sensor late by half the time between two of them, and as certain
+as if it had measured each time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeVar
+
+import numpy as np
+
+from hullrecon.dive.logs.samples import (
+    DepthSample,
+    DvlSample,
+    ImuSample,
+    PositionSample,
+    PressureSample,
+    Sample,
+)
+from hullrecon.findings.finding import Finding
+from hullrecon.typing import Array, Mask
+
+Kind = TypeVar("Kind", bound=Sample)
+LEAST_MEASURED = 20  # readings, to tell a sensor's resolution and how much its values change
+# Of the readings nine in ten are published so many times, over how often the median one is: the
+# rates of sensor and driver are no whole multiples
+EVEN = (0.5, 2.0)
+SIGNIFICANT = 5.0  # standard deviations of the number of readings that are alike by chance
+
+
+def drop_republished(name: str, samples: Sequence[Kind], notes: list[Finding]) -> list[Kind]:
+    """Keep the first of readings that were published several times.
+
+    Parameters
+    ----------
+    name : of the stream, for the notes
+    samples : in order of time
+    notes : what was left out is added
+    """
+    values = [_values_of(sample) for sample in samples]
+    width = max((len(row) for row in values), default=0)
+    again = np.zeros(len(samples), bool)
+    if width:
+        table = np.full((len(values), width), np.nan)
+        for row, found in zip(table, values, strict=True):
+            row[: len(found)] = found
+        again = find_republished(table)
+    if again.any():
+        counts = {"repeated": int(again.sum()), "count": len(samples)}
+        notes.append(Finding("readings-republished", counts, name))
+    return [sample for sample, is_old in zip(samples, again.tolist(), strict=True) if not is_old]
+
+
+def find_republished(values: Array) -> Mask:
+    """Find readings (n, k) that repeat the one before, evenly and oftener than by chance.
+
+    By chance two are alike in a value with the probability, at most, that its resolution has in how
+    much it usually changes. Readings of a vehicle at rest, or of a coarse sensor, are alike in runs
+    of all lengths.
+    """
+    known: Mask = np.asarray(np.isfinite(values).any(axis=1))
+    lost = np.isnan(values)
+    alike = np.all((values[1:] == values[:-1]) | (lost[1:] & lost[:-1]), axis=1)
+    again = np.r_[False, alike & known[1:] & known[:-1]]
+    starts = np.flatnonzero(~again)
+    length = np.diff(np.r_[starts, len(values)])
+    usual = float(np.median(length)) if len(length) else 0.0
+    even = (length >= EVEN[0] * usual) & (length <= EVEN[1] * usual)
+    none = np.zeros(len(values), bool)
+    if len(starts) < LEAST_MEASURED or usual < 2 or even.mean() < 0.9:
+        return none
+    by_chance = len(values) * _chance(values[starts])
+    return again if again.sum() > by_chance + SIGNIFICANT * np.sqrt(by_chance) else none
+
+
+def _chance(values: Array) -> float:
+    """Bound the probability that two readings (n, k) of a sensor are alike by chance."""
+    chance = 1.0
+    for column in values.T:
+        found = column[np.isfinite(column)]
+        levels = np.unique(found)
+        if len(found) < LEAST_MEASURED or len(levels) < 2:
+            continue
+        change = float(np.median(np.abs(np.diff(found))))
+        chance *= min(1.0, float(np.diff(levels).min()) / change) if change > 0 else 1.0
+    return chance
+
+
+def _values_of(sample: Sample) -> Array:
+    """Select what a sensor measured anew in each reading. Nothing of those that may stand still."""
+    match sample:
+        case DvlSample():
+            return np.concatenate([sample.velocity, sample.ranges])
+        case ImuSample():  # whose rates a driver may fill in at their own rate
+            return sample.quaternion
+        case PressureSample():
+            return np.array([sample.pascal])
+        case DepthSample():
+            return np.array([sample.height])
+        case PositionSample():
+            return sample.place
+        case _:
+            return np.zeros(0)
