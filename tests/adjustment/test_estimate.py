@@ -21,6 +21,7 @@ from hullrecon.adjustment.hull_pose.registration import (
 )
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry import poses
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.tessellation import tessellation_error
 
 ALONG = np.array([1.0, 0.0, 0.0])
@@ -175,6 +176,28 @@ def test_ranges_to_no_scale_leave_the_hull_as_far_off():
         for of in (evidence, doubtful)
     )
     assert np.sqrt(open_**2 - sure**2) == pytest.approx(0.096, rel=0.1)
+
+
+def test_a_plain_side_leaves_a_height_that_nothing_measured_open():
+    """From a start that a round left tilted and low, on a side that is plain above its bilge."""
+    curved = side(CURVED)
+    x, y, height = curved.vertices.T
+    straight = height > 1.8
+    y = np.where(
+        straight, y * (1 - (3.7 / 6) ** 4) ** 0.5 / (1 - ((5.5 - height) / 6) ** 4) ** 0.5, y
+    )
+    mesh = Mesh(np.c_[x, y, height], curved.faces)
+    at = survey(mesh, np.random.default_rng(5))
+    at = at[(at[:, 2] > 2.3) & (at[:, 2] < 4.3)][::4]
+    model, center = cad_model(mesh, TRUTH, 0 * GUESS_ERROR), at.mean(0)
+    model = replace(model, guess_sigma=np.where(np.arange(6) == 2, 2.1, model.guess_sigma))
+    low = TRUTH.rotation.apply([[0.0, 0.0, -2.0]])[0]
+    tilted = perturb_pose(TRUTH, center, np.r_[low, 0, np.radians(-4), 0])
+    points = estimate.HullPoints(xyz=TRUTH.apply(at), by_range=np.zeros_like(at))
+    evidence, found = estimate.fit_hull_pose(points, tilted, model, center)
+    sigma_m = np.sqrt(along_axes(evidence, found)[2, 2])
+    assert abs(apart(found, center)[2]) < sigma_m
+    assert 1.0 < sigma_m < 2.5
 
 
 def test_a_few_wrong_points_get_no_more_than_their_share():

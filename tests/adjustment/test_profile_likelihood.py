@@ -110,6 +110,29 @@ def test_sigma_of_parabolic_valley_is_that_of_hessian():
     assert hessian == pytest.approx(0.05, rel=0.1)
 
 
+class TurningHull:
+    """A cost of the hull's pose that turns it about its forward axis, and leaves it free across."""
+
+    center = np.zeros(3)
+    turn_rad, width_m = 1.2, 0.5
+
+    def linearise(self, pose):
+        off = np.r_[pose.translation[0], pose.rotation.as_rotvec()[0] - [self.turn_rad, 0, 0]]
+        weight = np.r_[self.width_m**-2, 0.01, self.width_m**-2, np.full(3, 100.0)]
+        return LinearisedCost(
+            cost=0.5 * float(weight @ off**2), gradient=weight * off, information=np.diag(weight)
+        )
+
+    def update(self, pose, step):
+        return perturb_pose(pose, self.center, step)
+
+
+def test_a_hull_that_turns_stays_at_its_step_along_the_profile():
+    upright = poses.from_rpy([0.0, 0.0, 0.0], [0.0, 0.0, 0.0])
+    valley = Valley(cost=TurningHull(), direction=np.array([0.0, 0.0, 1.0]))
+    assert profile(valley, upright, reach=2.0).sigma == pytest.approx(TurningHull.width_m, rel=0.01)
+
+
 class TwoHeights:
     """A cost of the hull's pose that fits at two heights, with half the sum of squares of each."""
 

@@ -24,7 +24,7 @@ from hullrecon.adjustment.problem.observations import first_nodes
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry.poses import Poses
-from hullrecon.typing import Array, CholeskyFactor, Ints, Ints32
+from hullrecon.typing import Array, CholeskyFactor, Ints, Ints32, Mask
 
 MAX_PASSES = 3
 CELL_M = 0.15  # least side of the surface cell that one point represents
@@ -202,32 +202,94 @@ def fit_hull_pose(
     Returns
     -------
     evidence, pose
-        The points that are left, and the pose fitted to them.
+        The points that are left, and the pose fitted to them. Where no depth was measured, that is
+        the best of those found from several heights.
     """
-    expected = cad_error.expected_cad_error(cad_model)
     evidence = HullPoseEvidence(
         points=points.xyz,
         cad_model=cad_model,
         center=center,
-        cad_error_model=expected,
+        cad_error_model=cad_error.expected_cad_error(cad_model),
         by_range=points.by_range,
         loose=points.loose,
     )
-    along = cad_model.chart.ship_axes[0]
+    heights = _at_heights(pose, cad_model, center)
+    if not heights:
+        return _fit_without_outliers(evidence, pose)[:2]
+    fits = [_fit_from_afar(evidence, start) for start in (pose, *heights)]
+    evidence, pose, _ = min(fits, key=lambda fit: fit[2])
+    return evidence, pose
+
+
+def _fit_from_afar(
+    evidence: HullPoseEvidence, start: Poses
+) -> tuple[HullPoseEvidence, Poses, float]:
+    """Fit from a start at which few points lie on the CAD model.
+
+    Points that leave a robust fit are rejected before the least squares, which follow any point.
+    Returns the points that are left, the pose, and its cost, in which each rejected point counts as
+    one at the limit.
+    """
+    near = registration.fit_correlated(
+        evidence.points,
+        start,
+        evidence.cad_model,
+        evidence.center,
+        evidence.cad_error_model.noise,
+    ).global_from_hull
+    kept = _select(evidence, ~_outliers(evidence, near, _factor(evidence, near)))
+    kept, pose, cost = _fit_without_outliers(kept, near)
+    rejected = len(evidence.points) - len(kept.points)
+    return kept, pose, cost + 0.5 * cad_error.OUTLIER_SIGMAS**2 * rejected
+
+
+def _fit_without_outliers(
+    evidence: HullPoseEvidence, pose: Poses
+) -> tuple[HullPoseEvidence, Poses, float]:
+    """Fit the pose, and reject points that the others contradict, until none is left.
+
+    Returns the points that are left, the pose, and half the sum of squares there.
+    """
+    along, cost = evidence.cad_model.chart.ship_axes[0], np.inf
     for _ in range(MAX_PASSES):
         valley = _valley(evidence, pose, along)
-        pose, _ = profile_likelihood.minimise_cost(valley, pose)
-        distance, _ = registration.signed_distances(evidence.points, pose, center, cad_model.mesh)
-        outlier = cad_error.find_outliers(valley.cost.factor, distance)
+        pose, cost = profile_likelihood.minimise_cost(valley, pose)
+        outlier = _outliers(evidence, pose, valley.cost.factor)
         if not outlier.any():
             break
-        kept = evidence.points[~outlier]
-        left = evidence.loose
-        if left is not None:
-            left = replace(left, segment=left.segment[~outlier])
-        by_range = evidence.by_range[~outlier]
-        evidence = replace(evidence, points=kept, by_range=by_range, loose=left)
-    return evidence, pose
+        evidence = _select(evidence, ~outlier)
+    return evidence, pose, cost
+
+
+def _outliers(evidence: HullPoseEvidence, pose: Poses, factor: CholeskyFactor) -> Mask:
+    """Find points that the others contradict at a pose, with the factor of their covariance."""
+    distance, _ = registration.signed_distances(
+        evidence.points, pose, evidence.center, evidence.cad_model.mesh
+    )
+    return cad_error.find_outliers(factor, distance)
+
+
+def _select(evidence: HullPoseEvidence, kept: Mask) -> HullPoseEvidence:
+    loose = evidence.loose
+    return replace(
+        evidence,
+        points=evidence.points[kept],
+        by_range=evidence.by_range[kept],
+        loose=None if loose is None else replace(loose, segment=loose.segment[kept]),
+    )
+
+
+def _at_heights(pose: Poses, cad_model: CadModel, center: Array) -> list[Poses]:
+    """Turn a hull as the guess has it, at its height and others, where no depth was measured.
+
+    A round that slides along the height turns the hull with it, and a fit that starts so turned
+    ends in a minimum beside the right one.
+    """
+    guess = cad_model.guess
+    back = guess.rotation.apply(center[None])
+    as_guessed = Poses(guess.quaternion, pose.apply(center[None]) - back)
+    heights = registration.at_other_heights(as_guessed, cad_model, center)
+    return [as_guessed, *heights] if heights else []
 
 
 def profile_mean_pose(evidence: HullPoseEvidence, pose: Poses) -> Poses:
@@ -240,17 +302,19 @@ def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
 
     It is what the CAD model's error, its facets and the package's prior leave open. The variances
     along the hull and along weak directions come from their profiles, as the posterior's second
-    moment about the delivered pose. Where no depth was measured, so do other heights that fit.
+    moment about the delivered pose. Where no depth was measured, so do that of the height, along
+    which minima are many and narrow, and other heights that fit.
     """
     cad_model = evidence.cad_model
     ship_axes = cad_model.chart.ship_axes
     out = profile_likelihood.posterior_covariance(_valley(evidence, pose, ship_axes[0]), pose)
-    for direction in _directions(hull_axes(out, pose), ship_axes):
+    heights = _at_heights(pose, cad_model, evidence.center)
+    held = ship_axes[[0, 2]] if heights else ship_axes[:1]
+    for direction in _directions(hull_axes(out, pose), ship_axes, held):
         found = _profile(evidence, pose, direction)
         out = profile_likelihood.inflate_covariance(
             out, replace(found, sigma=float(np.hypot(found.sigma, found.mean))), pose
         )
-    heights = registration.at_other_heights(pose, cad_model, evidence.center)
     if heights:
         valley = _valley(evidence, pose, ship_axes[2])
         moment = profile_likelihood.moment_of_minima(valley, pose, heights)
@@ -331,11 +395,11 @@ def _factor(evidence: HullPoseEvidence, pose: Poses) -> CholeskyFactor:
     return cho_factor(covariance + by_segments @ by_segments.T, lower=True)
 
 
-def _directions(hull_in_axes: Array, ship_axes: Array) -> list[Array]:
-    """List the direction along the hull, and weak directions of position that point elsewhere."""
+def _directions(hull_in_axes: Array, ship_axes: Array, always: Array) -> list[Array]:
+    """List directions (k, 3) of M, and weak directions of position that point elsewhere."""
     weak = [
         np.array(w["direction"])
         for w in find_weak_directions(hull_in_axes, ship_axes)
         if w["kind"] == "position"
     ]
-    return [ship_axes[0], *(d for d in weak if abs(d @ ship_axes[0]) < 0.9)]
+    return [*always, *(d for d in weak if np.abs(always @ d).max() < 0.9)]

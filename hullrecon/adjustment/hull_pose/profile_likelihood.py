@@ -56,7 +56,8 @@ def profile(v: Valley, start: Poses, reach: float, count: int = 41) -> Profile:
     weight /= weight.sum()
     mean = float(weight @ steps)
     sigma = float(np.sqrt(weight @ (steps - mean) ** 2))
-    here, _ = _fit(v, _shift(v, start, mean))
+    along = _in_global(v, start)
+    here, _ = _fit(v, _shift(v, start, mean * along), held=along)
     # By all steps as they weigh: a single fit ends a centimetre from its minimum in a flat valley,
     # or at a facet's edge.
     moved = np.array([_between(here, pose, v.cost.center) for pose, _ in walked])
@@ -128,7 +129,7 @@ def moment_of_minima(v: Valley, pose: Poses, starts: Sequence[Poses]) -> Array:
 
 def minimise_cost(v: Valley, start: Poses) -> tuple[Poses, float]:
     """Find the pose at the optimum over all six degrees of freedom, and half the sum of squares."""
-    return _fit(v, start, held=False)
+    return _fit(v, start)
 
 
 def posterior_covariance(v: Valley, pose: Poses) -> Array:
@@ -137,8 +138,13 @@ def posterior_covariance(v: Valley, pose: Poses) -> Array:
 
 
 def _walk(v: Valley, start: Poses, steps: Array) -> list[tuple[Poses, float]]:
-    """Fit pose and cost at each step, started from the neighbour nearer to the middle."""
+    """Fit pose and cost at each step, started from the neighbour nearer to the middle.
+
+    The direction is that of `start` in g: if it turned with the hull, a fit could leave its step by
+    turning.
+    """
     middle = len(steps) // 2
+    along = _in_global(v, start)
     found: dict[int, tuple[Poses, float]] = {}
     for order in (range(middle, len(steps)), range(middle - 1, -1, -1)):
         for k in order:
@@ -146,31 +152,33 @@ def _walk(v: Valley, start: Poses, steps: Array) -> list[tuple[Poses, float]]:
             base, walked = (
                 (found[near][0], steps[k] - steps[near]) if near in found else (start, steps[k])
             )
-            found[k] = _fit(v, _shift(v, base, walked))
+            found[k] = _fit(v, _shift(v, base, walked * along), held=along)
     return [found[k] for k in range(len(steps))]
 
 
-def _shift(v: Valley, global_from_hull: Poses, step: float) -> Poses:
-    in_global = global_from_hull.rotation.as_matrix()[0] @ v.direction
-    return perturb_pose(global_from_hull, v.cost.center, np.r_[step * in_global, np.zeros(3)])
+def _in_global(v: Valley, pose: Poses) -> Array:
+    """Compute the valley's direction (3,) in g."""
+    return np.asarray(pose.rotation.as_matrix()[0] @ v.direction)
 
 
-def _fit(v: Valley, start: Poses, held: bool = True) -> tuple[Poses, float]:
+def _shift(v: Valley, global_from_hull: Poses, step: Array) -> Poses:
+    """Move a hull pose by a step (3,) m in g."""
+    return perturb_pose(global_from_hull, v.cost.center, np.r_[step, np.zeros(3)])
+
+
+def _fit(v: Valley, start: Poses, held: Array | None = None) -> tuple[Poses, float]:
     """Find the pose of least cost, and half the sum of squares there.
 
-    held: the shift along the direction is held.
+    held (3,): a direction of g along which the hull stays where it starts.
     """
-
-    def across(pose: Poses) -> Array:
-        return _across(pose.rotation.as_matrix()[0] @ v.direction) if held else np.eye(6)
-
+    basis = np.eye(6) if held is None else _across(held)
     found = minimise_over_pose(
         start,
         v.cost.linearise,
         v.cost.update,
         max_iterations=MAX_ITERATIONS,
         min_decrease=MIN_DECREASE,
-        free_directions=across,
+        free_directions=lambda _: basis,
     )
     return found.pose, found.at_minimum.cost
 
