@@ -153,6 +153,8 @@ FOLLOWED = {
     "test_a_missing_column_is_named",
     "dive/logs/formats/csv_rows.py::_check_header": "dive/formats/test_csv_rows.py::"
     "test_a_column_that_is_there_twice_is_refused",
+    "dive/logs/formats/csv_rows.py::_refuse_decimal_commas": "dive/readers/test_plain.py::"
+    "test_decimal_commas_between_commas_are_refused_until_semicolons_part_them",
     "dive/logs/positions.py::_refuse_other_units": "dive/logs/test_positions.py::"
     "test_places_in_another_unit_than_degrees_are_refused_until_they_are",
     "dive/logs/read_streams.py::refuse_two": "dive/logs/test_read_streams.py::"
@@ -195,6 +197,8 @@ FOLLOWED = {
     "test_joint_angles_in_degrees_are_refused_until_their_unit_is_given",
     "dive/logs/time_window.py::time_window": "dive/test_ingest.py::"
     "test_a_window_that_ends_before_it_begins_is_an_input_error",
+    "dive/logs/timeline.py::put_in_order": "dive/logs/test_timeline.py::"
+    "test_a_clock_that_stands_still_is_refused",
     "dive/logs/timeline.py::_refuse_two_bases": "dive/logs/test_timeline.py::"
     "test_a_clock_that_is_set_amid_a_table_is_refused_with_the_way_to_use_the_rest",
     "dive/logs/two_sensors.py::refuse_two_sensors": "dive/logs/test_two_sensors.py::"

@@ -136,8 +136,11 @@ def test_a_word_for_no_value_is_a_lost_one(tmp_path):
     assert (ping.ranges.tolist(), log.losses()) == ([1.0], [])
 
 
-def test_decimal_commas_between_commas_are_refused(tmp_path):
-    (tmp_path / "pressure.csv").write_text("t,pascal\n1777887000,25,112896,34\n")
+def test_decimal_commas_between_commas_are_refused_until_semicolons_part_them(tmp_path):
+    table = tmp_path / "pressure.csv"
+    table.write_text("t;pascal\n1777887000,25;112896,34\n")
+    assert read(tmp_path)[0][0].pascal == 112896.34
+    table.write_text(table.read_text().replace(";", ","))
     with pytest.raises(InputError, match="has 4 cells, its header 2: commas stand in its numbers"):
         read(tmp_path)
 
