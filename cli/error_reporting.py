@@ -87,6 +87,7 @@ def _as_known(error: BaseException) -> HullreconError | None:
 
 
 def _report(state: CallState, line: str, kind: str, code: int, **more: str) -> int:
+    """Print an error in one line, with --json as a document too. Returns its exit code."""
     one_line = printable(" ".join(line.split()))
     try:
         click.echo(f"error: {one_line}", err=True)

@@ -257,6 +257,7 @@ def rig_with_priors(
 
 
 def _priors(sections: Mapping[str, object], rig: Rig) -> RigPriors:
+    """Collect the priors of mounts and sensors' errors. Degrees become radians, shares stay."""
     tray, imu = _section(sections, "tray", schema.Tray), _section(sections, "imu", schema.Imu)
     pressure = _section(sections, "pressure", schema.Pressure)
     dvl = _section(sections, "dvl", schema.Dvl)

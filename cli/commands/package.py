@@ -178,6 +178,7 @@ def _verdict_in_any_case() -> Iterator[None]:
 
 
 def _check_run(folder: Path, read_data: bool) -> None:
+    """Check the artifacts of a run against their manifests. Raises InputError if any is damaged."""
     from hullrecon.artifacts.checking import check_workspace
     from hullrecon.artifacts.workspace import Workspace
     from hullrecon.steps.chain import NAMES

@@ -92,6 +92,7 @@ def run_and_print(
 
 
 def _outcome(outcome: StepOutcome) -> dict[str, object]:
+    """Describe what a run did with a step, for --json."""
     manifest = outcome.manifest
     spent = (
         {k: manifest.run.get(k) for k in ("seconds", "peak_rss_bytes")}
@@ -134,6 +135,7 @@ def _warning_lines(outcomes: Sequence[StepOutcome]) -> list[str]:
 
 
 def _line(outcome: StepOutcome) -> str:
+    """Say in a line what a run did with a step."""
     step = outcome.before
     if outcome.failure is not None:
         reason = (

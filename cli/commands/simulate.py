@@ -22,6 +22,7 @@ def _with_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def _click_option(option: Option) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Make the command's option of an option of a simulated dive."""
     flag = option.name.replace("_", "-")
     flags = f"--{flag}/--no-{flag}" if isinstance(option.default, bool) else f"--{flag}"
     kind: click.Choice[str] | type = option.kind

@@ -72,6 +72,7 @@ def _help(stage: Stage) -> str:
 
 
 def _option(field: types.Field) -> click.Option:
+    """Make the command's option of a field of the step's section of dive.toml."""
     inner, text = unwrap_type(field.type)
     dashed = field.name.replace("_", "-")
     default = field.default if field.default is not msgspec.NODEFAULT else None

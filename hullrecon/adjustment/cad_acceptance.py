@@ -131,6 +131,10 @@ def register(
 
 
 def _accept_registration(found: registration.Registration, segments: Segments | None) -> Verdict:
+    """Accept a registration that most points fit, not much farther from the guess than stated.
+
+    `segments`: of the path, as far as outages cut it; they are named in the refusal.
+    """
     if found.fitness < registration.GOOD_FITNESS:
         what = "it is placed"
         if segments is not None:
@@ -234,6 +238,10 @@ def accept(found: RoundResult, solver: RoundSolver) -> Verdict:
 
 
 def _reasons_against(found: RoundResult, solver: RoundSolver) -> Iterator[str]:
+    """Give the reasons to refuse the CAD model after a round with it.
+
+    Its beams miss it, few landmarks lie on it, or residuals of images and navigation grow.
+    """
     ray_hit, label, settings = found.result.ray_hit, found.result.label, solver.settings
     missed = float(np.mean(~ray_hit)) if len(ray_hit) else 0.0
     if missed > MAX_MISSED:
@@ -279,9 +287,9 @@ def _contradicting_ranges(solved: Estimate) -> str:
 def stated_attitude_rms(found: RoundResult, settings: native.Options) -> float:
     """Compute the RMS residual of depth, roll, pitch and tray in the sigmas that dive.toml states.
 
-    One camera hardly tells the tray's angle from the pitch. The sigma of the tray is estimated from
-    residuals that follow its noise, so it comes out too small, and grows with a right CAD model by
-    more than the freed unknowns explain.
+    The tray's sigma that the solve estimates is not used here. With one camera the tray's angle is
+    hardly told from the pitch: its residuals follow the noise, the estimated sigma comes out too
+    small, and even a right CAD model then seems to make the residuals grow.
     """
     stated = found.after.measured.rig.priors.tray_sigma_rad / found.weights.tray
     tray = replace(found.problem.tray, sigma=found.problem.tray.sigma * stated)
@@ -357,6 +365,7 @@ def _freed_squares(free: native.Covariance, tied: native.Covariance) -> dict[str
 def _hull_state(
     found: registration.Registration, points: Array, deviation_field: bool
 ) -> HullState:
+    """Start the hull where it was registered, with a deviation field of zeros around the points."""
     hull = HullState(
         cad_model=found.cad_model,
         global_from_hull=found.global_from_hull,
@@ -444,6 +453,10 @@ def accept_form(form: Form, sigmas_off: float) -> Verdict:
 
 
 def _reasons_against_form(form: Form, sigmas_off: float) -> Iterator[str]:
+    """Give the reasons why the surveyed points are not of the CAD model's hull.
+
+    Parameters are those of `accept_form`.
+    """
     times = f"{np.sqrt(form.deviation):.1f} times hull.deviation_sigma over metres"
     if form.is_of_another_hull:
         yield (

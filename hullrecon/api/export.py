@@ -139,6 +139,7 @@ def _image_work(
 def _work_of(
     stores: dict[str, ImageStore], image: ImageNames, model: UndistortedModel
 ) -> ImageWork:
+    """Find the logged image behind an image of the model: its camera and stamp are in the name."""
     camera, _, stamp = image.delivered.removesuffix(".jpg").partition("/")
     index = stores[camera].index
     usable = np.flatnonzero(index.usable)

@@ -70,6 +70,7 @@ def _check_artifacts(
     read_data: bool,
     result: WorkspaceCheck,
 ) -> None:
+    """Check manifest and files of each step's artifact, and with `read_data` the package."""
     for name in names:
         try:
             manifest = workspace.manifest(name)
@@ -85,6 +86,7 @@ def _check_artifacts(
 def _check_artifact(
     workspace: Workspace, name: str, manifest: Manifest, hashes: HashCache, result: WorkspaceCheck
 ) -> None:
+    """Compare an artifact's files, and the copies of them in deliver/, with its manifest."""
     result.artifacts += 1
     result.count(manifest.outputs.values())
     found = damaged_files(workspace.artifact(name), manifest, hashes)
@@ -104,6 +106,7 @@ def _check_artifact(
 def _check_package(
     workspace: Workspace, manifest: Manifest, hashes: HashCache, result: WorkspaceCheck
 ) -> None:
+    """Compare the package's files with what the step read of them."""
     package = workspace.package
     if package is None:
         return

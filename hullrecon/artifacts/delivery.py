@@ -53,6 +53,7 @@ def unlike_files(folder: Path, records: Records, hashes: HashCache) -> dict[str,
 
 
 def _difference(path: Path, record: FileRecord, hashes: HashCache) -> str:
+    """Say how a file differs from its record. Empty if it does not."""
     if path.is_symlink():
         return "is a symbolic link"
     try:

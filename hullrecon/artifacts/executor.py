@@ -164,6 +164,10 @@ class Cluster(Executor):
         return {"_address": self._address, "_client": None}
 
     def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
+        """See `Executor`.
+
+        _AHEAD items are under way at any time, so that no worker waits for the next.
+        """
         from distributed import CancelledError, KilledWorker
         from distributed.comm import CommClosedError
 

@@ -109,6 +109,10 @@ class PartStore:
         compute: Callable[[Sequence[Item]], Iterator[Result]],
         given: Mapping[str, object],
     ) -> Iterator[Result]:
+        """Yield kept results and new ones in the items' order.
+
+        A kept part that turns out to be damaged is computed again by itself.
+        """
         lacking = [item for item, lacks in zip(items, missing, strict=True) if lacks]
         computed = iter(compute(lacking) if lacking else ())
         for item, part, lacks in zip(items, parts, missing, strict=True):

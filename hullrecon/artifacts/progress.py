@@ -235,6 +235,7 @@ class Bars(Progress):
                 display.stop()
 
     def _start(self) -> rich.progress.Progress:
+        """Show the display, made at the first loop, and count the loops that use it."""
         import rich.progress as shown
         from rich.console import Console
 

@@ -128,6 +128,10 @@ def _run_all(
     keep_going: bool,
     before: Mapping[str, Callable[[], None]],
 ) -> list[StepOutcome]:
+    """Take the steps in order.
+
+    A step is skipped if the dive cannot have it or an input has failed.
+    """
     skipped, failures = chain.skip_reasons(), dict[str, str]()
     hashes, done = run_context.hashes, list[StepOutcome]()
     watch = SourceWatch(hashes, chain.package, chain.read_before)
@@ -165,6 +169,10 @@ def _run_all(
 def _bring_up_to_date(
     job: Job, workspace: Workspace, run_context: RunContext, from_scratch: bool, keep_going: bool
 ) -> StepOutcome:
+    """Rebuild one step if it is out of date or damaged.
+
+    With `keep_going`, an error that concerns this step alone is returned in its outcome.
+    """
     name, outlook = job.stage.name, run_context.outlook
     status = assess_step(job, workspace, run_context.hashes)
     parts = PartStore(workspace.parts_folder(name), job.recipe)

@@ -63,7 +63,7 @@ class Workspace:
 
     @contextmanager
     def lock(self, wait_s: float = 0.0) -> Iterator[Callable[[], bool]]:
-        """Hold the workspace. Yields what tells whether it is held still.
+        """Hold the workspace. Yields a function that tells whether it is still held.
 
         Raises LockedError if another run holds it after wait_s, UsageError if the folder is not a
         run's own, StorageError if somebody removed it meanwhile.
@@ -207,10 +207,11 @@ def damaged_files(folder: Path, manifest: Manifest, hashes: HashCache) -> list[s
 def hold_lock(path: Path, wait_s: float = 0.0) -> Iterator[Callable[[], bool]]:
     """Hold the lock `path`, which the kernel frees when its holder dies, however it dies.
 
-    Yields what tells whether it is held still: not where somebody removed its folder.
+    Yields a function that tells whether the lock is still held. It is not if somebody removed the
+    folder that it lies in.
 
-    Raises LockedError if another process holds it after `wait_s` seconds, StorageError for an error
-    of the block where its folder was removed.
+    Raises LockedError if another process holds it after `wait_s` seconds. An error inside the block
+    becomes a StorageError if the folder was removed meanwhile.
     """
     make_folder(path.parent)
     with storage_errors(path.parent):
@@ -248,6 +249,7 @@ def removed_meanwhile(root: Path) -> StorageError:
 
 
 def _acquire(descriptor: int, path: Path, until: float) -> None:
+    """Take the lock, trying again until that time (s, monotonic). Raises LockedError then."""
     while True:
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -149,6 +149,11 @@ def match_objects(
 def _candidates(
     before: Sequence[_MovedObject], after: Sequence[_MovedObject], context: ObjectComparison
 ) -> Iterator[tuple[float, int, int]]:
+    """Yield the pairs (chi-square, row before, row after) that may be one object by their distance.
+
+    The distance is measured along the hull and in girth. Its sigma is that of both middles and of
+    the offset between the surveys.
+    """
     for a, old in enumerate(before):
         if not np.isfinite(old.along_girth).all():
             continue
@@ -324,6 +329,11 @@ def _row(
     new: _MovedObject | None,
     context: ObjectComparison,
 ) -> ObjectChange:
+    """Make the row of an object: place, outline, heights before and after, and the change.
+
+    `region`: where the hull changed, None for an object at which it did not. `old`, `new`: the
+    object in either survey, None where it was not found.
+    """
     moved = new if new is not None else old
     surface = (np.nan, np.nan) if region is None else (region.before, region.after)
     before, after = (

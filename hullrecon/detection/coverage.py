@@ -313,6 +313,7 @@ class _ChartCells:
 
 
 def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
+    """Put the patches of hull into cells of the chart, a margin around what was seen."""
     at = chart.to_chart(hull.mesh.vertices)[:, :2]
     known = np.asarray(np.isfinite(at).all(axis=1))
     low = np.floor(at[known & seen].min(axis=0) / CELL_M).astype(np.int64) - BRIDGE_CELLS

@@ -77,6 +77,7 @@ class _DeliveryReader:
     """
 
     def __init__(self, deliver: Path, truth: Truth) -> None:
+        """Find the motion into M of what was delivered in g: its path begins at the true pose."""
         summary = deliver / "summary.json"
         frame = (
             msgspec.json.decode(summary.read_bytes(), type=_SummaryFile).frame

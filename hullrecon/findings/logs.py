@@ -67,6 +67,7 @@ def _marked_lost(
     start: str,
     seconds: float,
 ) -> str:
+    """Say why velocities were taken as lost: so many for each reason, and when."""
     parts = [f"{huge} have a sigma of {limit_m_s:g} m/s or more"] if huge else []
     parts += [f"{zero} are exactly zero, unlike those around them"] if zero else []
     parts += [f"{repeated} repeat the last one exactly"] if repeated else []

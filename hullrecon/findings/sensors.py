@@ -94,6 +94,7 @@ def _mended(
 def _contradict(
     sensors: Sequence[str], kind: str, first: float, second: float, misfit: float
 ) -> str:
+    """Say that one sensor contradicts the others, or that several contradict each other."""
     evidence = _evidence(kind, first, second)
     if len(sensors) == 1:
         return (

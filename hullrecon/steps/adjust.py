@@ -90,6 +90,7 @@ def guess_without_depth(cad_model: CadModel | None, attitude: Attitude) -> list[
 
 
 def _measurements(context: Context[Options]) -> Measurements:
+    """Collect what the adjustment solves from the artifacts of earlier steps."""
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
     return Measurements(
@@ -138,6 +139,7 @@ def _cad_model(
 
 
 def _write_colmap(context: Context[Options], m: Measurements, adjusted: Adjusted) -> None:
+    """Write the adjusted dive as a COLMAP model, with a camera."""
     state = adjusted.state
     if m.tracks is None or m.rig.top is None or state.mounts.tray_from_top is None:
         return

@@ -29,6 +29,11 @@ from hullrecon.steps.sonar import sonar_poses
 
 
 def run(context: Context[DetectOptions], fusion: Fusion = fuse_heights) -> None:
+    """Find the hull as found, the objects on it and what was covered, and write them.
+
+    `fusion`: how shapes of single views enter the heights. hullrecon/studies has published
+    variants.
+    """
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
     adjusted, surface = _adjusted(inputs), inputs.surface

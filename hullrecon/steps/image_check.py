@@ -40,6 +40,7 @@ def look_at_images(index: Mapping[Camera, ImageIndex], read: ReadImage) -> list[
 
 
 def _describe(pictures: Sequence[Pixels], camera: str) -> list[Finding]:
+    """Tell whether some or all of a camera's pictures show nothing or are the same picture."""
     count = len(pictures)
     blank = sum(len(extract(picture, FEATURES)) == 0 for picture in pictures)
     if blank == count:

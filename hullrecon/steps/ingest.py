@@ -146,6 +146,7 @@ def _write_images(path: Path, shape: tuple[int, int, int], images: Iterator[Imag
 
 
 def _write(context: Context[NoOptions], found: IngestResult) -> None:
+    """Write streams, image indices, cameras, mounts, CAD model and findings."""
     for name, record in found.records.by_name().items():
         apart = {"image"} if isinstance(record, SonarPings) else set()
         context.out.arrays(

@@ -19,6 +19,7 @@ from hullrecon.steps.mosaics import MosaicInputs, read_mosaic_inputs, write_mosa
 
 
 def run(context: Context[OpticalOptions]) -> None:
+    """Blend the images of all cameras on the surface, and write the mosaic."""
     options, artifacts = context.parameters, InputArtifacts(context.inputs)
     inputs = read_mosaic_inputs(artifacts)
     cameras = _usable_images(context, artifacts, inputs)

@@ -27,6 +27,7 @@ from hullrecon.steps.sonar import sonar_poses
 
 
 def run(context: Context[SonarOptions]) -> None:
+    """Blend the sonar's pings on the surface, and write the mosaic with the sigma of its places."""
     artifacts = InputArtifacts(context.inputs)
     settings = artifacts.mounted(context.settings)
     pings = _pings(artifacts)

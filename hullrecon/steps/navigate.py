@@ -178,6 +178,10 @@ def _check_rig(context: Context[NoOptions], records: SensorRecords) -> Delay | N
 
 
 def _by_dvl(context: Context[NoOptions], records: SensorRecords, delay: Delay | None) -> Navigated:
+    """Reckon the path by DVL and IMU.
+
+    Images compare clocks and carry the path where these are silent.
+    """
     ingest, settings = _ingest_and_settings(context)
     dvl, imu = records.dvl, records.imu
     if dvl is None:
@@ -216,6 +220,7 @@ def _timing(settings: StageSettings, delay: Delay | None) -> CameraTiming:
 def _by_stereo(
     context: Context[NoOptions], records: SensorRecords, delay: Delay | None
 ) -> Navigated:
+    """Compute the path by stereo odometry, from the cameras and what else was logged."""
     ingest, settings = _ingest_and_settings(context)
     rig = rig_from_settings(settings, ingest.camera_models)
     rig_sigma = np.array(settings.read("camera.bottom.pose_sigma", tuple), float) * [

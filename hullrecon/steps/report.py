@@ -139,6 +139,7 @@ def _adjusted(artifact: AdjustArtifact) -> AdjustedDive:
 
 
 def _dive_facts(context: Context[ReportOptions], artifacts: InputArtifacts, rig: Rig) -> DiveFacts:
+    """Collect the dive, the sensors that it carried, and what its log says."""
     ingest, matches = artifacts.ingest, artifacts.matches
     return DiveFacts(
         dive=context.settings.read_optional("dive", Dive) or Dive(name="dive"),
@@ -170,6 +171,7 @@ def _about(context: Context[ReportOptions]) -> AboutInspection:
 def _surfaces(
     context: Context[ReportOptions], artifacts: InputArtifacts, frame: str, *, found_by_images: bool
 ) -> Surfaces:
+    """Collect the chart and the surfaces that the dive has."""
     surface = artifacts.surface if "surface" in context.inputs else None
     detect = artifacts.detect
     as_found = detect.as_found if detect is not None else None
@@ -193,6 +195,7 @@ def _surfaces(
 
 
 def _findings(artifact: DetectArtifact | None, detect: DetectFacts) -> Findings:
+    """Collect objects and coverage as found. Empty without the step detect."""
     if artifact is None:
         return Findings()
     rows = artifact.objects.get("objects") if detect.objects is None else None

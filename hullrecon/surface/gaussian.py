@@ -344,6 +344,10 @@ class _Sparse:
     """SuperLU held to the diagonal: the pivots of U are then those of L D L^T."""
 
     def __init__(self, matrix: sparse.csr_array) -> None:
+        """Factorise.
+
+        Raises NotPositiveDefiniteError where rows had to be exchanged or a pivot is not positive.
+        """
         try:
             self._factor = splu(
                 matrix.tocsc(),

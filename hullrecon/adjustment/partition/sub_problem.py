@@ -230,6 +230,7 @@ class SubProblems:
         )
 
     def _field_prior(self, k: int, number: Ints32) -> native.SparseRows:
+        """Take the rows of the deviation field's prior that part k owns, in its own numbers."""
         prior = self.problem.priors.deviation
         if len(prior.start) < 2:
             return prior

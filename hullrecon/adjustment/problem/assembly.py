@@ -157,6 +157,10 @@ def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selecti
 
 
 def _unknowns(m: Measurements, state: State, chosen: Selection) -> native.Unknowns:
+    """Collect the start values of all unknowns.
+
+    Those of sensors that were not carried stay default.
+    """
     unknowns = native.Unknowns(
         pose=np.hstack([state.nodes.vectors(), state.tray[:, None]]),
         T_s_d=pose_vector(state.mounts.tray_from_dvl),
@@ -310,6 +314,7 @@ def _range_table(
     weights: Weights,
     chosen: Selection,
 ) -> native.RangeTable:
+    """Build the table of DVL ranges, with the deviation field's nodes where each beam ends."""
     keep = chosen.returns
     table = native.RangeTable(
         node=returns.node[keep].astype(np.int32),

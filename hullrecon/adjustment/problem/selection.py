@@ -73,6 +73,10 @@ def select_measurements(m: Measurements, state: State, max_px: Limit) -> Selecti
 def _find(
     m: Measurements, state: State, max_px: Limit, triangulate_first: bool
 ) -> tuple[State, Selection]:
+    """Select measurements as `select_measurements` does, in blocks of landmarks.
+
+    `triangulate_first`: find the landmarks anew instead of taking those of `state`.
+    """
     returns = ~m.returns.flagged if m.returns is not None else np.zeros(0, bool)
     if m.tracks is None or state.mounts.tray_from_top is None:
         empty = np.zeros(0, bool)

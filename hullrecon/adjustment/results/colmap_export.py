@@ -74,6 +74,7 @@ def _rigid(pose: Poses) -> Any:
 
 
 def _add_rig(reconstruction: Any, model: SparseModel) -> None:
+    """Add the cameras, and the rig in which the top camera is the reference."""
     import pycolmap
 
     rig = pycolmap.Rig(rig_id=1)

@@ -216,6 +216,7 @@ def _observed(m: Measurements, adjusted: Adjusted) -> Iterator[tuple[Ints, Ints]
 
 
 def _figures(m: Measurements, adjusted: Adjusted) -> dict[str, object]:
+    """Collect what adjust.json says of the solve: rounds, counts, sigmas, estimated errors."""
     state, result = adjusted.state, adjusted.result
     depth = weighting.depth_sigma(m, adjusted.weights)
     return {

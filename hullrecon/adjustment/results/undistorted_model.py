@@ -162,6 +162,10 @@ def _add_images(
 
 
 def _add_points(reconstruction: Reconstruction, delivered: Reconstruction, seen: _Seen) -> None:
+    """Add the points with their tracks.
+
+    A keypoint is numbered within its image, as `_add_images` does.
+    """
     import pycolmap
 
     first = np.r_[True, np.diff(seen.image) > 0] if len(seen.image) else np.zeros(0, bool)

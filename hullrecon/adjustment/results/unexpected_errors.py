@@ -145,6 +145,7 @@ class _Displacement:
         return bool(self.times_allowed()[3:].max() > MANY_SIGMAS)
 
     def sentence(self) -> str:
+        """Tell by how much the mount was found moved or turned, with sigmas."""
         over = self.times_allowed()
         moved, turned = 1e3 * np.linalg.norm(self.by[:2]), np.degrees(np.linalg.norm(self.by[3:]))
         moved_sigma, turned_sigma = (

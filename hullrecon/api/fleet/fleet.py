@@ -233,6 +233,7 @@ class _Fleet:
         self.done = {dive.package: self._before(dive) for dive in self.planned}
 
     def _plan(self, packages: list[Path], retry: bool) -> list[PlannedDive]:
+        """Read the dives' names, and decide of each dive whether it is run, and why."""
         names, refused = _names(packages, self.dives, self.runs)
         planned = []
         for package in packages:

@@ -100,6 +100,10 @@ class FleetIndex:
     def _with_result(
         self, shown: str, kind: str, state: str, reason: str, current: bool, name: str | None
     ) -> IndexRow:
+        """Make the row of a dive with the findings of its result.
+
+        A result of an earlier package (not `current`) is linked, but its findings are left out.
+        """
         found = None
         if name is not None:
             if name not in self._known:

@@ -75,6 +75,7 @@ class FleetResult:
         }
 
     def _dive(self, dive: FleetDive) -> dict[str, object]:
+        """Describe one dive for `document`."""
         deliver = self.runs / dive.name / PUBLISHED if dive.name and dive.delivered else None
         files = list_folder(deliver, deliver).files if deliver is not None else ()
         return {

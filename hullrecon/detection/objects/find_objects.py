@@ -193,6 +193,7 @@ def _unreported(
     landmarks: _Landmarks,
     reason: str,
 ) -> UnreportedRegion:
+    """Locate and describe a region that is not reported as an object."""
     region, center = evidence.region, found.mesh.vertices[evidence.center]
     covariances = landmarks.covariances(found, region)
     if not len(covariances):
@@ -263,11 +264,11 @@ def _rejection_reason(
 
 
 def _height_of_facets(found: HullAsFound, region: Region) -> float:
-    """Bound the height that a curve drawn in facets may seem to have there, m.
+    """Bound the height, m, that flat facets of the CAD model may make a curved hull seem to have.
 
-    It stands off a facet by no more than the sagitta. And heights are counted from a plane through
-    the ring around: off an edge the curve parts from the facets by half the angle between them, so
-    by that much over the way to the ring at most.
+    The curve stands off a facet by no more than the sagitta. Heights are counted from a plane
+    through the ring around the region. Where facets meet at an angle, the curve leaves such a plane
+    by half of that angle times the way to the ring, at most.
     """
     vertices = found.base.vertices
     reach = np.linalg.norm(vertices[region.ring] - vertices[region.core].mean(axis=0), axis=1).max()

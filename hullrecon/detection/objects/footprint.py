@@ -156,7 +156,8 @@ def outline(mesh: Mesh, part: Ints, most: int = 60) -> Array:
 def _flatten(line: Array) -> Array:
     """Project a closed line (k, 3) onto the plane that it spans, (k, 2).
 
-    Up and down a structure's wall is not along its edge.
+    An outline follows the wall of its structure up and down. That is no part of its shape from
+    above.
     """
     centred = line - line.mean(axis=0) if len(line) else line
     area = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)

@@ -81,6 +81,13 @@ def _heights(
     neighbours: int,
     reach_m: float,
 ) -> tuple[Array, Array, Array, Array]:
+    """Regress heights at a block of vertices, as `local_heights`.
+
+    Returns
+    -------
+    height, error, count, agreement
+        The fields of `Heights`, (n,) each.
+    """
     distance, row = nearest(feet, at, min(neighbours, len(feet)), reach_m)
     near = np.isfinite(distance)
     row = np.where(near, row, 0)

@@ -52,6 +52,10 @@ def add_motion(
 
 
 def _told_by_motion(finding: Finding, records: SensorRecords, level: Level | None) -> Finding:
+    """Replace a finding's offset by what the motion tells, where the motion tells one.
+
+    Where that is near a whole number of hours, it is a time zone's and the hours are exact.
+    """
     more_s = offset_by_motion(finding.where, records, level)
     if more_s is None:
         return finding
@@ -126,11 +130,13 @@ def offset_by_motion(
     level: Level | None,
     among_s: Sequence[float] = (),
 ) -> float | None:
-    """Estimate what to add to the stamps of "dvl" or "pressure", s. None where motion is silent.
+    """Estimate what to add to the stamps of "dvl" or "pressure", s, by the motion of both.
 
-    All others are on one time base.
+    It is the lag at which the DVL's vertical velocity agrees best with the rate of the depth. All
+    other sensors are on one time base, so the attitude that levels the DVL goes with the one of the
+    two whose clock is right. None where the vehicle hardly went up or down.
 
-    among_s: if given, it is near one of these, SHIFTED_S.
+    among_s: if given, the time is near one of these, to SHIFTED_S.
     """
     dvl, pressure = records.dvl, records.pressure
     if sensor not in ("dvl", "pressure") or dvl is None or pressure is None or level is None:

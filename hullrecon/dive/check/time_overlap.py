@@ -139,6 +139,11 @@ def _union(names: set[str], spans: Mapping[str, Span]) -> Span:
 
 
 def _describe(name: str, span: Span, others: list[str], whole: Span, given_s: float) -> Finding:
+    """Describe a sensor that was read at other times than the others, with the likeliest cause.
+
+    It ran alone, its stamps are in another unit, or its clock is off: by whole hours of a time
+    zone, or by as much as makes its span end with the others'.
+    """
     after = span[0] > whole[1]
     gap_s = (span[0] - whole[1] if after else whole[0] - span[1]) / NS
     values: dict[str, object] = {"others": others, "seconds": gap_s, "after": after}

@@ -107,7 +107,8 @@ def words_of(topic: str) -> set[str]:
 def _unread_code(channel: Channel) -> str:
     """Classify a topic that is of no use by its type, or by its name where its type is common.
 
-    Returns the code of the finding, "" for a topic that may be of use.
+    Returns the code of the finding, "" for a topic that may be of use. A type that only one sensor
+    sends says more than a name.
     """
     kind, words, sensors = type_name(channel), words_of(channel.topic), readable_as(channel)
     if kind in BY_TYPE:

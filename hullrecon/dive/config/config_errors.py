@@ -154,6 +154,7 @@ def _structs_in(kind: object) -> Iterator[type[Struct]]:
 def _unknown(
     key: str, section: str, kind: type, prefix: str, more: Sequence[str], file: str
 ) -> UsageError:
+    """Refuse a key that is gone or unknown, and name the nearest known one."""
     dotted = _join([section, key])
     if dotted in GONE:
         return UsageError(

@@ -93,6 +93,10 @@ def load_config(
 
 
 def _read(package: Path) -> Table:
+    """Read dive.toml as TOML.
+
+    Raises InputError if it cannot be read, UsageError if it is not valid.
+    """
     path = package / FILE
     try:
         text = read_text(path, LARGEST_BYTES).removeprefix(BYTE_ORDER_MARK)

@@ -185,6 +185,7 @@ def _parse(data: bytes, kind: str, path: Path) -> tuple[Array, Ints]:
 
 
 def _check_extent(corners: Array, units: str, path: Path, notes: list[Finding]) -> None:
+    """Refuse a CAD model whose size is no ship's, and name the units in which it would be one."""
     if not np.isfinite(corners).all():
         raise InputError(
             f"the CAD model {path.name} has coordinates that are not finite", where=str(path.parent)

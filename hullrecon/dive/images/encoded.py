@@ -221,6 +221,7 @@ def _pillow_size(encoded: bytes) -> Size | None:
 
 
 def _pillow_finds_16_bits(encoded: bytes) -> bool:
+    """Tell whether a PPM or TIFF has 16 bits a channel."""
     from PIL import Image
 
     with warnings.catch_warnings():

@@ -104,7 +104,11 @@ class LoggedCalibrations:
         )
 
     def _read(self, message: Message) -> Iterator[tuple[str, Keys]]:
-        """Yield the cameras that a CameraInfo message belongs to, with its calibration."""
+        """Yield the cameras that a CameraInfo message belongs to, with its calibration.
+
+        They are those whose images are logged beside it, as /front/image_raw is beside
+        /front/camera_info.
+        """
         channel = message.channel
         if (
             channel.encoding not in ENCODINGS
@@ -127,6 +131,10 @@ class LoggedCalibrations:
         yield from ((camera, keys) for camera in cameras)
 
     def _camera(self, camera: str) -> CameraModel:
+        """Build a camera from its CameraInfo.
+
+        Raises InputError where that is missing or does not fit.
+        """
         images, keys, topic = (
             self._image_topics[camera],
             self._keys.get(camera),

@@ -228,6 +228,7 @@ def joint_names(summary: LogSummary) -> list[str]:
 
 
 def _topics(summary: LogSummary, guessed: dict[str, str]) -> str:
+    """Write the lines of [topics]: the topic that was guessed for each sensor, then all others."""
     if all(note.channel.encoding == "sample" for note in summary.topics):
         return "# the names of the files say which sensor is which\n"
     lines = []

@@ -69,6 +69,7 @@ class FrameListener:
         return fixed_sensors(frame_tree(self.tree_messages), self.frames, joints, doubts)
 
     def _note(self, message: Message) -> None:
+        """Keep the messages of tf_static, and the frame that each sensor's first message names."""
         channel = message.channel
         if is_static(channel):
             if len(self.tree_messages) < MOST_FRAME_MESSAGES:

@@ -81,6 +81,7 @@ def frame_words(along_m: float, spacing_m: float, sigma_m: float | None) -> str:
 def _words(
     at: Array, depth_m: float, spacing_m: float | None, hull: bool, sigma: AddressSigma | None
 ) -> str:
+    """Write the address of one chart point (3,). `hull`: the chart is a ship's, not a plane."""
     along, girth = float(at[0]), float(at[1])
     along_sigma, girth_sigma = (None, None) if sigma is None else (sigma.along, sigma.girth)
     if not np.isfinite(at[:2]).all():

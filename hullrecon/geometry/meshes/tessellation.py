@@ -136,6 +136,7 @@ def _faces_near(mesh: Mesh, points: Array, reach_m: float) -> Mask:
 
 
 def _smooth_edges(mesh: Mesh) -> _SmoothEdges:
+    """Find the edges between two faces that meet at less than SHARPEST_RAD."""
     welded = weld_vertices(mesh)
     shared = find_shared_edges(welded.faces)
     normal, area = face_normals(mesh), face_areas(mesh)

@@ -273,6 +273,7 @@ def _directories(
     tags: Mapping[int, tuple[int, bytes]],
     starts: list[list[int]],
 ) -> bytes:
+    """Lay out the header and one directory a level. `starts`: where each level's blocks begin."""
     data = form.header
     kind, letter = (_LONG8, "Q") if form.big else (_LONG, "I")
     for k, (level, start) in enumerate(zip(levels, starts, strict=True)):

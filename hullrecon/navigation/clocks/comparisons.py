@@ -169,6 +169,10 @@ def compare_directions(
     by_mount = np.eye(3) - seen[:, :, None] * seen[:, None, :]
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
+        """Compute the angle between the direction seen and that of the DVL's step, in sigmas.
+
+        A small rotation between both mounts is fitted at each offset, and taken off.
+        """
         shift_ns = _shift_ns(offsets, ClockedSensor.DVL, ClockedSensor.IMAGES)
         aside = np.cross(seen[rows], _directions(step(shift_ns / NS, rows)))
         unknown = _outside(motions, rows, shift_ns, velocities.t_ns)
@@ -325,6 +329,7 @@ def _of_motions(
     systematic_s: float,
     evaluate: Callable[[Offsets, Ints], Array],
 ) -> ClockComparison:
+    """Make a comparison of a sensor with images, a row for each motion between two images."""
     rows = np.arange(len(motions))
     return ClockComparison(
         first=first,
@@ -366,9 +371,10 @@ def _compare_with_dvl(
 
 
 def felt_in_global(imu: ImuSamples) -> tuple[Ints, Array]:
-    """Turn accelerations into `global`: stamps (n,), m/s2 (n, 3). Gravity is felt upwards.
+    """Turn accelerations into `global`: stamps (n,), m/s2 (n, 3), with gravity pointing up.
 
-    Empty without accelerations, or of a sensor that has gravity taken off.
+    An accelerometer at rest measures the force that holds it up. Empty without accelerations, or of
+    a sensor that has gravity taken off.
     """
     felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
     known = np.isfinite(felt).all(axis=1)
@@ -379,9 +385,9 @@ def felt_in_global(imu: ImuSamples) -> tuple[Ints, Array]:
 
 
 def velocity_felt(imu: ImuSamples, start_ns: int) -> Integral | None:
-    """Integrate what an IMU feels, less gravity: its velocity in `global`, beside a constant.
+    """Integrate an IMU's accelerations, less gravity, to its velocity but for a constant.
 
-    Over the seconds since start_ns. None where `felt_in_global` is empty.
+    In `global`, over the seconds since start_ns. None where `felt_in_global` is empty.
     """
     t_ns, felt = felt_in_global(imu)
     if len(felt) < 2:
@@ -390,7 +396,7 @@ def velocity_felt(imu: ImuSamples, start_ns: int) -> Integral | None:
 
 
 def is_still(values: Array, others: Array) -> bool:
-    """Tell whether a sensor shows next to nothing of a motion (n, k) that others show."""
+    """Tell whether a sensor measures almost none of the motion (n, k) that others measure."""
     own, whole = (float(np.sqrt(np.mean(np.square(of)))) for of in (values, others))
     return own < STILL * whole
 
@@ -452,7 +458,7 @@ def _rows_apart(t_ns: Ints, apart_s: float) -> Ints:
 
 
 def _outside(motions: ImageMotions, rows: Ints, shift_ns: int, t_ns: Ints) -> Mask:
-    """Find the motions that reach beyond a sensor's stamps, once moved."""
+    """Find the motions (rows) that begin or end beyond a sensor's stamps once they are shifted."""
     first, second = motions.first_ns[rows] + shift_ns, motions.second_ns[rows] + shift_ns
     return np.asarray((first < t_ns[0]) | (second > t_ns[-1]))
 

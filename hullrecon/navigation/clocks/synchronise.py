@@ -253,6 +253,7 @@ def corrected_stamps(t_ns: Ints, offsets: Sequence[TimeOffset], sensor: ClockedS
 
 
 def _corrected(logs: NavigationLogs, offsets: Sequence[TimeOffset]) -> NavigationLogs:
+    """Subtract the offsets from the stamps of the logs, and put these in order again."""
     wrong = {offset.sensor for offset in offsets}
 
     def moved(record: Stream, sensor: ClockedSensor) -> Stream:
@@ -320,7 +321,10 @@ def describe_offsets(offsets: Sequence[TimeOffset]) -> list[str]:
 
 
 def _by_key(found: Sequence[TimeOffset]) -> str:
-    """Say which key of dive.toml would do so, and its sign. "" where the offset changes."""
+    """Name the key of dive.toml that corrects a clock, with the sign.
+
+    "" where the offset changes.
+    """
     if len(found) > 1:
         return ""
     side = "lower" if found[0].seconds > 0 else "higher"

@@ -120,6 +120,11 @@ def _weigh_comparison(comparison: ClockComparison) -> Evidence | None:
 
 
 def _scan_offsets(comparison: ClockComparison, shifts: Array) -> Evidence | None:
+    """Compute the cost of a comparison at many offsets, and list its lowest minima.
+
+    Its sigma is the least scatter at any offset: at a wrong offset residuals scatter more. None
+    where no offset leaves enough rows.
+    """
     table = [comparison.residuals({comparison.first: float(shift)}) for shift in shifts]
     known = [np.isfinite(found) for found in table]
     sigmas = [

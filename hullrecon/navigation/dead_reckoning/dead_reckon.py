@@ -230,6 +230,7 @@ def _nodes(
     span_ns: tuple[int, int],
     walk: ImageWalk | None,
 ) -> Nodes:
+    """Place the nodes. Frames deep in an outage, which overlap neither of its sides, get none."""
     heard, reach = path.velocities.t_ns, int(REACH_S * 1e9)
     pings = logs.dvl.t_ns[
         (logs.dvl.t_ns >= heard[0] - reach) & (logs.dvl.t_ns <= heard[-1] + reach)

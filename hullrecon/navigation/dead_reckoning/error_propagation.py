@@ -29,17 +29,8 @@ from hullrecon.typing import Array, Ints
 UNKNOWN_DEPTH_M = 10.0  # sigma of the start's depth without a pressure sensor
 LEAST_SIGMA_M = 1e-4  # of a position: keeps the covariance at the start invertible
 # The errors that persist, in the order of the columns of `pose_by_error`.
-SCALE, DRIFT, MOUNT_TURN, TRAY_BACKLASH, ROLL_PITCH, HEADING, DVL_LATE, DEPTH_BIAS = (
-    0,
-    1,
-    slice(2, 5),
-    5,
-    slice(6, 8),
-    8,
-    9,
-    10,
-)
-PRESSURE_LATE = 11
+SCALE, DRIFT, MOUNT_TURN, TRAY_BACKLASH = 0, 1, slice(2, 5), 5
+ROLL_PITCH, HEADING, DVL_LATE, DEPTH_BIAS, PRESSURE_LATE = slice(6, 8), 8, 9, 10, 11
 ERRORS = 12
 
 
@@ -177,14 +168,11 @@ def pose_by_error(at: Instant) -> Array:
     rotation = at.rotation.as_matrix()
     turned_lever = at.rotation.apply(at.lever)
     lever_by_turn = rotation @ cross_matrix(at.lever)  # of -R r
-    backlash = at.sums[:, :, BACKLASH][:, :, 0] - at.direction[:, None] * at.rotation.apply(
-        at.lever_by_tray
-    )
+    swing = at.direction[:, None] * at.rotation.apply(at.lever_by_tray)
+    backlash = at.sums[:, :, BACKLASH] - swing
     out = np.zeros((len(at.t_ns), 6, ERRORS))
     out[:, :3, SCALE] = at.instrument
-    out[:, :3, DRIFT] = np.cross(
-        UP_DOWN, at.sums[:, :, MOMENT][:, :, 0] - at.t_s[:, None] * turned_lever
-    )
+    out[:, :3, DRIFT] = np.cross(UP_DOWN, at.sums[:, :, MOMENT] - at.t_s[:, None] * turned_lever)
     out[:, :3, MOUNT_TURN] = at.sums[:, :, MOUNT]
     out[:, :3, TRAY_BACKLASH] = backlash
     out[:, :3, ROLL_PITCH] = (at.sums[:, :, TILT] + lever_by_turn)[:, :, :2]
@@ -201,16 +189,12 @@ def _error_sigma(sigmas: NavigationSigmas, depth_is_measured: bool) -> Array:
     The heading at the start is known like a roll or pitch.
     """
     out = np.zeros(ERRORS)
-    out[SCALE], out[DRIFT], out[MOUNT_TURN] = (
-        sigmas.scale,
-        sigmas.heading_drift_rad_s,
-        sigmas.mount[3:],
-    )
-    out[TRAY_BACKLASH], out[ROLL_PITCH], out[HEADING] = (
-        sigmas.tray_rad,
-        sigmas.tilt_bias_rad,
-        sigmas.tilt_rad,
-    )
+    out[SCALE] = sigmas.scale
+    out[DRIFT] = sigmas.heading_drift_rad_s
+    out[MOUNT_TURN] = sigmas.mount[3:]
+    out[TRAY_BACKLASH] = sigmas.tray_rad
+    out[ROLL_PITCH] = sigmas.tilt_bias_rad
+    out[HEADING] = sigmas.tilt_rad
     out[DEPTH_BIAS] = sigmas.depth_bias_m if depth_is_measured else UNKNOWN_DEPTH_M
     out[DVL_LATE] = sigmas.dvl_late_s
     out[PRESSURE_LATE] = sigmas.pressure_late_s if depth_is_measured else 0.0

@@ -15,7 +15,15 @@ import numpy as np
 
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import cross_matrix
-from hullrecon.navigation.dead_reckoning.reckoning import MOUNT, TRAY, UP_DOWN, Instant, Reckoning
+from hullrecon.navigation.dead_reckoning.reckoning import (
+    MOMENT,
+    MOUNT,
+    PATH,
+    TRAY,
+    UP_DOWN,
+    Instant,
+    Reckoning,
+)
 from hullrecon.records.trajectory import Odometry
 from hullrecon.typing import Array, Ints
 
@@ -23,29 +31,42 @@ LEAST_SIGMA_M = 2e-4  # of a step between two nodes: stamps and levers
 
 
 def odometry(path: Reckoning, at: Instant) -> Odometry:
-    """Compute the n - 1 edges between neighbouring nodes."""
+    """Compute the n - 1 edges between neighbouring nodes.
+
+    An edge is the pose of the second vehicle in the first. Its derivatives are of (translation in
+    the first vehicle's axes, rotation perturbed on the right).
+    """
     n = len(at.t_ns)
     first, second = np.arange(n - 1), np.arange(1, n)
     poses = at.poses()
     step = poses[first].inverse() @ poses[second]
+    covariance = white_covariance(path, at, step)
+
     first_from_global = np.swapaxes(at.rotation.as_matrix()[:-1], 1, 2)
     second_from_global = np.swapaxes(at.rotation.as_matrix()[1:], 1, 2)
-    moved = at.sums[1:] - at.sums[:-1]
-    turned_lever = at.rotation.apply(at.lever)
     duration = np.diff(at.t_s)[:, None]
-    turned_path = np.cross(
-        UP_DOWN, moved[:, :, 1] - at.t_s[:-1, None] * moved[:, :, 0] - duration * turned_lever[1:]
-    )
+    moved = at.sums[1:] - at.sums[:-1]  # of the DVL, with derivatives
+
+    # A wrong scale stretches the DVL's way.
     by_navigation = np.zeros((n - 1, 6, 2))
-    by_navigation[:, :3, 0] = _into(first_from_global, moved[:, :, 0])
-    by_navigation[:, :3, 1] = _into(first_from_global, turned_path)
+    by_navigation[:, :3, 0] = _into(first_from_global, moved[:, :, PATH])
+
+    # A drift of the heading turns each piece of that way by the time since the first node, and at
+    # the second node the lever from the vehicle to the DVL.
+    since_first = moved[:, :, MOMENT] - at.t_s[:-1, None] * moved[:, :, PATH]
+    lever = at.rotation.apply(at.lever)[1:]
+    turned = np.cross(UP_DOWN, since_first - duration * lever)
+    by_navigation[:, :3, 1] = _into(first_from_global, turned)
     by_navigation[:, 3:, 1] = second_from_global[:, :, 2] * duration
+
+    # A turn of the DVL's mount turns its velocities.
     by_mount = np.zeros((n - 1, 6, 3))
     by_mount[:, :3] = first_from_global @ moved[:, :, MOUNT]
+
+    # Another angle of the tray turns them too, and moves the DVL relative to the vehicle.
     by_tray = np.zeros((n - 1, 6))
     swing = np.diff(at.rotation.apply(at.lever_by_tray), axis=0)
-    by_tray[:, :3] = _into(first_from_global, moved[:, :, TRAY][:, :, 0] - swing)
-    covariance = white_covariance(path, at, step)
+    by_tray[:, :3] = _into(first_from_global, moved[:, :, TRAY] - swing)
     return Odometry(
         first=first,
         second=second,

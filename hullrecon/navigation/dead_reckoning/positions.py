@@ -100,7 +100,7 @@ def attach_positions(
 def _put_right(
     ties: PositionTies, exchanged: PositionTies, path: Poses
 ) -> tuple[float, float] | None:
-    """Tell whether positions fit the path with their coordinates exchanged, and only so.
+    """Tell whether positions fit the path only once their two coordinates are exchanged.
 
     Returns the median distances from the path, as logged and exchanged, m. A path along a line fits
     either way as well.

@@ -34,14 +34,7 @@ SPEED_S = 0.3  # over which the velocity is smoothed to tell what a delay would 
 
 # Columns of the integrated derivatives: the path itself, the path weighted with time, and what each
 # error adds to it.
-PATH, MOMENT, MOUNT, TRAY, BACKLASH, TILT = (
-    slice(0, 1),
-    slice(1, 2),
-    slice(2, 5),
-    slice(5, 6),
-    slice(6, 7),
-    slice(7, 10),
-)
+PATH, MOMENT, MOUNT, TRAY, BACKLASH, TILT = 0, 1, slice(2, 5), 5, 6, slice(7, 10)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,7 +90,7 @@ class Instant:
     t_ns: Ints
     t_s: Array  # since the start
     rotation: Rotation  # global_from_vehicle
-    sums: Array  # (n, 3, 10)
+    sums: Array  # (n, 3, 10) in g: the path and its derivatives, columns PATH to TILT
     tray: Array  # (n,) rad
     direction: Array  # (n,) +1 or -1: in which the tray last moved
     lever: Array  # (n, 3) m of the instrument in the vehicle's frame
@@ -106,7 +99,7 @@ class Instant:
     @property
     def instrument(self) -> Array:
         """Position (n, 3) m of the DVL in g, from the start of the path."""
-        return self.sums[:, :, 0]
+        return self.sums[:, :, PATH]
 
     def poses(self) -> Poses:
         """Compute T_g_v (n) by DVL and IMU alone, the DVL starting at the origin."""

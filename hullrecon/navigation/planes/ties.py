@@ -153,6 +153,7 @@ def _known(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joi
 
 
 def _ranges(patches: Patches, used: Ints, returns: Returns) -> PlaneRangeTable:
+    """Build the table of ranges to the patches' planes, of the returns that they were fitted to."""
     size = np.array([len(patches.rows[k]) for k in used], np.int64)
     rows = np.concatenate([np.zeros(0, np.int64), *(patches.rows[k] for k in used)])
     to_plane = np.concatenate([np.zeros(0), *(patches.to_plane[k] for k in used)])

@@ -85,10 +85,10 @@ def servo(tray: JointSamples | None, start_ns: int) -> Servo:
 
 
 def doubtful_angles(tray: JointSamples | None, unit: str, sigma_rad: float) -> list[Finding]:
-    """Find angles that tell nothing of a tray: zeros alone, and degrees that are radians.
+    """Find angles that tell nothing of a tray: zeros alone, and radians logged as degrees.
 
-    A tray that is read and turns by less than it is known to turns for nobody. unit: in which the
-    angles were logged.
+    A tray that moves, but by less than its own sigma, is suspected: its angles are radians that
+    were read as degrees. unit: in which the angles were logged.
     """
     angle = np.zeros(0) if tray is None else tray.angle[np.isfinite(tray.angle)]
     if len(angle) < FEW_READINGS:

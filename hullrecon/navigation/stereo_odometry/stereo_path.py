@@ -156,6 +156,10 @@ def _guess(t_ns: Ints, history: AttitudeHistory | None, vehicle_from_camera: Pos
 def _start(
     history: AttitudeHistory | None, depth: MeasuredDepth | None, t_ns: Ints, rig: Rig
 ) -> Poses:
+    """Place the vehicle at the first pair, by the IMU's attitude and the measured depth.
+
+    Level where there is no IMU, at depth 0 where there is no pressure sensor.
+    """
     start = (
         identity()
         if history is None
@@ -264,6 +268,7 @@ def _remarks(
     depth: MeasuredDepth | None,
     tray: Servo,
 ) -> list[str]:
+    """Say what the path lacks: sensors that were not logged or were silent, steps not seen."""
     no_depth, no_angle = "" if depth is None else depth.silence, tray.silence(t_ns)
     longest_s = 1e-9 * float(np.diff(t_ns)[chain.lost].max(initial=0))
     sentences = [

@@ -155,9 +155,9 @@ class Comparison:
 
     @property
     def stands_still(self) -> bool:
-        """Tell whether the first sensor shows next to nothing of the others' motion.
+        """Tell whether the first sensor measures almost none of the motion that the others measure.
 
-        A small share of it, as in another unit, is not nothing.
+        A small share of the motion, as in another unit, is not nothing.
         """
         alike = (self.first @ self.second) ** 2
         is_share = alike > SHARED * (self.first @ self.first) * (self.second @ self.second)
@@ -291,9 +291,9 @@ def compare_gravity(imu: ImuSamples) -> Comparison | None:
 
 
 def compare_push(imu: ImuSamples, track: Track) -> Comparison | None:
-    """Compare the change of the DVL's velocity with what the IMU's accelerations make of it.
+    """Compare the change of the DVL's velocity with the integral of the IMU's accelerations.
 
-    None without accelerations, of a sensor that has gravity taken off, or gives nothing else.
+    None without accelerations, or of a sensor that has gravity taken off or gives nothing else.
     """
     t_s, felt = track.way.t_s, velocity_felt(imu, int(track.t_ns[0]))
     if felt is None:
@@ -329,7 +329,7 @@ def compare_push(imu: ImuSamples, track: Track) -> Comparison | None:
 
 @dataclass(frozen=True, kw_only=True)
 class Track:
-    """The DVL's way and attitude at the pings with a velocity."""
+    """The path and attitude of the DVL at the pings with a velocity."""
 
     t_ns: Ints  # (n,)
     global_from_dvl: Rotation  # (n,)
@@ -339,9 +339,9 @@ class Track:
 
     @cached_property
     def sunk_by_tilt(self) -> Array:
-        """Integrate how much deeper the way is of a DVL turned by TILT_RAD about each of its axes.
+        """Compute how much deeper the path would be of a DVL mounted with a tilt, (n, 3) m.
 
-        (n, 3) m.
+        The tilt is TILT_RAD, about each of its axes in turn.
         """
         own = self.global_from_dvl.inv().apply(self.way.signal)
         turned = [
@@ -377,7 +377,7 @@ def track_of(records: SensorRecords, rig: Rig) -> Track | None:
 
 
 def compare_depth(records: SensorRecords, track: Track) -> Comparison | None:
-    """Compare the pressure sensor's depth with the DVL's vertical way."""
+    """Compare the change of the pressure sensor's depth with that of the DVL's path."""
     pressure = records.pressure
     if pressure is None:
         return None
@@ -477,7 +477,7 @@ class View:
 def views_of(
     ping_ns: Ints, hull: HullPlanes, rig: Rig, flows: Sequence[Flow], track: Track
 ) -> list[View]:
-    """Look up how the upper camera moved between images, and the hull before it.
+    """Look up how the upper camera moved between two images, and the plane of hull in front of it.
 
     ping_ns: of all pings.
     """
@@ -549,10 +549,10 @@ def compare_flow(views: Sequence[View]) -> Comparison | None:
 
 
 def compare_view(views: Sequence[View]) -> Comparison | None:
-    """Compare the turn that features show with that by attitude and tray.
+    """Compare the camera's turn that features show with the turn by attitude and tray.
 
-    Both with the angle that the way takes of the view, of which a wrong distortion makes a part
-    look like a turn. The tray's own axis, which has its backlash, tells little.
+    The direction of motion counts too: with a wrong distortion, motion across the view looks in
+    part like a turn. About the tray's own axis, where its backlash is, the turns tell little.
     """
     views = [view for view in views if view.depth > 0]
     if len(views) < LEAST_WINDOWS:
@@ -603,7 +603,7 @@ def hull_planes(dvl: DvlPings) -> HullPlanes:
 
 
 def compare_level(pressure: PressureSamples) -> Comparison:
-    """Compare the depth with the surface, above which no vehicle dives."""
+    """Compare the depth with zero: no vehicle dives above the water surface."""
     read = pressure.depth[np.isfinite(pressure.depth)]
     depth = np.quantile(read, LEVELS) if len(read) else np.zeros(len(LEVELS))
     above = np.minimum(depth + HIGHEST_M, 0.0)

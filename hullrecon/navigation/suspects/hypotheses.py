@@ -104,6 +104,7 @@ def hypotheses(
 def _of_pressure(
     records: SensorRecords, pressure: PressureSamples, air_m: float
 ) -> Iterator[Hypothesis]:
+    """Vary the pressure: units, scales, gauge pressure, sign, no reading at all, clocks."""
     depth = pressure.depth
     # the usual readings first: of those that explain as much, the first counts
     readings = {
@@ -123,6 +124,7 @@ def _of_pressure(
 
 
 def _of_dvl(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
+    """Vary the DVL: units, scales, axes and turns of its velocity, its ranges, beams, and clock."""
     frozen = repeated(dvl.velocity)
     readings = {
         **{
@@ -166,6 +168,7 @@ def _of_rates(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
 
 
 def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
+    """Vary the IMU: conventions of its orientation, mount, axes of accelerations, clock."""
     attitude = Rotation.from_quat(imu.quaternion)
     angles = attitude.as_euler("ZYX")
     turned = {
@@ -229,6 +232,7 @@ def _of_tray(records: SensorRecords, tray: JointSamples) -> Iterator[Hypothesis]
 def _of_camera(
     records: SensorRecords, flows: Sequence[Flow], camera: CameraModel | None
 ) -> Iterator[Hypothesis]:
+    """Vary the camera: focal length, medium, turn and size of its pictures, lens, clock."""
     turns = {("focal", f"{factor:.2f}"): np.eye(2) / factor for factor in FACTORS}
     turns |= {("medium", f"{WATER:.2f}"): np.eye(2) / WATER}
     for name, turn in signed_axes():

@@ -137,7 +137,7 @@ def judge(
 
 
 def explain_best(found: Sequence[tuple[Hypothesis, Tried]]) -> list[tuple[Hypothesis, Tried]]:
-    """Select the hypotheses that explain most, of those in the order of what they leave."""
+    """Select the hypotheses that explain most. `found` begins with those that leave least."""
     best = [(h, one) for h, one in found if one.explains]
     if any(h.fault in UNITS for h, _ in best):  # a sensor left out has no residuals at all
         best = [(h, one) for h, one in best if h.fault != "constant"]
@@ -150,15 +150,15 @@ def explain_best(found: Sequence[tuple[Hypothesis, Tried]]) -> list[tuple[Hypoth
 def _explains_as_much(one: Hypothesis, tried: Tried, best: Hypothesis, least: Tried) -> bool:
     """Tell whether a hypothesis explains as much as the best.
 
-    A factor of the depths or its reciprocal of the velocities are one to the comparison of both,
-    but for the noise, which grows with the factor.
+    To the comparison of depths with velocities, a factor of the depths and its reciprocal of the
+    velocities are the same but for the noise, which grows with the factor.
     """
     factors = one.fault == best.fault == "scale"
     return tried.chi2 < least.chi2 + (GAIN if factors else ALIKE)
 
 
 def _rank(one: Hypothesis) -> int:
-    """Rank readings of a pressure, angles of mounts and axes of orientations, the usual first."""
+    """Order readings of a pressure, mount angles and axes of orientations by how usual they are."""
     if one.sensor is Sensor.ATTITUDE and one.fault == "axes":
         return 1
     if one.fault in ("turn", "mount"):
@@ -167,10 +167,10 @@ def _rank(one: Hypothesis) -> int:
 
 
 def _depths(best: Sequence[Hypothesis]) -> list[list[object]]:
-    """List what pressures may be that puts the depths elsewhere: fault, unit, depths from and to.
+    """List the readings of a pressure that explain it best: fault, unit, least and greatest depth.
 
-    Empty where all explain another sensor. A pressure in one unit is absolute rather than above the
-    air's.
+    Empty where all explain another sensor. A pressure in one unit is taken as absolute, not as
+    above the air's.
     """
     absolute = {one.value for one in best if one.fault == "unit"}
     out: list[list[object]] = []
@@ -196,9 +196,8 @@ def _try_all(
 ) -> list[tuple[Hypothesis, Tried]]:
     """Make the comparisons again under each hypothesis. Those that explain most come first.
 
-    A hypothesis that leaves a contradiction explains nothing: only the SHOWN best of these are held
-    against the other comparisons too. Nor are those that could not come near the best one if the
-    other comparisons had no residuals at all.
+    A hypothesis that leaves a contradiction explains nothing. Only the SHOWN best are compared with
+    all sensors, and none that could not come near the best even if those comparisons left nothing.
     """
     wrong = sorted((c for c in base if c.accuses), key=lambda c: list(RESTS_ON).index(c.kind))
     suspects = frozenset().union(*(c.sensors for c in wrong))

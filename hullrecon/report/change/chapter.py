@@ -116,6 +116,7 @@ def is_foreseen(offset: SurveyOffset) -> bool:
 
 
 def _row(row: ObjectChange) -> ChangeRow:
+    """Put an object's change into words."""
     return ChangeRow(
         status=row.status,
         changed=row.status in CHANGED,

@@ -141,6 +141,7 @@ def weak_sentences(survey: Survey, min_sigma_m: float = 0.05) -> list[str]:
 
 
 def _objects(survey: Survey) -> str:
+    """Say how many objects were found, of which kind, and how high the largest is."""
     objects = survey.findings.objects
     if objects is None:
         return ""
@@ -195,6 +196,7 @@ def seen_words(survey: Survey) -> str:
 
 
 def _coverage(survey: Survey) -> str:
+    """Say how much each sensor saw, and how many holes are left."""
     coverage = survey.findings.coverage
     if coverage is None:
         return ""

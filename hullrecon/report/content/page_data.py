@@ -60,6 +60,7 @@ def image_uri(layer: MapLayer) -> str:
 
 
 def _map(survey: Survey, view: HullMap, layers: Sequence[MapLayer]) -> PageData:
+    """Describe the map: its bounds, axes and layers, the path and the links."""
     hull, in_ship = survey.facts.hull, survey.is_in_hull_frame
     outside = view.extent.outside
     return {
@@ -75,6 +76,7 @@ def _map(survey: Survey, view: HullMap, layers: Sequence[MapLayer]) -> PageData:
 
 
 def _layer(layer: MapLayer) -> PageData:
+    """Describe a layer of the map with its legend."""
     legend = layer.legend
     return {
         "id": layer.name,

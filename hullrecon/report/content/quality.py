@@ -32,6 +32,7 @@ def quality_tables(survey: Survey) -> list[WordTable]:
 
 
 def _overlap(survey: Survey) -> WordTable:
+    """Tabulate how many pairs of images were compared and matched, and how much they overlap."""
     pairs, rows = survey.facts.node_pairs, list[tuple[str, ...]]()
     if pairs is not None:
         rows.append(_overlap_row(pairs, "Neighbours along the track", across=False))
@@ -60,6 +61,7 @@ def _overlap_row(pairs: NodePairs, name: str, across: bool) -> tuple[str, ...]:
 
 
 def _residuals(survey: Survey) -> WordTable:
+    """Tabulate the residuals of features, ranges and positions in their units."""
     summary = survey.adjusted.summary if survey.adjusted is not None else AdjustSummary()
     pixel, metre, positions = summary.sigmas.pixel_px, summary.sigmas.range_m, summary.positions
     kinds = (  # residuals, name, one sigma in the unit
@@ -96,6 +98,7 @@ def _residual_row(
 
 
 def _calibration(survey: Survey) -> WordTable:
+    """Tabulate the estimated errors of navigation's sensors and the refined intrinsics."""
     summary = survey.adjusted.summary if survey.adjusted is not None else AdjustSummary()
     rows = list[tuple[str, str]]()
     if summary.navigation is not None:
@@ -158,6 +161,7 @@ def _sensor_errors(
 
 
 def _times(survey: Survey) -> WordTable:
+    """Tabulate time and memory of each step."""
     rows, total = [], 0.0
     for step in survey.provenance.steps:
         seconds, memory = step.run.get("seconds"), step.run.get("peak_rss_bytes")

@@ -110,6 +110,7 @@ def geopackage_bytes(layers: Sequence[Layer], crs_name: str, wkt: str, changed: 
 
 
 def _add_layer(database: sqlite3.Connection, layer: Layer, changed: str) -> None:
+    """Add a layer to a GeoPackage: its entry in the contents, its table, and the features."""
     corners = np.concatenate([np.zeros((0, 2)), *layer.shapes])
     box: list[float | None] = [None] * 4
     if len(corners):

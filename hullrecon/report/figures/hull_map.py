@@ -229,6 +229,7 @@ def form_shadings(found: ChartedSurface, split: DeviationSplit) -> tuple[Shading
 
 
 def _form_fields(survey: Survey, found: ChartedSurface, split: DeviationSplit) -> list[MapField]:
+    """Make the fields of the form and its sigma, in mm."""
     shadings, figures = form_shadings(found, split), deviation_figures(survey)
     assert shadings is not None
     note = "Red is outside the CAD model, blue inside; offset and tilt of the patch are taken out."
@@ -253,6 +254,7 @@ def _form_fields(survey: Survey, found: ChartedSurface, split: DeviationSplit) -
 
 
 def _sigma_field(found: ChartedSurface) -> list[MapField]:
+    """Make the field of the surface's sigma, in mm. Empty if nothing was seen."""
     surface, values = found.surface, 1000 * found.surface.sigma
     known = (surface.support > 0) & np.isfinite(values)
     weight = np.where(known, vertex_areas(surface.mesh()), 0.0)
@@ -271,6 +273,7 @@ def _sigma_field(found: ChartedSurface) -> list[MapField]:
 
 
 def _coverage_field(found: ChartedSurface, by_images: bool) -> list[MapField]:
+    """Make the field of how many images, or DVL returns, support a place. Empty if none do."""
     support = found.surface.support.astype(float)
     if not (support > 0).any():
         return []

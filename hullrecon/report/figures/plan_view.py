@@ -133,6 +133,7 @@ def nice_below(span_m: float) -> float:
 
 
 def _ticks(plan: Plan) -> list[str]:
+    """Draw grid lines with their distances, and along the ship also the numbers of its frames."""
     step = nice_step(max(plan.extent.size))
     frames = step / (plan.frame_spacing_m or step)
     digits = max(1, math.ceil(-math.log10(frames)))  # so many that no two frames read alike
@@ -157,6 +158,7 @@ def _multiples(span: tuple[float, float], step: float) -> list[float]:
 
 
 def _path(plan: Plan) -> str:
+    """Draw the vehicle's path, interrupted off the chart, with its start and end."""
     pieces, pen = [], "M"
     for along, girth in plan.path:
         if not np.isfinite(along + girth):
@@ -204,6 +206,10 @@ def _scale_bar(plan: Plan) -> str:
 
 
 def _sigma_bar(plan: Plan) -> str:
+    """Draw one sigma of the vehicle's position as a bar, with its numbers.
+
+    Empty if it is not known.
+    """
     along, girth = plan.path_sigma
     if not math.isfinite(along + girth):
         return ""

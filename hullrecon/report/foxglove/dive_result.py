@@ -186,6 +186,7 @@ def _fixed_frames(survey: Survey, t_ns: int, frame: str) -> Iterator[Message]:
 def _standing(
     survey: Survey, t_ns: int, frame: str, local: LocalFrame
 ) -> Iterator[tuple[str, Message]]:
+    """Yield what does not move: the whole path, landmarks, hull as found, CAD model, objects."""
     poses, surfaces, objects = survey.track.poses, survey.surfaces, survey.findings.objects
     path = [messages.pose(poses, row) for row in range(len(poses))]
     yield "/vehicle/path", {"timestamp": messages.time(t_ns), "frame_id": frame, "poses": path}
@@ -210,6 +211,7 @@ def _standing(
 
 
 def _vehicle(survey: Survey, frame: str) -> Iterator[TimedMessage]:
+    """Yield the vehicle's and the tray's poses at the nodes, with sigmas where these are known."""
     track, names = survey.track, ("x", "y", "z", "roll", "pitch", "yaw")
     tray = tray_poses(survey.facts.rig.tray_origin, track.tray)
     for row, (t_ns, sigma) in enumerate(

@@ -172,6 +172,7 @@ def depth_priors(
 
 
 def _prior(points: Array) -> DepthPrior | None:
+    """Summarise DVL points (n, 3) in the camera: median depth, spread, range, surface normal."""
     in_front = points[:, 2] > 0.05
     ahead = points[in_front, 2]
     if len(ahead) == 0:

@@ -103,6 +103,7 @@ class PairMatcher:
     def _match(
         self, first: NodeView, second: NodeView, prior: Motion | None, seed: tuple[int, ...]
     ) -> PairMatch:
+        """Match by triangulated points of both nodes, else of one, else two views without depth."""
         # Triangulated points of both nodes.
         if first.stereo.any() and second.stereo.any():
             result = self._match_points(first, second, prior, seed)
@@ -127,6 +128,10 @@ class PairMatcher:
     def _match_points(
         self, first: NodeView, second: NodeView, prior: Motion | None, seed: tuple[int, ...]
     ) -> PairMatch:
+        """Match features that have triangulated points in both nodes, by RANSAC on these points.
+
+        With a prior, some SEEDS features are enough: the search along the motion finds the others.
+        """
         rows = np.flatnonzero(first.stereo)
         if prior is not None:
             rows = rows[:: max(1, len(rows) // SEEDS)]

@@ -345,9 +345,9 @@ def _near(
 
 
 def _within_reach(middle: Array, size: float, more: Array, most: float) -> tuple[Ints, Ints]:
-    """Find pairs of points (n, 3) within `size` and what both add to it, `most` at most.
+    """Find pairs of points (n, 3) closer than `size` plus what both of them add to it.
 
-    Sorted, first < second. `more` (n,) is what each point adds.
+    Sorted, first < second. `more` (n,) is what each point adds; together they add at most `most`.
     """
     from scipy.spatial import cKDTree
 

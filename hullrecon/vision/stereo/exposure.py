@@ -95,6 +95,7 @@ def _depths(features: Features, rows: Ints, depth_m: Array, otherwise_m: float) 
 def _move(
     rig: Rig, camera: Camera, features: Features, depth_m: Array, exposure: Exposures
 ) -> Features:
+    """Move a camera's features by the tray's motion between their row's exposure and the node."""
     if not len(features):
         return features
     model, mount = rig.model(camera), rig.tray_from(camera)

@@ -73,6 +73,7 @@ def _fit(
     essential: Array,
     seen: tuple[Array, Array],
 ) -> LensFit:
+    """Fit one kind of wrong lens of one or both cameras, by the least epipolar error."""
     from scipy.optimize import minimize  # a quarter of a second to load, for a rig that is wrong
 
     def of(values: Array) -> Lenses:

@@ -69,6 +69,7 @@ def fitting_readings(
 
 
 def _readings(given: Poses) -> Iterator[Reading]:
+    """List what the pose may have been meant as: inverse, other signs, orders, units."""
     rotation, shift = given.rotation, given.translation
     yield Reading(
         words="with the two cameras swapped",

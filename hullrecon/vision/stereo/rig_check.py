@@ -216,19 +216,19 @@ def check_baseline(
 def _causes_of_depth(
     depth: float, way: float | None, baseline_m: float, shift_share: float
 ) -> tuple[str, str]:
-    """Say what explains depths by stereo of `depth` times the DVL's, and what heals it.
+    """Say what explains depths by stereo of `depth` times the DVL's, and how to correct it.
 
     Parameters
     ----------
     depth
         By stereo over that by the DVL.
     way
-        The same of the vehicle's way, None where it is not known.
+        The same ratio of the distances travelled, None where it is not known.
     baseline_m
         As calibrated.
     shift_share
-        Share of the focal length by which principal points that are off along the baseline would
-        have to be, to do what the baseline does.
+        Principal points that are off along the baseline do the same as a wrong baseline: by how
+        much they would have to be off, as a share of the focal length.
     """
     baseline = f"the baseline of {baseline_m:.3f} m would have to be {baseline_m / depth:.3f} m"
     focal = f"the focal lengths of both cameras would have to be {1 / depth:.2f} times as long"
@@ -255,7 +255,7 @@ def _causes_of_depth(
 
 
 def compare_ways(rig: Rig, frames: StereoFrames, read: ReadImage, dvl: DvlPings) -> float | None:
-    """Divide the vehicle's way from pair to pair by stereo by that by the DVL.
+    """Compare the vehicle's motion from pair to pair by stereo with that by the DVL, as a ratio.
 
     None where the vehicle hardly moved, or pairs have too little in common.
     """
@@ -385,10 +385,11 @@ class _ImageMatcher:
 def _timed(
     look: _ImageMatcher, pairs: list[_Matched], motion: TrayMotion, limit_px: float
 ) -> tuple[list[_Matched], Delay | None]:
-    """Move features of the bottom camera to the top one's time, by stamps and by a delay.
+    """Move the bottom camera's features to the top one's time, by the stamps and a found delay.
 
     A delay is believed where it brings the matches onto their lines with the rig as calibrated. One
-    beyond half a period is a pair of other frames.
+    longer than half a period would mean that the images are of different frames, and is not
+    corrected.
     """
     twist = motion(np.array([matched.at_ns for matched in pairs], np.int64))
     rays = [
@@ -397,13 +398,15 @@ def _timed(
     ]
 
     def moved(delay_s: float) -> list[_Matched]:
+        """Move the bottom features, unless both images were exposed together anyway."""
         out = []
-        for m, ray in zip(pairs, rays, strict=True):
-            if np.isfinite(ray.twist).all() and ray.stamped_s + delay_s:
+        for matched, ray in zip(pairs, rays, strict=True):
+            apart_s = ray.stamped_s + delay_s
+            if np.isfinite(ray.twist).all() and apart_s != 0:
                 bottom = move_to_top(look.rig, ray, delay_s)
-                seen = m.pixels[0], look.lenses[1].distort(bottom)
-                m = replace(m, bottom=bottom, pixels=seen)
-            out.append(m)
+                pixels = matched.pixels[0], look.lenses[1].distort(bottom)
+                matched = replace(matched, bottom=bottom, pixels=pixels)
+            out.append(matched)
         return out
 
     def error_px(matched: list[_Matched]) -> float:

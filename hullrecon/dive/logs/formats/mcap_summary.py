@@ -136,6 +136,10 @@ def _names_all(stream: BinaryIO, summary: Summary) -> bool:
 
 
 def _section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
+    """Read the summary's bytes, and where they begin.
+
+    Raises DamagedError unless its checksum holds.
+    """
     at = size - FOOTER_SIZE - len(MAGIC)
     if at < len(MAGIC) or head(stream, at, size) != (FOOTER, 20):
         raise DamagedError("no footer")
@@ -151,6 +155,7 @@ def _section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
 
 
 def _parse(section: bytes, start: int) -> Summary:
+    """Parse a summary: definitions, place and topics of each chunk, counts by topic."""
     definitions = Definitions()
     notes: list[tuple[int, int, int, int, list[int]]] = []
     by_channel: dict[int, int] = {}

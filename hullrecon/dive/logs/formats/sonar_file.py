@@ -89,6 +89,7 @@ def _didson(path: Path, number: int, window_m: tuple[float, float] | None) -> Pi
 
 
 def _oculus(path: Path, number: int) -> tuple[NDArray[np.generic], Array, Array]:
+    """Read a ping of an Oculus log: image, azimuths of the beams, ranges."""
     found = path.stat()
     offsets = _ping_offsets(path, found.st_size, found.st_mtime_ns)
     if number >= len(offsets):
@@ -117,6 +118,10 @@ def _ping_offsets(path: Path, size: int, mtime_ns: int) -> list[int]:
 
 
 def _arrays(path: Path) -> list[NDArray[np.generic]]:
+    """Read the arrays of a ping's .npz.
+
+    Raises ValueError for one that lacks arrays or is too large.
+    """
     require_regular_file(path)
     if path.stat().st_size > LARGEST_FILE:
         raise ValueError(f"it has {path.stat().st_size} bytes")

@@ -63,6 +63,7 @@ def _store(channel: Channel) -> Typestore | str:
 
 
 def _from_definition(channel: Channel) -> Typestore:
+    """Compile the message definition that the log itself holds, within limits of its size."""
     from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
     store = get_typestore(Stores.EMPTY)

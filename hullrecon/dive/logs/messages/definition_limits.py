@@ -112,6 +112,7 @@ class _Sizes:
         self._known: dict[str, tuple[int, int]] = {}
 
     def of(self, name: str, depth: int) -> tuple[int, int]:
+        """Bound what decoding a type takes: its least bytes, and the calls that read them."""
         if depth > DEEPEST:
             raise DamagedError("its types contain each other without end")
         if name not in self._types:

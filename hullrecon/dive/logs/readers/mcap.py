@@ -81,6 +81,7 @@ class McapLog(FileLog):
         self._tracker.finish(summary.counts if summary is not None else None)
 
     def _by_summary(self, stream: BinaryIO, size: int, summary: Summary) -> Iterator[Message]:
+        """Read chunk by chunk as the summary lists them. A damaged chunk is lost alone."""
         for note in summary.chunks:
             try:
                 found = self._open(read_chunk(stream, note.offset, size))

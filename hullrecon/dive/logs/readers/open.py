@@ -135,6 +135,7 @@ def find_logs(path: Path) -> list[Path]:
 
 
 def _find_logs(path: Path) -> list[Path]:
+    """Find the logs in a folder, or in its folder logs/. Raises InputError if there is none."""
     if not path.is_dir() or _holds_log(path):
         return [path]
     for folder in (path, path / "logs"):

@@ -56,6 +56,7 @@ class PackedLog:
         return [*self._damage, *(self._log.losses() if self._log is not None else [])]
 
     def _unpack(self) -> Log:
+        """Unpack the log into a scratch folder, as far as it is whole, and open that."""
         import zstandard
 
         require_regular_file(self.path)

@@ -118,6 +118,7 @@ class PlainLog:
         )
 
     def _table(self, sensor: str) -> Iterator[Message]:
+        """Read a sensor's table. Rows that cannot be read are counted, and refused if all are."""
         channel, translate = Channel(sensor, f"{sensor}.csv", "sample"), self._samples()[sensor]
         bad, rows, late, first_reason = _BadLines(), 0, list[float](), ""
         first_ns = last_ns = read = 0
@@ -177,6 +178,7 @@ class PlainLog:
         return read_rows(self.path / f"{sensor}.csv", COLUMNS[sensor])
 
     def _samples(self) -> dict[str, Callable[[Row], Sample]]:
+        """List what translates a row of each table."""
         return {
             "dvl": _dvl,
             "imu": _imu,
@@ -300,6 +302,7 @@ def words_for_unit(value: float) -> str:
 
 
 def _dvl(row: Row) -> DvlSample:
+    """Translate a row of dvl.csv."""
     names = [n for n in row if n and n.startswith("range_")]
     odd = [n for n in names if not n[6:].isdecimal()]
     if odd:

@@ -65,6 +65,7 @@ class Rosbag1Log(FileLog):
         notes: list[BagChunk],
         budget: UnpackBudget,
     ) -> Iterator[Message]:
+        """Read chunk by chunk as the index lists them. A damaged chunk is lost alone."""
         behind = 0
         for note in notes:
             try:
@@ -90,6 +91,7 @@ class Rosbag1Log(FileLog):
     def _from_start(
         self, stream: BinaryIO, size: int, connections: Connections, budget: UnpackBudget
     ) -> Iterator[Message]:
+        """Read record by record without an index, and look for the next chunk after damage."""
         at, patience = len(MAGIC), PATIENCE * size
         closed = False
         while at < size:

@@ -189,7 +189,10 @@ def _lost_messages(counted: int, read: int) -> int | None:
 
 
 def _refuse_bombs(path: Path) -> None:
-    """Raise InputError for a file that is too long or merges aliases: recorders write neither."""
+    """Raise InputError for metadata that would expand to fill the memory.
+
+    It is too long or merges aliases. Recorders write neither.
+    """
     size = path.stat().st_size
     if size > LARGEST_METADATA:
         raise InputError(f"{METADATA} has {size} bytes")

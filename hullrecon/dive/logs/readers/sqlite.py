@@ -56,6 +56,7 @@ class SqliteLog(FileLog):
         self._tracker.finish()
 
     def _messages(self, database: Database) -> Iterator[Message]:
+        """Read the rows of the database as messages, and count those that are none."""
         channels = database.channels()
         strange = foreign = 0
         for number, t_ns, data in database.rows(self._tracker.open_gap):

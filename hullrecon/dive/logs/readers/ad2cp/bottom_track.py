@@ -69,6 +69,10 @@ def parse(kind: int, data: bytes) -> BottomTrack:
 
 
 def _parse_df20(data: bytes, start: int) -> BottomTrack:
+    """Parse a bottom track of data format 20.
+
+    Bits of its configuration tell which values it has.
+    """
     (config,) = fields("<H", data, 2)
     heading, pitch, roll, layout = fields("<HhhH", data, 24)
     count, code = layout >> 12, layout >> 10 & 3
@@ -108,6 +112,7 @@ def _parse_df20(data: bytes, start: int) -> BottomTrack:
 
 
 def _parse_df21(data: bytes, start: int) -> BottomTrack:
+    """Parse a bottom track of data format 21, in which status bits tell which values are valid."""
     (count,) = fields("<H", data, 14)
     (status,) = fields("<I", data, 20)
     if start < DF21_HEADER or count != BEAMS:
