@@ -107,10 +107,11 @@ def try_suspects(
 
 
 def least_gain(problem: native.Problem, settings: native.Options, by_row: RowMotion) -> float:
-    """Compute the squares that a readout time explains at least, without a solve.
+    """Bound from below how many squares a readout time explains, without a solve.
 
-    The slope is that of the solved path as well, while what other unknowns follow makes the
-    parabola flatter than the one that is seen with them held: some twenty times on two legs.
+    The sum of squares is taken as a parabola of the readout time, with all other unknowns held. At
+    the solution its slope is right. Its curvature is too large, since other unknowns would follow:
+    some twenty times on two legs. So its minimum is not as low as the true one.
     """
     naive = replace(settings, method="naive")
     gains = [0.0]

@@ -88,7 +88,8 @@ class PartStore:
             All of the inputs' content that the item's result depends on, in place of the item and
             the inputs as a whole.
         given
-            Objects that results may hold and every run has, by name: a part names them only.
+            Large objects that every run has anyway, by name. A result that refers to one is kept
+            with its name in its place.
 
         Returns
         -------
@@ -162,7 +163,7 @@ class PartStore:
 
 
 def _value_hash(value: object) -> str:
-    """Hash what a value holds, whichever of its members are one object."""
+    """Hash a value by its content, whether equal members of it are one object or several."""
     data = io.BytesIO()
     pickler = pickle.Pickler(data, protocol=5)
     pickler.fast = True  # without memo

@@ -203,9 +203,9 @@ class Context(Generic[Parameters]):
         label: str,
         given: Mapping[str, object] = MappingProxyType({}),
     ) -> Result:
-        """Make something that takes long, unless a run which did not end has left it.
+        """Make something that takes long, or take it from a run that did not end.
 
-        `given`: objects that it may hold and every run has, by name.
+        `given`: large objects that every run has anyway, by name, which it may refer to.
         """
         if self._parts is None:
             return make()

@@ -39,7 +39,7 @@ class StepCall:
 
 @dataclass(frozen=True, kw_only=True)
 class Made:
-    """What the function of a step left."""
+    """What the function of a step left: its files, its warnings and what it took."""
 
     outputs: dict[str, FileRecord]  # every file by its path in the folder
     warnings: list[str]

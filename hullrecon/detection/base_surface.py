@@ -29,7 +29,7 @@ MIDDLE_SHARE = (
 
 @dataclass(frozen=True, kw_only=True)
 class HullError:
-    """An error (6,) of the hull pose, as in its covariance, with what it does to M."""
+    """An error (6,) of the hull pose, as in its covariance: it moves the dive's points in M."""
 
     hull_pose: HullPose
     error: Array

@@ -76,7 +76,7 @@ def score_landmarks(cloud: PointCloud, truth: Truth, motion: Poses) -> Figures:
 
 
 def _score_labels(foot: Array, off: Mask, cad_model: Scene) -> Figures:
-    """Return recall and precision of label 0, given feet (n, 3) on the true steel.
+    """Compute recall and precision of label 0, given feet (n, 3) on the true steel.
 
     `off`: landmarks with label 0.
     """
@@ -108,7 +108,7 @@ def _distances(points: Array, truth: Truth, motion: Poses) -> tuple[Array, Array
 
 
 def _sigma_coverage(distance: Array, aligned: Array, sigma: Array) -> Figures:
-    """Return the share of errors that their sigmas (n,) cover."""
+    """Compute the share of errors that their sigmas (n,) cover."""
     known = np.isfinite(sigma) & (sigma > 0)
     return {
         "share_within_1.96_sigma": _share(distance[known] < 1.96 * sigma[known]),

@@ -19,12 +19,12 @@ from hullrecon.typing import Array
 
 
 def rms(values: Array) -> float:
-    """Return the root mean square, NaN of nothing."""
+    """Compute the root mean square, NaN of nothing."""
     return float(np.sqrt(np.mean(np.square(values)))) if np.size(values) else float("nan")
 
 
 def rms_length(vectors: Array) -> float:
-    """Return the root mean square length of vectors (n, 3)."""
+    """Compute the root mean square length of vectors (n, 3)."""
     return rms(np.linalg.norm(vectors, axis=1))
 
 
@@ -115,7 +115,7 @@ def hull_from_start(track: TimedPoses, truth: Truth) -> Poses:
 
 
 def _by_direction(error: Array, positions: Array, cad_model: Scene) -> Figures:
-    """Return the RMSE along the hull, over its girth and off it, at each pose."""
+    """Compute the RMSE along the hull, over its girth and off it, at each pose."""
     normal = positions - cad_model.closest(positions).foot
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     along = np.array([1.0, 0.0, 0.0]) - normal * normal[:, :1]
@@ -141,7 +141,7 @@ def _consistency(error: Array, sigma: Array | None) -> Figures:
 
 
 def _covered_share(ours_s: Array, true_s: Array) -> float:
-    """Return the share of the true frames with a pose within three quarters of a period."""
+    """Compute the share of the true frames with a pose within three quarters of a period."""
     step = np.median(np.diff(true_s))
     ordered = np.sort(ours_s)
     right = np.clip(np.searchsorted(ordered, true_s), 1, len(ordered) - 1)

@@ -72,13 +72,14 @@ def _outermost(charted: Array) -> Ints:
 
 
 def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: float) -> Floats32:
-    """Return the tangent (h, w) of the incidence up to which nothing hides a texel.
+    """Bound the tangent (h, w) of the incidence up to which nothing hides a texel.
 
     A line of sight with the tangent t rises 1 m over t metres along the tangent plane. What stands
-    h above that plane at the distance d can meet it only if t >= d / h. The least d / h over the
-    horizon is a lower bound: distances are taken too short and heights too large by as much as
-    blocks, cells and faces extend. `point`: of the texels (h, w, 3). `normal`: of the texels (h, w,
-    3).
+    h above that plane at the distance d can meet it only if t >= d / h. So the least d / h over all
+    that stands out is a lower bound. Distances are taken too short, and heights too large, by the
+    extent of blocks, cells and faces.
+
+    `point`: of the texels (h, w, 3). `normal`: of the texels (h, w, 3).
     """
     height, width = point.shape[:2]
     side = max(1, round(BLOCK_M / step_m))

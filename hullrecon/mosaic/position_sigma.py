@@ -73,7 +73,7 @@ def median_position_sigma(
 
 
 def _motion_jacobian(shift_axes: Array, turn_axes: Array, levers: Array) -> Array:
-    """Derive points' moves (n, k, 3, 6) by a shift and a turn."""
+    """Differentiate points' positions (n, k, 3, 6) by a shift and a turn."""
     turned = np.cross(turn_axes.swapaxes(1, 2)[:, None], levers[:, :, None]).swapaxes(2, 3)
     return np.concatenate([np.broadcast_to(shift_axes[:, None], turned.shape), turned], axis=3)
 

@@ -136,7 +136,7 @@ class SonarView:
         return self.fan.locate(inside)
 
     def least_ratio(self, center: Array, radius: Array) -> Array:
-        """Bound nothing: any ball may hold the best place."""
+        """Bound the ratio by zero: any ball may hold the best place."""
         return np.zeros(len(radius))
 
     def outline(self, surface: MosaicSurface) -> Array:
@@ -168,7 +168,7 @@ class SonarMosaic:
 
 @dataclass(frozen=True, kw_only=True)
 class ReturnLevels:
-    """What the hull returns."""
+    """How strongly the hull returns: by range and beam, and in each ping."""
 
     mean: Array  # (beams, ranges) of a dive
     gain: Array  # (pings,) by which each ping is brighter

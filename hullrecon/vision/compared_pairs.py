@@ -61,7 +61,7 @@ class LinkedScene:
     ) -> list[PairMatch]:
         """Match the proposed pairs, searching where the track expects them, or anywhere.
 
-        What they have in common is in the spool.
+        Their common features are written to the spool.
         """
         expected = (
             [None] * len(proposal) if anywhere else track.motions(proposal.first, proposal.second)

@@ -143,13 +143,14 @@ def thin_over_surface(
 ) -> Array:
     """Thin points (n, 3) in g to one for each cell of the CAD model's surface.
 
-    That is the mean of the half of the cell's points whose distances lie in the middle, at the mean
-    of their distances: the mean of places on a curved hull lies inside of it. Cells grow until at
-    most `most` are left. Further columns (n, 3 + k) are averaged with the points.
+    In each cell the quarter of points with the smallest and that with the largest distances from
+    the CAD model are left out, and the others averaged. The mean of points on a curved hull lies
+    inside of it, so it is moved along the normal to their mean distance. Cells grow until at most
+    `most` points are left. Further columns (n, 3 + k) are averaged with the points.
 
-    Cells in space would give a few points off the surface cells of their own, and as much weight as
-    all those that are right. Cells of M would hold other points wherever a first pose lies along
-    the hull: they are cells of g.
+    Points belong to the cell of their foot on the surface. By their own place, a few points off the
+    surface would have cells to themselves, and as much weight as all right ones. Cells are squares
+    of g: in squares of M, which points share a cell would depend on where the first pose lies.
     """
     nearest = cad_model.mesh.index.closest(pose.inverse().apply(points[:, :3]))
     foot, cell_m = (

@@ -178,9 +178,10 @@ def _resolved_patterns(field: Array, fitted: Array, noise: float) -> tuple[Array
 
 
 def scale_test(deviation: Array, by_ratio: Array) -> tuple[float, tuple[float, ...]]:
-    """Compute the chi-square that three scales explain of whitened deviations, and their sigmas.
+    """Test whether other scales of the CAD model explain how the hull deviates from it.
 
-    Both are in the variance that the scales leave, where that is more than one.
+    Returns the chi-square that three scales explain, with their sigmas. Where what they leave has a
+    variance above one, both are relative to that.
 
     Parameters
     ----------

@@ -119,9 +119,9 @@ def apply_lenses(m: Measurements, problem: native.Problem, result: native.Result
 def estimate_lens_sigma(found: Array, calibration_sigma_px: Array) -> Array:
     """Estimate the rms (2,) px of the lenses' displacements from the modes (2, 2 LENS_MODES) found.
 
-    Most modes the images tell to thousandths of a pixel. What those show is known of the few that
-    hide in a bend of the path, which from round to round are held the tighter. At most
-    `MOST_CALIBRATIONS` of the calibration's sigma; of a lens that has none it stays 0.
+    The images determine most modes to thousandths of a pixel. A few look like a bend of the path.
+    Their prior is the rms of all modes, which gets smaller from round to round as the others are
+    found. At most `MOST_CALIBRATIONS` times the calibration's sigma; 0 of a lens without one.
     """
     rms_px = np.sqrt(np.mean((found / mode_shares()) ** 2, axis=1))
     least, most = np.minimum(LEAST_PX, calibration_sigma_px), MOST_CALIBRATIONS

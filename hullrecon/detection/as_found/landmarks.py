@@ -163,7 +163,7 @@ def _cell_medians(cell: Ints, at: Array, value: Array) -> tuple[Array, Array]:
 
 
 def _robust_error(values: Array) -> float:
-    """Return one sigma of the median of these values."""
+    """Estimate one sigma of the median of these values."""
     if len(values) < 2:
         return UNKNOWN_SIGMA_M
     return float(robust_sigma(values) * MEDIAN_OVER_MEAN / np.sqrt(len(values)))

@@ -278,7 +278,7 @@ def _height_of_facets(found: HullAsFound, region: Region) -> float:
 
 
 def _showing(found: HullAsFound, region: Region, area: Array) -> int:
-    """Count the views with shapes on as much of the region as its height is read from."""
+    """Count the views whose shapes cover TOP_M2 of the region, from which its height is read."""
     order = region.core[np.argsort(-found.shapes[region.core], kind="stable")]
     enough = np.flatnonzero(np.cumsum(area[order]) >= TOP_M2)
     return int(found.shapes[order[enough[0]]]) if len(enough) else 0

@@ -109,7 +109,7 @@ def measure_size(
 def hidden_extent(
     found: HullAsFound, region: Region, open_edge: OpenEdge, normal: Array, chart: Chart
 ) -> Array:
-    """Return one sigma (2,) m of how much farther a region may reach than was measured."""
+    """Estimate one sigma (2,) m of how much farther a region may reach, where its edge is open."""
     seen, at = (
         found.base.vertices[region.foot],
         found.base.vertices[np.append(region.foot, open_edge.beyond)],

@@ -129,10 +129,11 @@ def _terms(a: Array, b: Array) -> Array:
 def _error(
     terms: Array, h: Array, fit: Array, weight: Array, sigma: Array, variance: Array
 ) -> Array:
-    """Return one sigma of the heights (n,).
+    """Compute one sigma of the heights (n,).
 
-    That of a landmark, by its own word or by the scatter if that is larger, over the root of how
-    many count, times the leverage of the polynomial against a mean.
+    The error of one landmark (its stated sigma, or the scatter if that is larger) is divided by the
+    root of their effective number. A polynomial averages less well than a mean: that is the
+    leverage.
     """
     total = weight.sum(axis=1) + 1e-12
     scatter = np.einsum("nk,nk->n", weight, (h - np.einsum("nkj,nj->nk", terms, fit)) ** 2) / total

@@ -19,13 +19,13 @@ from hullrecon.typing import Array, Ints, Mask
 
 
 def roughness(found: HullAsFound) -> float:
-    """Return one robust sigma of the measured heights: hull and noise without structures, m."""
+    """Estimate one robust sigma of the measured heights, m: hull and noise without structures."""
     height = found.height[found.measured]
     return robust_sigma(height) if len(height) else 0.0
 
 
 def height_sigma(found: HullAsFound, region: Region) -> float:
-    """Return one sigma of a region's height, m: of its top and of the hull beneath it.
+    """Compute one sigma of a region's height, m: of its top and of the hull beneath it.
 
     Neighbouring vertices share landmarks, so the top counts as one vertex.
     """
@@ -49,7 +49,7 @@ def relief_left(over_m: Array, sigma_m: Array) -> float:
 
 
 def p_value(height_m: float, sigma_m: float, roughness_m: float, places: float) -> float:
-    """Return the two-sided probability that bare hull reaches this height at any place.
+    """Compute the two-sided probability that bare hull reaches this height at any place.
 
     `places`: how many were looked at.
     """
@@ -295,5 +295,5 @@ def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region |
 
 
 def _height_of_top(height: Array, area: Array, top_m2: float) -> float:
-    """Find the height that so much of the area reaches, half of it at most."""
+    """Find the height above which `top_m2` of the area lies, or half of it if that is less."""
     return weighted_quantile(height, area, 1 - min(0.5, top_m2 / area.sum()))

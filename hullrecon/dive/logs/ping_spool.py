@@ -78,9 +78,11 @@ class PingSpool:
 
 
 def bright_pixel(image: NDArray[np.generic]) -> NDArray[np.generic]:
-    """Find the pixel () at BRIGHT_PERCENT of an image's pixels that are not black. 0 without any.
+    """Find a bright pixel () of an image, by which all pings are scaled to eight bits.
 
-    Of 8 bits, which need no scale, it is the brightest. A spooled ping's stand-in has this value.
+    It is the pixel at BRIGHT_PERCENT of those that are not black, 0 if all are. Of an image of
+    eight bits, which needs no scale, it is the brightest one. A spooled ping's stand-in has this
+    value.
     """
     pixels = np.asarray(image[:1, :1] if not any(image.strides) else image)
     if pixels.dtype == np.uint8:

@@ -132,7 +132,7 @@ def _fit_logit(regressors: Array, matched: Mask) -> Array:
 
 
 def _information(links: CameraLinks) -> Array:
-    """Compute the information (k, 6, 6) of links, along the motion of bearings none."""
+    """Compute the information (k, 6, 6) of links, none along motions without a length."""
     out = np.zeros((len(links), 6, 6))
     full = np.flatnonzero(links.scaled)
     out[full] = np.linalg.inv(links.covariance[full])
@@ -149,7 +149,7 @@ def _information(links: CameraLinks) -> Array:
 
 
 def _across(translation: Array) -> Array:
-    """Project motions (m, 6, 6) across their translations (m, 3)."""
+    """Build the projections (m, 6, 6) of motions onto what is across their translations (m, 3)."""
     length = np.linalg.norm(translation, axis=1, keepdims=True)
     along = translation / np.maximum(length, np.finfo(float).tiny)
     out = np.tile(np.eye(6), (len(along), 1, 1))

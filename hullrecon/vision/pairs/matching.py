@@ -352,7 +352,7 @@ class PairMatcher:
 def _count_inliers(
     motion: Array, views: list[pose_from_points.ObservedPoints], tolerance: float, count: int
 ) -> int:
-    """Count the seeds that agree with the motion in every image that saw them."""
+    """Count the seeds that fit the motion in every image in which they were seen."""
     good, observed = np.ones(count, bool), np.zeros(count, bool)
     for view in views:
         seen = np.isfinite(view.xy[:, 0])

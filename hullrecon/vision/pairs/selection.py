@@ -155,10 +155,11 @@ def propose_revisits(
 def choose_informative(
     first: Ints, second: Ints, probability: Array, gain: Array, least: float
 ) -> Ints:
-    """Choose the pairs (m,) whose comparison is worth `least` nats, the best first. Returns rows.
+    """Choose the pairs (m,) whose comparison is worth `least` nats. Returns rows, ascending.
 
-    A pair whose nodes were chosen k - 1 times already counts as the k-th measurement of one motion
-    [docs/methods.md (59b)]: the path is solved anew only with what the pairs have given.
+    The best are chosen first. The path is solved only after all of them are compared, so a pair
+    whose nodes were chosen k - 1 times already counts as the k-th measurement of one motion, which
+    tells less than the first [docs/methods.md (59b)].
 
     Parameters
     ----------
@@ -185,9 +186,10 @@ def choose_informative(
 
 
 def _gain_of_next(gain: float, before: int) -> float:
-    """Compute what one more measurement tells after `before` alike, of which the first told gain.
+    """Compute what a further measurement of one motion tells after `before` equal ones, nats.
 
-    Six numbers, each measured equally well.
+    `gain`: what the first one told. A motion is taken as six numbers that are measured equally
+    well.
     """
     ratio = math.expm1(min(gain, MOST_GAIN) / 3)  # of the variance known to that measured
     return 3 * math.log((1 + (before + 1) * ratio) / (1 + before * ratio))

@@ -47,7 +47,7 @@ class MatchedRays:
     stamped_s: float  # the bottom camera's stamp after the top one's
 
     def every(self, step: int) -> MatchedRays:
-        """Select one of so many matches."""
+        """Select every `step`-th match."""
         return replace(self, top=self.top[::step], bottom=self.bottom[::step])
 
 
@@ -132,7 +132,7 @@ def _residuals(rig: Rig, pair: MatchedRays, unknowns: Array) -> Array:
 
 
 def _cost(rig: Rig, pairs: Sequence[MatchedRays], unknowns: Array) -> float:
-    """Sum distances from epipolar lines, each at most as a match that is wrong."""
+    """Sum the distances of matches from their epipolar lines, each capped as a wrong match's."""
     wrong = 3 / rig.focal_px(Camera.TOP)
     return float(
         sum(np.minimum(np.abs(_residuals(rig, pair, unknowns)), wrong).mean() for pair in pairs)
