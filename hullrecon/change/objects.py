@@ -70,6 +70,7 @@ def compare_objects(
     after = [
         _move_object(found, context, context.offset.first_from_second) for found in second.objects
     ]
+    # First what stands where the hull changed.
     pairs = match_objects(before, after, context)
     rows: list[ObjectChange] = []
     for region in regions:
@@ -80,6 +81,7 @@ def compare_objects(
             new = None if b is None else after[b]
             rows.append(_describe_change(region, old, new, context))
     rows = _join_parts(rows)
+    # Then the pairs and single objects at which no change was found.
     known = ({row.first_id for row in rows}, {row.second_id for row in rows})
     left = [(a, pairs.get(a)) for a in range(len(before))] + [
         (None, b) for b in range(len(after)) if b not in pairs.values()
@@ -120,9 +122,11 @@ def _objects_at(
     """
     back = {second: first for first, second in pairs.items()}
     if a is not None and b is not None and pairs.get(a) != b:
+        # two objects that are not one: those without a partner elsewhere came or went here
         alone: list[tuple[int | None, int | None]] = [(a, None)] if a not in pairs else []
         alone += [(None, b)] if b not in back else []
         return alone or [(a, pairs[a])]
+    # one object, or none: with its partner, which the region may have missed
     return [
         (
             a if a is not None or b is None else back.get(b),

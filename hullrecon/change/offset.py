@@ -192,13 +192,19 @@ def _middle(chart: Chart, lattice: Lattice, relief: Relief) -> Array:
 
 
 def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
-    """Find the shifts along and in girth at which both surveys agree best, the best first."""
+    """Find the shifts along and in girth at which both surveys agree best, the best first.
+
+    All shifts that the prior allows are tried, by whole cells of a lattice twice as coarse.
+    """
     step = 2 * fit.lattice.step_m
     flat = [_without_form(relief.height)[::2, ::2] for relief in reliefs]
     along, girth = (axis[0] for axis in tangents_at(fit.chart, fit.center[None]))
     sigma = np.array([np.sqrt(axis @ fit.prior[:3, :3] @ axis) for axis in (along, girth)])
     reach = np.minimum(np.ceil(GATE_SIGMAS * sigma / step).astype(int), np.array(flat[0].shape) - 1)
     most = min(int(np.isfinite(h).sum()) for h in flat)
+
+    # A chi-square of each shift: of the structures, counted over independent pieces of hull as if
+    # all of it were shared, and of the prior.
     tried = []
     for i, j in np.ndindex(*(2 * reach + 1)):
         gap = _overlap(flat[0], flat[1], i - int(reach[0]), j - int(reach[1]))
@@ -210,6 +216,7 @@ def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
         tried.append((disagreement + float(((shift / sigma) ** 2).sum()), *shift.tolist()))
     if not tried:
         raise _too_little()
+    # The best ones, of which no two lie next to each other.
     chosen: list[Array] = []
     for _, a, g in sorted(tried):
         if len(chosen) < STARTS and all(np.hypot(a - c[0], g - c[1]) > APART_M for c in chosen):

@@ -210,13 +210,14 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
     z of the sonar looks along the middle of the fan, x out of its plane (docs/conventions.md).
     """
     pings, result_from_sonar = sonar.pings, sonar.poses
-    bearing = np.arctan2(pings.directions[:, 1], pings.directions[:, 2])
+    bearing = np.arctan2(pings.directions[:, 1], pings.directions[:, 2])  # in the fan's plane
     columns = np.ascontiguousarray(hull.mesh.vertices.T), np.ascontiguousarray(hull.normal.T)
     out_of_plane = result_from_sonar.rotation.as_matrix()[:, :, 0]
     seen = np.zeros(len(hull.area), bool)
     for ping in range(len(result_from_sonar)):
         center = result_from_sonar.translation[ping]
         rows = np.flatnonzero(_near_fan(*columns, center, out_of_plane[ping], sonar) & ~seen)
+        # in the fan: by range, elevation out of its plane, and bearing
         local = result_from_sonar[ping].inverse().apply(hull.mesh.vertices[rows])
         distance = np.maximum(np.linalg.norm(local, axis=1), 1e-9)
         at = np.arctan2(local[:, 1], local[:, 2])
@@ -224,6 +225,7 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
             np.abs(np.arcsin(local[:, 0] / distance)) <= sonar.half_elevation_rad
         )
         rows = rows[fits & (at >= bearing.min()) & (at <= bearing.max())]
+        # facing the sonar, with nothing in between
         ray = hull.mesh.vertices[rows] - center
         length = np.maximum(np.linalg.norm(ray, axis=1), 1e-9)
         clear = -np.einsum("ni,ni->n", ray, hull.normal[rows]) / length > SONAR_GRAZING

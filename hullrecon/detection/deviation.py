@@ -55,24 +55,26 @@ def split_deviation(
         return None
     scene = Scene(cad_model)
     normals = scene.smooth_normals(scene.closest(surface.vertices[seen]))
-    by_pose, pose = (
-        pose_jacobian(surface.vertices[seen], normals, hull_pose),
-        hull_pose.covariance,
-    )
+    by_pose, pose = pose_jacobian(surface.vertices[seen], normals, hull_pose), hull_pose.covariance
+
+    # Level and tilts of the patch are linear in the deviation and in the error of the hull pose.
     weight = np.where(bare, vertex_areas(surface.mesh()), 0.0)[seen]
     deviation, total = surface.deviation[seen], surface.sigma[seen]
     fit = _fit_patch(surface.vertices[seen], normals, deviation, weight, chart)
     coefficients, of_pose = fit.solver @ deviation, fit.solver @ by_pose
+    # The variance of a vertex: its own, what the hull pose gives it, and what else all share.
     by_hull_pose = _variance(by_pose, pose)
     own = (
         np.sqrt(np.maximum(total**2 - by_hull_pose, 0.0)) if own_sigma is None else own_sigma[seen]
     )
     rest = np.maximum(total**2 - own**2 - by_hull_pose, 0.0)
+    # The form is what level and tilts leave, and the hull pose leaves little of its error there.
+    form, form_sigma = np.full((2, len(seen)), np.nan)
+    form[seen] = deviation - fit.columns @ coefficients
+    form_sigma[seen] = np.sqrt(_variance(by_pose - fit.columns @ of_pose, pose) + own**2 + rest)
+
     mean = np.average(fit.columns, axis=0, weights=weight)
     tilt = np.einsum("ki,ij,kj->k", of_pose[1:], pose, of_pose[1:])
-    values = np.full((2, len(seen)), np.nan)
-    values[0, seen] = deviation - fit.columns @ coefficients
-    values[1, seen] = np.sqrt(_variance(by_pose - fit.columns @ of_pose, pose) + own**2 + rest)
     return DeviationSplit(
         offset=np.asarray(mean @ coefficients),
         offset_sigma=np.sqrt(
@@ -80,8 +82,8 @@ def split_deviation(
         ),
         tilt=coefficients[1:],
         tilt_sigma=np.sqrt(tilt),
-        form=values[0],
-        form_sigma=values[1],
+        form=form,
+        form_sigma=form_sigma,
     )
 
 

@@ -22,27 +22,33 @@ def score_objects(found: Sequence[ReportedObject], truth: Truth, motion: Poses) 
 
     `motion`: the rigid motion that takes our trajectory onto the true one.
     """
-    moved = [_move(found_object, motion) for found_object in found]
+    reports = [_move(found_object, motion) for found_object in found]
     structures, due = truth.structures(), truth.due()
     painted = [o for o in truth.objects if o.painted]
-    matches: list[Match] = [(d, _nearest(d, structures)) for d in moved]
-    false = [d for d, o in matches if o is None]
-    hit = {o.id for _, o in matches if o is not None}
-    best = [(_closest_in_height(o, matches), o) for o in due if o.id in hit]
-    errors = [abs(d.height - o.height) for d, o in best]
+    matches: list[Match] = [(report, _nearest(report, structures)) for report in reports]
+    false = [report for report, true in matches if true is None]
+    hit = {true.id for _, true in matches if true is not None}
+    best = [(_closest_in_height(true, matches), true) for true in due if true.id in hit]
+    errors = [abs(report.height - true.height) for report, true in best]
     return {
         "reported": len(found),
         "reported_twice": len(matches) - len(false) - len(hit),
         "due": len(due),
         "recall": len(best) / max(1, len(due)),
         "false_reports": len(false),
-        "false_on_paint": sum(_nearest(d, painted) is not None for d in false),
+        "false_on_paint": sum(_nearest(report, painted) is not None for report in false),
         "height_error_median_m": float(np.median(errors)) if errors else float("nan"),
         "height_error_worst_m": max(errors, default=float("nan")),
-        "missed": [o.id for o in due if o.id not in hit],
-        "lesser_structures_found": sum(o.id in hit and o not in due for o in structures),
+        "missed": [true.id for true in due if true.id not in hit],
+        "lesser_structures_found": sum(true.id in hit and true not in due for true in structures),
         "height_error_over_sigma": rms(
-            np.array([(d.height - o.height) / d.height_sigma for d, o in best if d.height_sigma])
+            np.array(
+                [
+                    (report.height - true.height) / report.height_sigma
+                    for report, true in best
+                    if report.height_sigma
+                ]
+            )
         ),
     }
 

@@ -221,6 +221,7 @@ def supported_lattice(at: Array, step_m: float, reach_m: float) -> Mesh:
     """
     from scipy.spatial import cKDTree
 
+    # A grid around the returns, and which of its nodes have a return near by.
     low = np.floor((at.min(axis=0) - reach_m) / step_m)
     count = (np.ceil((at.max(axis=0) + reach_m) / step_m) - low).astype(int) + 1
     along, girth = np.meshgrid(
@@ -228,14 +229,13 @@ def supported_lattice(at: Array, step_m: float, reach_m: float) -> Mesh:
     )
     nodes = np.stack([along.ravel(), girth.ravel()], axis=1)
     near = np.isfinite(cKDTree(at).query(nodes, distance_upper_bound=reach_m)[0]).reshape(count)
+
+    # Two triangles for each cell with four such nodes.
     number = np.arange(nodes.shape[0]).reshape(count)
-    whole = near[:-1, :-1] & near[1:, :-1] & near[:-1, 1:] & near[1:, 1:]
-    a, b, c, d = (
-        n[whole] for n in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:])
-    )
-    faces = np.stack([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)], axis=1).reshape(
-        -1, 3
-    )
+    corners = (np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:])
+    whole = np.all([near[corner] for corner in corners], axis=0)
+    a, b, c, d = (number[corner][whole] for corner in corners)
+    faces = np.stack([a, b, c, a, c, d], axis=1).reshape(-1, 3)
     used, renumbered = np.unique(faces, return_inverse=True)
     vertices = np.hstack([nodes[used], np.zeros((len(used), 1))])
     return Mesh(vertices, renumbered.reshape(-1, 3).astype(np.int32))

@@ -190,6 +190,7 @@ def _lamp(
     way = np.linalg.norm(to_lamp, axis=1)
     to_lamp /= way[:, None]
     light = np.clip(np.einsum("nd,nd->n", normal, to_lamp), 0, 1) / way**2
+    # shadows are cast by items, so rays are cast where one stands near by
     patch, busy = scene.block.patch, scene.block.built.busy
     i = np.clip(np.rint((chart[:, 0] - patch.along_m[0]) / 0.03), 0, busy.shape[0] - 1).astype(int)
     j = np.clip(np.rint((chart[:, 1] - patch.girth_m[0]) / 0.03), 0, busy.shape[1] - 1).astype(int)

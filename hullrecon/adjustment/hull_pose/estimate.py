@@ -97,6 +97,7 @@ def collect_hull_points(
         if len(chosen.landmarks) == len(label)
         else chosen.landmarks[:0]
     )
+    # Rows of a point and of how it moves by one sigma of the ranges' common scale.
     parts = [np.c_[state.landmark[on_hull], np.zeros((len(on_hull), 3))]]
     if m.returns is not None:
         ends = state.mounted(m.rig).dvl_points(m.returns, state.path)

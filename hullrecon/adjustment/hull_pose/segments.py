@@ -95,6 +95,7 @@ def find_segments(
     StageError
         Where nothing determines the path.
     """
+    # Gaps between nodes with returns that odometry, and then the solved path too, knows badly.
     count = np.bincount(node, minlength=len(problem.unknowns.pose))
     at = np.flatnonzero(count)
     by_odometry = odometry.sigma_between(at[:-1], at[1:])
@@ -103,6 +104,7 @@ def find_segments(
         return None
     covariance = _relative_covariance(problem, settings, at[:-1][loose], at[1:][loose])
     loose[loose] = np.linalg.eigvalsh(covariance[:, :3, :3])[:, -1] > LOOSE_M**2
+    # They cut the nodes into segments, of which those with few returns do not count.
     label = np.concatenate([[0], np.cumsum(loose)])
     enough = np.bincount(label, count[at]) >= MIN_POINTS
     if enough.sum() < 2:
@@ -113,6 +115,7 @@ def find_segments(
     found = Segments(
         of_node=of_node, reference=int(np.argmax(size)), step=np.zeros((len(size), 6, 6))
     )
+    # The longest is the reference. The others' steps go from their neighbour's end to their middle.
     outer = np.array(found.outwards())
     ends = np.array([_end_towards(found, found.towards_reference(k), k) for k in outer])
     middle = np.array([int(np.median(np.flatnonzero(of_node == k))) for k in outer])

@@ -106,6 +106,7 @@ class SubProblems:
             planes=native.PlaneTable(anchor=number["pose"][whole.planes.anchor[self.planes[k]]]),
             **tables,
         )
+        # What is shared has numbers of its own: first the poses, then the nodes, then the planes.
         shared = [self.shared_poses, self.shared_nodes, self.shared_planes]
         first = np.cumsum([0, *(len(rows) for rows in shared)])
         rows = [

@@ -45,10 +45,12 @@ def find_open_edge(found: HullAsFound, region: Region, area: Array, around: Arou
     reach = max(BAND_M, float(np.linalg.norm(at[foot] - at[foot].mean(axis=0), axis=1).max()))
     near = np.setdiff1d(around.ball(at[foot], reach), foot)
     unmeasured = ~found.measured[near]
+    # unmeasured vertices in a band around the footprint
     band = nearest(at[foot], at[near], 1)[0][:, 0] <= BAND_M
     gap = near[band & unmeasured]
     if not len(gap):
         return OpenEdge(share=0.0, beyond=np.zeros(0, np.int64), height=0.0)
+    # what lies behind the gap, and the height of the footprint next to it
     hidden = near[unmeasured]
     beside = np.isfinite(nearest(at[gap], at[foot], 1, BAND_M)[0][:, 0])
     return OpenEdge(

@@ -88,6 +88,7 @@ def _heights(
     height, error, count, agreement
         The fields of `Heights`, (n,) each.
     """
+    # Weights by distance, to zero at the farthest neighbour, and by the landmarks' sigmas.
     distance, row = nearest(feet, at, min(neighbours, len(feet)), reach_m)
     near = np.isfinite(distance)
     row = np.where(near, row, 0)
@@ -98,9 +99,11 @@ def _heights(
         (1 - np.minimum(1, distance / width) ** 2) ** 2 / (sigma[row] ** 2 + MIN_SCALE_M**2),
         0.0,
     )
+    # Start from the median of the nearest few, with the scatter of all about it.
     h = np.where(near, height[row], np.nan)
     start = _median(h[:, :7])
     scale = np.clip(NORMAL_MAD * _median(np.abs(h - start[:, None])), MIN_SCALE_M, MAX_SCALE_M)
+    # Refit the polynomial in the tangent plane with Tukey's weights.
     east, north = _tangents(normal)
     gap = feet[row] - at[:, None, :]
     terms = _terms(np.einsum("nki,ni->nk", gap, east), np.einsum("nki,ni->nk", gap, north))

@@ -229,6 +229,8 @@ def _best_lag(
     def lagged(one: Array, other: Array) -> Array:
         return np.asarray(correlate(one, other, mode="full", method="fft"))
 
+    # The correlation of prediction and rate at every lag, over the steps at which both are known.
+    # Each sum over steps is itself a correlation of products, taken by FFT.
     axes = range(fixed.shape[1])
     count = np.maximum(lagged(on, off), 1.0)
     mean = sum(lagged(fixed[:, i], moving[:, i]) for i in axes) / count
@@ -246,6 +248,7 @@ def _best_lag(
         lags_s = STEP_S * (np.arange(len(found)) - (len(moving) - 1))
         away_s = np.abs(lags_s[:, None] - np.array(among_s))
         found = np.where(away_s.min(axis=1) <= SHIFTED_S, found, -1.0)
+    # The best lag has to be far better than any other.
     best = int(np.argmax(found))
     apart = np.abs(np.arange(len(found)) - best) >= OTHER_S / STEP_S
     other = float(found[apart].max(initial=-1.0))
@@ -256,6 +259,7 @@ def _best_lag(
     gain = independent * np.log((1 - max(other, 0.0) ** 2) / (1 - found[best] ** 2))
     if gain < (GAIN_OF_FEW if among_s else GAIN):
         return None
+    # between the steps of the grid, by a parabola
     low, middle, high = found[best - 1 : best + 2] if 0 < best < len(found) - 1 else (0.0, 1.0, 0.0)
     bend = low - 2 * middle + high
     within = 0.5 * (low - high) / bend if bend < 0 else 0.0

@@ -59,6 +59,7 @@ def _as_plumb_bob(pinhole: CameraModel, distort: Distort, where: str) -> CameraM
     rays = _rays_in_image(pinhole, distort)
     worst = np.inf
     if len(rays):
+        # f times plumb_bob is linear in f, f k1, f k2, f p1, f p2 and f k3: one column for each
         x, y = rays.T
         r2 = x * x + y * y
         basis = np.stack(

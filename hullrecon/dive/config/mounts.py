@@ -60,6 +60,7 @@ def choose_mounts(
     """
     sensors = {name: sensor for name, sensor in sensors.items() if not sensor.doubt}
     chosen: dict[str, ChosenMount] = {}
+    # the axes of the servos
     for key in ("tray.origin", "sonar.origin"):
         servo = [
             sensors[sensor]
@@ -81,6 +82,7 @@ def choose_mounts(
         for key in ("tray.origin", "sonar.origin")
         if _is_given(values.get(key))
     }
+    # the sensors on them, relative to these axes
     for key, (sensor, origin) in ON_SERVO.items():
         if sensor in sensors:
             at = origins.get(
@@ -90,12 +92,14 @@ def choose_mounts(
                 value=_on_servo(sensors[sensor], at),
                 source=f"tf_static, frame {sensors[sensor].frame}",
             )
+    # sensors fixed to the vehicle
     for sensor in ("pressure", "position"):
         if sensor in sensors:
             fixed = sensors[sensor]
             chosen[f"{sensor}.origin"] = ChosenMount(
                 value=fixed.pose[:3], source=f"tf_static, frame {fixed.frame}"
             )
+    # the stereo rig: by its calibration, else by both cameras' frames
     top, bottom = sensors.get("camera_top"), sensors.get("camera_bottom")
     if RIG in sensors:
         chosen["camera.bottom.pose_in_top"] = ChosenMount(

@@ -76,6 +76,7 @@ def put_in_order(
             f"{name}: all {len(stamp)} stamps are the same, {format_time(int(stamp[0]))}",
             remedy="write the stamps with all their digits, or log those of the sensor",
         )
+    # Clock errors: jumps against the logger's clock, then a clock that was set back with it.
     logged = _on_one_logger(stamp, logged, number)
     jumped = clock_error(stamp, logged)
     near = np.flatnonzero(~_far_from_all(stamp - jumped))
@@ -86,6 +87,7 @@ def put_in_order(
     if spread:
         right = spread_bursts(name, right, logged, bursts)
     _refuse_two_bases(name, right)
+    # In order, each stamp once.
     order = np.argsort(right, kind="stable")
     kept = np.ones(len(order), bool)
     kept[1:] = np.diff(right[order]) > 0

@@ -81,6 +81,7 @@ def outward_faces(mesh: Mesh, sections: Sections) -> Mesh:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
+    # the connected piece of each face, by vertices at equal places
     _, corner = np.unique(mesh.vertices, axis=0, return_inverse=True)
     a, b = np.hstack([corner[mesh.faces[:, [0, 1]]].T, corner[mesh.faces[:, [1, 2]]].T])
     size = int(corner.max()) + 1
@@ -88,6 +89,7 @@ def outward_faces(mesh: Mesh, sections: Sections) -> Mesh:
         coo_array((np.ones(len(a), bool), (a, b)), shape=(size, size)), directed=False
     )
     piece = piece[corner[mesh.faces[:, 0]]]
+    # the rays that meet a piece vote whether its normals point along them
     origin, inward = sections.rays(*_pairs(sections))
     hit = mesh.index.cast(origin, inward)
     met = hit.range < sections.reach

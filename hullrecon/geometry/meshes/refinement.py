@@ -57,6 +57,7 @@ def refine(
         marked = _mark_edges(table[:, :3], edge, of_face, old_face, limits)
         if not marked.any():
             return Mesh(table[:, :3].copy(), faces.astype(np.int32)), table[:, 3:].copy()
+        # a new vertex in the middle of each marked edge
         middle = np.full(len(edge), -1)
         middle[marked] = len(table) + np.arange(marked.sum())
         table = np.vstack([table, table[edge[marked]].mean(axis=1)])
@@ -64,10 +65,8 @@ def refine(
         parts, of_part = _split_faces(
             faces[split], old_face[split], middle[of_face[split]], table[:, :3]
         )
-        faces, old_face = (
-            np.vstack([faces[~split], parts]),
-            np.concatenate([old_face[~split], of_part]),
-        )
+        faces = np.vstack([faces[~split], parts])
+        old_face = np.concatenate([old_face[~split], of_part])
         _flip_edges(faces, old_face, np.isin(old_face, of_part), table[:, :3])
 
 
@@ -159,22 +158,26 @@ def _split_faces(faces: Ints, old_face: Ints, middle: Ints, vertices: Array) -> 
 
     The new vertex is -1 if an edge stays whole. The second value is the old face (k,) of each part.
     """
+    # Corners a, b, c, and new vertices p on a-b, q on b-c, r on c-a. Faces are turned so that the
+    # edges which are split come first.
     count = (middle >= 0).sum(axis=1)
-    one = _turn_faces(faces, middle, count == 1, np.argmax(middle >= 0, axis=1))
-    two = _turn_faces(faces, middle, count == 2, np.argmax(middle < 0, axis=1) + 1)
-    a, b, c, p, _, _ = one
+    first_split = np.argmax(middle >= 0, axis=1)
+    a, b, c, p, _, _ = _turn_faces(faces, middle, count == 1, first_split)
     halves = [(a, p, c), (p, b, c)]
-    a, b, c, p, q, _ = two
+
+    # Two new vertices leave a quadrilateral a, p, q, c: cut it along its shorter diagonal.
+    after_whole = np.argmax(middle < 0, axis=1) + 1
+    a, b, c, p, q, _ = _turn_faces(faces, middle, count == 2, after_whole)
     short = np.linalg.norm(vertices[a] - vertices[q], axis=1) < np.linalg.norm(
         vertices[p] - vertices[c], axis=1
     )
     thirds = [(p, b, q), (a, p, np.where(short, q, c)), (np.where(short, a, p), q, c)]
+
     a, b, c, p, q, r = _turn_faces(faces, middle, count == 3, np.zeros(len(faces), np.int64))
     quarters = [(a, p, r), (p, b, q), (r, q, c), (p, q, r)]
+    parts = np.vstack([np.stack(corner, axis=1) for corner in halves + thirds + quarters])
     of = [np.tile(old_face[count == n], n + 1) for n in (1, 2, 3)]
-    return np.vstack(
-        [np.stack(corner, axis=1) for corner in halves + thirds + quarters]
-    ), np.concatenate(of)
+    return parts, np.concatenate(of)
 
 
 def _turn_faces(faces: Ints, middle: Ints, which: Mask, first: Ints) -> Ints:
@@ -191,11 +194,13 @@ def _flip_edges(faces: Ints, old_face: Ints, which: Mask, vertices: Array) -> No
     Parts of one face lie in a plane, so its shape does not change.
     """
     for _ in range(MOST_PASSES):
+        # Edges between two parts of one old face, with the corner opposite to each on either side.
         active = np.flatnonzero(which)
         edge, of_face = _edges(faces[active])
         inside, pair = _inner_edges(of_face, old_face[active], len(edge))
         face, corner = active[pair // 3], pair % 3
         opposite = faces[face, (corner + 2) % 3]
+        # Flip the worst edge of both its faces, in one pass each face at most once.
         excess = _angle_excess(vertices, edge[inside], opposite)
         worst = np.zeros(len(faces))
         np.maximum.at(worst, face.ravel(), np.repeat(excess, 2))
@@ -204,7 +209,7 @@ def _flip_edges(faces: Ints, old_face: Ints, which: Mask, vertices: Array) -> No
         chosen = chosen[first]
         if not len(chosen):
             return
-        which = np.isin(old_face, old_face[face[chosen, 0]])
+        which = np.isin(old_face, old_face[face[chosen, 0]])  # the others are done
         flipped, (c, d) = face[chosen], opposite[chosen].T
         a = faces[flipped[:, 0], corner[chosen, 0]]
         b = faces[flipped[:, 0], (corner[chosen, 0] + 1) % 3]

@@ -316,6 +316,7 @@ def sample_light(
                 continue
             part = window.within(tile)
             rows, columns = np.mgrid[window.top : window.bottom, window.left : window.right]
+            # the texels of the tile that the view sees, and where they lie in its thumbnail
             known = np.isfinite(patch.point[part][..., 0])
             known[known] = seen(
                 surface, patch.part(part), np.flatnonzero(known), image_view.center, 0.0

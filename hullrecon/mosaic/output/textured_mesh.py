@@ -40,21 +40,19 @@ def build_textured_mesh(
 
     `alpha`: of the mosaic reduced by that many texels.
     """
+    # so coarse a grid that the area seen, m2, has about max_faces triangles
     seen = int((alpha > 0).sum()) * reduction**2 * grid.step_m**2
     step = max(grid.step_m * reduction, np.sqrt(2 * max(seen, 1e-6) / max_faces))
     height, width = (max(1, round(n * grid.step_m / step)) for n in (grid.height, grid.width))
     coarse = TexelGrid(grid.west, grid.north, step, height, width)
     patch = sample_surface(surface, coarse, Window(0, height, 0, width))
+    # the same places in the reduced mosaic
     rows, columns = (
         (np.arange(n) + 0.5) * step / (grid.step_m * reduction) for n in (height, width)
     )
-    held = (
-        alpha[np.minimum(rows.astype(int), alpha.shape[0] - 1)][
-            :, np.minimum(columns.astype(int), alpha.shape[1] - 1)
-        ]
-        > 0
-    )
-    good = held & np.isfinite(patch.point).all(axis=2)
+    row = np.minimum(rows.astype(int), alpha.shape[0] - 1)
+    column = np.minimum(columns.astype(int), alpha.shape[1] - 1)
+    good = (alpha[row][:, column] > 0) & np.isfinite(patch.point).all(axis=2)
     faces = _outward(_faces(good), patch)
     used, faces = np.unique(faces, return_inverse=True)
     uv = np.stack(

@@ -267,6 +267,7 @@ def _vertices(
     Normals are of the surface through the vertices around, also those past the border: neighbours
     have the same there. Points are NaN where there is no surface.
     """
+    # The chart's places of the vertices, with one more row and column on each side.
     surface, layout = pyramid.surface, pyramid.layout
     step_m = pyramid.cell_px * pyramid.texel_m(level)
     steps = np.arange(-1, count + 2)
@@ -275,6 +276,7 @@ def _vertices(
         np.meshgrid(west + (column + steps) * step_m, north - (row + steps) * step_m), axis=-1
     )
     base, outward = surface.chart.from_chart(layout.outside.to_chart(xy.reshape(-1, 2)))
+    # Rays along the chart's normals, from outside, meet the surface.
     start = base + surface.reach_m * outward
     gone = np.full(len(start), np.nan)
     known = np.isfinite(start).all(axis=1)
@@ -282,6 +284,7 @@ def _vertices(
     gone[~(gone <= 2 * surface.reach_m)] = np.nan
     points = (start - gone[:, None] * outward).reshape(*xy.shape[:2], 3)
     outward = outward.reshape(points.shape)
+    # Normals by central differences; the chart's where the surface has none.
     right, down = points[1:-1, 2:] - points[1:-1, :-2], points[2:, 1:-1] - points[:-2, 1:-1]
     normals = np.cross(down, right)
     length = np.linalg.norm(normals, axis=2, keepdims=True)

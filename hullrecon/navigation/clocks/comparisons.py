@@ -216,6 +216,7 @@ def compare_depth(
 
     @lru_cache(maxsize=8)
     def sunk(shift_ns: int) -> Array:
+        """Integrate how far the pressure sensor sank by the DVL, the attitude shifted."""
         at_ns = t_ns + shift_ns
         level = attitude_at(at_ns)
         found = integral(t_s, level.apply(velocity)[:, 2]).total - level.apply(lever)[:, 2]
@@ -229,6 +230,7 @@ def compare_depth(
         apart = (depth - sunk(_shift_ns(offsets, ClockedSensor.IMU, ClockedSensor.DVL)))[
             triples[rows]
         ]
+        # a second difference: a constant bias and a steady drift cancel
         return np.asarray((apart[:, 0] - 2 * apart[:, 1] + apart[:, 2])[:, None])
 
     found = _compare_with_dvl(t_ns, triples, ClockedSensor.PRESSURE, DEPTH_S, evaluate)
@@ -416,6 +418,7 @@ def _lookup(attitude: AttitudeHistory) -> Callable[[Ints], Rotation]:
 
     The search asks at a thousand offsets: what depends on the readings alone is computed once.
     """
+    # Slerp is a sum of both quaternions, weighted by sines of shares of the angle between them.
     t_ns, start = attitude.t_ns, attitude.quaternion[:-1]
     if len(t_ns) < 2:
         return attitude.rotation

@@ -352,6 +352,7 @@ def _with_one_more(
     None where that gains less than GAIN, where another offset gains as much, or where the offset
     is not significant or beyond FAR_S.
     """
+    # Offsets of the sensor at which one of its comparisons has a minimum, with the cost of all.
     start = base.corrections()
     wrong = tuple(other for other in ClockedSensor if other in base.wrong or other is sensor)
     candidates: list[tuple[float, float]] = []
@@ -363,12 +364,14 @@ def _with_one_more(
                 at = other + minimum if sensor is first else other - minimum
                 cost = sum(each.cost({**start, sensor: at}) for each in evidence)
                 candidates.append((cost, at))
+    # Solve from the cheapest of them that lie apart.
     best: list[WrongClocks] = []
     tried: list[float] = []
     for _, at in sorted(candidates):
         if len(tried) < TRIED and all(abs(at - other) >= OTHER_S for other in tried):
             tried.append(at)
             best.append(solve_offsets(evidence, wrong, {**start, sensor: at}))
+    # The best one counts if it gains enough, is significant, and no other offset gains as much.
     best.sort(key=lambda hypothesis: hypothesis.chi2)
     if not best or base.chi2 - best[0].chi2 < GAIN:
         return None

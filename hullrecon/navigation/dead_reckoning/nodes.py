@@ -69,25 +69,33 @@ def choose_nodes(
     spacing_s
         Least time between the pings chosen.
     """
-    pair = pair_frames(top[0], bottom[0])
-    unpaired = np.setdiff1d(np.arange(len(bottom[0])), pair[:, 1])
-    image = np.full((len(top[0]) + len(unpaired), 2), -1, np.int64)
-    image[: len(top[0]), 0] = top[1]
-    image[pair[:, 0], 1] = bottom[1][pair[:, 1]]
-    image[len(top[0]) :, 1] = bottom[1][unpaired]
-    frame_ns = np.concatenate([top[0], bottom[0][unpaired]])
+    # A node for each frame of the top camera, with its partner, then for each frame without one.
+    (top_ns, top_row), (bottom_ns, bottom_row) = top, bottom
+    pair = pair_frames(top_ns, bottom_ns)
+    unpaired = np.setdiff1d(np.arange(len(bottom_ns)), pair[:, 1])
+    frame_ns = np.concatenate([top_ns, bottom_ns[unpaired]])
+    image = np.full((len(frame_ns), 2), -1, np.int64)
+    image[: len(top_ns), 0] = top_row
+    image[pair[:, 0], 1] = bottom_row[pair[:, 1]]
+    image[len(top_ns) :, 1] = bottom_row[unpaired]
+
     inside = (frame_ns >= span_ns[0]) & (frame_ns <= span_ns[1])
     for begin, end in lost_ns:
         inside &= (frame_ns < begin) | (frame_ns > end)
     frame_ns, image = frame_ns[inside], image[inside]
+
+    # Nodes without an image, at pings far from any frame.
     far = pings_ns[seconds_to_nearest(np.sort(frame_ns), pings_ns) > FAR_FROM_FRAME_S]
     extra = far[_thin(far, spacing_s)]
     t_ns = np.concatenate([frame_ns, extra])
+    image = np.vstack([image, np.full((len(extra), 2), -1, np.int64)])
     order = np.argsort(t_ns, kind="stable")
-    table = np.vstack([image, np.full((len(extra), 2), -1, np.int64)])[order]
-    lone = len(top[0]) - len(pair) if len(bottom[0]) else 0
     return Nodes(
-        t_ns[order], table, len(unpaired) if len(top[0]) else 0, int((~inside).sum()), lone
+        t_ns[order],
+        image[order],
+        len(unpaired) if len(top_ns) else 0,
+        int((~inside).sum()),
+        len(top_ns) - len(pair) if len(bottom_ns) else 0,
     )
 
 

@@ -50,12 +50,18 @@ class PatchPairs:
 
 
 def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePath) -> PatchPairs:
-    """Compare pairs (m,) of patches on a path T_g_v."""
+    """Compare pairs (m,) of patches on a path T_g_v.
+
+    The first patch is continued to the second's place, with a curvature that changes evenly from
+    its own to the second's. The gap is what is left in height and two slopes. `noise` is its
+    covariance by the curvatures, `fit` by both patches' planes.
+    """
     motion = path.poses[patches.anchor[first]].inverse() @ path.poses[patches.anchor[second]]
     position, expected, gap, turn = _gap(patches, first, second, motion)
     turned_k = _turn_curvature(turn)
     other = np.einsum("mij,mj->mi", turned_k, patches.curvature[second])
     carried = _carried(position)
+    # How the gap changes with either curvature, directly and through the fitted planes.
     by_height, by_slopes = _by_curvature(position)
     first_by_k = np.concatenate([by_height[:, None] / 3, 0.5 * by_slopes], axis=1)
     second_by_k = np.concatenate([by_height[:, None] / 6, 0.5 * by_slopes], axis=1)

@@ -85,6 +85,7 @@ def _sample(mesh: Mesh, rng: np.random.Generator) -> tuple[Array, Array]:
     cross = np.cross(b - a, c - a)
     area = np.linalg.norm(cross, axis=1)
     face = np.searchsorted(np.cumsum(area), area.sum() * rng.random(SAMPLES)).clip(0, len(area) - 1)
+    # evenly over a parallelogram, its far half folded back onto the triangle
     u, v = rng.random((2, SAMPLES, 1))
     u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
     points = a[face] + u * (b - a)[face] + v * (c - a)[face]

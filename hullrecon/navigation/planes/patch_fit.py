@@ -39,12 +39,19 @@ def fit_patch(
 ) -> PatchFit | None:
     """Fit a patch to points (n, 3) that beams of unit directions rays (n, 3) met.
 
+    The height over the tangent plane, height + slopes' x + 0.5 x' K x, is fitted by weighted least
+    squares. Then the plane is moved and turned so that height and slopes vanish, outliers are left
+    out, and it is fitted again.
+
     curvature_sigma (3,) 1/m: of K about zero. None where the points are too few, lie on a line, or
     not on a smooth surface.
     """
     kept = np.ones(len(points), bool)
     if len(points) < LEAST_RETURNS:
         return None
+    prior = np.diag(np.r_[np.zeros(3), curvature_sigma**-2])  # height and slopes are free
+
+    # Start from the plane through the middle of the points, its normal towards the DVL.
     center = np.median(points, axis=0)
     normal = np.linalg.svd(points - center)[2][2]
     axes = patch_axes(-np.sign(np.median(rays @ normal)) * normal)
@@ -53,25 +60,25 @@ def fit_patch(
         incidence = np.maximum(np.abs(rays @ axes[:, 2]), LEAST_INCIDENCE)
         if kept.sum() < LEAST_RETURNS or local[kept, :2].std(axis=0).min() < LEAST_SPREAD_M:
             return None
+
+        # Along a beam the sigma is that of a range; a slanting beam turns it into less height.
         rows = _rows(local)
         weight = 1 / (sigma_range_m * incidence)
-        information = (rows[kept] * weight[kept, None] ** 2).T @ rows[kept] + np.diag(
-            np.r_[np.zeros(3), curvature_sigma**-2]
-        )
-        solution = np.linalg.solve(
-            information, (rows[kept] * weight[kept, None] ** 2).T @ local[kept, 2]
-        )
+        weighted = rows[kept] * weight[kept, None] ** 2
+        information = weighted.T @ rows[kept] + prior
+        solution = np.linalg.solve(information, weighted.T @ local[kept, 2])
+        height, slopes = solution[0], solution[1:3]
+
         residual = (local[:, 2] - rows @ solution) * weight
         spread = max(1.0, NORMAL_MAD * float(np.median(np.abs(residual[kept]))))
         kept = np.abs(residual) < OUTLIER_SIGMAS * spread
-        center = center + axes @ np.r_[0.0, 0.0, solution[0]]
-        axes = patch_axes(
-            axes @ (np.r_[-solution[1:3], 1.0] / np.hypot(1, np.linalg.norm(solution[1:3])))
-        )
+        center = center + axes @ np.r_[0.0, 0.0, height]
+        axes = patch_axes(axes @ (np.r_[-slopes, 1.0] / np.hypot(1, np.linalg.norm(slopes))))
+
     rms = float(np.sqrt(np.mean(residual[kept] ** 2))) if kept.any() else np.inf
     if kept.sum() < max(LEAST_RETURNS, 0.7 * len(points)) or rms > MAX_RMS_SIGMAS:
         return None
-    scale = max(1.0, rms)
+    scale = max(1.0, rms)  # an uneven hull widens all sigmas
     covariance = np.linalg.inv(information) * scale**2
     plane = np.linalg.inv(information[:3, :3])
     over = height_over_plane(solution[3:], (points - center) @ axes)

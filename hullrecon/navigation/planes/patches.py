@@ -58,6 +58,7 @@ def find_patches(
     curvature_sigma (3,) 1/m: of azimuth, twist and elevation about zero, known of the hull
     beforehand.
     """
+    # The returns of each window along the path, thinned evenly.
     travelled = travelled_m(path.poses)
     number = _windows(travelled, t_ns)[returns.node]
     usable = np.flatnonzero(~returns.flagged)
@@ -67,15 +68,16 @@ def find_patches(
         group[np.linspace(0, len(group) - 1, min(len(group), MOST_RETURNS)).astype(int)]
         for group in groups
     ]
+
+    # A patch is fitted in the frame of its anchor, the node in the middle of its window. There it
+    # has to lie in front of the vehicle, not around it.
     anchors = [int(np.median(returns.node[rows])) for rows in chosen]
     points, rays = _seen_from(returns, chosen, path, anchors, rig)
     found: list[tuple[int, Ints, PatchFit]] = []
-    for window, rows, anchor in zip(
-        np.split(np.arange(len(points)), np.cumsum([len(r) for r in chosen])),
-        chosen,
-        anchors,
-        strict=False,
-    ):
+    begin = 0
+    for rows, anchor in zip(chosen, anchors, strict=True):
+        window = slice(begin, begin + len(rows))
+        begin = window.stop
         fit = fit_patch(points[window], rays[window], rig.priors.range_sigma_m, curvature_sigma)
         if fit is not None and -fit.axes[:, 2] @ fit.center > LEAST_DISTANCE_M:
             found.append((anchor, rows[fit.kept], fit))

@@ -52,6 +52,7 @@ def propose_ties(patches: Patches, path: VehiclePath) -> tuple[Ints, Ints]:
     normal = at.rotation.apply(patches.axes[:, :, 2])
     pairs = cKDTree(center).query_pairs(SEARCH_M, output_type="ndarray").astype(np.int64)
     first, second = np.sort(pairs, axis=1).T
+    # of another pass, facing the same way, and near each other along the hull
     apart = patches.travelled[second] - patches.travelled[first] > SAME_PASS_M
     alike = np.sum(normal[first] * normal[second], axis=1) > LEAST_ALIGNMENT
     step = center[second] - center[first]
@@ -59,6 +60,7 @@ def propose_ties(patches: Patches, path: VehiclePath) -> tuple[Ints, Ints]:
     distance = np.linalg.norm(step - across, axis=1)
     keep = apart & alike & (distance < REACH_M)
     first, second, distance = first[keep], second[keep], distance[keep]
+    # at most MOST_TIES of each patch to earlier ones, the nearest
     order = np.lexsort((first, distance, second))
     first, second = first[order], second[order]
     rank = np.arange(len(second)) - np.searchsorted(second, second)

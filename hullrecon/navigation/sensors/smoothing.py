@@ -77,7 +77,12 @@ def _bin(cell: Ints, weight: Array, size: int) -> Array:
 def _lines(
     weight: list[Array], moment: list[Array], step: float, width_s: float
 ) -> tuple[Array, Array]:
-    """Fit level (g, k) and slope (g, k) at the bins. NaN where no sample is in reach."""
+    """Fit level (g, k) and slope (g, k) at the bins. NaN where no sample is in reach.
+
+    Level and slope follow from the weighted sums of x^0, x^1, x^2 (s0, s1, s2) and of y, x y
+    (y0, y1), with x counted from a bin. A sample's own offset from its bin is in the moments of
+    `weight` (of x^0, x^1, x^2) and `moment` (of y, x y).
+    """
     x = step * np.arange(-REACH * BINS_A_WIDTH, REACH * BINS_A_WIDTH + 1)
     kernel = np.exp(-0.5 * (x / width_s) ** 2)
     s0 = _correlate(weight[0], kernel)

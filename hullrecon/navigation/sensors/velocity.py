@@ -127,14 +127,14 @@ def _agitation(t_ns: Ints, velocity: Array, sigma: Array) -> Agitation:
     lag, rate = [FIRST_LAG_S], [0.01 if len(t_ns) < 12 else LEAST_AGITATION]
     lasts_ns = int(t_ns[-1] - t_ns[0]) if len(t_ns) else 0
     while len(t_ns) >= 12 and 2e9 * lag[-1] <= lasts_ns:
+        # the squared change of the velocity to the first ping after the lag, less its noise
         later = np.searchsorted(t_ns, t_ns + round(1e9 * lag[-1]))
         first = np.flatnonzero(later < len(t_ns))
         later = later[first]
         step_s = (t_ns[later] - t_ns[first]) * 1e-9
         near = step_s < 1.5 * lag[-1]
-        change = (velocity[later] - velocity[first]) ** 2 - (sigma[later] ** 2 + sigma[first] ** 2)[
-            :, None
-        ]
+        noise = sigma[later] ** 2 + sigma[first] ** 2
+        change = (velocity[later] - velocity[first]) ** 2 - noise[:, None]
         if near.any():
             rate[-1] = max(rate[-1], float((change / step_s[:, None])[near].mean(axis=0).max()))
         lag.append(2 * lag[-1])

@@ -252,6 +252,8 @@ def compare_rates(imu: ImuSamples) -> Comparison | None:
     by_rates = _over(integral(t_s, rates).total, windows)
     attitude = Rotation.from_quat(imu.quaternion[known])
     turn = (attitude[windows[:, 0]].inv() * attitude[windows[:, 1]]).as_rotvec()
+    # White noise of the orientation: what the rates do not explain from reading to reading, or the
+    # scatter of the turns themselves if that is less.
     step = (attitude[:-1].inv() * attitude[1:]).as_rotvec() - 0.5 * (
         rates[1:] + rates[:-1]
     ) * np.diff(t_s)[:, None]
@@ -391,6 +393,7 @@ def compare_depth(records: SensorRecords, track: Track) -> Comparison | None:
         return None
     start = int(track.t_ns[0])
     read_s, t_s = seconds(read_ns, start), track.way.t_s
+    # noise of a reading by second differences, and what smoothing leaves of it
     white = robust_sigma(np.diff(depth, n=2), about=0.0) / np.sqrt(6)
     left = white * np.sqrt(period(read_s) / (2 * np.sqrt(np.pi) * SMOOTH_S))
     smooth = local_line(read_s, depth, t_s, SMOOTH_S)[0][:, 0]
@@ -429,11 +432,14 @@ def compare_ranges(ping_ns: Ints, hull: HullPlanes, track: Track) -> list[Compar
     first, last = windows.T
     own = track.global_from_dvl[rows]
     seen, axis = own.apply(normal), track.global_from_vehicle[rows].apply([0.0, 1.0, 0.0])
+    # By the velocity the distance falls by the way along the normal. Nothing should be left.
     way = _over(track.way.total[rows], windows)
     middle = 0.5 * (seen[first] + seen[last])
     nearer = _over(distance, windows) + (middle * way).sum(axis=1)
+    # the same with the velocity along the DVL's axis reversed
     toward = track.global_from_dvl.inv().apply(track.way.signal) * [1.0, 1.0, -1.0]
     mirrored = integral(track.way.t_s, track.global_from_dvl.apply(toward)).total[rows]
+    # In global axes the normal should not change. Across the tray's axis the tray itself turns it.
     turned = ((seen[last] - seen[first]) * axis[first]).sum(axis=1)
     along = (way * axis[first]).sum(axis=1)
     return [
@@ -483,6 +489,7 @@ def views_of(
     """
     if rig.tray_from_top is None or len(flows) < LEAST_WINDOWS:
         return []
+    # the ping with a plane of hull that is nearest to each first image
     common, _, of = np.intersect1d(track.t_ns, ping_ns[hull.ping], return_indices=True)
     if len(common) < LEAST_WINDOWS:
         return []
@@ -490,12 +497,14 @@ def views_of(
     flows = [f for f in flows if track.t_ns[0] <= f.t_ns[0] and f.t_ns[1] <= track.t_ns[-1]]
     at = np.array([flow.t_ns for flow in flows], np.int64).reshape(-1, 2)
     near = of[np.abs(common[:, None] - at[:, 0]).argmin(axis=0)]
+    # the camera's motion, and how it would turn if images were a little later than stamped
     path = Poses(track.global_from_dvl.as_quat(), track.way.total)
     moved, later = (
         _step(interpolate(track.t_ns, path, (at + late_ns).T.ravel()), dvl_from_top)
         for late_ns in (0, round(LATE_S * NS))
     )
     late = (later.rotation * moved.rotation.inv()).as_rotvec()
+    # the plane in the camera's axes
     away = dvl_from_top.rotation.inv().apply(hull.normal[near])
     depth = hull.distance[near] - hull.normal[near] @ dvl_from_top.translation[0]
     tray_axis = rig.tray_from_top.rotation.inv().apply([0.0, 1.0, 0.0])[0]

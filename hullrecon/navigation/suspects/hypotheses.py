@@ -169,6 +169,7 @@ def _of_rates(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
 
 def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
     """Vary the IMU: conventions of its orientation, mount, axes of accelerations, clock."""
+    # The orientation alone: written in another order, in other frames, with other signs or axes.
     attitude = Rotation.from_quat(imu.quaternion)
     angles = attitude.as_euler("ZYX")
     turned = {
@@ -191,6 +192,7 @@ def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
         yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=held)
     for clock in _clocks(imu.t_ns):
         yield clock.of(Sensor.ATTITUDE, replace(records, imu=clock.on(imu)))
+    # The whole instrument: in the other convention, or mounted turned about the vehicle's z.
     bodies = {
         ("frame", "all axes"): (NED_FROM_ENU * attitude, FRD_FROM_FLU),
         ("frame", "vehicle's axes"): (attitude, FRD_FROM_FLU),
@@ -208,6 +210,7 @@ def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
         )
         held = replace(records, imu=body)
         yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=held)
+    # The accelerations alone.
     felt = {("sign", ""): -imu.acceleration}
     felt |= {("axes", name): imu.acceleration @ turn.T for name, turn in signed_axes()}
     for (fault, value), acceleration in felt.items():

@@ -199,6 +199,7 @@ def _try_all(
     A hypothesis that leaves a contradiction explains nothing. Only the SHOWN best are compared with
     all sensors, and none that could not come near the best even if those comparisons left nothing.
     """
+    # Take each hypothesis to the contradictions in which its sensor has a part: does it solve them?
     wrong = sorted((c for c in base if c.accuses), key=lambda c: list(RESTS_ON).index(c.kind))
     suspects = frozenset().union(*(c.sensors for c in wrong))
     before = sum(c.chi2 for c in base)
@@ -211,16 +212,19 @@ def _try_all(
         is_constant = one.fault == "constant"
         if not own or (is_constant and not all(c.stands_still for c in own if c.second.any())):
             continue
+        # what the hypothesis leaves as it is need not be computed again
         is_moved = one.sensor in {Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}
         seen = hull if _has_same_hull(one.mended, records) else None
         again = _Again(one, rig, flows, None if is_moved else track, seen)
         left = None if is_constant else next((c for c in own if not again.solves(c)), None)
         if left is None:
+            # at best, comparisons not made again yet fall to nothing
             gain = sum(c.chi2 - _chi2_left(c, again.made(c.kind)) for c in own)
             gain += sum(c.chi2 for c in base if one.sensor in c.sensors and not c.accuses)
             solved.append((before - gain, one, again))
         else:
             unsolved.append((_chi2_left(left, again.made(left.kind)) - left.chi2, one, again))
+    # Make the other comparisons of those that may still be the best, and of some that failed.
     tried: list[tuple[Hypothesis, Tried]] = []
     best = np.inf
     for least, one, again in sorted(solved, key=lambda found: found[0]):

@@ -46,19 +46,24 @@ def fit_turns(
     way, rotation = motion.translation, motion.rotation.as_matrix()
     length = np.linalg.norm(way, axis=1)[:, None, None]
     across = length * np.linalg.svd(way[:, None])[2][:, 1:]
+    # By pair: a turn (3), and a turn of the direction of motion (2), rad, with a weak prior. They
+    # are fitted by Gauss-Newton to distances from epipolar lines, with Huber's weights.
     unknowns, information = np.zeros((len(way), 5)), np.zeros((len(way), 5, 5))
     for _ in range(STEPS):
         turned = Rotation.from_rotvec(unknowns[:, :3]).as_matrix() @ rotation
         moved = cross_matrix(way + np.einsum("nk,nkx->nx", unknowns[:, 3:], across))
         essential = moved @ turned
+        # derivatives of the essential matrix
         by_turn = moved[:, None] @ cross_matrix(np.eye(3)) @ turned[:, None]
         by_unknown = np.concatenate([by_turn, cross_matrix(across) @ turned[:, None]], axis=1)
+        # Sampson distances: b' E a over the length of both lines' normals, held in the derivative
         lines = np.concatenate(
             [a @ essential[:, :2].transpose(0, 2, 1), b @ essential[:, :, :2]], axis=2
         )
         size = np.sqrt(np.maximum((lines**2).sum(axis=2), 1e-18))
         left = ((b @ essential) * a).sum(axis=2) / size
         jacobian = ((b[:, None] @ by_unknown) * a[:, None]).sum(axis=3) / size[:, None]
+        # one normal equation a pair
         sigma = np.maximum(NORMAL_MAD * np.nanmedian(np.abs(left), axis=1), LEAST_SIGMA)[:, None]
         weight = np.minimum(1, HUBER * sigma / np.maximum(np.abs(left), 1e-12)) / sigma**2
         known = np.isfinite(left)

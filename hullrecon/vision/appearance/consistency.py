@@ -57,6 +57,8 @@ def agreement(
         Largest sigma of the path between their nodes, on either side. Where it is larger, two links
         neither confirm nor contradict each other.
     """
+    # Around the cycle first j, first i, second i, second j: along the path, over link i, along the
+    # path. It has to be the motion of link j.
     count = len(first)
     i, j = np.triu_indices(count, 1)
     here, there = track.motions(first[j], first[i]), track.motions(second[i], second[j])

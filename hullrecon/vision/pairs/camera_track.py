@@ -53,20 +53,23 @@ class NavigationErrors:
         accumulated between the two nodes, and what is new at each. As T_b^-1 Exp(twist_a - twist_b)
         T_a, the translation moves by R_b' (rho + omega x p_a), the rotation by R_a' omega.
         """
-        e = self.model
-        apart = e.by_error[first] - e.by_error[second]
-        gained = e.walk[np.maximum(first, second)] - e.walk[np.minimum(first, second)]
+        model = self.model
+        apart = model.by_error[first] - model.by_error[second]
+        gained = model.walk[np.maximum(first, second)] - model.walk[np.minimum(first, second)]
         twist = (
-            apart @ e.error_covariance @ apart.swapaxes(1, 2)
+            apart @ model.error_covariance @ apart.swapaxes(1, 2)
             + gained
-            + e.white[first]
-            + e.white[second]
+            + model.white[first]
+            + model.white[second]
         )
-        a, b = (self.global_from_camera[k].rotation.inv().as_matrix() for k in (first, second))
+        first_from_global, second_from_global = (
+            self.global_from_camera[nodes].rotation.inv().as_matrix() for nodes in (first, second)
+        )
+        lever = cross_matrix(self.global_from_camera.translation[first])
         by_twist = np.zeros((len(first), 6, 6))
-        by_twist[:, :3, :3] = b
-        by_twist[:, :3, 3:] = -b @ cross_matrix(self.global_from_camera.translation[first])
-        by_twist[:, 3:, 3:] = a
+        by_twist[:, :3, :3] = second_from_global
+        by_twist[:, :3, 3:] = -second_from_global @ lever
+        by_twist[:, 3:, 3:] = first_from_global
         return np.asarray(by_twist @ twist @ by_twist.swapaxes(1, 2))
 
 

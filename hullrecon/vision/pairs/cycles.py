@@ -60,6 +60,7 @@ def _cycles(links: CameraLinks) -> Ints:
     order = np.argsort(links.first * n + links.second, kind="stable")
     first, second = links.first[order], links.second[order]
     keys = first * n + second
+    # each link a-b with each link that begins at b, where a link a-c closes the cycle
     start = np.searchsorted(first, second)
     count = np.searchsorted(first, second, side="right") - start
     ab = np.repeat(np.arange(len(keys)), count)

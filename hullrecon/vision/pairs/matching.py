@@ -320,6 +320,7 @@ class PairMatcher:
             return few
         possible = [p for p in possible if p.motion[:3, 3].any()]
         if not possible:
+            # a rotation alone explains the matches: they show the same place, but no motion
             still = seeds.take(found.inlier)
             return PairMatch(
                 first=still.first,

@@ -326,6 +326,7 @@ class _ImageMatcher:
             f.keypoints[rows, :2]
             for f, rows in zip(sides, (found.first, found.second), strict=True)
         ]
+        # the essential matrix that most matches fit, in ideal coordinates
         a, b = (self.rig.model(c).undistort(p) for c, p in zip(Camera, seen, strict=True))
         cv2.setRNGSeed(0)
         tolerance = MAX_ERROR_PX / self.focal_px
@@ -468,15 +469,19 @@ def _find_shift(
     top_ns, bottom_ns = frames.top[0], frames.bottom[0]
     best = (limit_px, 0)
     for shift in sorted(range(-MAX_SHIFT, MAX_SHIFT + 1), key=abs)[1:]:
-        moved = [(t, b + shift) for t, b in frames.pair[places] if 0 <= b + shift < len(bottom_ns)]
-        found = [m for t, b in moved if (m := look.match(t, b)) is not None]
-        good = [
-            _error(m, look.given) * look.focal_px
-            for m in found
-            if np.mean(look.depths(m) > 0) > 0.5
+        moved = [
+            (top, bottom + shift)
+            for top, bottom in frames.pair[places]
+            if 0 <= bottom + shift < len(bottom_ns)
         ]
-        if len(good) >= MIN_PAIRS:
-            best = min(best, (float(np.median(good)), shift))
+        found = [look.match(top, bottom) for top, bottom in moved]
+        errors_px = [
+            _error(matched, look.given) * look.focal_px
+            for matched in found
+            if matched is not None and np.mean(look.depths(matched) > 0) > 0.5
+        ]
+        if len(errors_px) >= MIN_PAIRS:
+            best = min(best, (float(np.median(errors_px)), shift))
     error_px, shift = best
     if shift == 0:
         return None

@@ -139,6 +139,7 @@ def _observations(
         if features.bottom_leads:
             bottom[rows] = seen
             continue
+        # the bottom camera's feature that shows the same point, where there is one
         top[rows] = seen
         pair = np.full(len(features.top), -1)
         pair[stereo[k].top] = stereo[k].bottom

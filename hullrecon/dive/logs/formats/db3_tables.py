@@ -78,6 +78,8 @@ class Database:
 
     def rows(self, open_gap: Callable[[str], None]) -> Iterator[Row]:
         """Yield the rows by number. Behind an unreadable row, look for the next readable one."""
+        # Behind a bad row its next neighbours are tried one by one. Where all are bad, most likely
+        # with their page, the steps double, and the first readable row is found by bisection.
         at = bad = self._first()
         self.skipped = max(0, at - 1) if at < HIGHEST else 0
         patience, misses, left = NEIGHBOURS + ROWS_A_PAGE * self._pages(), 0, 2 * self._size
