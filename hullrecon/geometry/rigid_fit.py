@@ -15,6 +15,7 @@ def fit_rigid(source: Array, target: Array) -> Poses:
 
     n >= 3.
     """
+    # the rotation that aligns the point sets about their means: the SVD of their covariance
     first, second = (np.asarray(p, float).reshape(-1, *np.shape(p)[-2:]) for p in (source, target))
     mean_first, mean_second = first.mean(axis=1, keepdims=True), second.mean(axis=1, keepdims=True)
     u, _, vt = np.linalg.svd(np.einsum("sni,snj->sij", second - mean_second, first - mean_first))

@@ -126,6 +126,7 @@ def build_surface(
     its shape does not enter the mean. Where the chart stands too steep on the datum there is no
     surface.
     """
+    # Points on the chart, (along, girth, what is regressed).
     charted = chart.to_chart(observed.point)
     known = np.asarray(np.isfinite(charted).all(axis=1))
     if not (known & observed.gives_support).any():
@@ -140,6 +141,7 @@ def build_surface(
             where="surface",
             remedy="raise surface.reach_m",
         )
+    # Offsets at the nodes of a grid, then at a finer mesh's vertices.
     offset, sigma, facts = regression(charted, observed, grid.vertices[:, :2], options)
     if datum is not None:
         offset, sigma = _heights_to_offsets(offset, sigma, grid.vertices[:, :2], chart, datum)

@@ -261,6 +261,7 @@ def maximise_likelihood(
     """
     from scipy.optimize import minimize
 
+    # searched are logarithms of both lengths (m), sigma (m) and the factor on the noise
     gap = at[:, None, :] - at[None, :, :]
     low = np.log([limit[0], limit[0], 1e-3, 0.3])
     high = np.log([limit[1], limit[1], 1.0, 10.0])

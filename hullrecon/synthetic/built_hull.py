@@ -90,6 +90,7 @@ def _lattice(busy: NDArray[np.bool_]) -> tuple[Ints, NDArray[np.int32]]:
 
     Fine cells share their corners.
     """
+    # a vertex's key is its number on the fine lattice, row by row
     columns = busy.shape[1]
     width = FINER * (columns - 1) + 1
     fine = busy[:-1, :-1] | busy[1:, :-1] | busy[1:, 1:] | busy[:-1, 1:]

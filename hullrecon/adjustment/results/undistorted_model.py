@@ -168,9 +168,11 @@ def _add_points(reconstruction: Reconstruction, delivered: Reconstruction, seen:
     """
     import pycolmap
 
+    # number of each observation within its image
     first = np.r_[True, np.diff(seen.image) > 0] if len(seen.image) else np.zeros(0, bool)
     start = np.maximum.accumulate(np.where(first, np.arange(len(first)), 0))
     keypoint = np.arange(len(first)) - start
+    # observations point by point
     order = np.lexsort((seen.image, seen.point))
     point, image, number = seen.point[order], seen.image[order].tolist(), keypoint[order].tolist()
     edges = np.r_[0, np.flatnonzero(np.diff(point)) + 1, len(point)].tolist()

@@ -259,6 +259,7 @@ def compare_hull_turns(
         global_from_vehicle = attitude_at(at_ns)
         seen, axis = (global_from_vehicle.apply(vectors) for vectors in (in_vehicle, TRAY_AXIS))
         seen[(at_ns < attitude.t_ns[0]) | (at_ns > attitude.t_ns[-1])] = np.nan
+        # a second difference: a curved hull turns its normal evenly as the vehicle passes
         bend = seen[of[:, 0]] - 2 * seen[of[:, 1]] + seen[of[:, 2]]
         return np.asarray((bend * axis[of[:, 1]]).sum(axis=1, keepdims=True))
 

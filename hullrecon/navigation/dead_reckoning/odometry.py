@@ -115,16 +115,14 @@ def white_covariance(path: Reckoning, at: Instant, step: Poses) -> Array:
     The turn's noise also swings the lever.
     """
     start, stop = at.t_ns[:-1], at.t_ns[1:]
-    shift = velocity_variance(path, start, stop) + LEAST_SIGMA_M**2
-    turn = path.attitude.turn_variance(start, stop)
-    by_turn = step.rotation.as_matrix() @ cross_matrix(at.lever[1:])
+    shift = (velocity_variance(path, start, stop) + LEAST_SIGMA_M**2)[:, None, None]
+    turn = path.attitude.turn_variance(start, stop)[:, None, None]
+    shift_by_turn = step.rotation.as_matrix() @ cross_matrix(at.lever[1:])
     out = np.zeros((len(start), 6, 6))
-    out[:, :3, :3] = shift[:, None, None] * np.eye(3) + turn[:, None, None] * by_turn @ np.swapaxes(
-        by_turn, 1, 2
-    )
-    out[:, :3, 3:] = turn[:, None, None] * by_turn
+    out[:, :3, :3] = shift * np.eye(3) + turn * shift_by_turn @ np.swapaxes(shift_by_turn, 1, 2)
+    out[:, :3, 3:] = turn * shift_by_turn
     out[:, 3:, :3] = np.swapaxes(out[:, :3, 3:], 1, 2)
-    out[:, 3:, 3:] = turn[:, None, None] * np.eye(3)
+    out[:, 3:, 3:] = turn * np.eye(3)
     return out
 
 

@@ -128,15 +128,15 @@ def best_of_all(a: Floats32, b: Floats32, ratio: float, most: float) -> Putative
     """Select mutual best matches of all a (n, 128) with all b (m, 128) by the same test."""
     if len(a) < 2 or len(b) < 2:
         return _no_matches()
-    product = a @ b.T
-    squared = (a * a).sum(1)[:, None] + (b * b).sum(1)[None, :] - 2 * product
+    squared = (a * a).sum(1)[:, None] + (b * b).sum(1)[None, :] - 2 * (a @ b.T)
     first = np.arange(len(a))
     second = squared.argmin(axis=1)
     mutual = squared.argmin(axis=0)[second] == first
-    two_a = np.partition(squared, 1, axis=1)[:, 1]
-    two_b = np.partition(squared, 1, axis=0)[1]
     best = squared[first, second]
-    good = mutual & (best < ratio**2 * np.minimum(two_a, two_b[second])) & (best < most**2)
+    next_of_a = np.partition(squared, 1, axis=1)[:, 1]
+    next_of_b = np.partition(squared, 1, axis=0)[1]
+    next_best = np.minimum(next_of_a, next_of_b[second])
+    good = mutual & (best < ratio**2 * next_best) & (best < most**2)
     distance = np.sqrt(np.maximum(best[good], 0)).astype(np.float32)
     return Putative(first=first[good], second=second[good], distance=distance)
 

@@ -109,8 +109,9 @@ def from_beams(beams: Array, angle_rad: float) -> Array:
     b = beams.copy()
     lost = np.flatnonzero(np.isnan(b))
     if len(lost) == 1:
-        pairs = {0: (1, 2, 3), 1: (0, 2, 3), 2: (3, 0, 1), 3: (2, 0, 1)}
-        partner, one, other = pairs[int(lost[0])]
+        # opposite beams, 1 and 2 or 3 and 4, sum to the same: both to the velocity along the axis
+        opposite = {0: (1, 2, 3), 1: (0, 2, 3), 2: (3, 0, 1), 3: (2, 0, 1)}
+        partner, one, other = opposite[int(lost[0])]
         b[lost[0]] = b[one] + b[other] - b[partner]
     across, along = 1 / (2 * np.sin(angle_rad)), 1 / (4 * np.cos(angle_rad))
     return np.array([across * (b[0] - b[1]), across * (b[3] - b[2]), along * b.sum()])

@@ -101,6 +101,7 @@ def _whole_blocks(data: bytes) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     sums = _RunningSums(data)
     starts, ends = [], []
     for size in (SHORT, LONG):
+        # the header's own checksum is its last word, that of the data the one before
         at = sums.headers(size)
         at = at[sums.total(at, at + size - 2) == sums.word(at + size - 2)]
         length = sums.word(at + 4) + (65536 * sums.word(at + 6) if size == LONG else 0)
