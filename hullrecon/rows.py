@@ -38,6 +38,7 @@ class Rows:
 
 
 def _take(column: Any, rows: Ints | Mask | slice) -> Any:
+    """Select rows of one column: of a nested record, of poses, or of an array."""
     if isinstance(column, Rows):
         return column.take(rows)
     if not len(column):

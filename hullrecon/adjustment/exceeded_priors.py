@@ -142,6 +142,7 @@ def displacement(nominal: Poses, found: Poses) -> tuple[Array, Array]:
 
 
 def _widen(rig: Rig, widening: dict[str, Array]) -> Rig:
+    """Widen the rig's priors by factors (k,) of the sigmas, by name."""
     navigation = rig.priors.navigation_sigma.copy()
     navigation[:CONSTANT_ERRORS] *= widening["navigation"]
     mounts = {

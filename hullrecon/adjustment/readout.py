@@ -64,6 +64,11 @@ def motion_by_row(problem: native.Problem, measured: Measurements, state: State)
     twist = _twists(seconds(t_ns, int(t_ns[0])), tray)
 
     def moved(camera: Camera, node: Ints32, landmark: Ints32, pixel: Array) -> Array:
+        """Compute the motion of features, px for each second from the first row to the last.
+
+        A feature in the last row moves as much as the tray does in that second, one in the first
+        not at all.
+        """
         mount, model = rig.tray_from(camera), rig.model(camera)
         seen = (tray[node] @ mount).inverse().apply(problem.unknowns.landmark[landmark])
         at_node = (mount.inverse() @ exp(STEP_S * twist[node]) @ mount).apply(seen)

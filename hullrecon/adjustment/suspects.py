@@ -320,6 +320,8 @@ def _lenses(problem: native.Problem) -> list[_Suspect]:
 def _free_navigation(
     sigma: Mapping[int, float],
 ) -> Callable[[native.Problem], native.Problem]:
+    """Prepare to widen the sigmas of some errors of navigation to these, by place."""
+
     def free(problem: native.Problem) -> native.Problem:
         wide = problem.priors.navigation_sigma.copy()
         for place, value in sigma.items():
@@ -330,6 +332,8 @@ def _free_navigation(
 
 
 def _free_mount(block: str) -> Callable[[native.Problem], native.Problem]:
+    """Prepare to widen the prior of a mount, by its block of the problem."""
+
     def free(problem: native.Problem) -> native.Problem:
         prior = getattr(problem.priors, block)
         loose = np.diag(np.r_[np.full(3, 1 / FREE_M), np.full(3, 1 / FREE_RAD)])
@@ -342,6 +346,7 @@ def _free_mount(block: str) -> Callable[[native.Problem], native.Problem]:
 
 
 def _free_stereo_rig(problem: native.Problem) -> native.Problem:
+    """Make the stereo rig an unknown with a wide prior."""
     value = problem.unknowns.T_ct_cb
     if problem.priors.T_ct_cb is not None:
         value = problem.priors.T_ct_cb.value
@@ -354,6 +359,11 @@ def _free_stereo_rig(problem: native.Problem) -> native.Problem:
 def _free_intrinsics(
     places: slice, cameras: Sequence[str]
 ) -> Callable[[native.Problem], native.Problem]:
+    """Prepare to make some intrinsics of cameras unknown (focal lengths, centre or distortion).
+
+    The others are held, by very small sigmas.
+    """
+
     def free(problem: native.Problem) -> native.Problem:
         sigma = np.r_[np.full(4, HELD_PX), np.full(5, HELD)]
         pixels = places != RADIAL
@@ -401,6 +411,8 @@ def _tilt(_: native.Problem, unknowns: native.Unknowns) -> float:
 
 
 def _turn(block: str) -> Callable[[native.Problem, native.Unknowns], float]:
+    """Prepare to tell by which angle, rad, a solve turned a mount from its prior."""
+
     def turn(problem: native.Problem, unknowns: native.Unknowns) -> float:
         nominal = Rotation.from_quat(getattr(problem.priors, block).value[3:])
         found = Rotation.from_quat(getattr(unknowns, block)[3:])
@@ -422,6 +434,8 @@ def _focal_ratio(cameras: Sequence[str]) -> Callable[[native.Problem, native.Unk
 
 
 def _center_shift(cameras: Sequence[str]) -> Callable[[native.Problem, native.Unknowns], float]:
+    """Prepare to tell by how many pixels a solve moved the principal points of cameras."""
+
     def shift_px(problem: native.Problem, unknowns: native.Unknowns) -> float:
         shifts = [
             getattr(unknowns, c)[CENTER] - getattr(problem.unknowns, c)[CENTER] for c in cameras

@@ -210,6 +210,7 @@ class _PlainData(pickle.Unpickler):
         return self._given[name]
 
     def find_class(self, module: str, name: str) -> Any:
+        """Allow data classes, structs, enumerations and numpy's own types. Refuse all else."""
         found = super().find_class(module, name)
         package = module.partition(".")[0]
         if package == "numpy" and (name in _OF_NUMPY or module.startswith("numpy.dtypes")):

@@ -118,6 +118,7 @@ class Outlook:
         return "" if run_s is None else f"about {in_words(run_s)} left of the run"
 
     def _left_of_step(self, loop_s: float | None) -> float | None:
+        """Predict what is left of the step, s, by the pace so far. A loop's rate may say more."""
         predicted_s, pace = self._predicted_s.get(self._step), self._pace()
         if predicted_s is None or pace is None or not self._whole:
             return None
@@ -127,6 +128,7 @@ class Outlook:
         return max(loop_s, expected_s)
 
     def _left_of_run(self, step_s: float) -> float | None:
+        """Predict what is left of the run, s: the rest of this step, and all later ones."""
         pace = self._pace()
         if pace is None or self._step not in self.steps:
             return None

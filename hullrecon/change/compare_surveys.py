@@ -95,6 +95,7 @@ def compare_surveys(
 
 
 def _lattice(seen: Array, options: ChangeOptions) -> Lattice:
+    """Lay cells of cell_m over what was seen, or larger ones where they would be too many."""
     lattice = lattice_around(seen, options.cell_m, MARGIN_M)
     more = np.prod(lattice.shape) / MAX_CELLS
     return (

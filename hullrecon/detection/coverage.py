@@ -99,8 +99,8 @@ def summarise_coverage(
 def locate_hole(center: Array, base: BaseSurface, track: VehicleTrack) -> Facts:
     """Locate the middle (3,) of a hole, as members of coverage.json.
 
-    Nothing was measured in it. It is known as well as the pose of the path nearest to it, to a cell
-    of the chart.
+    Nothing was measured in a hole. Its place is known as well as the nearest pose of the path, and
+    no better than a cell of the chart.
     """
     near = int(np.argmin(np.linalg.norm(track.poses.translation - center, axis=1)))
     toward = track.poses.translation[near] - center

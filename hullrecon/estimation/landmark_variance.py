@@ -75,9 +75,9 @@ def shared_variance(
 ) -> Array:
     """Compute the part (n,) of variances along normals that neighbours have in common.
 
-    It is hardly more than the best of them has along the same normal. Along its own, which leans
-    otherwise, a neighbour has another part of what moves all: where no depth was measured, of tens
-    of metres.
+    What moves all landmarks is in every neighbour's covariance: the common part is no larger than
+    the second smallest of their variances along this normal. Along their own normals, which lean
+    otherwise, they would have another part of it: tens of metres where no depth was measured.
     """
     if not len(position):
         return np.zeros(0)

@@ -47,6 +47,8 @@ def _baseline(found: float | None) -> str:
 
 
 def _focal_ratio(whose: str) -> Callable[[float | None], str]:
+    """Prepare to tell by how much focal lengths differ, and of which medium that is typical."""
+
     def say(found: float | None) -> str:
         ratio = found or 0.0
         said = f"with {whose}focal lengths {ratio:.2f} times the calibration's"

@@ -273,6 +273,7 @@ def maximise_likelihood(
         )
 
     def cost(x: Array) -> float:
+        """Compute minus the log likelihood, and a penalty outside of the limits."""
         kernel, factor_ = read(x)
         correlation = kernel.correlation((gap / np.array(kernel.length)).reshape(-1, 2)).reshape(
             len(at), len(at)

@@ -213,6 +213,7 @@ class HullSkin:
 def _section(
     caster: Rays, spine: Array, out: Array, far: float, angle: Array
 ) -> tuple[Array, Array]:
+    """Cut one section: arc length and points (k, 3) of the skin around its middle, up to gaps."""
     hits = caster.cast(spine + far * out, -out)
     good = hits.hit & (hits.range_m < far)
     if good.sum() < 2:

@@ -161,6 +161,7 @@ def image_motion(
     match, _ = _match_top_images(rig, read, max_features, min_inliers)
 
     def between(first: int, second: int) -> tuple[Array, Array] | None:
+        """See `image_motion`. The sigma of the direction is that across it."""
         found = match(first, second).motion
         if found is None:
             return None
@@ -187,6 +188,7 @@ def continuity(
     camera = rig.camera_models[Camera.TOP]
 
     def goes_on(first: int, second: int) -> bool:
+        """Test whether features move as of one scene, and if they stand still, fill the image."""
         found = match(first, second)
         if found.reason not in (Reason.MATCHED, Reason.NO_MOTION):
             return False

@@ -392,6 +392,7 @@ def _valley(evidence: HullPoseEvidence, pose: Poses, direction: Array) -> profil
 
 
 def _factor(evidence: HullPoseEvidence, pose: Poses) -> CholeskyFactor:
+    """Factorise the covariance of the distances: the CAD model's error, and loose segments."""
     at, by_segments = pose.inverse().apply(evidence.points), evidence.distances_by_segments(pose)
     covariance = cad_error.distance_covariance(evidence.cad_error_model, evidence.cad_model, at)
     return cho_factor(covariance + by_segments @ by_segments.T, lower=True)

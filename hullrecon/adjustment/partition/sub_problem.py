@@ -133,12 +133,14 @@ class SubProblems:
         return _in_several(self.planes, len(self.problem.unknowns.plane))
 
     def _owner_of_landmarks(self) -> Ints32:
+        """Find the owner of each landmark: the first part that sees it."""
         owner = np.full(len(self.problem.unknowns.landmark), self.count, np.int32)
         for table in (self.problem.stereo, self.problem.mono):
             np.minimum.at(owner, table.landmark, self.owner[table.node])
         return np.where(owner == self.count, 0, owner)
 
     def _owner_of_rows(self, name: str) -> Ints32:
+        """Find the owner of each row of a table: its landmark's, or the first part it meets."""
         table = getattr(self.problem, name)
         if name in OF_LANDMARKS:
             return np.asarray(self.landmark_owner[table.landmark])

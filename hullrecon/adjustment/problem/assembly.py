@@ -297,6 +297,7 @@ def _centred_mesh(hull: HullState) -> Mesh:
 def _surface_table(
     hull: HullState, state: State, weights: Weights, chosen: Selection
 ) -> native.SurfaceTable:
+    """Build the table of the landmarks' distances to the hull, with the deviation field's nodes."""
     landmark = np.arange(len(chosen.landmarks), dtype=np.int32)
     table = native.SurfaceTable(landmark=landmark, weight=weights.surface[chosen.landmarks])
     if hull.grid is None:

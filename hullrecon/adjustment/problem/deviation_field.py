@@ -138,6 +138,7 @@ def _operator(shape: tuple[int, int], step: Array) -> sparse.csr_array:
 
 
 def _second_difference(n: int, step: float) -> sparse.csr_array:
+    """Build the second derivative on a line of n nodes, mirrored at both ends."""
     main = np.full(n, -2.0)
     main[[0, -1]] += 1.0
     neighbours = sparse.eye_array(n, k=1) + sparse.eye_array(n, k=-1)

@@ -92,6 +92,7 @@ def _add_rig(reconstruction: Any, model: SparseModel) -> None:
 
 
 def _camera(number: int, camera: CameraModel) -> Any:
+    """Convert a camera to COLMAP's, whose pixel centres lie at 0.5, 0.5."""
     import pycolmap
 
     values = camera.parameters()

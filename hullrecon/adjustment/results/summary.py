@@ -271,6 +271,7 @@ def _mounts(state: State) -> dict[str, list[float]]:
 
 
 def _left_out(m: Measurements, adjusted: Adjusted) -> int:
+    """Count the observations that did not enter the last round."""
     if m.tracks is None:
         return 0
     seen = sum(

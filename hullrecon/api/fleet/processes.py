@@ -111,6 +111,7 @@ def _start(key: Key, arguments: Sequence[str], scratch: Path) -> _Running[Key]:
 
 
 def _end_of(run: _Running[Key]) -> Ended:
+    """Read how a command ended: its exit code, 128 + n for a signal n, and why it failed."""
     code, reason = run.process.returncode, ""
     with run.output, run.errors:
         if code < 0:

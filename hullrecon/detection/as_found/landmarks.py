@@ -105,6 +105,7 @@ class FieldBackground:
     field: DeviationField
 
     def at(self, points: Array) -> tuple[Array, Array]:
+        """See `Background`."""
         at = self.chart.to_chart(points)[:, :2]
         inside, field = self.field.covers(at), self.field
         return np.where(inside, field.value_at(at), 0.0), np.where(
@@ -122,6 +123,7 @@ class MedianBackground:
     reach_m: float
 
     def at(self, points: Array) -> tuple[Array, Array]:
+        """See `Background`. The nearest nodes count by a Gaussian of half the reach."""
         distance, row = nearest(self.node, points, min(8, len(self.node)))
         weight = np.exp(-0.5 * (distance / (0.5 * self.reach_m)) ** 2) + 1e-12
         weight /= weight.sum(axis=1, keepdims=True)

@@ -333,6 +333,7 @@ def _check_accessors(data: bytes) -> None:
 
 
 def _join_groups(data: bytes, kind: str) -> bytes:
+    """Drop the marks of groups, or of solids of an STL, where there are very many."""
     groups = GROUPS[kind]
     if sum(1 for _ in groups.finditer(data)) <= MOST_GROUPS:
         return data

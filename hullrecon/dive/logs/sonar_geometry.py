@@ -89,7 +89,8 @@ def _widest_agreement(
 def _of_one_fan(samples: Sequence[SonarSample], rows: Sequence[int]) -> list[int]:
     """Select the rows whose beams point as in the most common fan.
 
-    Pings without beam directions count as one fan.
+    Pings without beam directions count as one fan. Pings of one fan mostly share one array, so
+    arrays are compared once for each object instead of once for each ping.
     """
     # pings share the arrays
     fans: dict[int, Array | None] = {id(samples[i].directions): samples[i].directions for i in rows}

@@ -134,6 +134,7 @@ def _gains(
 
 
 def _correction(samples: LightSamples, residual: Array, camera: int) -> Array:
+    """Average what is left of a camera's samples by cell of its image, clipped and smoothed."""
     rows = samples.camera[samples.view] == camera
     cells = FIELD[0] * FIELD[1]
     count = np.bincount(samples.cell[rows], minlength=cells).reshape(FIELD)

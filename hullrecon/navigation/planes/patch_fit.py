@@ -114,5 +114,6 @@ def height_over_plane(curvature: Array, local: Array) -> Array:
 
 
 def _rows(local: Array) -> Array:
+    """Build the rows of the fit (n, 6): height, two slopes, and K (aa, ae, ee) at points (n, 3)."""
     a, e = local[:, 0], local[:, 1]
     return np.stack([np.ones_like(a), a, e, 0.5 * a**2, a * e, 0.5 * e**2], axis=1)

@@ -145,7 +145,8 @@ class Comparison:
     def misfit(self) -> float:
         """Compute the rms of the residuals as a share of that of the motion.
 
-        Errors that no faultless sensor has are not taken off.
+        Errors that a faultless sensor may have (mount, scale) are taken off first, unless they
+        would have to be larger than such errors are.
         """
         motion = np.maximum(np.abs(self.first), np.abs(self.second))
         left, common = self._fit

@@ -157,6 +157,7 @@ def _of_dvl(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
 
 
 def _of_rates(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
+    """Vary the IMU's rates: units and axes, also both at once."""
     degree = np.pi / 180
     readings = {("unit", unit): f * imu.angular_velocity for unit, f in RADIANS_A_SECOND.items()}
     for name, turn in signed_axes():
@@ -221,6 +222,7 @@ def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
 
 
 def _of_tray(records: SensorRecords, tray: JointSamples) -> Iterator[Hypothesis]:
+    """Vary the tray's angles: units and signs."""
     degree = np.pi / 180
     for fault, value, factor, exact in (
         ("unit", "deg", degree, True),

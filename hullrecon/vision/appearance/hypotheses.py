@@ -190,6 +190,7 @@ def likeliest_pairs(
     def pairs_where(
         mask: Mask, wanted: Callable[[Array, Array], Mask], places_each: int, most: int
     ) -> Array:
+        """Find the pairs that look most alike, of those whose offset on the path is as wanted."""
         # Stations are near, not exact: an outage may lie between a keyframe and its station.
         asked, place = _best(np.where(places.of_keyframes(queries, mask), scores, 0.0), CANDIDATES)
         keep = wanted(*scene_offsets(track, keyframes[queries[asked]], keyframes[place], depth_m))

@@ -60,9 +60,9 @@ def fit(motion: Array, first: Array, second: Array) -> Array:
 def covariance_of(motion: Array, first: Array, second: Array) -> Array:
     """Compute the covariance (5, 5) of a motion fitted to matches (n, 2).
 
-    The information is that of adjusting two views. It is scaled by the residuals and by how far
-    neighbours err together, and what the matches' own noise adds to the information about the
-    direction is taken off.
+    The information is that of a bundle adjustment of two views. Three things make it smaller:
+    residuals larger than expected, neighbouring features that err together, and noise in the
+    matches, which by itself looks like information on the direction (`noise_share`).
     """
     residual, jacobian = linearise(motion, first, second)
     variance = _variance(residual)
@@ -238,6 +238,7 @@ def _information(jacobian: Array, variance: float) -> Array:
 
 
 def _apply_step(motion: Array, step: Array) -> Array:
+    """Turn a motion on the right, and move its direction within the tangent plane."""
     out = motion.copy()
     out[:3, :3] = motion[:3, :3] @ Rotation.from_rotvec(step[:3]).as_matrix()
     direction = motion[:3, 3] + tangent_basis(motion[:3, 3]) @ step[3:]

@@ -119,7 +119,7 @@ def refine(motion: Array, views: list[ObservedPoints], tolerance: float) -> tupl
             if any(not np.array_equal(*pair) for pair in zip(before, inlier, strict=True)):
                 normal, gradient, cost = _normal(motion, views, inlier)
         step = -np.linalg.solve(normal + damping * np.diag(np.diag(normal) + 1e-12), gradient)
-        trial = _apply_step(motion, np.asarray(step))
+        trial = apply_step(motion, np.asarray(step))
         after = _normal(trial, views, inlier)
         better = after[2] <= cost
         if better:
@@ -155,7 +155,8 @@ def _normal(
     return normal, gradient, cost
 
 
-def _apply_step(motion: Array, step: Array) -> Array:
+def apply_step(motion: Array, step: Array) -> Array:
+    """Move a motion (4, 4) by a step (6,): its translation, and a turn on the right."""
     out = motion.copy()
     out[:3, 3] += step[:3]
     out[:3, :3] = motion[:3, :3] @ Rotation.from_rotvec(step[3:]).as_matrix()

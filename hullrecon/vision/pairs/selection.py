@@ -308,6 +308,7 @@ def footprint_overlap(
 def _share(
     track: CameraTrack, source: Ints, target: Ints, depth_m: Array, camera: CameraModel, grid: int
 ) -> Array:
+    """Compute the share (m,) of each source's footprint that its target sees."""
     poses = track.global_from_camera
     relative = (poses[target].inverse() @ poses[source]).matrix()
     image = _ideal_in_target(relative, depth_m[source], camera, grid)
@@ -317,6 +318,7 @@ def _share(
 
 
 def _sequential(nodes: Ints, reach: int) -> tuple[Ints, Ints]:
+    """Pair each node with the `reach` following ones."""
     steps = range(1, min(reach, len(nodes) - 1) + 1)
     first = [nodes[:-k] for k in steps]
     second = [nodes[k:] for k in steps]

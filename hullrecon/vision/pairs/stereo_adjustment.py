@@ -12,10 +12,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from hullrecon import native
 from hullrecon.typing import Array, Ints, Mask
+from hullrecon.vision.pairs.pose_from_points import apply_step
 
 ITERATIONS = 3
 LEAST = 6  # features of a motion
@@ -94,7 +94,7 @@ def adjust_stereo_motion(
             )
         )
         points = points + _point_step(system, step)
-        motion = _apply_step(motion, step)
+        motion = apply_step(motion, step)
     system = native.reduce_stereo(motion, bottom_from_top, points, seen)
     good = _inliers(system)
     if good.sum() < LEAST:
@@ -193,10 +193,3 @@ def _inliers(system: native.ReducedFeatures) -> Mask:
     variance = float(np.median(system.cost / freedom)) / CHI2_MEDIAN
     limit = freedom * (1 - 2 / (9 * freedom) + OUTLIER_SIGMAS * np.sqrt(2 / (9 * freedom))) ** 3
     return np.asarray((system.freedom > 0) & (system.cost <= max(variance, 1e-14) * limit))
-
-
-def _apply_step(motion: Array, step: Array) -> Array:
-    out = motion.copy()
-    out[:3, 3] += step[:3]
-    out[:3, :3] = motion[:3, :3] @ Rotation.from_rotvec(step[3:]).as_matrix()
-    return out

@@ -192,6 +192,7 @@ def _holds(stream: BinaryIO, start: bytes, salt: bytes) -> bool:
 
 
 def _checksum(data: bytes, order: str, sums: tuple[int, int]) -> tuple[int, int]:
+    """Go on with SQLite's checksum of a write-ahead log over these bytes."""
     first, second = sums
     words = iter(struct.unpack(f"{order}{len(data) // 4}I", data))
     for one, two in zip(words, words, strict=True):

@@ -154,6 +154,7 @@ def _find_logs(path: Path) -> list[Path]:
 
 
 def _is_log(path: Path) -> bool:
+    """Tell whether a file or folder in a folder is a log by itself."""
     if path.is_dir():
         return path.name != "logs" and (_holds_log(path) or _is_bag(path))
     suffix = Path(unpacked_name(path.name)).suffix.lower()
