@@ -25,8 +25,9 @@ from hullrecon.typing import Array, Mask
 
 MARGIN_M = 0.3  # around what either survey saw
 MAX_CELLS = 40_000_000  # of the lattice, a larger survey is compared on wider cells
-Address = Callable[[Array, AddressSigma], str]
+MOST_VERTICES = 20_000  # of a CAD model that are looked for on another one, about
 SAME_CAD_M = 0.002  # CAD models nowhere farther apart than this are of one hull
+Address = Callable[[Array, AddressSigma], str]
 
 
 def compare_surveys(
@@ -130,10 +131,10 @@ def cad_model_gap(first: Mesh, second: Mesh) -> float:
     return max(_farthest_vertex(first, second), _farthest_vertex(second, first))
 
 
-def _farthest_vertex(mesh: Mesh, other: Mesh, most: int = 20_000) -> float:
+def _farthest_vertex(mesh: Mesh, other: Mesh) -> float:
     """Measure the largest distance of a mesh's vertices from another mesh, m.
 
-    At most about `most` vertices are looked at.
+    At most about MOST_VERTICES are looked at.
     """
-    some = mesh.vertices[:: max(1, len(mesh.vertices) // most)]
+    some = mesh.vertices[:: max(1, len(mesh.vertices) // MOST_VERTICES)]
     return float(np.abs(Scene(other).closest(some).distance).max(initial=0.0))

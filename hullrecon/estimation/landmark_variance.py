@@ -16,6 +16,7 @@ from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.records.solution import HullPose
 from hullrecon.typing import Array
 
+NEIGHBOURS = 32  # of a landmark, whose variances are compared
 MIN_SIGMA_M = 0.001  # no landmark is better than its texture's roughness
 
 
@@ -70,9 +71,7 @@ def _motion_by_pose(points: Array, hull_pose: HullPose) -> Array:
     return np.concatenate([shift, cross_matrix(points - hull_pose.survey_center)], axis=2)
 
 
-def shared_variance(
-    position: Array, normal: Array, covariance: Array, neighbours: int = 32
-) -> Array:
+def shared_variance(position: Array, normal: Array, covariance: Array) -> Array:
     """Compute the part (n,) of variances along normals that neighbours have in common.
 
     What moves all landmarks is in every neighbour's covariance: the common part is no larger than
@@ -81,7 +80,7 @@ def shared_variance(
     """
     if not len(position):
         return np.zeros(0)
-    _, row = nearest(position, position, min(neighbours, len(position)))
+    _, row = nearest(position, position, min(NEIGHBOURS, len(position)))
     least = np.full((2, len(position)), np.inf)
     for neighbour in row.T:
         least = np.sort([*least, along_normals(normal, covariance[neighbour])], axis=0)[:2]

@@ -17,6 +17,8 @@ from hullrecon.rows import Rows
 from hullrecon.typing import Array, Ints
 
 MOST = 6000  # observations of a tile, those around it among them: the regression is cubic in them
+OUTLIER_SIGMAS = 2.0  # of the surface, beyond which an observation loses weight
+ROUNDS = 4  # of weighing outliers down
 MARGIN = 0.5  # of the kernel's lengths, around a tile
 BLEND = 0.25  # of these, to either side of its border
 
@@ -234,20 +236,18 @@ def _condition(
     )
 
 
-def fit_robust(
-    kernel: Kernel, at: Array, values: Array, noise: Array, threshold: float = 2.0, rounds: int = 4
-) -> Regression:
+def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
     """Condition the field with outliers weighed down.
 
-    Beyond `threshold` sigmas of the surface an observation loses weight by the square of how much
+    Beyond OUTLIER_SIGMAS of the surface an observation loses weight by the square of how much
     farther it lies.
     """
     covariance = kernel.covariance(at)
     result = _condition(kernel, covariance, at, values, noise)
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         off = np.abs(values - covariance @ result.weights) / noise
         result = _condition(
-            kernel, covariance, at, values, noise * np.maximum(1.0, off / threshold)
+            kernel, covariance, at, values, noise * np.maximum(1.0, off / OUTLIER_SIGMAS)
         )
     return result
 

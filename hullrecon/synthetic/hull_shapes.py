@@ -19,6 +19,8 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.options import Ship
 from hullrecon.typing import Array
 
+STATIONS, POINTS = 64, 44  # sections of the ship's form, and points of half a section
+
 
 def hull_shape(ship: Ship) -> Mesh:
     """Build the CAD model."""
@@ -27,10 +29,10 @@ def hull_shape(ship: Ship) -> Mesh:
     return hull_from_mesh(Path(ship.hull), ship.length_m)
 
 
-def ship_form(ship: Ship, stations: int = 64, points: int = 44) -> Mesh:
+def ship_form(ship: Ship) -> Mesh:
     """Build a closed hull with a parallel midbody, round bilges, and curved ends."""
-    x = _stations(ship, stations)
-    port = np.stack([_section(ship, xi, points) for xi in x])  # (stations, points, 3), keel to deck
+    x = _stations(ship, STATIONS)
+    port = np.stack([_section(ship, xi, POINTS) for xi in x])  # (stations, points, 3), keel to deck
     starboard = port[:, :0:-1] * [1, -1, 1]
     rings = np.concatenate([starboard, port], axis=1)
     faces = np.vstack([_skin(*rings.shape[:2]), _caps(*rings.shape[:2])])[:, ::-1]

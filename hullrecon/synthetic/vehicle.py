@@ -85,6 +85,7 @@ def _draw_misalignment(random: np.random.Generator, shift_m: float, turn_deg: fl
 
 
 STEP_S = 0.02  # of the path
+WAVES = 7  # of what the controller does not hold
 SETTLE_S = 0.7  # over which heading and tray follow the hull
 # The sonar looks that much lower than the cameras, rad, less where the bilge curves away, rad/rad.
 SONAR_BELOW = (0.72, 0.42)
@@ -241,11 +242,11 @@ def _start_of(position: Array, yaw: float, draught_m: float) -> Poses:
     return Poses(turn.quaternion, np.array([[shift[0], shift[1], draught_m]]))
 
 
-def _wobble(spec: DiveSpec, t: Array, waves: int = 7) -> Array:
+def _wobble(spec: DiveSpec, t: Array) -> Array:
     """Draw what the controller does not hold (n, 7): position, m, attitude and tray, rad."""
     random = spec.random("wobble")
     size = np.array([0.012, 0.012, 0.012, *np.radians([0.9, 0.9, 1.0, 0.7])])
-    rate = 2 * np.pi * random.uniform(0.03, 0.22, (waves, 7))
-    phase = random.uniform(0, 2 * np.pi, (waves, 7))
+    rate = 2 * np.pi * random.uniform(0.03, 0.22, (WAVES, 7))
+    phase = random.uniform(0, 2 * np.pi, (WAVES, 7))
     total = sum(np.sin(t[:, None] * w + p) for w, p in zip(rate, phase, strict=True))
-    return np.asarray(total * size * np.sqrt(2.0 / waves))
+    return np.asarray(total * size * np.sqrt(2.0 / WAVES))

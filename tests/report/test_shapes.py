@@ -27,17 +27,14 @@ from hullrecon.report.figures.map_pictures import (
     survey_layers,
 )
 from hullrecon.report.figures.plan_view import Plan, plan_svg
-from hullrecon.report.format_limits import (
-    CANVAS_PIXELS,
-    JPEG_SIDE_PX,
-    PDF_SIDE_UNITS,
-    PNG_SIDE_PX,
-    WEBP_SIDE_PX,
-    reduction,
-)
+from hullrecon.report.format_limits import WEBP_SIDE_PX, reduction
 from hullrecon.report.render import render_page, render_pdf
 from hullrecon.report.survey import Survey
 
+JPEG_SIDE_PX = 65_500  # JPEG_MAX_DIMENSION of libjpeg-turbo, which OpenCV and Pillow write with
+PNG_SIDE_PX = 2**16 - 1  # matplotlib's Agg renderer until 3.8; PNG itself has 2^31 - 1
+PDF_SIDE_UNITS = 14_400  # of a page, 200 in (ISO 32000-1, annex C.2)
+CANVAS_PIXELS = 16_777_216  # a canvas whose pixels are read: Safari (4096 squared) has the fewest
 LONG, TALL, PATCH, FAN = (330.0, 2.0), (2.0, 330.0), (3.0, 2.0), (3.0, 40.0)
 SHAPES = pytest.mark.parametrize("size", [LONG, TALL, FAN, (0.004, 0.004)])
 

@@ -41,6 +41,7 @@ GUESS_SIGMAS = 3.5  # beyond which the package's guess is contradicted
 # m, of the guess's height from which a hull fits at several heights: without a measured depth it is
 # known to metres, and faces of a bilge lie so far apart
 OPEN_HEIGHT_M = 0.6
+FIT_ITERATIONS = 60  # of the last fit, at most
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -312,7 +313,6 @@ def fit_correlated(
     cad_model: CadModel,
     center: Array,
     sigma_range: float,
-    iterations: int = 60,
 ) -> Registration:
     """Fit the hull's pose by generalised least squares with a correlated error of the CAD model.
 
@@ -331,8 +331,6 @@ def fit_correlated(
         (3,) m in M, about which steps turn.
     sigma_range
         Of a range, m.
-    iterations
-        At most.
     """
     expected = replace(cad_error.expected_cad_error(cad_model), noise=0.0)
     field = cad_error.distance_covariance(expected, cad_model, start.inverse().apply(points))
@@ -348,7 +346,11 @@ def fit_correlated(
         factor=cho_factor(field + np.diag(noise**2)),
     )
     found = minimise_over_pose(
-        start, cost.linearise, cost.update, max_iterations=iterations, min_relative_decrease=1e-6
+        start,
+        cost.linearise,
+        cost.update,
+        max_iterations=FIT_ITERATIONS,
+        min_relative_decrease=1e-6,
     )
     distance, _ = signed_distances(points, found.pose, center, cad_model.mesh)
     return Registration(

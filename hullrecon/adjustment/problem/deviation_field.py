@@ -21,6 +21,7 @@ from hullrecon import native
 from hullrecon.typing import Array, Ints32
 
 KNOWN_SHARE = 1e-3  # of the field's sigma, to which a combination that is known is known
+NODES_A_LENGTH = 4.0  # of a field's correlation length
 DEPENDENT_SHARE = 1e-6  # least singular value, of the largest, of combinations that count
 
 
@@ -56,15 +57,13 @@ class DeviationGrid:
         return np.asarray(np.einsum("nk,nk->n", field.reshape(-1)[index], weight))
 
 
-def grid_over(
-    along_girth: Array, length: tuple[float, float], nodes_per_length: float = 4.0
-) -> DeviationGrid:
+def grid_over(along_girth: Array, length: tuple[float, float]) -> DeviationGrid:
     """Make a grid over points (n, 2) and one correlation length beyond them.
 
     So its edge does not bias what is seen.
     """
     scale = np.array(length)
-    step = scale / nodes_per_length
+    step = scale / NODES_A_LENGTH
     low, high = np.nanmin(along_girth, 0) - scale, np.nanmax(along_girth, 0) + scale
     shape = np.ceil((high - low) / step).astype(int) + 1
     return DeviationGrid(low, step, (int(shape[0]), int(shape[1])))

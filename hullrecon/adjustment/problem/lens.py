@@ -33,14 +33,6 @@ _DEGREES = [
 _BLOCKS = ("lens_top", "lens_bottom")
 
 
-def lens_modes(pixels: Array, camera: CameraModel) -> Array:
-    """Compute the modes (n, LENS_MODES) at pixels (n, 2), as native/factors/lens.h does."""
-    at = (2 * pixels + 1) / [camera.width, camera.height] - 1
-    u, v = (_legendre(at[:, axis]) for axis in range(2))
-    along_u, along_v = np.array(_DEGREES).T
-    return u[:, along_u] * v[:, along_v]
-
-
 def displacement(pixels: Array, camera: CameraModel, lens: Array) -> Array:
     """Compute the displacement (n, 2) px of a lens (2 LENS_MODES,) at pixels (n, 2).
 

@@ -29,6 +29,9 @@ from hullrecon.native import MonoTable, Problem, Result, StereoTable, SurfaceTab
 from hullrecon.typing import Array, Mask
 
 Table = TypeVar("Table", StereoTable, MonoTable, SurfaceTable)
+NEIGHBOURS_M = 0.15  # between landmarks off the hull that show one structure
+# From the CAD model, or without one from the vehicle: farther off is a mismatch.
+NEAR_HULL_M, NEAR_PATH_M = 2.0, 30.0
 # Largest reprojection error, px: of all observations, or of each by the detector's response (m,)
 Limit = float | Callable[[Array], Array]
 
@@ -122,13 +125,11 @@ def choose_anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
     return replace(chosen, landmarks=np.sort(chosen.landmarks[kept]))
 
 
-def drop_isolated_landmarks(
-    state: State, chosen: Selection, off: Mask, reach_m: float = 0.15
-) -> Selection:
+def drop_isolated_landmarks(state: State, chosen: Selection, off: Mask) -> Selection:
     """Drop landmarks off the hull that stand alone.
 
     A mismatch along the epipolar line looks like structure, but has no two neighbours off the hull
-    within reach, and at most three rays.
+    within NEIGHBOURS_M, and at most three rays.
 
     Parameters
     ----------
@@ -136,15 +137,13 @@ def drop_isolated_landmarks(
         The landmarks, and those chosen.
     off
         Which chosen landmarks lie off the hull.
-    reach_m
-        Within which neighbours count.
     """
     from scipy.spatial import cKDTree
 
     if not off.any():
         return chosen
     position = state.landmark[chosen.landmarks[off]]
-    neighbours = cKDTree(position).query_ball_point(position, reach_m, return_length=True) - 1
+    neighbours = cKDTree(position).query_ball_point(position, NEIGHBOURS_M, return_length=True) - 1
     isolated = np.zeros(len(off), bool)
     isolated[off] = (chosen.rays[chosen.landmarks[off]] <= 3) & (neighbours < 2)
     return replace(chosen, landmarks=chosen.landmarks[~isolated])
@@ -158,18 +157,15 @@ def label_boundary(sigma_on: float, sigma_off: float) -> float:
     return float(np.sqrt(2 * np.log(sigma_off / sigma_on) / (sigma_on**-2 - sigma_off**-2)))
 
 
-def _near_hull(state: State, reach_m: float = 2.0) -> Callable[[Array], Mask]:
-    """Tell which points (n, 3) lie within reach of the CAD model, or of the path without one.
-
-    Metres off is a mismatch.
-    """
+def _near_hull(state: State) -> Callable[[Array], Mask]:
+    """Tell which points (n, 3) lie within reach of the CAD model, or of the path without one."""
     from scipy.spatial import cKDTree
 
     hull = state.hull
     if hull is not None:
-        return lambda points: np.abs(hull.cad_distance(_finite(points))) < reach_m
+        return lambda points: np.abs(hull.cad_distance(_finite(points))) < NEAR_HULL_M
     path = cKDTree(state.nodes.translation)
-    return lambda points: np.asarray(path.query(_finite(points))[0] < 30.0)
+    return lambda points: np.asarray(path.query(_finite(points))[0] < NEAR_PATH_M)
 
 
 def _finite(points: Array) -> Array:

@@ -23,6 +23,7 @@ RESPONSE_GROUPS = 12
 MIN_SIGMA_PX = 0.03  # of an estimated pixel sigma: no feature is found better
 MIN_TRAY_SIGMA_DEG = 0.02
 MIN_RAYS = 6  # of a well-seen landmark
+FLIP_COST = 4.0  # of a change of the tray's side, in half squares of the excess's sigma
 CELL_SHARE = 0.1  # side of a cell whose landmarks share a weight, in the field's correlation length
 
 
@@ -212,7 +213,7 @@ def _measured_depths(m: Measurements) -> Ints:
     return rows if len(rows) else np.arange(len(m.attitude.sigma))
 
 
-def estimate_sides(excess: Array, prior_direction: Array, flip_cost: float = 4.0) -> Array:
+def estimate_sides(excess: Array, prior_direction: Array) -> Array:
     """Estimate on which side of its backlash the tray hangs at each node, +1 or -1 (n,).
 
     Backlash is a bias of the angle that flips with the direction of motion [Ozog2016 4.2.6]:
@@ -226,8 +227,6 @@ def estimate_sides(excess: Array, prior_direction: Array, flip_cost: float = 4.0
         Measured minus adjusted angle (n,), rad.
     prior_direction
         Kept where no backlash shows (levels closer than their spread).
-    flip_cost
-        Cost of a change of side, in half squares of the excess's sigma.
     """
     low, high = _two_levels(excess)
     sigma = max(
@@ -236,7 +235,7 @@ def estimate_sides(excess: Array, prior_direction: Array, flip_cost: float = 4.0
     if high - low < 3 * sigma or len(excess) < 10:
         return prior_direction
     fit = np.stack([(excess - low) ** 2, (excess - high) ** 2], axis=1) / (2 * sigma**2)
-    path = _viterbi(np.minimum(fit, 1.5 * flip_cost), flip_cost)
+    path = _viterbi(np.minimum(fit, 1.5 * FLIP_COST), FLIP_COST)
     return np.where(path == 1, 1.0, -1.0)
 
 

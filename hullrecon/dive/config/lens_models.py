@@ -21,7 +21,7 @@ from hullrecon.typing import Array
 # px, at the worst place, mostly a corner: half of what boards leave under water
 LARGEST_DIFFERENCE_PX = 0.05
 WIDEST_DEG, RINGS, SPOKES = 80.0, 160, 72  # of the rays on which both models are compared
-PLUMB_BOB_COUNT, RATIONAL_COUNT, THIN_PRISM_COUNT = 5, 8, 12  # coefficients, in OpenCV's order
+PLUMB_BOB_COUNT, THIN_PRISM_COUNT = 5, 12  # coefficients, in OpenCV's order
 Distort = Callable[[Array], Array]  # ideal to distorted coordinates x/z, y/z (n, 2)
 
 

@@ -81,19 +81,15 @@ def chart_for_hull(
     return build_axis_chart(mesh, np.asarray(up, float), bow, aft_perpendicular_m)
 
 
-def chart_for_points(
-    points: ArrayLike, toward: ArrayLike, up: ArrayLike = (0.0, 0.0, -1.0)
-) -> Chart:
+def chart_for_points(points: ArrayLike, toward: ArrayLike) -> Chart:
     """Fit a plane chart to points (n, 3).
 
     Parameters
     ----------
     points
-        In g.
+        In g, whose z is down.
     toward
         The side that the normal points to: a point (3,), or the sensors' places (n, 3).
-    up
-        (3,) in the frame of the points.
 
     Raises
     ------
@@ -103,7 +99,7 @@ def chart_for_points(
     from hullrecon.geometry.charts.plane_chart import fit_plane_chart
 
     side = np.atleast_2d(np.asarray(toward, float)).mean(axis=0)
-    return fit_plane_chart(np.asarray(points, float), side, np.asarray(up, float))
+    return fit_plane_chart(np.asarray(points, float), side, up=np.array([0.0, 0.0, -1.0]))
 
 
 def chart_from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> Chart:

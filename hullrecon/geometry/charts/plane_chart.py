@@ -15,6 +15,8 @@ from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.typing import Array, Mask
 
 # a plane lies flat when its normal is within 30 degrees of the vertical
+ROUNDS = 5  # of leaving points out
+TRIALS = 200  # planes through three points
 STEEP = np.cos(np.radians(30.0))
 
 
@@ -57,7 +59,7 @@ class PlaneChart:
         return cls(np.asarray(arrays["origin"], float), np.asarray(arrays["axes"], float))
 
 
-def fit_plane_chart(points: Array, toward: Array, up: Array, rounds: int = 5) -> PlaneChart:
+def fit_plane_chart(points: Array, toward: Array, up: Array) -> PlaneChart:
     """Fit a plane to the finite points (n, 3) within 3 robust sigma of it.
 
     See `chart_for_points`.
@@ -66,7 +68,7 @@ def fit_plane_chart(points: Array, toward: Array, up: Array, rounds: int = 5) ->
     if len(usable) < 3:
         raise InputError("a plane needs three points", where=f"{len(usable)} given")
     kept = usable[_near(_least_median_plane(usable))]
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         center, directions = _principal(kept)
         kept = usable[_near((usable - center) @ directions[2])]
     center, directions = _principal(kept)
@@ -86,9 +88,9 @@ def _near(off: Array) -> Mask:
     )
 
 
-def _least_median_plane(points: Array, trials: int = 200, seed: int = 0) -> Array:
+def _least_median_plane(points: Array) -> Array:
     """Compute heights (n,) over the plane of least median height, of many through three points."""
-    corner = points[np.random.default_rng(seed).integers(0, len(points), (trials, 3))]
+    corner = points[np.random.default_rng(0).integers(0, len(points), (TRIALS, 3))]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     size = np.linalg.norm(normal, axis=1)
     normal = normal[size > 1e-12] / size[size > 1e-12, None]

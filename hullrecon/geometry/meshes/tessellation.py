@@ -26,6 +26,7 @@ from hullrecon.geometry.meshes.topology import find_shared_edges, weld_vertices
 from hullrecon.typing import Array, Ints, Mask
 
 # a sharper edge is drawn on purpose (a chine, a keel), not a curve's facets
+REACH_M = 1.0  # around points, of the facets whose error counts
 SHARPEST_RAD = np.radians(40.0)
 
 
@@ -73,12 +74,12 @@ def facet_turn(mesh: Mesh) -> Array:
     return out
 
 
-def tessellation_error(mesh: Mesh, points: Array, reach_m: float = 1.0) -> TessellationError:
+def tessellation_error(mesh: Mesh, points: Array) -> TessellationError:
     """Estimate the error of the facets within reach of points (n, 3), weighted by area.
 
     Points are in the mesh's frame.
     """
-    part = Mesh(mesh.vertices, mesh.faces[_faces_near(mesh, points, reach_m)])
+    part = Mesh(mesh.vertices, mesh.faces[_faces_near(mesh, points)])
     edges = _smooth_edges(part)
     if not len(edges.angle):
         return TessellationError(sigma_m=0.0, length_m=1.0)
@@ -128,11 +129,11 @@ def _corner_normals(mesh: Mesh, asked: Ints) -> Array:
     return np.where(length > 0, total / np.where(length > 0, length, 1), facet).reshape(-1, 3, 3)
 
 
-def _faces_near(mesh: Mesh, points: Array, reach_m: float) -> Mask:
+def _faces_near(mesh: Mesh, points: Array) -> Mask:
     corner = mesh.vertices[mesh.faces]
     middle = corner.mean(axis=1)
     radius = np.linalg.norm(corner - middle[:, None], axis=2).max(axis=1)
-    return np.asarray(cKDTree(points).query(middle)[0] <= reach_m + radius)
+    return np.asarray(cKDTree(points).query(middle)[0] <= REACH_M + radius)
 
 
 def _smooth_edges(mesh: Mesh) -> _SmoothEdges:

@@ -51,7 +51,6 @@ def choose_nodes(
     pings_ns: Ints,
     span_ns: tuple[int, int],
     lost_ns: Sequence[tuple[int, int]] = (),
-    spacing_s: float = NODE_SPACING_S,
 ) -> Nodes:
     """Place nodes at the camera's frames, and at DVL pings far from any frame.
 
@@ -66,8 +65,6 @@ def choose_nodes(
         What navigation covers. Frames outside get no node.
     lost_ns
         Spans in which frames get no node either.
-    spacing_s
-        Least time between the pings chosen.
     """
     # A node for each frame of the top camera, with its partner, then for each frame without one.
     (top_ns, top_row), (bottom_ns, bottom_row) = top, bottom
@@ -86,7 +83,7 @@ def choose_nodes(
 
     # Nodes without an image, at pings far from any frame.
     far = pings_ns[seconds_to_nearest(np.sort(frame_ns), pings_ns) > FAR_FROM_FRAME_S]
-    extra = far[_thin(far, spacing_s)]
+    extra = far[_thin(far)]
     t_ns = np.concatenate([frame_ns, extra])
     image = np.vstack([image, np.full((len(extra), 2), -1, np.int64)])
     order = np.argsort(t_ns, kind="stable")
@@ -99,9 +96,9 @@ def choose_nodes(
     )
 
 
-def _thin(t_ns: Ints, spacing_s: float) -> Mask:
+def _thin(t_ns: Ints) -> Mask:
     """Choose the first stamp of each cell of the clock, 0.9 of the spacing wide for jitter."""
     if not len(t_ns):
         return np.zeros(0, bool)
-    cell = (t_ns - t_ns[0]) // int(0.9e9 * spacing_s)
+    cell = (t_ns - t_ns[0]) // int(0.9e9 * NODE_SPACING_S)
     return np.concatenate([[True], np.diff(cell) > 0])

@@ -39,9 +39,9 @@ def curvature_of_patches(patches: Patches) -> Array:
     return np.asarray(np.sqrt(np.clip(np.mean(square - noise, axis=0), LEAST**2, BROAD**2)))
 
 
-def curvature_of_mesh(mesh: Mesh, seed: int = 0) -> Array:
+def curvature_of_mesh(mesh: Mesh) -> Array:
     """Estimate the characteristic curvature (3,) of a CAD model by how its normals turn."""
-    points, normals = _sample(mesh, np.random.default_rng(seed))
+    points, normals = _sample(mesh, np.random.default_rng(0))
     near = cKDTree(points).query_ball_point(points, NEAR_M)
     found = [
         k

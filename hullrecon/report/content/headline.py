@@ -20,6 +20,7 @@ from hullrecon.report.content.phrases import (
 )
 from hullrecon.report.survey import AdjustedDive, DetectSettings, Survey
 
+WEAK_SIGMA_M = 0.05  # of a position, from which it is called uncertain
 _AXES = {
     "M": ("along x of the ship", "along y of the ship", "along z of the ship"),
     "g": ("in x of the local frame", "in y of the local frame", "in z of the local frame"),
@@ -122,11 +123,11 @@ def _from_outside(adjusted: AdjustedDive | None) -> str:
     )
 
 
-def weak_sentences(survey: Survey, min_sigma_m: float = 0.05) -> list[str]:
+def weak_sentences(survey: Survey) -> list[str]:
     """Name the directions in which the position is uncertain.
 
     These are the adjustment's sentences, if it has any, else one for each axis whose median sigma
-    exceeds min_sigma_m.
+    exceeds WEAK_SIGMA_M.
     """
     directions = survey.adjusted.weak_directions if survey.adjusted is not None else ()
     sentences = [str(w["sentence"]) for w in directions if w.get("sentence")]
@@ -136,7 +137,7 @@ def weak_sentences(survey: Survey, min_sigma_m: float = 0.05) -> list[str]:
     sigma = np.median(survey.track.sigma[:, :3], axis=0)
     return [
         f"The position {axes[k]} is uncertain by {length(sigma[k])} (one sigma)."
-        for k in np.flatnonzero(sigma > min_sigma_m)
+        for k in np.flatnonzero(sigma > WEAK_SIGMA_M)
     ]
 
 

@@ -22,6 +22,8 @@ from hullrecon.report.survey import ImageSource, Survey
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Pixels
 
+PHOTO_PX = 800  # least width of an object's photo
+
 
 @dataclass(frozen=True, kw_only=True)
 class Crop:
@@ -60,11 +62,11 @@ def object_crops(survey: Survey) -> dict[int, Crop]:
     return crops
 
 
-def photo_jpeg(crop: Crop, min_width: int = 800) -> bytes:
+def photo_jpeg(crop: Crop) -> bytes:
     """Encode an object's picture, enlarged, with its outline drawn in."""
     import cv2
 
-    factor = _enlargement(crop.width, crop.height, min_width)
+    factor = _enlargement(crop.width, crop.height, PHOTO_PX)
     size = (round(factor * crop.width), round(factor * crop.height))
     picture = np.ascontiguousarray(cv2.resize(crop.picture, size, interpolation=cv2.INTER_CUBIC))
     # in sixteenths of a pixel

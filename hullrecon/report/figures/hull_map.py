@@ -96,9 +96,9 @@ class ChartedSurface:
     at: Array  # (n, 2)
     faces: Ints32  # without those off the chart or across its seam
 
-    def seen_faces(self, min_support: int = 1) -> Ints32:
+    def seen_faces(self) -> Ints32:
         """Select the faces whose three corners have at least that support."""
-        return self.faces[(self.surface.support[self.faces] >= min_support).all(axis=1)]
+        return self.faces[(self.surface.support[self.faces] >= 1).all(axis=1)]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -34,7 +34,7 @@ from hullrecon.typing import Array, Floats32, Mask, Pixels
 # of a mosaic: 10 m² at 1 mm a pixel in some 4 MB. The delivered GeoTIFF has all pixels.
 MOST_PIXELS = 12e6
 FIELD_STEP_M = 0.005  # a pixel of a field, which is smooth over centimetres
-MOST_FIELD_PIXELS = 2.5e6  # 10 m by 6 m at FIELD_STEP_M, far below CANVAS_PIXELS
+MOST_FIELD_PIXELS = 2.5e6  # 10 m by 6 m at FIELD_STEP_M, far below what a canvas may have
 FORM_PX = 1200  # longer side of a map of the form, before it is drawn into its frame
 MOST_NARROW = 12.0  # sides of a map of the form, as drawn
 MOSAIC_TITLES = {"optical": "Camera mosaic", "sonar": "Sonar mosaic"}

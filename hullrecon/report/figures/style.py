@@ -78,13 +78,13 @@ def finish_plot(
     return Plot(name=name, title=title, alt=alt, png=png_bytes(figure), table=table)
 
 
-def png_bytes(figure: Figure, transparent: bool = False) -> bytes:
+def png_bytes(figure: Figure) -> bytes:
     """Encode a figure as PNG, without the library's own metadata."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     FigureCanvasAgg(figure)
     buffer = BytesIO()
-    figure.savefig(buffer, format="png", metadata={"Software": None}, transparent=transparent)
+    figure.savefig(buffer, format="png", metadata={"Software": None})
     return buffer.getvalue()
 
 
