@@ -9,6 +9,7 @@ installed has no hullrecon._native. Importing this package does not load it yet.
 
 from hullrecon.native.columns import IDENTITY
 from hullrecon.native.curvature import curvature_difference, curvature_information
+from hullrecon.native.descriptors import describe_keypoints
 from hullrecon.native.drawing import draw_triangles
 from hullrecon.native.feature_pairs import best_and_next, descriptor_distances, pairs_in_regions
 from hullrecon.native.links import LinkKernel, LinkTable, bearing_basis
@@ -115,6 +116,7 @@ __all__ = [
     "covariance",
     "curvature_difference",
     "curvature_information",
+    "describe_keypoints",
     "descriptor_distances",
     "draw_triangles",
     "evaluate",

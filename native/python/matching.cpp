@@ -3,7 +3,9 @@
 #include "python/matching.h"
 
 #include <pybind11/numpy.h>
+#include <pybind11/stl.h>
 
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <span>
@@ -11,6 +13,7 @@
 #include "common/errors.h"
 #include "matching/feature_pairs.h"
 #include "matching/pair_motion.h"
+#include "matching/sift_descriptors.h"
 
 namespace py = pybind11;
 
@@ -80,6 +83,32 @@ py::tuple best_by_key(const Int64s& key, const Floats& distance) {
 void expect_shape(const py::array& array, std::initializer_list<Index> shape, const char* name) {
   const bool same = array.ndim() == static_cast<Index>(shape.size()) && std::equal(shape.begin(), shape.end(), array.shape());
   if (!same) throw InputError("the array is of another shape", name, "");
+}
+
+py::array_t<uint8_t> descriptors(const std::vector<Floats>& levels, const Doubles& keypoints, const Int64s& level) {
+  expect_shape(keypoints, {keypoints.shape(0), 4}, "keypoints"), expect_shape(level, {keypoints.shape(0)}, "level");
+  std::vector<ScaleLevel> space;
+  for (const Floats& image : levels) {
+    if (image.ndim() != 2 || image.shape(1) < kLeastWidth)
+      throw InputError("an image must be (h, w), 10 px wide", "levels", "");
+    space.push_back({image.data(), image.shape(0), image.shape(1)});
+  }
+  expect_rows(level, static_cast<int64_t>(space.size()), "level");
+  std::vector<LevelKeypoint> placed;
+  for (Index k = 0; k < keypoints.shape(0); ++k) {
+    const double* at = keypoints.data(k, 0);
+    const ScaleLevel& image = space[*level.data(k)];
+    const bool inside = at[0] >= 0 && at[1] >= 0 && at[0] <= image.width - 1.0 && at[1] <= image.height - 1.0;
+    if (!inside || !(at[2] > 0) || !std::isfinite(at[3])) throw InputError("a keypoint is not in its level", "keypoints", "");
+    placed.push_back({at[0], at[1], at[2], at[3], *level.data(k)});
+  }
+  py::array_t<uint8_t> out({keypoints.shape(0), Index{kDescriptor}});
+  uint8_t* descriptor = out.mutable_data();
+  {
+    py::gil_scoped_release free;
+    describe_keypoints(space, placed, descriptor);
+  }
+  return out;
 }
 
 // A transform (4, 4), row by row.
@@ -176,6 +205,7 @@ py::dict reduce_stereo(const Doubles& motion, const Doubles& bottom_from_top, co
 void bind_matching(py::module_& m) {
   m.def("pairs_in_regions", &in_regions);
   m.def("descriptor_distances", &distances);
+  m.def("describe_keypoints", &descriptors);
   m.def("best_and_next", &best_by_key);
   m.def("squared_reprojections", &reprojections);
   m.def("normal_of_reprojections", &normal_of_reprojections);

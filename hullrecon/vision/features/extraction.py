@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Features of one image: contrast levelled, SIFT by OpenCV, RootSIFT, colours, saliency.
+"""Features of one image: contrast levelled, OpenCV's SIFT, RootSIFT, colours, saliency.
 
 An effect that moves a feature depending on its place in the image acts as a wrong lens: hundredths
 of a pixel bend a path of 45 m by centimetres (docs/methods.md 4). So the levelling knows no tiles,
@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 
 from hullrecon.typing import Floats32, Ints, Mask, Pixels
 from hullrecon.vision.features.descriptors import WIDTH, first_at_place, root_sift
+from hullrecon.vision.features.scale_space import OCTAVE_LAYERS, describe_keypoints
 from hullrecon.vision.options import FeatureOptions
 
 # SIFT [Lowe2004]: its own defaults but for the contrast, which levelled images have more of
 CONTRAST_THRESHOLD = 0.02
 EDGE_THRESHOLD = 10.0  # largest ratio of a feature's two curvatures
-OCTAVE_LAYERS = 3  # scales in an octave
 
 # The levelled image: grey levels of its mean, and of one sigma of contrast above the noise.
 MID_GREY, SPREAD = 128.0, 32.0
@@ -106,12 +106,13 @@ def find_sift(levelled: Pixels, max_features: int) -> tuple[Floats32, Pixels]:
         edgeThreshold=EDGE_THRESHOLD,
         enable_precise_upscale=True,  # else every keypoint is off by a quarter of a pixel
     )
-    found, descriptors = sift.detectAndCompute(levelled, None)
+    found = sift.detect(levelled, None)
     if not found:
         return np.zeros((0, 4), np.float32), np.zeros((0, WIDTH), np.uint8)
-    table = np.array([(p.pt[0], p.pt[1], p.size, p.response) for p in found], np.float32)
-    order = np.lexsort((table[:, 3], table[:, 2], table[:, 0], table[:, 1]))
-    return table[order], root_sift(descriptors[order])
+    table = np.array([(*p.pt, p.size, p.response, p.angle, p.octave) for p in found])
+    table = table[np.lexsort((table[:, 3], table[:, 2], table[:, 0], table[:, 1]))]
+    descriptors = describe_keypoints(levelled, table[:, [0, 1, 2, 4]], table[:, 5].astype(int))
+    return table[:, :4].astype(np.float32), root_sift(descriptors.astype(np.float32))
 
 
 def to_raw_pixels(keypoints: Floats32, step: Floats32) -> Floats32:

@@ -1,11 +1,13 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import cv2
 import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
 
 from hullrecon.vision.features.extraction import extract, no_features, root_sift
+from hullrecon.vision.features.scale_space import describe_keypoints
 from hullrecon.vision.options import FeatureOptions
 
 
@@ -152,3 +154,16 @@ def test_share_beyond_byte_is_held_at_255():
     raw = np.zeros((1, 128), np.float32)
     raw[0, 0] = 9.0
     assert root_sift(raw)[0, 0] == 255
+
+
+def test_descriptors_are_those_of_opencv(texture):
+    image = texture.clip(0, 255).astype(np.uint8)
+    sift = cv2.SIFT.create(contrastThreshold=0.02, enable_precise_upscale=True)
+    found, expected = sift.detectAndCompute(image, None)
+    rows = np.array([(*p.pt, p.size, p.angle) for p in found])
+    octave = np.array([p.octave for p in found])
+    assert len(np.unique(octave & 0xFF)) > 2  # octaves
+    described = describe_keypoints(image, rows, octave)
+    off = np.abs(described.astype(int) - expected)
+    assert off.max() <= 1
+    assert (off > 0).mean() < 1e-4

@@ -1,0 +1,30 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Descriptors of keypoints that were found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hullrecon.typing import Array, Floats32, Ints, Pixels
+
+
+def describe_keypoints(levels: Sequence[Floats32], keypoints: Array, level: Ints) -> Pixels:
+    """Describe keypoints by SIFT: descriptors (n, 128) of length 512 but for rounding.
+
+    Raises InputError for keypoints that are not in their level, and levels narrower than 10 px.
+
+    Parameters
+    ----------
+    levels
+        Smoothed images (h, w) of a scale space.
+    keypoints
+        (n, 4) u, v, sigma in pixels of the level (first pixel's centre 0, 0), and the angle of the
+        gradient in radians from u towards -v.
+    level
+        (n,) number of each keypoint's level.
+    """
+    import hullrecon._native as _native  # compiled; loads the solver's libraries
+
+    descriptors: Pixels = _native.describe_keypoints(list(levels), keypoints, level)
+    return descriptors
