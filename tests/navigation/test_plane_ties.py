@@ -31,8 +31,8 @@ from hullrecon.navigation.planes.ties import (
     MOST_TIES,
     REACH_M,
     SAME_PASS_M,
-    gaining,
-    passing,
+    is_alike,
+    is_informative,
     propose_ties,
     roughness,
     tie_planes,
@@ -156,19 +156,19 @@ def test_a_tie_has_to_pass_both_ways(
 ) -> None:
     pairs = compare_patches(patches, *propose_ties(patches, path), path)
     known = np.zeros((len(pairs), 14, 14))
-    assert passing(patches, pairs, path, dive.rig, known).mean() > 0.9
+    assert is_alike(patches, pairs, path, dive.rig, known).mean() > 0.9
     off = replace(
         patches,
         center=patches.center + (np.arange(len(patches)) == pairs.second[0])[:, None] * [0.3, 0, 0],
     )
     wrong = compare_patches(off, pairs.first, pairs.second, path)
     touched = (pairs.first == pairs.second[0]) | (pairs.second == pairs.second[0])
-    assert not passing(off, wrong, path, dive.rig, known)[touched].any()
+    assert not is_alike(off, wrong, path, dive.rig, known)[touched].any()
     wide = np.tile(np.diag(np.r_[np.full(3, 1.0), np.full(4, 1e-4)]), (2, 1, 1))
     joint = np.zeros((len(pairs), 14, 14))
     joint[:, :7, :7], joint[:, 7:, 7:] = wide
     # nothing speaks against it where nothing is known
-    assert passing(off, wrong, path, dive.rig, joint)[touched].all()
+    assert is_alike(off, wrong, path, dive.rig, joint)[touched].all()
 
 
 def test_a_tie_gains_where_less_is_known_than_it_measures(
@@ -177,7 +177,7 @@ def test_a_tie_gains_where_less_is_known_than_it_measures(
     pairs = compare_patches(patches, *propose_ties(patches, path), path)
     for sigma, gains in ((1e-4, False), (0.1, True)):
         joint = np.tile(np.eye(14) * sigma**2, (len(pairs), 1, 1))
-        assert (gaining(patches, pairs, path, dive.rig, joint) == gains).all()
+        assert (is_informative(patches, pairs, path, dive.rig, joint) == gains).all()
 
 
 def test_a_rough_hull_is_weighed_by_what_it_shows(

@@ -187,6 +187,7 @@ def register_segments(
     )
     if found.fitness < registration.GOOD_FITNESS:
         return RegisteredPath(nodes=nodes, registration=found)
+    # Outwards from the reference: each first moves with its neighbour, then onto the CAD model.
     in_place = replace(found.cad_model, guess=found.global_from_hull)
     moved = [poses.identity() for _ in range(len(segments))]
     for k in segments.outwards():
@@ -197,6 +198,7 @@ def register_segments(
         moved[k] = (
             _motion_onto(at, at - start, replace(in_place, guess_sigma=sigma), sigma_range) @ before
         )
+    # All back, so that the first segment lies where the dive began.
     back = moved[0].inverse()
     after = _move(nodes, segments.of_node, [back @ motion for motion in moved])
     return RegisteredPath(

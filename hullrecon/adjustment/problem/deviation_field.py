@@ -102,9 +102,11 @@ def know_combinations(
     prior, added
         With rows for the sums, and how many unknowns these are, behind the nodes.
     """
+    # independent combinations, of unit length
     length = np.linalg.norm(known, axis=1, keepdims=True)
     _, share, unit = np.linalg.svd(known / np.where(length > 0, length, 1), full_matrices=False)
     unit = unit[share > DEPENDENT_SHARE * share[0]]
+    # of each, one row for each row of the grid: its nodes, and the sums up to it and its neighbour
     rows, across = grid.shape
     start = np.arange(0, grid.size + 1, across)
     by_node = sparse.vstack(

@@ -27,11 +27,13 @@ POINTS = 1 << 16  # whose covariances are turned at a time: they take some 700 b
 def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covariance:
     """Compute the covariances at the solution.
 
-    They are what the measurements leave open with the hull's pose held, its form free, and the
-    covariance of its pose by the CAD model's error: in the solve a field and many beams with white
-    noise are surer of the pose than so few cells of the CAD model's error allow (docs/adr/0011). A
-    part of the field that moves the hull as a whole is that error, and counted there. The sensors'
-    errors have the covariance of a hull left free: its height and a bias of the depth are one.
+    Poses and landmarks: what the measurements leave open with the hull's pose held and its form
+    free. The hull's pose: what the CAD model's error leaves open. In the solve itself, a field and
+    many beams with white noise are surer of that pose than so few cells of the CAD model's error
+    allow (docs/adr/0011). A part of the field that moves the hull as a whole is that error, and is
+    counted there. Sensors' errors: those of a solve in which the hull is free, as its height and a
+    bias of the depth cannot be told apart.
+
     Without a deviation field, covariances are the solve's own.
     """
     return_free_memory()  # of the last solve

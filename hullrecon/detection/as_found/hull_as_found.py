@@ -98,11 +98,14 @@ def estimate_hull_as_found(
 
     `fusion`: how regressed heights and the views' shapes become vertices.
     """
+    # Heights over the hull without structures, on a mesh as fine as the landmarks allow.
     hull_at_foot, _ = background.at(measured.foot)
     height = measured.offset - hull_at_foot
     edge = affordable_edge(measured.foot, options.max_edge_m, options.max_vertices)
     mesh = refine_near(base, measured.foot, edge, REACH_M)
     coarse = _regress(mesh.vertices, vertex_normals(mesh), measured, height)
+
+    # Finer where something stands off the hull. Old vertices keep their heights.
     high = np.abs(coarse.value) >= MIN_OFFSET_M
     old = len(mesh.vertices)
     left = max(options.max_vertices - old, 1)
@@ -110,6 +113,8 @@ def estimate_hull_as_found(
     mesh = refine_near(mesh, mesh.vertices[high], fine, 2 * FINE_EDGE_M)
     normal = vertex_normals(mesh)
     heights = coarse.append(_regress(mesh.vertices[old:], normal[old:], measured, height))
+
+    # Move the vertices to their heights, and count the views whose shapes show them.
     hull, hull_sigma = background.at(mesh.vertices)
     known = np.isfinite(heights.value)
     moved, raised, shapes = fusion(
@@ -124,6 +129,8 @@ def estimate_hull_as_found(
         views,
         options,
     )
+
+    # What the camera saw of the moved mesh, and how coarse the facets under it are.
     shape = Mesh(moved, mesh.faces)
     cell = np.where(_near_structures(mesh, raised), FINE_CELL_M, COARSE_CELL_M)
     seen = find_visibility_by_cell(views, moved, vertex_normals(shape), Scene(shape), cell)

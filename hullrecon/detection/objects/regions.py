@@ -221,6 +221,7 @@ def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
 
     Smoothing bridges the hull between neighbours, so that clusters at the threshold may hold both.
     """
+    # Raise the level until the cluster falls apart. Each part then takes the vertices nearest it.
     height, vertices = side * relief.found.height[rows], relief.found.base.vertices
     level = SADDLE_STEP * MIN_OFFSET_M
     while level < 0.5 * height.max():
@@ -253,6 +254,7 @@ def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region |
 
     `foreign`: vertices of its neighbours.
     """
+    # A ring of bare hull around the seed.
     found, area, base = relief.found, relief.area, relief.found.base.vertices
     width = float(np.clip(RING_WIDTH * np.sqrt(area[seed].sum()), *RING_WIDTHS_M))
     near = relief.around.ball(base[seed], RING_GAP_M + width)

@@ -196,6 +196,7 @@ def check_package(
     logo = logo_of(loaded)
     if logo is not None and not _exists(loaded.package / logo):
         missing_files.append(_file_missing(logo, "report.logo"))
+    # Read the package as a run does, but keep some images only, and go on after a problem.
     sampled: dict[str, SampledImages] = {}
     problems = Problems(go_on=True)
     found = ingest(
@@ -206,6 +207,7 @@ def check_package(
         problems,
     )
     loaded, mounts = _fill_mounts(loaded, found, problems)
+    # Which sensors there are: read, or at least logged.
     streams: Mapping[str, Stream] = {**found.records.by_name(), **found.images}
     present = {
         "joints" if name == "tray" else name for name, stream in streams.items() if len(stream.t_ns)
@@ -217,6 +219,7 @@ def check_package(
     known |= set() if found.is_whole else configured_sensors(loaded)
     bow, stations_off = _bow(loaded.config.hull, found.hull, problems)
     regions, empty_regions = describe_regions(loaded.config.hull, found.hull if bow else None)
+    # Hold the sensors against each other, then look for coarser contradictions.
     records, judged, suspects = found.records, list[Finding](), list[dict[str, object]]()
     if check_sensors is not None:
         records, judged, suspects = check_sensors(loaded, found, sampled)

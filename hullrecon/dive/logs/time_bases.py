@@ -96,6 +96,7 @@ def join_time_bases(
     known = {name: stamps for name, stamps in sensors.items() if len(stamps.stamp_ns) >= LEAST}
     if len(known) < 2:
         return {}, []
+    # The sensors of the right base: the largest group with one offset from the logger's clock.
     offset_ns = {name: stamps.median_ns for name, stamps in known.items()}
     alike = [
         [name for name in known if abs(offset_ns[name] - middle) < JUMP_S * NS]
@@ -104,6 +105,7 @@ def join_time_bases(
     right = max(alike, key=lambda names: (len(names), -min(abs(offset_ns[n]) for n in names)))
     shifts: dict[str, Ints] = {}
     notes: list[Finding] = []
+    # Clocks that drift, and queues that fall behind, which look like slow clocks.
     drifts = {name: found for name in known if (found := known[name].drift()) is not None}
     behind = [name for name, (rate, _) in drifts.items() if rate < -FASTEST_DRIFT]
     for name in behind:
@@ -119,6 +121,7 @@ def join_time_bases(
                 continue
             shifts[name] = delay_ns - straight_ns
             notes.append(Finding("clock-drifts", {"per_million": 1e6 * rate}, name))
+    # All others of another base are shifted onto the right one.
     for name, stamps in ((name, known[name]) for name in known if name not in shifts):
         shift = None if name in right else _shift(stamps, [known[other] for other in right])
         if shift is None:

@@ -15,6 +15,7 @@ from hullrecon.dive.logs.timeline import JUMP_S
 from hullrecon.geometry.poses import from_matrix
 from hullrecon.navigation.clocks.comparisons import (
     LEAST_MOTIONS,
+    ClockComparison,
     ClockedSensor,
     ImageMotions,
     Span,
@@ -95,38 +96,23 @@ def synchronise(
     measure
         Measures the motion between two images, None without a camera.
     """
+    # Segments between pauses of any sensor, at which its clock may have jumped.
     frames = usable_frames(logs.top)
-    streams = {ClockedSensor.DVL: logs.dvl.t_ns, ClockedSensor.IMU: logs.imu.t_ns}
-    streams |= {} if logs.pressure is None else {ClockedSensor.PRESSURE: logs.pressure.t_ns}
-    streams |= {} if measure is None or not len(frames[0]) else {ClockedSensor.IMAGES: frames[0]}
-    stamps = list(streams.values())
+    stamps = [logs.dvl.t_ns, logs.imu.t_ns]
+    if logs.pressure is not None:
+        stamps.append(logs.pressure.t_ns)
+    if measure is not None and len(frames[0]):
+        stamps.append(frames[0])
     span = min(int(t_ns[0]) for t_ns in stamps), max(int(t_ns[-1]) for t_ns in stamps)
     spans = segments((t for t_ns in stamps for t in _pauses(t_ns)), span)
-    heard = hear(logs, tilt_rad)
-    velocities, attitude = heard.velocities, heard.attitude
-    tray = servo(logs.tray, int(logs.dvl.t_ns[0]))
 
-    motions = None
-    if ClockedSensor.IMAGES in streams and measure is not None:
-        motions = _motions(frames, spans, measure, velocities, attitude)
+    heard, motions = hear(logs, tilt_rad), None
+    if measure is not None and len(frames[0]):
+        motions = _motions(frames, spans, measure, heard.velocities, heard.attitude)
         motions = motions if len(motions) >= LEAST_MOTIONS else None
-    if motions is not None:
-        comparisons = [
-            compare_turns(motions, attitude, tray, rig),
-            compare_directions(motions, velocities, rig),
-        ]
-    elif _is_a_minute_off(logs):
-        comparisons = []
-    else:
-        comparisons = [
-            compare_hull_turns(logs.dvl, attitude, tray, rig),
-            compare_pushes(logs.dvl, logs.imu, attitude, tray, rig),
-        ]
-    if logs.pressure is not None:
-        comparisons.append(compare_depth(logs.dvl, attitude, logs.pressure, tray, rig))
+    known = _compare(logs, heard, rig, motions)
 
     # Explain the dive as a whole and each segment, then choose for each segment.
-    known = [comparison for comparison in comparisons if comparison is not None]
     evidence = weigh_comparisons(known)
     hypotheses, unknown = [find_wrong_clocks([])[0]], []
     parts = (
@@ -144,6 +130,8 @@ def synchronise(
         hypotheses[k]
         for k in choose_by_segment(evidence, spans, [h.corrections() for h in hypotheses])
     ]
+
+    # Without images, delays that cannot be seen may be left.
     left = {}
     if motions is None:
         k = int(np.argmax([end - begin for begin, end in spans]))
@@ -160,6 +148,23 @@ def synchronise(
         remarks=remarks,
         left_s=left,
     )
+
+
+def _compare(
+    logs: NavigationLogs, heard: Heard, rig: Rig, motions: ImageMotions | None
+) -> list[ClockComparison]:
+    """Compare the clocks of all sensors, with images where these show the motion."""
+    attitude, tray = heard.attitude, servo(logs.tray, int(logs.dvl.t_ns[0]))
+    made: list[ClockComparison | None] = []
+    if motions is not None:
+        made.append(compare_turns(motions, attitude, tray, rig))
+        made.append(compare_directions(motions, heard.velocities, rig))
+    elif not _is_a_minute_off(logs):
+        made.append(compare_hull_turns(logs.dvl, attitude, tray, rig))
+        made.append(compare_pushes(logs.dvl, logs.imu, attitude, tray, rig))
+    if logs.pressure is not None:
+        made.append(compare_depth(logs.dvl, attitude, logs.pressure, tray, rig))
+    return [comparison for comparison in made if comparison is not None]
 
 
 def _same(first: WrongClocks, second: WrongClocks) -> bool:

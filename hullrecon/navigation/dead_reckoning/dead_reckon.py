@@ -100,6 +100,7 @@ def dead_reckon(
 
     Raises StageError where there are fewer than two usable velocities or attitudes, or no node.
     """
+    # The path, and the nodes on it at which it is recorded.
     heard = hear(logs, sigmas.tilt_rad) if heard is None else heard
     velocities, start_ns, span = _velocities(logs, heard.velocities, walk)
     history = heard.attitude
@@ -107,9 +108,13 @@ def dead_reckon(
     nodes = _nodes(logs, path, span, walk)
     at = path.at(nodes.t_ns)
     depth = _depth(logs.pressure, path, nodes)
+
+    # The DVL's returns at the nodes, and what was wrong with the sensors.
     beams = returns(logs.dvl, path, at, flag_ranges(logs.dvl, sigmas.range_m))
     notes, facts = remarks_of(logs.dvl.t_ns, path, nodes, depth, beams)
     notes += describe_unplaced(logs.dvl, logs.imu, logs.pressure, velocities, nodes.t_ns, beams)
+
+    # Poses with their errors, and the motions between neighbouring nodes.
     poses = _poses(path, at, depth)
     errors = dead_reckoning_errors(path, at, poses, depth, sigmas)
     covariance = trajectory_covariance(errors, poses)

@@ -14,9 +14,9 @@ from hullrecon.navigation.planes.comparison import PatchPairs, compare_patches
 from hullrecon.navigation.planes.curvature import BROAD, curvature_of_mesh, curvature_of_patches
 from hullrecon.navigation.planes.patches import Patches, find_patches
 from hullrecon.navigation.planes.ties import (
-    gaining,
-    located,
-    passing,
+    is_alike,
+    is_informative,
+    is_placed,
     propose_ties,
     roughness,
     tie_planes,
@@ -117,16 +117,19 @@ class PlanarGraph:
         path, rig = solved.path, self.graph.rig
         patches = self._patches(solved, curvature)
         first, second = propose_ties(patches, path)
+
+        # The noise of pairs follows from how uneven they show the hull to be.
         smooth = compare_patches(patches, first, second, path)
         joint = _joint(solved, patches, smooth)
         rough = np.maximum(rough, roughness(patches, smooth, path, rig, joint))
         pairs = smooth.roughened(rough)
+
+        # Worth a tie are pairs that tell more than the path without planes does.
         known = _joint(alone, patches, pairs)
-        gains = gaining(patches, pairs, path, rig, known) & located(
-            patches, pairs, path, rig, known
-        )
+        gains = is_informative(patches, pairs, path, rig, known)
+        gains &= is_placed(patches, pairs, path, rig, known)
         pairs, joint = pairs.rows(gains), joint[gains]
-        agreeing = pairs.rows(passing(patches, pairs, path, rig, joint))
+        agreeing = pairs.rows(is_alike(patches, pairs, path, rig, joint))
         return Offer(
             patches=len(patches),
             roughness=rough,

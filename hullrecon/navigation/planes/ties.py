@@ -67,8 +67,10 @@ def propose_ties(patches: Patches, path: VehiclePath) -> tuple[Ints, Ints]:
     return first[rank < MOST_TIES], second[rank < MOST_TIES]
 
 
-def gaining(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Mask:
-    """Select pairs (m,) whose gap is measured better than the path predicts it, in some direction.
+def is_informative(
+    patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array
+) -> Mask:
+    """Tell which pairs (m,) measure their gap better than the path predicts it, in some direction.
 
     joint (m, 14, 14): the covariance of both anchors' poses and trays on the path.
     """
@@ -79,8 +81,10 @@ def gaining(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, jo
     )
 
 
-def located(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Mask:
-    """Select pairs (m,) whose place along the hull is known to within a part of curvature's reach.
+def is_placed(
+    patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array
+) -> Mask:
+    """Tell which pairs (m,) lie where the path says, to a part of the reach of the curvature.
 
     Farther off, as after minutes without a DVL, the hull has another shape than the one compared.
     Gaps are linearised in the place. They would pull the path along the hull to where that shape
@@ -93,8 +97,10 @@ def located(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, jo
     return np.asarray(variance < MOST_UNSURE_M**2)
 
 
-def passing(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Mask:
-    """Select pairs (m,) that are alike within their covariance, seen from both patches."""
+def is_alike(
+    patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array
+) -> Mask:
+    """Tell which pairs (m,) are alike within their covariance, seen from both patches."""
     back = compare_patches(patches, pairs.second, pairs.first, path)
     swapped = np.r_[7:14, 0:7]
     agrees = np.ones(len(pairs), bool)
@@ -113,7 +119,7 @@ def roughness(
     """Estimate by how much the gaps of pairs exceed their sigma (3,), in height and two slopes.
 
     One robust factor each for the dive, at least 1: an uneven hull widens the ties by it.
-    joint: as of `gaining`.
+    joint: as of `is_informative`.
     """
     whole = _known(patches, pairs, path, rig, joint) + pairs.noise + pairs.fit
     ratio = np.abs(pairs.gap) / np.sqrt(np.einsum("mii->mi", whole))

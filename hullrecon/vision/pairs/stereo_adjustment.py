@@ -75,6 +75,7 @@ def adjust_stereo_motion(
 
     None where too few have a stereo point, or too few agree.
     """
+    # Points start where either node triangulated them.
     known = np.isfinite(first.point[:, 0]) | np.isfinite(second.point[:, 0])
     first, second = first[known], second[known]
     if len(first.lead) < LEAST:
@@ -99,6 +100,8 @@ def adjust_stereo_motion(
     good = _inliers(system)
     if good.sum() < LEAST:
         return None
+
+    # The covariance holds residuals that are larger than expected, and features that err together.
     rows = native.linearise_stereo(motion, bottom_from_top, FIELD, points[good], seen[good])
     information = system.information[good].sum(axis=0)
     inverse = np.linalg.inv(information)
