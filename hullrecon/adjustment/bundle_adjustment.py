@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hullrecon import native
-from hullrecon.adjustment.cad_acceptance import Placement, place_cad_model
+from hullrecon.adjustment.cad_acceptance import Placement, lying_side, place_cad_model
 from hullrecon.adjustment.contradictions import explain_refusal, hold_within_belief, is_sheared
 from hullrecon.adjustment.exceeded_priors import contradicts_priors, widen_exceeded_priors
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions, Strategy
@@ -115,7 +115,8 @@ def solve_path_and_place(measured: Measurements, solver: RoundSolver) -> Phase:
     if measured.cad_model is not None:
         placed = place_cad_model(path, measured.cad_model, solver)
         if not placed.verdict.accepted:
-            placed = explain_refusal(path, placed, solver)
+            if lying_side(measured.cad_model) is None:  # else its own form says what is wrong
+                placed = explain_refusal(path, placed, solver)
             solver.report(f"the CAD model is left out: {placed.verdict.reason}")
     return settle(path, placed)
 

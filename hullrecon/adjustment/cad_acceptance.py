@@ -40,7 +40,9 @@ from hullrecon.adjustment.rounds import (
     RoundSolver,
     Verdict,
 )
+from hullrecon.dive.hull.symmetry import find_lying_side
 from hullrecon.errors import StageError
+from hullrecon.findings.finding import Finding
 from hullrecon.geometry.meshes.units import UNIT_NAMES
 from hullrecon.typing import Array
 
@@ -117,17 +119,27 @@ def register(
     solver.report(f"registered {len(points)} points to the CAD model, {fitting} within three sigma")
     hull = _hull_state(found, points, solver.strategy.deviation_field)
     state = replace(state, hull=replace(hull, segments=segments))
-    return Phase.of(
-        rounds=(),
-        estimate=replace(solved, state=state),
-        verdict=_name_what_fits(
+    on_its_side = lying_side(cad_model)
+    if on_its_side is not None:
+        verdict = Verdict(accepted=False, reason=on_its_side.sentence)
+    else:
+        verdict = _name_what_fits(
             _accept_registration(found, segments),
             found,
             points if segments is None else None,
             measured.rig.priors.range_sigma_m,
-        ),
+        )
+    return Phase.of(
+        rounds=(),
+        estimate=replace(solved, state=state),
+        verdict=verdict,
         placement=Placement(registration=found, segments=segments),
     )
+
+
+def lying_side(cad_model: CadModel) -> Finding | None:
+    """Find that a CAD model lies on its side where the package's guess has it."""
+    return find_lying_side(cad_model.mesh, cad_model.chart.ship_axes)
 
 
 def _accept_registration(found: registration.Registration, segments: Segments | None) -> Verdict:

@@ -19,6 +19,7 @@ from adjustment.simulated_dive import (
     simulate,
 )
 from adjustment.solved_dives import solved
+from dive.hull.shapes import barge
 
 from hullrecon import native
 from hullrecon.adjustment import cad_acceptance
@@ -106,6 +107,11 @@ def test_a_model_in_other_units_is_refused():
     reason = place(stretched(np.full(3, 1 / 0.3048))).verdict.reason
     assert "times farther from hull.pose" in reason
     assert reason.endswith('where hull.pose says (hull.units = "ft")')
+
+
+def test_a_model_on_its_side_is_refused_however_it_fits():
+    on_its_side = replace(model(), mesh=Mesh(barge().vertices[:, [0, 2, 1]], barge().faces))
+    assert "exported with y up" in place(on_its_side).verdict.reason
 
 
 @lru_cache

@@ -1,12 +1,15 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Describe the CAD model's bow, and how much of the CAD model lies in each region of dive.toml."""
+"""Describe how the CAD model lies, its bow, and how much of it is in each region of dive.toml."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
 from hullrecon.dive.config.schema import Hull
+from hullrecon.dive.hull.symmetry import find_lying_side
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.charts.chart import chart_for_hull
@@ -50,6 +53,13 @@ def describe_bow(hull: Hull, mesh: Mesh) -> tuple[Finding, list[Finding]]:
     bow = Finding("bow", {**values, "bow_m": at_m, "given": hull.bow is not None})
     is_aft = abs(ahead_m) <= AFT_SHARE * (bow_m - aft_m)
     return bow, [] if is_aft else [Finding("stations-off", values)]
+
+
+def check_upright(hull: Hull, mesh: Mesh) -> list[Finding]:
+    """Warn where the CAD model lies on its side as hull.pose has it."""
+    axes = hull_axes(mesh.vertices, up_in(from_mount(hull.pose)), hull.bow)
+    found = find_lying_side(mesh, axes)
+    return [] if found is None else [replace(found, where="the CAD model")]
 
 
 def describe_regions(hull: Hull | None, mesh: Mesh | None) -> tuple[list[Finding], list[Finding]]:

@@ -18,7 +18,12 @@ from hullrecon.dive.check.consistency_checks import (
     check_mount_of_attitude,
 )
 from hullrecon.dive.check.contents import describe_start_offset
-from hullrecon.dive.check.hull_checks import describe_bow, describe_regions, refuse_far_hull
+from hullrecon.dive.check.hull_checks import (
+    check_upright,
+    describe_bow,
+    describe_regions,
+    refuse_far_hull,
+)
 from hullrecon.dive.check.motion_offset import add_motion
 from hullrecon.dive.check.requirements import (
     configured_sensors,
@@ -217,7 +222,7 @@ def check_package(
     # where something cannot be used, the reason is told elsewhere
     known = present | logged if problems.found else present
     known |= set() if found.is_whole else configured_sensors(loaded)
-    bow, stations_off = _bow(loaded.config.hull, found.hull, problems)
+    bow, ill_laid = _bow(loaded.config.hull, found.hull, problems)
     regions, empty_regions = describe_regions(loaded.config.hull, found.hull if bow else None)
     # Hold the sensors against each other, then look for coarser contradictions.
     records, judged, suspects = found.records, list[Finding](), list[dict[str, object]]()
@@ -247,7 +252,7 @@ def check_package(
         needs=[*needs(known, found.unread_dvls), *_images_not_logged(loaded.config, known)],
         missing=missing(known, hull=request.mesh is not None or loaded.config.hull is not None),
         to_fill_in=to_fill_in(loaded, logged, mounts.keys()),
-        warnings=[*warnings, *stations_off, *empty_regions, *_no_earlier_dive(loaded)],
+        warnings=[*warnings, *ill_laid, *empty_regions, *_no_earlier_dive(loaded)],
         start_offset=describe_start_offset(found.records, found.images),
         bow=bow,
         regions=regions,
@@ -278,14 +283,14 @@ def _bow(
 ) -> tuple[list[Finding], list[Finding]]:
     """Describe the bow, or collect the problem where the model does not have the stated bow.
 
-    Empty without a CAD model.
+    With warnings of how it lies. Empty without a CAD model.
     """
     if hull is not None and mesh is not None:
         with problems.collect():
             refuse_far_hull(hull, mesh)
         with problems.collect():
             bow, stations_off = describe_bow(hull, mesh)
-            return [bow], stations_off
+            return [bow], [*check_upright(hull, mesh), *stations_off]
     return [], []
 
 

@@ -47,6 +47,14 @@ def box(low, high) -> Mesh:
     return Mesh(np.asarray(solid.vertices, float), np.asarray(solid.faces, np.int32))
 
 
+def barge(length_m: float = 40.0) -> Mesh:
+    """A closed hull along x, z up, 9 m wide on deck and 6 m at the bottom, of 5 m depth."""
+    solid = box([0.0, -4.5, 0.0], [length_m, 4.5, 5.0])
+    at_bottom = solid.vertices[:, 2] == 0
+    narrower = np.c_[np.ones(8), np.where(at_bottom, 2 / 3, 1.0), np.ones(8)]
+    return Mesh(solid.vertices * narrower, solid.faces)
+
+
 def joined(*meshes: Mesh) -> Mesh:
     """All in one, in their order."""
     shift = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])

@@ -1,0 +1,31 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A CAD model that lies on its side is told by its symmetry, and nothing else is."""
+
+import numpy as np
+import pytest
+from dive.hull.shapes import barge, box, spindle
+
+from hullrecon.dive.check.hull_checks import check_upright
+from hullrecon.dive.config.schema import Hull
+from hullrecon.dive.hull.symmetry import find_lying_side
+from hullrecon.geometry.meshes.mesh import Mesh
+
+Y_UP = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
+
+
+def test_a_ship_on_her_side_is_named_and_upright_again_when_turned():
+    ship = Mesh(barge().vertices @ Y_UP.T, barge().faces)
+    (named,) = check_upright(Hull(mesh="h.stl"), ship)
+    assert named.sentence.startswith("the CAD model: it is symmetric about a level plane")
+    assert "exported with y up? Turn hull.pose by 90 degrees about its x axis" in named.sentence
+    assert check_upright(Hull(mesh="h.stl", pose=(0, 0, 0, -90, 0, 0)), ship) == []
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [barge(), box([0, -4, 0], [40, 4, 5]), spindle(), spindle((-np.pi / 2, np.pi / 2))],
+    ids=["upright", "a box", "a body of revolution", "half of one"],
+)
+def test_a_form_that_may_be_upright_is_not_named(mesh):
+    assert find_lying_side(mesh, np.eye(3)) is None
