@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -60,10 +61,9 @@ def contradicted_observations(
         Of a feature's position.
     """
     observations = _Observations(rig, top, bottom, sigma_px)
-    bounds = {
-        k: slice(*np.searchsorted(node, [k, k + 1]))
-        for k in {n for link in links for n in (link.first, link.second)}
-    }
+    nodes = 1 + max((max(link.first, link.second) for link in links), default=-1)
+    start = np.searchsorted(node, np.arange(nodes + 1, dtype=node.dtype)).tolist()
+    bounds = [slice(*ends) for ends in pairwise(start)]
     votes: list[tuple[Ints32, Ints32, Mask]] = []
     for link in links:
         i, j = bounds[link.first], bounds[link.second]
