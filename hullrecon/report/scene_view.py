@@ -25,12 +25,13 @@ import numpy as np
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.geometry.meshes.local_origin import local_origin
-from hullrecon.geometry.meshes.mesh import vertex_normals
+from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
 from hullrecon.geometry.open3d_import import import_open3d
+from hullrecon.memory import return_free_memory
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.report.figures.hull_map import HullMap
 from hullrecon.report.survey import Surfaces, Survey
-from hullrecon.typing import Array, Ints, Mask
+from hullrecon.typing import Array, Ints, Ints32, Mask
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 SceneDocument = Mapping[str, object]
 BLOCK = "scene-block"  # id of the element that holds the packed arrays
 MAX_SURVEYED, MAX_REST = 220_000, 80_000  # triangles: what a telephone still turns smoothly
+MAX_AT_ONCE = 500_000  # triangles that are thinned at a time: each takes 450 bytes meanwhile
 MAX_PATH = 2000  # points
 RADIUS_M = 0.4  # of the relief: wider than structures are, narrower than a hull's dents and waves
 SPACING_M = 0.05
@@ -53,7 +55,7 @@ class ScenePart:
     vertices: Array  # (n, 3) m, of the hull without its form
     form: Array  # (n,) m along the normals: with it the hull is as found
     normals: Array  # (n, 3) outward
-    faces: Ints  # (m, 3)
+    faces: Ints32  # (m, 3)
     chart: Array  # (n, 2) along, girth of the vertices, NaN off the chart
 
     @property
@@ -71,6 +73,12 @@ def scene_parts(surfaces: Surfaces) -> tuple[ScenePart | None, ScenePart | None]
     Offset and tilt of the patch are left out: they are not known well enough to be shown as a
     shape. Without a CAD model the surveyed part has no form.
     """
+    surveyed, rest = _whole_parts(surfaces)
+    return _decimate(surveyed, MAX_SURVEYED), _decimate(rest, MAX_REST)
+
+
+def _whole_parts(surfaces: Surfaces) -> tuple[ScenePart | None, ScenePart | None]:
+    """Split the hull into surveyed part and rest of the ship, with all faces."""
     surface = surfaces.as_found if surfaces.as_found is not None else surfaces.surveyed
     if surface is None or surfaces.chart is None or not len(surface.faces):
         return None, None
@@ -82,13 +90,9 @@ def scene_parts(surfaces: Surfaces) -> tuple[ScenePart | None, ScenePart | None]
     # of the form: not those of its bumps
     normals = np.where(np.isfinite(smooth).all(axis=1, keepdims=True), smooth, rough)
     base = surface.vertices - form[:, None] * normals
-    whole = ScenePart(
-        vertices=base, form=form, normals=normals, faces=surface.faces.astype(np.int64), chart=chart
-    )
+    whole = ScenePart(vertices=base, form=form, normals=normals, faces=surface.faces, chart=chart)
     seen = np.asarray((surface.support[surface.faces] > 0).all(axis=1), bool)
-    return _decimate(_submesh(whole, seen), MAX_SURVEYED), _decimate(
-        _submesh(whole, ~seen), MAX_REST
-    )
+    return _submesh(whole, seen), _submesh(whole, ~seen)
 
 
 def _submesh(part: ScenePart, faces: Mask) -> ScenePart | None:
@@ -96,11 +100,19 @@ def _submesh(part: ScenePart, faces: Mask) -> ScenePart | None:
     kept = part.faces[faces]
     if not len(kept):
         return None
-    used, index = np.unique(kept, return_inverse=True)
-    return _at(part, used, part.vertices[used], index.reshape(-1, 3))
+    used, index = _used_vertices(kept, len(part.vertices))
+    return _at(part, used, part.vertices[used], index)
 
 
-def _at(part: ScenePart, which: Ints, vertices: Array, faces: Ints) -> ScenePart:
+def _used_vertices(faces: Ints32, count: int) -> tuple[Ints, Ints32]:
+    """Find the vertices (k,), of `count`, that faces (m, 3) use, and number the faces by them."""
+    marked = np.zeros(count, bool)
+    marked[faces] = True
+    number = (np.cumsum(marked) - 1).astype(np.int32)
+    return np.flatnonzero(marked), number[faces]
+
+
+def _at(part: ScenePart, which: Ints, vertices: Array, faces: Ints32) -> ScenePart:
     """Make a mesh of new vertices, with form, normal and chart point of the vertices `which`."""
     return ScenePart(
         vertices=vertices,
@@ -120,14 +132,47 @@ def _decimate(part: ScenePart | None, most: int) -> ScenePart | None:
         return part
     from scipy.spatial import cKDTree
 
-    o3d, found = import_open3d(), part.as_found()
-    mesh = o3d.geometry.TriangleMesh(
-        o3d.utility.Vector3dVector(found), o3d.utility.Vector3iVector(part.faces.astype(np.int32))
+    found = part.as_found()
+    mesh = Mesh(found, part.faces)
+    if len(mesh.faces) > MAX_AT_ONCE:
+        mesh = _thin_stripes(mesh, 2 * most)
+    mesh = _thin_mesh(mesh, most)
+    nearest = np.asarray(cKDTree(found).query(mesh.vertices)[1], np.int64)
+    vertices = mesh.vertices - part.form[nearest, None] * part.normals[nearest]
+    return _at(part, nearest, vertices, mesh.faces)
+
+
+def _thin_stripes(mesh: Mesh, most: int) -> Mesh:
+    """Thin a mesh to about `most` triangles stripe by stripe, across its longest axis.
+
+    Stripes are joined at the vertices that both keep on their common border, nine in ten. Between
+    those stays a slit as narrow as the error of thinning, below a millimetre.
+    """
+    axis = int(np.argmax(np.ptp(mesh.vertices, axis=0)))
+    order = np.argsort(mesh.vertices[mesh.faces, axis].mean(axis=1), kind="stable")
+    stripes = np.array_split(order, -(-len(order) // MAX_AT_ONCE))
+    points, faces, count = [], [], 0
+    for stripe in stripes:
+        used, index = _used_vertices(mesh.faces[stripe], len(mesh.vertices))
+        thin = _thin_mesh(Mesh(mesh.vertices[used], index), round(most * len(stripe) / len(order)))
+        points.append(thin.vertices)
+        faces.append(thin.faces + count)
+        count += len(thin.vertices)
+    joined, number = np.unique(np.concatenate(points), axis=0, return_inverse=True)
+    return Mesh(joined, number.ravel()[np.concatenate(faces)].astype(np.int32))
+
+
+def _thin_mesh(mesh: Mesh, most: int) -> Mesh:
+    """Thin a mesh to about `most` triangles by collapsing edges, the flattest first."""
+    o3d = import_open3d()
+    full = o3d.geometry.TriangleMesh(
+        o3d.utility.Vector3dVector(mesh.vertices), o3d.utility.Vector3iVector(mesh.faces)
     )
-    mesh = mesh.simplify_quadric_decimation(target_number_of_triangles=most)
-    vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.triangles)
-    nearest = np.asarray(cKDTree(found).query(vertices)[1], np.int64)
-    return _at(part, nearest, vertices - part.form[nearest, None] * part.normals[nearest], faces)
+    thin = full.simplify_quadric_decimation(target_number_of_triangles=most)
+    out = Mesh(np.array(thin.vertices), np.array(thin.triangles, np.int32))
+    del full, thin
+    return_free_memory()
+    return out
 
 
 def relief_of(points: Array, form: Array) -> Array:

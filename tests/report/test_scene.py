@@ -13,7 +13,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from report.conftest import FlatChart
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
+from hullrecon.geometry.meshes.mesh import Mesh, face_areas
 from hullrecon.geometry.poses import Poses
 from hullrecon.report import scene_view as parts
 from hullrecon.report.figures.hull_map import hull_map
@@ -132,8 +135,7 @@ def test_relief_does_not_depend_on_the_mesh_of_an_object() -> None:
     assert np.abs(relief).max() < 0.025
 
 
-def test_a_large_mesh_is_thinned_to_the_same_bytes() -> None:
-    n = 60
+def wavy_part(n: int = 60) -> parts.ScenePart:
     points, form = wavy(n)
     index = np.arange(n * n).reshape(n, n)
     a, b, c, d = (
@@ -143,13 +145,17 @@ def test_a_large_mesh_is_thinned_to_the_same_bytes() -> None:
         index[1:, 1:].ravel(),
     )
     faces = np.concatenate([np.stack([a, b, c], 1), np.stack([b, d, c], 1)])
-    whole = parts.ScenePart(
+    return parts.ScenePart(
         vertices=points,
         form=form,
         normals=np.tile([0.0, 0.0, 1.0], (len(points), 1)),
-        faces=faces,
+        faces=faces.astype(np.int32),
         chart=points[:, :2],
     )
+
+
+def test_a_large_mesh_is_thinned_to_the_same_bytes() -> None:
+    whole = wavy_part()
     thin = parts._decimate(whole, 4000)
     assert thin is not None
     assert len(thin.faces) <= 4000
@@ -158,6 +164,19 @@ def test_a_large_mesh_is_thinned_to_the_same_bytes() -> None:
     assert again is not None
     np.testing.assert_array_equal(thin.vertices, again.vertices)
     np.testing.assert_array_equal(thin.faces, again.faces)
+
+
+def test_stripes_of_a_large_mesh_are_joined(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(parts, "MAX_AT_ONCE", 2000)
+    thin = parts._decimate(wavy_part(), 1000)
+    assert thin is not None
+    assert len(thin.faces) <= 1000
+    # one piece, of the whole's area
+    edges, count = np.vstack([thin.faces[:, :2], thin.faces[:, 1:]]).T, len(thin.vertices)
+    graph = coo_array((np.ones(edges.shape[1]), edges), shape=(count, count))
+    assert connected_components(graph, directed=False)[0] == 1
+    area = face_areas(Mesh(thin.vertices * [1, 1, 0], thin.faces)).sum()
+    np.testing.assert_allclose(area, 36.0, rtol=0.01)
 
 
 def test_a_long_path_is_thinned_small_outlines_are_kept(

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,6 +12,8 @@ import numpy as np
 
 from hullrecon.native import MeshIndex
 from hullrecon.typing import Array, Ints32
+
+FACES_AT_ONCE = 1 << 17  # whose corners take 10 MB, and as much again for each vector between them
 
 
 @dataclass(frozen=True)
@@ -69,14 +72,15 @@ def vertex_normals(mesh: Mesh) -> Array:
 
 def corner_angles(mesh: Mesh) -> Array:
     """Compute the angle of each face at each of its corners (m, 3), rad."""
-    corner = mesh.vertices[mesh.faces]
     out = np.zeros(mesh.faces.shape)
-    for k in range(3):
-        a, b = corner[:, (k + 1) % 3] - corner[:, k], corner[:, (k + 2) % 3] - corner[:, k]
-        cosine = np.einsum("ni,ni->n", a, b) / np.maximum(
-            np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-15
-        )
-        out[:, k] = np.arccos(np.clip(cosine, -1, 1))
+    for rows in _blocks(len(out)):
+        corner = mesh.vertices[mesh.faces[rows]]
+        for k in range(3):
+            a, b = corner[:, (k + 1) % 3] - corner[:, k], corner[:, (k + 2) % 3] - corner[:, k]
+            cosine = np.einsum("ni,ni->n", a, b) / np.maximum(
+                np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-15
+            )
+            out[rows, k] = np.arccos(np.clip(cosine, -1, 1))
     return out
 
 
@@ -96,5 +100,13 @@ def corner_shares(corners: Array, points: Array) -> Array:
 
 def face_cross_products(mesh: Mesh) -> Array:
     """Compute (b - a) x (c - a) of each face (m, 3): twice the area along the normal."""
-    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
-    return np.cross(b - a, c - a)
+    out = np.empty(mesh.faces.shape)
+    for rows in _blocks(len(out)):
+        a, b, c = mesh.vertices[mesh.faces[rows]].transpose(1, 0, 2)
+        out[rows] = np.cross(b - a, c - a)
+    return out
+
+
+def _blocks(faces: int) -> Iterator[slice]:
+    """Yield the rows of FACES_AT_ONCE faces at a time, whose corners are in memory together."""
+    return (slice(k, k + FACES_AT_ONCE) for k in range(0, faces, FACES_AT_ONCE))
