@@ -82,6 +82,7 @@ class IngestRequest:
     joints: Mapping[str, str]  # name of the servo by record ("tray", "sonar_tray")
     imu_frame: str  # "ned" or "enu"
     imu_mount_deg: tuple[float, float, float] | None = None  # roll, pitch, yaw in the vehicle
+    imu_heading: str = "orientation"  # or "rates"
     pressure: streams.PressureModel
     beams: Array | None  # (b, 3) of the DVL, for messages without
     sigma_velocity: float  # m/s, where a message has none
@@ -462,6 +463,7 @@ def _build_imu(source: _Source) -> ImuSamples | None:
         source.notes,
         request.imu_mount_deg,
         request.log_units.rates,
+        request.imu_heading,
     )
 
 

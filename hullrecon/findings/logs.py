@@ -195,6 +195,10 @@ NOTES: dict[str, Words] = {
     "vehicle sinks meanwhile and were left out",
     "beams-inward": "the beams in the messages point into the instrument; those of dive.toml were "
     "taken",
+    "heading-of-rates": "its heading is the integral of the rates, about which that of the "
+    "orientation swings by {swing_deg:.2g} degrees (root mean square). They drift by "
+    "{drift_deg_h:.0f} degrees an hour, which was taken off. What is left is known to "
+    "{sigma_deg_h:.0f} degrees an hour: imu.heading_drift_deg_per_hour states it",
     "attitude-of-dvl": "attitude comes from the DVL's own sensors; a compass near a steel hull can "
     "be off by tens of degrees, which imu.heading_drift_deg_per_hour has to cover",
     "depth-of-dvl": "depth comes from the DVL's own sensor; pressure.origin is that sensor's",

@@ -53,6 +53,10 @@ EVIDENCE = {  # that two sensors contradict each other, by what was compared
     "level": "half of the depths are above the water, up to {first:.1f} m",
     "turn": "within a second the rates turn by up to {first_deg:.3g} degrees, the orientation by "
     "{second_deg:.3g}",
+    "heading": "within a second the rates turn by up to {first_deg:.3g} degrees, the orientation "
+    "by {second_deg:.3g}, and they part about the vertical alone, as where a compass swings near a "
+    'ship\'s steel. If so, give imu.heading = "rates"; `hullrecon check` then tells the '
+    "imu.heading_drift_deg_per_hour of the rates",
     "gravity": "gravity does not pull along the vertical of the orientation",
     "flow": "between two images the hull moves by up to {first_deg:.3g} degrees by the images, by "
     "{second_deg:.3g} by the DVL's velocity and ranges",

@@ -61,6 +61,7 @@ def request_of(settings: StageSettings) -> IngestRequest:
                 "sonar_tray": settings.read_optional("sonar.joint_unit", str) or "rad",
             },
         ),
+        imu_heading=settings.read("imu.heading", str),
         imu_mount_deg=settings.read_optional("imu.mount_deg", tuple),
         pressure=PressureModel(
             **{key: settings.read(f"pressure.{key}", float) for key in keys},

@@ -25,6 +25,7 @@ INGEST_KEYS = (
     "imu.frame",
     "imu.mount_deg",
     "imu.rates_unit",
+    "imu.heading",
     "pressure.density",
     "pressure.gravity",
     "pressure.atmosphere",

@@ -52,6 +52,8 @@ APPLIED = {
     "stations-off": "dive/check/test_bow.py::test_a_zero_amidships_is_no_aft_perpendicular",
     "stream-shifted": "dive/check/test_time_overlap.py::"
     "test_a_stream_that_is_shifted_is_told_with_its_seconds",
+    "heading-of-rates": "dive/logs/test_heading.py::"
+    "test_the_drift_that_check_tells_is_that_of_the_rates",
     "imu-upside-down": "dive/check/test_package_check.py::"
     "test_the_simulated_dive_raises_no_suspicion",
     "baseline-implausible": "dive/check/test_consistency_checks.py::"
@@ -155,6 +157,8 @@ FOLLOWED = {
     "test_a_column_that_is_there_twice_is_refused",
     "dive/logs/formats/csv_rows.py::_refuse_decimal_commas": "dive/readers/test_plain.py::"
     "test_decimal_commas_between_commas_are_refused_until_semicolons_part_them",
+    "dive/logs/heading.py::heading_by_rates": "dive/logs/test_heading.py::"
+    "test_without_rates_the_heading_stays_the_orientations",
     "dive/logs/positions.py::_refuse_other_units": "dive/logs/test_positions.py::"
     "test_places_in_another_unit_than_degrees_are_refused_until_they_are",
     "dive/logs/read_streams.py::refuse_two": "dive/logs/test_read_streams.py::"

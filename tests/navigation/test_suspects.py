@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.dvl_beams import tilted_beams
+from hullrecon.dive.logs.heading import heading_by_rates
 from hullrecon.dive.logs.streams import FRD_FROM_FLU, NED_FROM_ENU
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
@@ -479,6 +480,19 @@ def test_orientation_of_other_axes_is_named_before_rates_and_dvl(down, own, axes
     (found,) = judged(replace(given, imu=replace(given.imu, quaternion=logged)), flows()).findings
     assert (found.values["sensor"], found.values["fault"]) == ("IMU's orientation", "axes")
     assert found.values["value"] == axes
+
+
+def test_compass_that_swings_is_told_with_the_key_that_heals():
+    records = dive()
+    swing = np.radians(12.0) * np.sin(0.25 * records.imu.t_ns / NS)
+    level = Rotation.from_quat(records.imu.quaternion)
+    swung = Rotation.from_euler("z", swing[:, None]) * level
+    records = with_imu(records, quaternion=swung.as_quat())
+    (finding,) = judged(records).findings
+    assert finding.code == "sensors-contradict"
+    assert 'give imu.heading = "rates"' in finding.sentence
+    healed = heading_by_rates(records.imu.t_ns, swung, records.imu.angular_velocity)
+    assert not judged(with_imu(records, quaternion=healed.rotation.as_quat())).findings
 
 
 def test_orientation_that_stands_still_does_not_blame_the_rates_alone():

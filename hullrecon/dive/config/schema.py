@@ -181,6 +181,13 @@ class Imu(Section, frozen=True):
     sigma_roll_pitch_deg: Annotated[
         Positive, Meta(description="deg, white sigma of roll and pitch")
     ] = 0.1
+    heading: Annotated[
+        Literal["orientation", "rates"],
+        Meta(
+            description="what gives the heading. The rates where a compass swings near the ship's "
+            "steel: heading_drift_deg_per_hour is that of the gyroscope then, which check tells"
+        ),
+    ] = "orientation"
     heading_drift_deg_per_hour: Annotated[
         NotNegative, Meta(description="deg/h, sigma of the heading's drift")
     ] = 1.0

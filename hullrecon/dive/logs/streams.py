@@ -23,6 +23,7 @@ from hullrecon.dive.logs.dvl_beams import (
     range_scale_sigma,
     unit,
 )
+from hullrecon.dive.logs.heading import heading_by_rates
 from hullrecon.dive.logs.lost_values import (
     UNFILLED,
     drop_lost_velocities,
@@ -224,6 +225,7 @@ def imu_samples(
     notes: list[Finding],
     mount_deg: tuple[float, float, float] | None = None,
     rates_unit: str = "rad/s",
+    heading: str = "orientation",
 ) -> ImuSamples:
     """Stack attitudes and rates of the vehicle, leaving out rows without an attitude.
 
@@ -235,6 +237,7 @@ def imu_samples(
     notes : what was assumed or left out is added
     mount_deg : roll, pitch, yaw of the IMU in the vehicle
     rates_unit : "rad/s" or "deg/s"
+    heading : "orientation" or "rates", what gives it
 
     Raises
     ------
@@ -278,11 +281,17 @@ def imu_samples(
         vehicle_from_imu = Rotation.from_euler("ZYX", mount_deg[::-1], degrees=True)
         rotation = rotation * vehicle_from_imu.inv()
         rates, acceleration = vehicle_from_imu.apply(rates), vehicle_from_imu.apply(acceleration)
+    acceleration = _with_gravity(acceleration, rotation, notes)
+    t_ns = _times(samples)[good]
+    if heading == "rates":
+        found = heading_by_rates(t_ns, rotation, rates)
+        rotation = found.rotation
+        hourly = {"drift": found.drift_rad_s, "sigma": found.drift_sigma_rad_s}
+        values = {f"{name}_deg_h": 3600 * np.degrees(rate) for name, rate in hourly.items()}
+        swing = {"swing_deg": float(np.degrees(found.swing_rad))}
+        notes.append(Finding("heading-of-rates", {**values, **swing}, "imu"))
     return ImuSamples(
-        t_ns=_times(samples)[good],
-        quaternion=rotation.as_quat(),
-        angular_velocity=rates,
-        acceleration=_with_gravity(acceleration, rotation, notes),
+        t_ns=t_ns, quaternion=rotation.as_quat(), angular_velocity=rates, acceleration=acceleration
     )
 
 

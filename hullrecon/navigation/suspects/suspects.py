@@ -11,11 +11,13 @@ sensors' do, all of them are named.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
+from hullrecon.dive.logs.heading import heading_by_rates
 from hullrecon.findings.finding import Finding
 from hullrecon.navigation.suspects.comparisons import (
     GAIN,
@@ -27,16 +29,18 @@ from hullrecon.navigation.suspects.comparisons import (
     Sensor,
     Track,
     compare,
+    compare_rates,
     hull_planes,
     track_of,
 )
 from hullrecon.navigation.suspects.hypotheses import Hypothesis, hypotheses
-from hullrecon.records.sensors import SensorRecords
+from hullrecon.records.sensors import ImuSamples, SensorRecords
 from hullrecon.rig import Rig
 
 ALIKE = 4.0  # hypotheses whose chi-squares differ by less explain as much (navigation/clocks)
 EXPLAINED = 0.4  # of a motion, which the residuals of a hypothesis that explains it stay below
 GROSS = 0.6  # of a motion; a contradiction that size makes a path worthless
+GROSS_SWING_RAD = 0.1  # of a heading: it moves a tenth of the way across
 KEPT = 0.5  # of the rows of a comparison, which a hypothesis leaves to judge it by
 SHOWN = 8  # hypotheses by contradiction that are listed
 UNITS = ("unit", "gauge")  # faults of a pressure that are one of its unit
@@ -328,11 +332,25 @@ def _describe_unknown(
         agree = []
     named = [s for s in Sensor if s in worst.sensors and not any(s in c for c in agree)]
     named = [s for s in named if s is not Sensor.TRAY or records.tray is not None]
-    code = "sensors-contradict" if worst.misfit > GROSS else "sensors-part"
+    facts = _facts(worst)
+    swing_rad = _swing(records.imu) if worst.kind == "turn" and records.imu is not None else 0.0
+    if swing_rad:
+        facts["kind"] = "heading"
+    is_gross = worst.misfit > GROSS or swing_rad > GROSS_SWING_RAD
+    sensors_named = [str(s) for s in sensors or named or sorted(worst.sensors)]
     return Finding(
-        code,
-        {"sensors": [str(s) for s in sensors or named or sorted(worst.sensors)], **_facts(worst)},
+        "sensors-contradict" if is_gross else "sensors-part", {"sensors": sensors_named, **facts}
     )
+
+
+def _swing(imu: ImuSamples) -> float:
+    """Measure by how much the orientation's heading swings about that of the rates, rad.
+
+    0 where the two contradict each other about other axes than the vertical too.
+    """
+    turned = heading_by_rates(imu.t_ns, Rotation.from_quat(imu.quaternion), imu.angular_velocity)
+    again = compare_rates(replace(imu, quaternion=turned.rotation.as_quat()))
+    return 0.0 if again is None or again.is_contradiction else turned.swing_rad
 
 
 def _facts(comparison: Comparison) -> dict[str, object]:

@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Take the heading from an IMU's rates: near a ship's steel a compass swings by tens of degrees.
+
+Roll and pitch stay those of the orientation, which gravity holds. The rates' bias about the
+vertical is what the two headings drift apart by, as far as the compass tells that better than
+gyroscopes are calibrated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.errors import InputError
+from hullrecon.records.clock import seconds
+from hullrecon.typing import Array, Ints, Mask
+
+# that attitude systems with MEMS gyroscopes leave of a rate's bias (one sigma)
+BIAS_SIGMA_RAD_S = np.radians(0.05)
+LONGEST_GAP_S = 1.0  # between readings, over which rates are integrated
+LEAST_RATES = 0.9  # of the readings, that have rates
+
+
+@dataclass(frozen=True)
+class RateHeading:
+    """Attitudes with the heading of the rates."""
+
+    rotation: Rotation  # (n,) from the vehicle to `global`
+    drift_rad_s: float  # of the rates' heading against the orientation's, which was taken off
+    drift_sigma_rad_s: float  # to which that is known
+    swing_rad: float  # root mean square of the orientation's heading about the other
+
+
+def heading_by_rates(t_ns: Ints, rotation: Rotation, rates: Array) -> RateHeading:
+    """Replace the heading of attitudes by the integral of the rates.
+
+    Parameters
+    ----------
+    t_ns : (n,) stamps
+    rotation : (n,) from the vehicle to `global`
+    rates : (n, 3) rad/s, in the vehicle
+
+    Raises
+    ------
+    InputError
+        There are no rates.
+    """
+    known: Mask = np.asarray(np.isfinite(rates).all(axis=1))
+    if len(t_ns) < 2 or known.mean() < LEAST_RATES:
+        raise InputError(
+            "the heading cannot be taken from rates: the IMU's angular velocities were not logged",
+            where="imu.heading",
+            remedy='give imu.heading = "orientation"',
+        )
+    t_s = seconds(t_ns, int(t_ns[0]))
+    turned = rotation.apply(np.nan_to_num(rates))[:, 2]  # about the vertical, rad/s
+    step_s = np.diff(t_s)
+    by_orientation = (rotation[1:] * rotation[:-1].inv()).as_rotvec()[:, 2]
+    more = 0.5 * (turned[1:] + turned[:-1]) * step_s - by_orientation
+    more[(step_s > LONGEST_GAP_S) | ~known[1:] | ~known[:-1]] = 0.0
+    apart = np.concatenate([[0.0], np.cumsum(more)])  # rates' heading over the orientation's
+    drift, sigma = _drift(t_s, apart)
+    apart = apart - drift * (t_s - t_s.mean())
+    apart = apart - np.median(apart)
+    return RateHeading(
+        rotation=Rotation.from_euler("z", apart[:, None]) * rotation,
+        drift_rad_s=drift,
+        drift_sigma_rad_s=sigma,
+        swing_rad=float(np.sqrt(np.mean(np.square(apart)))),
+    )
+
+
+def _drift(t_s: Array, apart: Array) -> tuple[float, float]:
+    """Estimate the slope of a difference (n,) of headings, and its sigma.
+
+    What it swings by about a line is as many independent values as it crosses that.
+    """
+    since = t_s - t_s.mean()
+    spread = float(since @ since)
+    slope = float(since @ apart) / spread
+    left = apart - apart.mean() - slope * since
+    independent = 1 + np.count_nonzero(np.diff(np.signbit(left)))
+    variance = float(left @ left) / spread / independent
+    weight = variance / (variance + BIAS_SIGMA_RAD_S**2)  # of the prior, a slope of zero
+    return (1 - weight) * slope, float(np.sqrt(weight) * BIAS_SIGMA_RAD_S)
