@@ -222,6 +222,10 @@ NOTES: dict[str, Words] = {
     "ranges-unconfirmed": "its table has no altitude, which would tell ranges along the beams from "
     "distances along its axis: they were taken along the beams. Without a camera positions on the "
     "hull are known to {percent:.0f} % of a range (one sigma); a column altitude, in m, tells",
+    "ranges-alike": "all beams have one range in each of {count} pings, as where a driver writes "
+    "the altitude for all: they were left out",
+    "beam-stands-still": "beam {beam} reads {low_m:.2f} to {high_m:.2f} m, while the hull in the "
+    "others comes and goes by {others_m:.2f} m: it hears itself or the vehicle, and was left out",
     "beams-change": "the beams' directions change during the dive; their mean was used",
     "beams-unlike-toml": "the beams of dive.toml are up to {degrees:.1f} degrees off those of the "
     "messages, which were used",

@@ -124,6 +124,8 @@ FOLLOWED = {
     "test_camera_on_servo_beside_fixed_dvl_is_refused",
     "dive/hull/load.py::_load": "dive/hull/test_hull.py::"
     "test_unread_mesh_format_is_refused_with_the_formats_read",
+    "dive/hull/load.py::_parse": "dive/hull/test_hull.py::"
+    "test_a_file_that_is_cut_off_is_read_once_it_is_whole",
     "dive/hull/load.py::_refuse_other_kind": "dive/hull/test_hull.py::"
     "test_a_binary_stl_that_is_cut_off_is_named",
     "dive/hull/load.py::_check_extent": "dive/hull/test_hull.py::"
@@ -185,6 +187,8 @@ FOLLOWED = {
     "test_beams_that_nothing_describes_are_asked_for",
     "dive/logs/streams.py::_refuse_far": "dive/logs/test_streams.py::"
     "test_ranges_in_millimetres_are_refused",
+    "dive/logs/streams.py::_refuse_coarse": "dive/logs/test_streams.py::"
+    "test_velocities_rounded_to_tenths_are_refused_until_they_have_more_digits",
     "dive/logs/streams.py::_refuse_fast": "dive/logs/test_streams.py::"
     "test_velocities_of_another_unit_are_refused_until_it_is_given",
     "dive/logs/streams.py::_no_attitude": "dive/logs/test_streams.py::"

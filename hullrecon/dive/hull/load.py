@@ -46,6 +46,10 @@ COARSEST_STEP_M, FINE_STEP_M = 0.01, 0.001
 # magic, version, length; length and type of the first chunk, which is JSON
 GLB_HEAD = struct.Struct("<4sIIII")
 STL_HEAD, STL_FACE = 84, 50  # bytes of a binary STL: before its faces, and of each
+# .gltf names further files, which may lie anywhere
+IN_ONE_FILE = "save it as GLB, which is glTF in one file"
+COPY_AGAIN = "copy or export it again"
+TAIL = 1 << 10  # bytes, in which an STL of text ends
 _SAY_SO = "name it by what it is"
 # what a file begins with: what it is, and what to do
 OTHER_KINDS = (
@@ -108,7 +112,9 @@ def _load(path: Path) -> tuple[Array, Ints32, bool]:
         raise InputError(
             f"{path.name} is no CAD model that is read here",
             where="hull.mesh",
-            remedy=f"export a mesh of its surface as {', '.join(FORMATS)}",
+            remedy=IN_ONE_FILE
+            if kind == "gltf"
+            else f"export a mesh of its surface as {', '.join(FORMATS)}",
         )
     try:
         data = read_regular(path, LARGEST_BYTES)
@@ -143,6 +149,10 @@ def _load(path: Path) -> tuple[Array, Ints32, bool]:
 
 def _refuse_other_kind(data: bytes, kind: str, path: Path) -> None:
     """Raise InputError for a file that is not what its name says, or cut off."""
+    if not data:
+        raise InputError(
+            f"the CAD model {path.name} is empty", where=str(path.parent), remedy=COPY_AGAIN
+        )
     found = [words for magic, words in OTHER_KINDS if magic.match(data)]
     if found and kind not in found[0][0]:
         what, remedy = found[0]
@@ -157,8 +167,14 @@ def _refuse_other_kind(data: bytes, kind: str, path: Path) -> None:
             raise InputError(
                 f"the CAD model {path.name} is cut off: it holds {held} of {claimed} faces",
                 where=str(path.parent),
-                remedy="copy or export it again",
+                remedy=COPY_AGAIN,
             )
+    if kind == "stl" and not is_binary_stl and b"endsolid" not in data[-TAIL:].lower():
+        raise InputError(
+            f"the CAD model {path.name} is cut off: it has no endsolid",
+            where=str(path.parent),
+            remedy=COPY_AGAIN,
+        )
 
 
 def _parse(data: bytes, kind: str, path: Path) -> tuple[Array, Ints]:
@@ -179,7 +195,9 @@ def _parse(data: bytes, kind: str, path: Path) -> tuple[Array, Ints]:
     except Exception as error:  # trimesh's parsers raise whatever damaged bytes lead them to
         reason = shorten(f"{type(error).__name__} {error}", 120)
         raise InputError(
-            f"the CAD model {path.name} is no {kind.upper()}: {reason}", where=str(path.parent)
+            f"the CAD model {path.name} is no {kind.upper()}, or damaged: {reason}",
+            where=str(path.parent),
+            remedy=COPY_AGAIN,
         ) from None
     return vertices, faces
 

@@ -28,6 +28,9 @@ LONGEST_HOLD_S = 1.0
 MOST_UNHEARD = 0.5  # of the velocities may be lost because no beam has a range
 UNFILLED, SUDDEN_TURN_RAD = (0.0, 0.0, 0.0, 1.0), 0.1  # ROS 2's default orientation
 LEAST_LIMITED = 5  # ranges that are exactly the largest one
+LEAST_BEAMS = 3  # of a ping that shows whether one is unlike the others
+MOST_ALIKE = 0.9  # of the pings, with one range in all beams
+STANDS_STILL = 0.2  # of what the hull in the other beams comes and goes
 CLOSE_TO_LIMIT = 0.9  # of the largest range: one that was measured has others as long
 
 
@@ -150,6 +153,33 @@ def is_held(t_ns: Ints, quaternion: Array, rates: Array, acceleration: Array) ->
     long = (t_ns[ends - 1] - t_ns[starts]) / NS > LONGEST_HOLD_S
     long &= count > LONG_RUN * np.median(count)
     return np.asarray(np.repeat(long, count) & ~moved & (rates != 0).any(axis=1))
+
+
+def drop_ranges_of_one_beam(ranges: Array, notes: list[Finding]) -> Array:
+    """Replace ranges (n, b) by NaN that are none of the beams they stand for.
+
+    A driver without ranges writes the altitude into all beams. A beam that hears its own pulse, or
+    a part of the vehicle, stays where it is while the hull in the others comes and goes.
+    """
+    whole = np.isfinite(ranges).all(axis=1)
+    if ranges.shape[1] < LEAST_BEAMS or whole.sum() < LEAST_PINGS:
+        return ranges
+    known = ranges[whole]
+    if (np.ptp(known, axis=1) == 0).mean() > MOST_ALIKE and len(np.unique(known)) > LEAST_PINGS:
+        notes.append(Finding("ranges-alike", {"count": int(whole.sum())}, "dvl"))
+        return np.full_like(ranges, np.nan)
+    out = ranges.copy()
+    low, middle, high = np.percentile(known, [5, 50, 95], axis=0)
+    for beam in range(ranges.shape[1]):
+        others = np.delete(known, beam, axis=1)
+        spread = float(np.median(np.ptp(np.percentile(others, [5, 95], axis=0), axis=0)))
+        own = float(high[beam] - low[beam])
+        is_near = middle[beam] < np.median(others, axis=0).min() - spread
+        if is_near and own < STANDS_STILL * spread:
+            values = {"beam": beam + 1, "low_m": float(low[beam]), "high_m": float(high[beam])}
+            notes.append(Finding("beam-stands-still", {**values, "others_m": spread}, "dvl"))
+            out[:, beam] = np.nan
+    return out
 
 
 def drop_ranges_at_limit(ranges: Array, notes: list[Finding]) -> Array:

@@ -12,7 +12,7 @@ from types import MappingProxyType
 import numpy as np
 
 from hullrecon.dive.logs.fixed_frames import frame_of
-from hullrecon.dive.logs.messages.decode import decode, describe, type_name
+from hullrecon.dive.logs.messages.decode import ENCODINGS, decode, describe, type_name
 from hullrecon.dive.logs.messages.samples import TYPES, WITHOUT_HEADER, stamp_ns
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Loss, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
@@ -278,6 +278,13 @@ def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> 
     Where other messages of the topic were read, its type counts as damaged.
     """
     channel = message.channel
+    if channel.encoding not in ENCODINGS and (channel.topic, sensor) not in out.used:
+        raise InputError(
+            f"topic {channel.topic} is encoded as {printable(channel.encoding) or 'unknown'}: "
+            "messages of ROS are read (cdr, ros1)",
+            where=f"topics.{sensor}",
+            remedy="record it with rosbag2, or write its values as a table (docs/dive_package.md)",
+        )
     translate = TYPES[sensor].get(type_name(channel))
     if translate is None and (channel.topic, sensor) in out.used:
         raise DamagedError(f"they are {channel.type}, unlike those before")

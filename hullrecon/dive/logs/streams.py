@@ -28,6 +28,7 @@ from hullrecon.dive.logs.lost_values import (
     UNFILLED,
     drop_lost_velocities,
     drop_ranges_at_limit,
+    drop_ranges_of_one_beam,
     is_false_attitude,
     is_held,
 )
@@ -75,6 +76,8 @@ DEEPEST_HULL_M = 40.0  # the largest ships draw 25 m
 PASCALS = {"Pa": 1.0, "mbar": 1e2, "hPa": 1e2, "kPa": 1e3, "psi": 6894.757, "dbar": 1e4, "bar": 1e5}
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
 FARTHEST_MEDIAN_M = 100.0  # of the DVL's ranges at a hull: the instruments reach 50 to 200 m
+LEAST_ROUNDED, ON_GRID = 20, 1e-3  # velocities that show a rounding; of its step, how exactly
+COARSEST_SHARE = 0.25  # of the median speed, whose direction a rounding turns by 7 degrees
 WHOLE_TURN_DEG = 360.0
 LEAST_UNIT = 0.1  # of an IMU's quaternions: fewer are of unit length by chance
 METRES_A_SECOND = {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3}
@@ -135,7 +138,7 @@ def dvl_pings(
         if len(sample.ranges) == width:
             ranges[row] = sample.ranges
     ranges[~((ranges > 0) & np.isfinite(ranges))] = np.nan  # no return
-    ranges = drop_ranges_at_limit(ranges, notes)
+    ranges = drop_ranges_of_one_beam(drop_ranges_at_limit(ranges, notes), notes)
     if width and not np.isfinite(ranges).any():
         notes.append(Finding("ranges-all-lost", where="dvl"))
         ranges, width = ranges[:, :0], 0
@@ -145,6 +148,7 @@ def dvl_pings(
     notes += _describe_not_over_ground(samples)
     speed = np.linalg.norm(velocity, axis=1)
     _refuse_fast(speed, unit)
+    _refuse_coarse(velocity, speed)
     absurd = speed > FASTEST_M_S
     if absurd.any():
         velocity[absurd] = np.nan
@@ -196,6 +200,24 @@ def _refuse_far(ranges: Array) -> None:
             "they in centimetres or millimetres?",
             where="dvl",
             remedy="log them in metres, or leave the ranges away",
+        )
+
+
+def _refuse_coarse(velocity: Array, speed: Array) -> None:
+    """Raise InputError for velocities (n, 3), m/s, rounded so that they lose their direction."""
+    levels = np.unique(np.abs(velocity[np.isfinite(velocity)]))
+    moving = speed[speed > 0]
+    if len(moving) < LEAST_ROUNDED or len(levels) < 2:
+        return
+    step = float(np.diff(levels).min())
+    rounded = np.abs(levels / step - np.round(levels / step)).max() < ON_GRID
+    median = float(np.median(moving))
+    if rounded and step > COARSEST_SHARE * median:
+        raise InputError(
+            f"its velocities are rounded to {step:.3g} m/s, half of them are {median:.3g} m/s or "
+            "less",
+            where="dvl",
+            remedy="log or write them with more digits",
         )
 
 

@@ -266,6 +266,24 @@ def test_unread_mesh_format_is_refused_with_the_formats_read(tmp_path):
         read_hull(tmp_path / "hull.step", "m", [])
     for kind in ("stl", "ply", "obj", "off", "glb"):
         assert len(read_hull(save(tmp_path / f"hull.{kind}", tube()), "m", []).faces)
+    with pytest.raises(InputError) as caught:
+        read_hull(tmp_path / "hull.gltf", "m", [])
+    assert caught.value.remedy.startswith("save it as GLB")
+
+
+@pytest.mark.parametrize("kind", ["glb", "ply", "off", "stl"])
+def test_a_file_that_is_cut_off_is_read_once_it_is_whole(tmp_path, kind):
+    path = save(tmp_path / f"hull.{kind}", tube())
+    whole = path.read_bytes()
+    if kind == "stl":
+        mesh = trimesh.Trimesh(tube().vertices, tube().faces, process=False)
+        whole = mesh.export(file_type="stl_ascii").encode()
+    path.write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(InputError, match=r"damaged|cut off") as caught:
+        read_hull(path, "m", [])
+    assert caught.value.remedy == "copy or export it again"
+    path.write_bytes(whole)
+    assert len(read_hull(path, "m", []).faces)
 
 
 @pytest.mark.parametrize("name", ["h.stl", "h.ply", "h.obj", "h.off", "h.glb", "h.stl.gz"])

@@ -10,6 +10,7 @@ import pytest
 from hullrecon.dive.logs.lost_values import (
     drop_lost_velocities,
     drop_ranges_at_limit,
+    drop_ranges_of_one_beam,
     is_false_attitude,
 )
 from hullrecon.dive.logs.messages.covariance import sigma_of
@@ -142,6 +143,19 @@ def test_a_useless_sigma_of_every_velocity_marks_none_as_lost():
     assert (np.isnan(found).all(axis=1) == LOST_ROWS).all()
     assert np.isnan(sigma).all()
     assert "dvl.sigma_velocity was used" in notes[0].sentence
+
+
+def test_a_beam_that_hears_itself_and_an_altitude_for_all_beams_are_lost():
+    comes_and_goes = 1.5 + 0.4 * np.sin(0.1 * np.arange(COUNT))[:, None]
+    deaf = comes_and_goes + np.array([0, 0.1, 0.2, 0.3])
+    notes = []
+    assert np.isfinite(drop_ranges_of_one_beam(deaf, notes)).all()
+    assert not notes
+    deaf[:, 1] = 0.05 + 0.001 * np.arange(COUNT) / COUNT
+    lost_beams = np.isnan(drop_ranges_of_one_beam(deaf, notes)).all(axis=0)
+    assert lost_beams.tolist() == [False, True, False, False]
+    assert "beam 2 reads 0.05 to 0.05 m" in sentences(notes)[0]
+    assert np.isnan(drop_ranges_of_one_beam(comes_and_goes[:, [0] * 4], [])).all()
 
 
 def test_ranges_at_the_instruments_limit_are_lost():

@@ -58,6 +58,20 @@ def test_topic_of_wrong_type_is_refused_with_both_types(kit, tmp_path):
     assert run(tmp_path / "x.mcap", {"/dvl": ("dvl",)})[0].samples["dvl"]
 
 
+def test_messages_that_ros_did_not_encode_are_refused_by_their_encoding(kit, tmp_path, monkeypatch):
+    path = kit.mcap(tmp_path / "x.mcap", kit.dive())
+    whole = McapLog.messages
+
+    def as_json(log):
+        for message in whole(log):
+            channel = Channel(message.channel.topic, "sensor_msgs.Imu", "json")
+            yield dataclasses.replace(message, channel=channel, data=b"{}")
+
+    monkeypatch.setattr(McapLog, "messages", as_json)
+    with pytest.raises(InputError, match="topic /imu is encoded as json"):
+        run(path, {"/imu": ("imu",)})
+
+
 def test_unstamped_messages_take_logging_time_and_are_counted(kit, tmp_path):
     entries = [
         dataclasses.replace(e, message=kit.imu(0)) if e.topic == "/imu" else e for e in kit.dive()

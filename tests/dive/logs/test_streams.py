@@ -54,6 +54,15 @@ def test_velocities_relative_to_the_water_are_counted():
     assert "1 of 3 velocities are relative to the water" in notes[0].sentence
 
 
+def test_velocities_rounded_to_tenths_are_refused_until_they_have_more_digits():
+    velocities = 0.2 * np.random.default_rng(1).standard_normal((40, 3))
+    pings = [ping(t, velocity) for t, velocity in enumerate(np.round(velocities, 1))]
+    with pytest.raises(InputError, match=r"rounded to 0\.1 m/s"):
+        streams.dvl_pings(pings, None, 0.003, [])
+    pings = [ping(t, velocity) for t, velocity in enumerate(np.round(velocities, 2))]
+    assert np.isfinite(streams.dvl_pings(pings, None, 0.003, []).velocity).all()
+
+
 def test_ranges_not_positive_or_infinite_are_lost():
     pings = streams.dvl_pings([ping(ranges=(0, -1, np.inf, 2))], None, 0.003, [])
     assert np.isnan(pings.ranges[0]).tolist() == [True, True, True, False]

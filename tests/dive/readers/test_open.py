@@ -152,6 +152,16 @@ def test_a_pointer_of_git_lfs_is_named(tmp_path, name):
     assert caught.value.remedy == "fetch it with git lfs pull"
 
 
+def test_what_a_server_sent_in_a_files_place_and_a_dead_link_are_named(tmp_path):
+    (tmp_path / "dive.mcap").write_text("<!DOCTYPE html><html>Sign in</html>")
+    with pytest.raises(InputError, match="a page of the web"):
+        open_log(tmp_path / "dive.mcap")
+    (tmp_path / "link.mcap").symlink_to("gone.mcap")
+    with pytest.raises(InputError, match="is missing") as caught:
+        open_log(tmp_path / "link.mcap")
+    assert "a link to gone.mcap, which is not there" in caught.value.remedy
+
+
 def test_a_path_of_windows_is_refused_with_how_to_write_it(tmp_path):
     with pytest.raises(InputError, match="is missing") as caught:
         open_log(tmp_path / "logs\\dive.mcap")

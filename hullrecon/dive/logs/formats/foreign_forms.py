@@ -25,6 +25,7 @@ TO_PHOTOS = (
 TO_TABLES = f"write {TABLES}"
 TO_MCAP = f"convert it to MCAP, or {TO_TABLES}"
 PACKED = "packed by gzip"
+PAGES = (b"<!doctype", b"<html", b"<?xml")  # begin what a server sends in a file's place
 MESHES = (".stl", ".ply", ".obj", ".off", ".glb")
 BY_MAGIC: tuple[tuple[bytes, str, str], ...] = (
     (LFS_POINTER, *LFS_WORDS),
@@ -79,8 +80,15 @@ def describe_file(path: Path, start: bytes) -> tuple[str, str]:
             "reports of a Water Linked DVL, but not one a line as it sends them",
             f"`jq -c {what} OLD > NEW.json` puts them so",
         )
+    if is_page(start):
+        return "a page of the web or XML", "fetch the file itself"
     known = [(what, remedy) for magic, what, remedy in BY_MAGIC if start.startswith(magic)]
     return (known or [BY_SUFFIX.get(suffix, ("", ""))])[0]
+
+
+def is_page(start: bytes) -> bool:
+    """Tell whether a file begins as a page of the web, which was saved in the place of a log."""
+    return start.lstrip().lower().startswith(PAGES)
 
 
 def describe_folder(names: Iterable[str]) -> tuple[str, str]:

@@ -4,13 +4,19 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from hullrecon.dive.files import LFS_POINTER
 from hullrecon.dive.logs.formats import bag_records, mcap_records, pd0_ensemble
-from hullrecon.dive.logs.formats.foreign_forms import PACKED, describe_file, describe_folder
+from hullrecon.dive.logs.formats.foreign_forms import (
+    PACKED,
+    describe_file,
+    describe_folder,
+    is_page,
+)
 from hullrecon.dive.logs.readers import sqlite
 from hullrecon.dive.logs.readers.ad2cp.blocks import is_ad2cp
 from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog
@@ -79,9 +85,7 @@ def open_log(path: Path, package: Path | None = None) -> Log:
         raise InputError(
             f"the log {name} is missing{_files_there_are(path)}",
             where=where,
-            remedy="write / between folders in logs.files"
-            if "\\" in path.name
-            else "correct logs.files",
+            remedy=_missing_remedy(path),
         ) from None
     except OSError as error:
         raise InputError(f"the log {name} cannot be read: {error.strerror}", where=where) from None
@@ -97,7 +101,7 @@ def open_log(path: Path, package: Path | None = None) -> Log:
     by_name = BY_SUFFIX.get(Path(unpacked_name(path.name)).suffix.lower())
     if by_name is not None and start.startswith(ZSTD):
         return PackedLog(path, by_name)
-    if by_name is not None and not start.startswith(LFS_POINTER):
+    if by_name is not None and not (start.startswith(LFS_POINTER) or is_page(start)):
         found.append(by_name)
     if not found:
         raise _not_read(name, where, *describe_file(path, start))
@@ -229,8 +233,19 @@ def _start(path: Path) -> bytes:
         return stream.read(START_BYTES)
 
 
+def _missing_remedy(path: Path) -> str:
+    """Say what to do about a log that is not there."""
+    if path.is_symlink():
+        return f"it is a link to {printable(os.readlink(path))}, which is not there: copy the log"
+    if "\\" in path.name:
+        return "write / between folders in logs.files"
+    return "correct logs.files"
+
+
 def _files_there_are(path: Path) -> str:
     """Name some files of the folder in which a log was looked for."""
+    if path.is_symlink():
+        return ""
     try:
         names = sorted(p.name for p in path.parent.iterdir())[:6]
     except OSError:
