@@ -35,12 +35,15 @@ def refuse_two_sensors(sensor: str, away: Array, unit: str, leave_away: str = ""
     """
     if len(away) == 0:
         return
+    # In each window, the widest gap between two values parts the readings into two groups. How far
+    # apart the values are without that gap is what one sensor adds.
     ordered = np.sort(away, axis=1)
     gaps = np.diff(ordered, axis=1)
     at = gaps.argmax(axis=1)
     rows = np.arange(len(away))
     gap = gaps[rows, at]
     within = (ordered[:, -1] - ordered[:, 0]) - gap
+    # how often readings go from one group to the other, and how many the smaller one has
     is_far = away > (ordered[rows, at] + gap / 2)[:, None]
     turns = (np.diff(is_far.astype(np.int8), axis=1) != 0).sum(axis=1)
     fewer = np.minimum(is_far.sum(axis=1), (~is_far).sum(axis=1))

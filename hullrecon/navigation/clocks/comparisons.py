@@ -174,14 +174,16 @@ def compare_directions(
         A small rotation between both mounts is fitted at each offset, and taken off.
         """
         shift_ns = _shift_ns(offsets, ClockedSensor.DVL, ClockedSensor.IMAGES)
-        aside = np.cross(seen[rows], _directions(step(shift_ns / NS, rows)))
+        angle = np.cross(seen[rows], _directions(step(shift_ns / NS, rows)))
         unknown = _outside(motions, rows, shift_ns, velocities.t_ns)
-        aside[unknown] = 0.0
-        of, across = sigma[rows], by_mount[rows]
-        trusted = np.clip(aside, -TRUSTED * of, TRUSTED * of)
-        information = (across / of[:, :, None] ** 2).sum(axis=0) + np.eye(3) / MOUNT_SIGMA_RAD**2
-        mount = np.linalg.solve(information, (trusted / of**2).sum(axis=0))
-        found = (aside - across @ mount) / of
+        angle[unknown] = 0.0
+        # the rotation of the mounts by least squares, of angles clipped so that none counts much
+        own, turned_by = sigma[rows], by_mount[rows]
+        clipped = np.clip(angle, -TRUSTED * own, TRUSTED * own)
+        information = (turned_by / own[:, :, None] ** 2).sum(axis=0)
+        information = information + np.eye(3) / MOUNT_SIGMA_RAD**2
+        mount = np.linalg.solve(information, (clipped / own**2).sum(axis=0))
+        found = (angle - turned_by @ mount) / own
         found[unknown] = np.nan
         return np.asarray(found)
 

@@ -18,8 +18,8 @@ from hullrecon.studies.submaps.models import (
     observe,
     observe_jacobians,
     place,
+    place_by_points,
     place_by_pose,
-    rotation,
     sighted_covariance,
     sighted_points,
     wrap,
@@ -137,7 +137,7 @@ class EkfMap:
         by_pose = place_by_pose(pose_from_map, self.landmarks[near])
         jacobian = np.zeros((2 * len(near), 3 + 2 * len(near)))
         jacobian[:, :3] = by_pose @ invert_jacobian(self.mean[:3])
-        jacobian[:, 3:] = np.kron(np.eye(len(near)), rotation(pose_from_map[2]))
+        jacobian[:, 3:] = place_by_points(pose_from_map, len(near))
         rows = np.r_[:3, self.rows(near)]
         part = self.covariance[np.ix_(rows, rows)]
         spread = _block_diagonal(sighted_covariance(readings, noise))

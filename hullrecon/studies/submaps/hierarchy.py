@@ -16,7 +16,7 @@ from hullrecon.studies.submaps.ekf_slam import EkfMap
 from hullrecon.studies.submaps.global_map import GlobalMap
 from hullrecon.studies.submaps.join import refer_to_base
 from hullrecon.studies.submaps.loops import Area, pair_maps, proximity
-from hullrecon.studies.submaps.models import place, place_by_pose, rotation, wrap
+from hullrecon.studies.submaps.models import place, place_by_points, place_by_pose, wrap
 from hullrecon.studies.submaps.sequence import PlainMap, plain_map
 from hullrecon.typing import Array
 
@@ -125,7 +125,7 @@ def register(
     points, targets, pose = second.points[seconds], first.points[firsts], start.copy()
     covariance: Array = np.eye(3)
     for _ in range(ITERATIONS):
-        turn = np.kron(np.eye(len(pairs)), rotation(pose[2]))
+        turn = place_by_points(pose, len(pairs))
         weighted = np.linalg.solve(fixed + turn @ moving @ turn.T, place_by_pose(pose, points)).T
         covariance = np.asarray(np.linalg.inv(weighted @ place_by_pose(pose, points)))
         pose = pose + covariance @ weighted @ (targets - place(pose, points)).ravel()

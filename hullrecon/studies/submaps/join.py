@@ -11,7 +11,13 @@ import numpy as np
 from hullrecon.studies.association.point_sets import Pair, PointSets, rows_of
 from hullrecon.studies.submaps.effort import Effort
 from hullrecon.studies.submaps.global_map import GlobalMap, Submap
-from hullrecon.studies.submaps.models import place, place_by_pose, rotation, wrap
+from hullrecon.studies.submaps.models import (
+    place,
+    place_by_points,
+    place_by_pose,
+    rotation,
+    wrap,
+)
 from hullrecon.typing import Array, Ints
 
 ITERATIONS = 3  # of an update
@@ -33,7 +39,7 @@ def refer_to_base(
     Array
         Their covariance (2n, 2n).
     """
-    by_point = np.kron(np.eye(len(points)), rotation(transform[2]))  # J_j
+    by_point = place_by_points(transform, len(points))  # J_j
     by_transform = place_by_pose(transform, points)  # J_T
     carried = by_transform @ transform_covariance @ by_transform.T
     return place(transform, points), by_point @ covariance @ by_point.T + carried
@@ -141,7 +147,7 @@ def _tie(
     world = GlobalMap()
     world.mean = at
     transform, by_links = world.relative(first.base, second.base)
-    points, turn = shared.reshape(-1, 2), np.kron(np.eye(len(pairs)), rotation(transform[2]))
+    points, turn = shared.reshape(-1, 2), place_by_points(transform, len(pairs))
     by_transform = place_by_pose(transform, points) @ by_links
     start = GlobalMap()
     start.mean = before

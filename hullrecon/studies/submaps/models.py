@@ -83,6 +83,11 @@ def place_by_pose(pose: Array, points: Array) -> Array:
     return jacobian
 
 
+def place_by_points(pose: Array, count: int) -> Array:
+    """Differentiate `place` by the points, each turned alike (2 count, 2 count)."""
+    return np.asarray(np.kron(np.eye(count), rotation(pose[2])))
+
+
 @dataclass(frozen=True, kw_only=True)
 class Car:
     """A car steered by its front wheels [Aulinas2011 Fig. 3.3].

@@ -21,8 +21,8 @@ from hullrecon.studies.submaps.models import (
     compose,
     compose_jacobians,
     place,
+    place_by_points,
     place_by_pose,
-    rotation,
     wrap,
 )
 from hullrecon.typing import Array
@@ -95,7 +95,7 @@ def _one_frame(first: PlainMap, second: PlainMap) -> tuple[Array, Array]:
     size = len(second.mean)
     turned = np.zeros((size, size))  # J_j of (3.14)
     turned[:3, :3] = by_second
-    turned[3:, 3:] = np.kron(np.eye(len(second.truth)), rotation(pose[2]))
+    turned[3:, 3:] = place_by_points(pose, len(second.truth))
     block = moved_by @ own[:3, :3] @ moved_by.T + turned @ second.covariance @ turned.T
     across = own[3:, :3] @ moved_by.T
     mean = np.concatenate(

@@ -182,9 +182,10 @@ def most_likely_motion(
 ) -> tuple[Array, float]:
     """Minimise the robust cost of matches (n, 2) and navigation together, from RANSAC's motion.
 
-    Steps are reweighted by Tukey's biweight about a sigma that falls with them, so that costs of
-    two steps cannot be compared, as geometry.pose_solver does. From navigation's motion they would
-    lead to either of a plane's two.
+    It does not start from navigation's motion: from there the steps may lead to either of the two
+    motions that a plane leaves. Matches are weighted by Tukey's biweight about a sigma that falls
+    from step to step, so that costs of two steps do not compare. That is why geometry.pose_solver,
+    which compares them, is not used.
 
     Returns
     -------

@@ -91,7 +91,10 @@ def _find_header(
 def _refuse_decimal_commas(
     path: Path, number: int, cells: Sequence[str] | None, header: Sequence[str], separator: str
 ) -> None:
-    """Raise InputError for a row with half as many numbers again as the header has columns."""
+    """Raise InputError for a row that has more than 1.5 times as many cells as the header.
+
+    Where commas separate cells and are decimal points as well, each number falls into two cells.
+    """
     if separator != "," or cells is None or 2 * len(cells) <= 3 * len(header):
         return
     if sum(any(c.isdigit() for c in cell) for cell in cells) <= len(header):

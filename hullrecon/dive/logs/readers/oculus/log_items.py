@@ -133,7 +133,10 @@ def _header_at(stream: BinaryIO, at: int, end: int) -> ItemHeader:
 
 
 def _payload_at(stream: BinaryIO, at: int, header: ItemHeader, budget: UnpackBudget) -> bytes:
-    """Read the payload at a byte of the file."""
+    """Read the payload at a byte of the file.
+
+    Raises DamagedError unless another item or the file's end follows, or it is one whole message.
+    """
     stream.seek(at)
     payload = stream.read(header.payload_bytes)
     following = stream.read(len(ITEM_MAGIC))
