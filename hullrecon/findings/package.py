@@ -276,6 +276,11 @@ NOTES: dict[str, Words] = {
         f"{count_noun(count, 'edge')} cannot have a consistent winding on both sides"
     ),
     "mesh-open": lambda edges: f"the mesh is not watertight: {count_noun(edges, 'boundary edge')}",
+    "mesh-bodies": lambda axis, gap_m, sizes_m: (
+        f"the CAD model is of two bodies, {gap_m:.1f} m apart along {axis} (the one is "
+        f"{sizes_m[0]:.1f} m long, the other {sizes_m[1]:.1f} m): is another ship, a quay or a "
+        "dock in it? Stations, bow and regions are those of the whole"
+    ),
     "mesh-cut": "the mesh ends open along a plane: what lies beyond, as a half hull's other half, "
     "is not added",
     "mesh-closed": "the mesh is watertight",

@@ -39,6 +39,8 @@ FREE_BYTES, PACKED_BY = 64 * MIB, 50
 STRAY_PERCENT = 1.0  # of the corners at either end of an axis, which may be no part of the ship
 NARROWEST = 0.01  # second largest extent over the largest; plates of a hull have 0.05 and more
 MERGE = 2e-7  # of the largest extent: two steps of single precision, in which STL stores corners
+# of the whole, that parts two bodies; of the larger, from which on the smaller may be a ship
+LEAST_GAP, LEAST_BODY = 0.01, 0.3
 FINEST_M = 1e-6  # no CAD model is finer
 # in which coordinates are stored: an error of 3 mm (step / sqrt(12)), beside the 20 mm by which
 # hulls leave their CAD model, and one that no deviation shows
@@ -58,12 +60,14 @@ OTHER_KINDS = (
         re.compile(rb"\s*ISO-10303-21"),
         ("a STEP file", f"export a mesh of its surface as {', '.join(FORMATS)}"),
     ),
+    (re.compile(rb"PK\x03\x04|7z\xbc\xaf"), ("a packed archive", "unpack it")),
+    (re.compile(rb"\x1f\x8b"), ("packed by gzip", "add .gz to its name")),
     (re.compile(rb"\s*<"), ("a page of the web or XML", "fetch the file itself")),
     (re.compile(rb"(\s*#[^\n]*\n)*\s*(mtllib|o|g|v)\s"), ("an obj file", _SAY_SO)),
     (re.compile(rb"ply\s"), ("a ply file", _SAY_SO)),
     (re.compile(rb"glTF"), ("a glb file", _SAY_SO)),
 )
-DECIMAL_COMMA = re.compile(rb"vertex\s+[-+]?\d+,\d")
+DECIMAL_COMMA = re.compile(rb"^\s*(?:vertex|v)\s+[-+]?\d+,\d", re.MULTILINE)
 ROOM = 1_000_000  # values or faces beyond one a byte
 MOST_PROPERTIES = 200  # and elements of a PLY; its parser takes the square of their number
 PROPERTY = re.compile(rb"^[ \t]*(?:property|element)\b", re.MULTILINE)
@@ -90,6 +94,7 @@ def read_hull(path: Path, units: str, notes: list[Finding]) -> Mesh:
     if not len(mesh.faces):
         raise InputError("the CAD model has no face with an area", where=str(path))
     mesh = orient_outward(leave_out_hidden(mesh, notes), notes)
+    notes += find_bodies_apart(mesh)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     values = {"file": path.name, "faces": len(mesh.faces)}
     corners = {"low_m": low.tolist(), "high_m": high.tolist()}
@@ -297,6 +302,24 @@ def clean_mesh(mesh: Mesh, notes: list[Finding]) -> Mesh:
     return Mesh(vertices[used], renumbered.reshape(-1, 3).astype(np.int32))
 
 
+def find_bodies_apart(mesh: Mesh) -> list[Finding]:
+    """Find bodies beside each other with nothing between, each large enough to be a ship."""
+    corners = mesh.vertices[mesh.faces]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    length = float(np.ptp(mesh.vertices, axis=0).max())
+    for axis, name in enumerate("xyz"):
+        order = np.argsort(low[:, axis])
+        reached = np.maximum.accumulate(high[order, axis])
+        gap = low[order[1:], axis] - reached[:-1]
+        for at in np.flatnonzero(gap > LEAST_GAP * length):
+            parts = order[: at + 1], order[at + 1 :]
+            sizes = [float((high[p].max(axis=0) - low[p].min(axis=0)).max()) for p in parts]
+            if min(sizes) > LEAST_BODY * max(sizes):
+                values = {"axis": name, "gap_m": float(gap[at]), "sizes_m": sizes}
+                return [Finding("mesh-bodies", values)]
+    return []
+
+
 def merge_corners(vertices: Array, faces: Ints32, tolerance: float) -> tuple[Array, Ints32]:
     """Merge corners that lie in one cell of the tolerance's size, m, into the first of them."""
     cells = np.round((vertices - vertices.min(axis=0)) / tolerance).astype(np.int64)
@@ -324,7 +347,7 @@ def prepare(data: bytes, kind: str) -> bytes:
         _check_accessors(data)
     if kind == "ply" and len(PROPERTY.findall(data.partition(b"end_header")[0])) > MOST_PROPERTIES:
         raise ValueError(f"its header has more than {MOST_PROPERTIES} properties")
-    if kind == "stl" and DECIMAL_COMMA.search(data[:MIB]):
+    if kind in ("stl", "obj") and DECIMAL_COMMA.search(data[:MIB]):
         raise ValueError("its numbers have decimal commas: export it with points")
     if kind == "obj" or (kind == "stl" and data[:5].lower() == b"solid"):
         return _join_groups(data, kind)

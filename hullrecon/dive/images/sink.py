@@ -15,6 +15,8 @@ import numpy as np
 from hullrecon.dive.files import read_regular
 from hullrecon.dive.images.encoded import check_image, significant_bits, turn_in_exif
 from hullrecon.dive.images.store import LARGEST_BYTES
+from hullrecon.dive.logs.readers.unpack import printable
+from hullrecon.dive.logs.republished import is_even
 from hullrecon.dive.logs.samples import ImageSample
 from hullrecon.dive.logs.timeline import put_in_order
 from hullrecon.errors import InputError
@@ -50,6 +52,7 @@ class ImageSink:
         self._open_file, self._at = open_file, 0
         self._file: BinaryIO | None = None
         self._rows: list[tuple[int, int, int, str, int, int, bool]] = []
+        self._last, self._again = b"", list[bool]()  # the last picture; which are that once more
         self._sizes: Counter[tuple[int, int]] = Counter()
         self._largest: int | None = None  # value of the images of 16 bits
         self._turn = ""  # that the first picture's EXIF has
@@ -60,6 +63,8 @@ class ImageSink:
         logged_ns: when it was logged. log: the number of its log.
         """
         encoded = self._bytes(sample)
+        self._again.append(bool(encoded) and encoded == self._last)
+        self._last = encoded
         found = check_image(encoded, self._size)
         size = found.size
         if size is not None and not self._sizes:
@@ -96,7 +101,9 @@ class ImageSink:
         self._check_size()
         if not any(row[-1] for row in self._rows):
             count = len(self._rows)
+            first = printable(self._rows[0][3])
             what = f"none of the {count} images of {self._camera} can be read"
+            what += f" (the first is {first})" if first else ""
             if count == 1:
                 what = f"the only image of {self._camera} cannot be read"
             raise InputError(
@@ -104,10 +111,7 @@ class ImageSink:
                 remedy="see that the files are there and whole",
             )
         usable = [row[-1] for row in self._rows]
-        listed = list(dict.fromkeys(self._rows))  # a table may hold its rows twice
-        if len(listed) < len(self._rows):
-            copies = {"copies": len(self._rows) - len(listed), "count": len(self._rows)}
-            notes.append(Finding("readings-twice", copies, self._camera))
+        listed = self._without_copies(notes)
         stamp, logged, log, file, offset, size, is_usable = (
             list(column) for column in zip(*listed, strict=True)
         )
@@ -123,6 +127,21 @@ class ImageSink:
             usable=np.array(is_usable, bool)[rows],
             bits=np.array(bits),
         )
+
+    def _without_copies(
+        self, notes: list[Finding]
+    ) -> list[tuple[int, int, int, str, int, int, bool]]:
+        """Leave out pictures that a driver published again, and rows that a table holds twice."""
+        rows, again = self._rows, np.array(self._again)
+        if is_even(again):
+            counts = {"repeated": int(again.sum()), "count": len(rows)}
+            notes.append(Finding("readings-republished", counts, self._camera))
+            rows = [row for row, is_old in zip(rows, self._again, strict=True) if not is_old]
+        listed = list(dict.fromkeys(rows))
+        if len(listed) < len(rows):
+            copies = {"copies": len(rows) - len(listed), "count": len(rows)}
+            notes.append(Finding("readings-twice", copies, self._camera))
+        return listed
 
     def _bytes(self, sample: ImageSample) -> bytes:
         if not sample.file:

@@ -66,15 +66,18 @@ def find_republished(values: Array) -> Mask:
     lost = np.isnan(values)
     alike = np.all((values[1:] == values[:-1]) | (lost[1:] & lost[:-1]), axis=1)
     again = np.r_[False, alike & known[1:] & known[:-1]]
+    by_chance = len(values) * _chance(values[~again])
+    is_chance = again.sum() <= by_chance + SIGNIFICANT * np.sqrt(by_chance)
+    return np.zeros(len(values), bool) if is_chance or not is_even(again) else again
+
+
+def is_even(again: Mask) -> bool:
+    """Tell whether readings (n,) that repeat the one before come in runs of about one length."""
     starts = np.flatnonzero(~again)
-    length = np.diff(np.r_[starts, len(values)])
+    length = np.diff(np.r_[starts, len(again)])
     usual = float(np.median(length)) if len(length) else 0.0
     even = (length >= EVEN[0] * usual) & (length <= EVEN[1] * usual)
-    none = np.zeros(len(values), bool)
-    if len(starts) < LEAST_MEASURED or usual < 2 or even.mean() < 0.9:
-        return none
-    by_chance = len(values) * _chance(values[starts])
-    return again if again.sum() > by_chance + SIGNIFICANT * np.sqrt(by_chance) else none
+    return len(starts) >= LEAST_MEASURED and usual >= 2 and bool(even.mean() >= 0.9)
 
 
 def _chance(values: Array) -> float:

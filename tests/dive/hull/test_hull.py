@@ -413,6 +413,18 @@ def test_a_body_far_from_the_ship_is_refused(tmp_path):
     assert len(read_hull(tmp_path / "hull.stl", "m", []).faces)
 
 
+def test_two_ships_in_one_file_are_told(tmp_path):
+    ship = trimesh.Trimesh(*tube_arrays())
+    other = ship.copy()
+    other.apply_translation((0.0, 30.0, 0.0))
+    said = []
+    trimesh.util.concatenate([ship, other]).export(tmp_path / "hull.stl")
+    read_hull(tmp_path / "hull.stl", "m", said)
+    (words,) = (note.sentence for note in said if note.code == "mesh-bodies")
+    assert "two bodies" in words
+    assert "(the one is 40.0 m long, the other 40.0 m)" in words
+
+
 def tube_arrays():
     mesh = tube()
     return mesh.vertices, mesh.faces

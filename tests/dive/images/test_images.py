@@ -51,6 +51,13 @@ def test_images_keep_their_bytes_and_are_indexed_in_time_order(tmp_path, jpegs):
     assert sentences(notes) == ["camera_top: 1 readings stood out of order and were sorted"]
 
 
+def test_pictures_that_a_driver_publishes_again_are_read_once(tmp_path, jpegs):
+    pictures = [jpegs[k // 2 % 2] for k in range(60)]
+    index, notes = take(sink(tmp_path)[0], *(image(t, each) for t, each in enumerate(pictures)))
+    assert index.t_ns.tolist() == list(range(0, 60, 2))
+    assert "30 of 60 readings repeat the one before" in notes[0].sentence
+
+
 @pytest.mark.parametrize("bad", [b"", b"no image", "half", "turned"])
 def test_corrupt_image_is_kept_as_unusable_and_counted(tmp_path, jpegs, bad):
     spoilt = {"half": jpegs[1][: len(jpegs[1]) // 2], "turned": jpegs[1][:-2]}.get(bad, bad)

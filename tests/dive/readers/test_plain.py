@@ -83,6 +83,13 @@ def test_images_are_found_beside_the_csv_or_below_the_package(tmp_path):
     assert log.named_files() == [Path("b.jpg"), Path("logs/top/a.jpg")]
 
 
+def test_a_path_of_windows_names_the_same_image(tmp_path):
+    (tmp_path / "img").mkdir()
+    (tmp_path / "img" / "a.jpg").write_bytes(b"a")
+    (tmp_path / "camera_top.csv").write_text("t,file\n0,img\\a.jpg\n")
+    assert read(tmp_path)[0][0].file == "img/a.jpg"
+
+
 def test_a_sonar_ping_has_its_beams_in_the_fan_plane(tmp_path):
     azimuth = np.array([-0.5, 0.0, 0.5])
     np.savez(

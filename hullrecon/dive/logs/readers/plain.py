@@ -193,8 +193,10 @@ class PlainLog:
         }
 
     def _locate(self, name: str) -> Path:
-        beside = self.path / name.strip()
-        return beside if is_there(beside) else self.package / name.strip()
+        """Find a file that a table names, with the separators of Windows too."""
+        names = dict.fromkeys((name.strip(), name.strip().replace("\\", "/")))
+        places = [folder / known for known in names for folder in (self.path, self.package)]
+        return next((place for place in places if is_there(place)), self.package / name.strip())
 
     def _image(self, camera: str, row: Row) -> ImageSample:
         name = row["file"].strip()
