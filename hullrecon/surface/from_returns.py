@@ -72,7 +72,7 @@ class UnknownHull:
     """A hull without a CAD model: everything stays in g."""
 
     def chart(self, points: Array, sensors: Array) -> Chart:
-        """Fit a plane through points (n, 3), its normal towards the sensors (m, 3)."""
+        """Fit a plane or a cylinder to points (n, 3), its normals towards the sensors (m, 3)."""
         return chart_for_points(points, toward=sensors)
 
     def on_hull(self, label: Ints) -> Mask:
@@ -84,8 +84,8 @@ class UnknownHull:
         return np.full(len(vertices), np.nan)
 
     def comparison(self, poses_are_adjusted: bool) -> Comparison:
-        """Say that offsets are from a plane, with no CAD model to compare with."""
-        return Comparison(reference="plane", note=None)
+        """Say that offsets are from the survey's own chart, with no CAD model to compare with."""
+        return Comparison(reference="survey", note=None)
 
 
 HullReference = CadHull | UnknownHull

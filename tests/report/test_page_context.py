@@ -188,7 +188,7 @@ def test_frames_are_numbered_on_the_ship_alone(survey: Survey, bare: Survey) -> 
     assert ">fr " in on_ship
     assert ">fr " not in off_ship
     assert "on the hull's chart" in unescape(on_ship)
-    assert "on the survey's own plane" in unescape(off_ship)
+    assert "on the survey's own chart" in unescape(off_ship)
 
 
 def test_regions_are_rows_of_limits_and_of_what_each_sensor_saw() -> None:

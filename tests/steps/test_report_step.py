@@ -149,7 +149,7 @@ def test_objects_that_were_not_looked_for_are_absent_not_none(
 
 
 def test_surface_without_cad_model_has_no_comparison() -> None:
-    facts = {"reference": "plane", "comparison": None, "method": "gp"}
+    facts = {"reference": "survey", "comparison": None, "method": "gp"}
     assert msgspec.convert(facts, SurfaceFacts).comparison is None
 
 

@@ -133,7 +133,7 @@ def test_comparison_with_cad_model_is_recorded_as_circular(
 def test_without_a_cad_model_there_is_nothing_to_compare(earlier: EarlierSteps) -> None:
     earlier.without_cad_model()
     _, facts = read_surface(earlier.run())
-    assert facts["reference"] == "plane"
+    assert facts["reference"] == "survey"
     assert facts["comparison"] is None
 
 

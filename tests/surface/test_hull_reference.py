@@ -44,7 +44,7 @@ def test_comparison_with_a_cad_model_is_called_circular() -> None:
 
 def test_comparison_without_a_cad_model_has_no_note() -> None:
     comparison = UnknownHull().comparison(poses_are_adjusted=True)
-    assert comparison.reference == "plane"
+    assert comparison.reference == "survey"
     assert comparison.note is None
 
 

@@ -9,7 +9,7 @@ diver outside sees it, not mirrored.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Protocol
 
 import numpy as np
@@ -27,7 +27,7 @@ class Chart(Protocol):
 
     @property
     def ship_axes(self) -> Array:
-        """Rows forward, port, up (3, 3) in the chart's frame. For a plane x, -y and -z of g."""
+        """Rows forward, port, up (3, 3) in the chart's frame. In g x, -y and -z."""
 
     @property
     def along_of_origin(self) -> float:
@@ -82,7 +82,7 @@ def chart_for_hull(
 
 
 def chart_for_points(points: ArrayLike, toward: ArrayLike) -> Chart:
-    """Fit a plane chart to points (n, 3).
+    """Fit a chart to points (n, 3): a plane, or a cylinder where a plane would stretch the map.
 
     Parameters
     ----------
@@ -96,15 +96,23 @@ def chart_for_points(points: ArrayLike, toward: ArrayLike) -> Chart:
     InputError
         With fewer than three points.
     """
+    from hullrecon.geometry.charts.cylinder_chart import unroll
     from hullrecon.geometry.charts.plane_chart import fit_plane_chart
 
-    side = np.atleast_2d(np.asarray(toward, float)).mean(axis=0)
-    return fit_plane_chart(np.asarray(points, float), side, up=np.array([0.0, 0.0, -1.0]))
+    points, sensors = np.asarray(points, float), np.atleast_2d(np.asarray(toward, float))
+    plane = fit_plane_chart(points, sensors.mean(axis=0), up=np.array([0.0, 0.0, -1.0]))
+    return unroll(points, sensors, plane) or plane
 
 
 def chart_from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> Chart:
     """Rebuild the chart from the arrays of `to_arrays`."""
     from hullrecon.geometry.charts.axis_chart import AxisChart
+    from hullrecon.geometry.charts.cylinder_chart import CylinderChart
     from hullrecon.geometry.charts.plane_chart import PlaneChart
 
-    return (AxisChart if str(arrays["kind"]) == "axis" else PlaneChart).from_arrays(arrays)
+    read: dict[str, Callable[[Mapping[str, NDArray[np.generic]]], Chart]] = {
+        "axis": AxisChart.from_arrays,
+        "cylinder": CylinderChart.from_arrays,
+        "plane": PlaneChart.from_arrays,
+    }
+    return read[str(arrays["kind"])](arrays)

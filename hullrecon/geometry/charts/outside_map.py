@@ -37,7 +37,7 @@ class OutsideMap:
         of = (
             "hull chart of the ship (frame M)"
             if self.frame == "M"
-            else "plane through the survey (frame g)"
+            else "chart of the survey (frame g)"
         )
         x, y = ("-" * (sign < 0) for sign in (self.x_sign, self.y_sign))
         return f"{of} seen from outside: x = {x}along, y = {y}girth"

@@ -84,9 +84,9 @@ def preview_png(
 
 
 def _axis_names(caption: Caption) -> tuple[str, str]:
-    """Name the axes: the ship's chart in M, a plane through the survey in g."""
+    """Name the axes: the ship's chart in M, the survey's own in g."""
     if caption.frame != "M":
-        return "along the survey's plane (m)", "across the survey's plane (m)"
+        return "along the survey (m)", "across the survey (m)"
     side = "left" if caption.flips[0] else "right"
     return f"along the hull in M, forward to the {side} (m)", "girth from the keel (m)"
 

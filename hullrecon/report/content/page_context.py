@@ -201,7 +201,7 @@ def describe_position(survey: Survey) -> str:
     along, girth = survey.track.sigma_on_chart(chart) if chart is not None else (np.nan, np.nan)
     if not np.isfinite(along + girth):
         return ""
-    places = f"{length(along)} along the plane and {length(girth)} across it"
+    places = f"{length(along)} along the survey and {length(girth)} across it"
     if survey.is_in_hull_frame:
         places = f"{length(along)} along the hull and {length(girth)} in girth"
     return f"Its position as a whole is known to {places} (one sigma, median)."

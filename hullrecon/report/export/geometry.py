@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from hullrecon.dive.config.mounts import guess_sigma
 from hullrecon.dive.config.schema import Hull
-from hullrecon.geometry.charts.address import is_hull_chart
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.geometry.poses import Poses, from_mount
@@ -165,6 +164,30 @@ TO_CHART = (
 
 
 @dataclass(frozen=True, kw_only=True)
+class ChartKind:
+    """What chart.json says of a kind of chart."""
+
+    name: str
+    along: str  # what the coordinate counts
+    girth: str
+
+
+CHART_KINDS = {  # by the kind that a chart's arrays name
+    "axis": ChartKind(
+        name="hull",
+        along="m along the ship, forward positive",
+        girth="m of arc from the keel, port positive",
+    ),
+    "plane": ChartKind(name="plane", along="m along the plane", girth="m across the plane"),
+    "cylinder": ChartKind(
+        name="cylinder",
+        along="m along the survey, of arc where it bends that way",
+        girth="m across the survey, of arc where it bends that way",
+    ),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
 class ChartMesh:
     """The chart as a mesh."""
 
@@ -219,10 +242,11 @@ def chart_ply(survey: Survey, mesh: ChartMesh) -> bytes:
 
 def chart_document(chart: Chart, outside: OutsideMap, mesh: ChartMesh) -> dict[str, object]:
     """Build chart.json (docs/deliverables.md)."""
-    on_ship, arrays = is_hull_chart(chart), chart.to_arrays()
+    arrays = chart.to_arrays()
+    kind = CHART_KINDS[str(arrays["kind"])]
     low, high = mesh.along_girth.min(axis=0), mesh.along_girth.max(axis=0)
     plane = None
-    if "origin" in arrays:
+    if kind.name == "plane":
         axes = np.asarray(arrays["axes"], float)
         plane = {
             "origin": np.asarray(arrays["origin"], float).tolist(),
@@ -233,9 +257,9 @@ def chart_document(chart: Chart, outside: OutsideMap, mesh: ChartMesh) -> dict[s
     return {
         "schema": 1,
         "frame": outside.frame,
-        "kind": "hull" if on_ship else "plane",
-        "along": "m along the ship, forward positive" if on_ship else "m along the plane",
-        "girth": "m of arc from the keel, port positive" if on_ship else "m across the plane",
+        "kind": kind.name,
+        "along": kind.along,
+        "girth": kind.girth,
         "map": outside.document(),
         "mesh": {
             "file": "chart.ply",

@@ -71,7 +71,7 @@ def survey_plan(survey: Survey, view: HullMap) -> str:
     """Draw the plan of a survey."""
     in_hull = survey.is_in_hull_frame
     chart, across = (
-        ("the hull's chart", "girth") if in_hull else ("the survey's own plane", "across")
+        ("the hull's chart", "girth") if in_hull else ("the survey's own chart", "across")
     )
     along_m, girth_m = view.extent.size
     title = (
