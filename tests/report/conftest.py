@@ -64,7 +64,7 @@ class FlatChart:
         return np.column_stack([at, np.zeros(len(at))]), np.tile([0.0, 0.0, -1.0], (len(at), 1))
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
-        return {}
+        return {"kind": np.array("cylinder")}
 
 
 PICTURES = {
