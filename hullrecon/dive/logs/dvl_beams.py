@@ -34,7 +34,9 @@ FAR_ALTITUDE = 0.13
 SAME_COSINE = 0.015  # share; on the slope of a hull an altitude is no mean of the beams
 # of ranges beside an altitude in m, and how far (log) their ratio may be off
 SMALL_UNITS, SAME_UNIT = {"mm": 1e-3, "cm": 1e-2, "ft": 0.3048}, 0.15
-OTHER_READING = 3.0  # sigmas, within which another reading lies that nothing excludes
+# Sigmas within which another reading lies that nothing excludes. More than one table in twenty has
+# it, as instruments write distances along their axis: it belongs in an interval of 95 %.
+OTHER_READING = 1.96
 FEW = 10  # pings whose ranges and altitude are compared
 
 
@@ -165,7 +167,8 @@ def range_scale_sigma(
 
     Where the altitude contradicts them, one of the two is wrong by that much. Where there is none,
     a table may hold distances along the axis, as PD0 and others give them, and nothing else of a
-    dive without cameras tells: that reading has to lie within OTHER_READING sigmas.
+    dive without cameras tells: how the ranges change with the velocities does not, as a vehicle
+    keeps its distance and a hull is curved. That reading has to lie within OTHER_READING sigmas.
 
     by_hand: of a table, the rest as of `check_beams`.
     """
