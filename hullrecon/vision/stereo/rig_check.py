@@ -56,6 +56,11 @@ CLEARLY_NEARER = 2.0  # how much better one cause has to explain the vehicle's w
 LEAST_WAY_M = 0.02  # between two pairs of images: some times what stereo errs by
 WAY_NS = 150_000_000  # about two pairs of images, in which pings count
 FITS, OUTLIER_MEDIANS = 3, 3.0  # of a motion, and how far points of it may be off
+UPSIDE_DOWN_DEG = 135.0
+TURN_PICTURES = (
+    "its pictures, or those of the top camera, stand otherwise than in the calibration: give them "
+    "as the camera was calibrated, or calibrate with such pictures"
+)
 CALIBRATE = "calibrate the two cameras again, in water (both files and camera.bottom.pose_in_top)"
 
 ReadImage = Callable[[Camera, int], Pixels | None]
@@ -558,6 +563,8 @@ def _contradiction(
     if found is not None and fitted_px <= AS_GOOD * best_px:
         turn_deg = np.degrees(_turn_rad(look.given, found))
         causes.append(f"{fitted_px:.1f} px with the bottom camera turned by {turn_deg:.1f} degrees")
+        if turn_deg > UPSIDE_DOWN_DEG:  # no rig is built so far from its calibration
+            return RigProblem(what=f"{what}, {causes[0]}", remedy=TURN_PICTURES)
     causes += [
         f"{lens.error_px:.1f} px with {lens.words}"
         for lens in lenses

@@ -131,6 +131,14 @@ def test_rig_turned_by_a_degree_is_named_with_its_angle(rig, dive, axis, deg):
     assert "pose_in_top" in problem.remedy
 
 
+def test_pictures_that_stand_on_their_head_are_no_wrong_pose(rig, dive):
+    problem = check(with_rig(rig, turned(rig.top_from_bottom, 2, 180.0))).problem
+    assert "pictures" in problem.remedy
+    assert "turned by 180.0 degrees" in problem.what
+    upright = turned(turned(rig.top_from_bottom, 2, 180.0), 2, 180.0)  # as it was calibrated
+    assert check(with_rig(rig, upright)).problem is None
+
+
 @pytest.mark.parametrize("deg", [0.1, -0.1])
 def test_what_usual_calibration_leaves_is_not_named(rig, dive, deg):
     for axis in range(3):
