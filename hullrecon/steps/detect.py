@@ -5,14 +5,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any, cast
 
 import numpy as np
 
 from hullrecon.artifacts.stage import Context
 from hullrecon.detection.as_found.hull_as_found import Fusion, fuse_heights
 from hullrecon.detection.base_surface import BaseSurface
-from hullrecon.detection.coverage import SonarSurvey, summarise_coverage
-from hullrecon.detection.find_structures import find_structures
+from hullrecon.detection.coverage import Facts, SonarSurvey, summarise_coverage
+from hullrecon.detection.find_structures import Structures, find_structures
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import CameraViews, views_of_top_camera
 from hullrecon.dive.config.schema import HullRegion
@@ -20,6 +22,7 @@ from hullrecon.errors import StageError
 from hullrecon.geometry.charts.address import AddressSigma
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.frames import Camera
+from hullrecon.mosaic.stream import in_threads
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.solution import Solution
 from hullrecon.rig import rig_from_settings
@@ -52,12 +55,16 @@ def run(context: Context[DetectOptions], fusion: Fusion = fuse_heights) -> None:
         depth_sigma_m=depth_sigma_m,
     )
     views = _views(context, inputs, solution)
-    structures = context.once(
-        lambda: find_structures(
+    sonar, regions = _sonar_survey(context, inputs, solution), _regions(context, base)
+    # Neither needs the other, and each leaves a core idle.
+    work: dict[str, Callable[[], Any]] = {
+        "structures": lambda: find_structures(
             base, solution.landmarks, solution.deviation_field, views, context.parameters, fusion
         ),
-        "structures",
-    )
+        "coverage": lambda: summarise_coverage(base, views, sonar, solution.track(), regions),
+    }
+    found = context.stream(lambda part: work[part](), list(work), "parts", by=in_threads)
+    structures, coverage = cast(tuple[Structures, Facts], tuple(found))
     if structures.as_found is not None:
         context.out.arrays("as_found.npz", to_arrays(structures.as_found))
         if structures.deviation is not None:
@@ -65,10 +72,7 @@ def run(context: Context[DetectOptions], fusion: Fusion = fuse_heights) -> None:
     else:
         context.warn("as_found is absent: there is neither a camera nor a CAD model")
     context.out.json("objects.json", {"objects": structures.objects})
-    sonar, regions = _sonar_survey(context, inputs, solution), _regions(context, base)
-    context.out.json(
-        "coverage.json", summarise_coverage(base, views, sonar, solution.track(), regions)
-    )
+    context.out.json("coverage.json", coverage)
     context.out.json("detect.json", structures.facts)
 
 
