@@ -29,10 +29,12 @@ def in_threads(
     from concurrent.futures import ThreadPoolExecutor
 
     count = min(MAX_AT_A_TIME, len(os.sched_getaffinity(0)))
+    # Twice as many as there are threads: none waits while an earlier item takes long or is written.
+    ahead = 2 * count
     with ThreadPoolExecutor(count) as pool:
-        begun = deque(pool.submit(make, item) for item in items[:count])
+        begun = deque(pool.submit(make, item) for item in items[:ahead])
         try:
-            for item in items[count:]:
+            for item in items[ahead:]:
                 yield begun.popleft().result()
                 begun.append(pool.submit(make, item))
             while begun:
