@@ -70,8 +70,8 @@ def motion_by_row(problem: native.Problem, measured: Measurements, state: State)
         not at all.
         """
         mount, model = rig.tray_from(camera), rig.model(camera)
-        seen = (tray[node] @ mount).inverse().apply(problem.unknowns.landmark[landmark])
-        at_node = (mount.inverse() @ exp(STEP_S * twist[node]) @ mount).apply(seen)
+        seen = (tray @ mount).inverse().apply_rows(node, problem.unknowns.landmark[landmark])
+        at_node = (mount.inverse() @ exp(STEP_S * twist) @ mount).apply_rows(node, seen)
         flow = (model.project(at_node) - model.project(seen)) / STEP_S
         return np.asarray(np.nan_to_num(flow * (pixel[:, 1:] / (model.height - 1))))
 

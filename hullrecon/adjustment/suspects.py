@@ -114,11 +114,11 @@ def least_gain(problem: native.Problem, settings: native.Options, by_row: RowMot
     some twenty times on two legs. So its minimum is not as low as the true one.
     """
     naive = replace(settings, method="naive")
-    gains = [0.0]
+    gains, here = [0.0], _squares(problem, naive)
     for cameras in _readouts(problem).values():
-        less, here, more = (
+        less, more = (
             _squares(by_row.moved(problem, readout_s, cameras), naive)
-            for readout_s in (-SLOPE_S, 0.0, SLOPE_S)
+            for readout_s in (-SLOPE_S, SLOPE_S)
         )
         curvature = more + less - 2 * here
         if curvature > 0:

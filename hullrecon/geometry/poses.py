@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from hullrecon.typing import Array, Ints, Mask
+from hullrecon.typing import Array, Ints, Ints32, Mask
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,18 @@ class Poses:
     def apply(self, points: ArrayLike) -> Array:
         """Transform points (n, 3) of b to a, one per pose or with a batch of one."""
         return _turn(self.quaternion, np.asarray(points, float)) + self.translation
+
+    def apply_rows(self, rows: Ints | Ints32, points: Array) -> Array:
+        """Transform points (n, 3), each by the pose of its row: `self[rows].apply(points)`.
+
+        For many points a pose, whose matrices are computed once.
+        """
+        return self.turn_rows(rows, points) + self.translation[rows]
+
+    def turn_rows(self, rows: Ints | Ints32, vectors: Array) -> Array:
+        """Rotate vectors (n, 3), each by the pose of its row."""
+        matrix = _rotation_matrices(self.quaternion)
+        return np.asarray(np.einsum("ijk,ik->ij", matrix[rows], vectors))
 
     def inverse(self) -> Poses:
         """Invert to b_from_a (n)."""

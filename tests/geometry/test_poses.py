@@ -137,6 +137,13 @@ def test_rows_are_taken_by_number_mask_and_slice() -> None:
     np.testing.assert_array_equal(many[1:].quaternion, many.quaternion[1:])
 
 
+def test_each_point_is_moved_by_the_pose_of_its_row() -> None:
+    rng = np.random.default_rng(3)
+    two, rows = poses.exp(rng.standard_normal((2, 6))), np.array([1, 0, 1])
+    points = rng.standard_normal((3, 3))
+    np.testing.assert_array_equal(two.apply_rows(rows, points), two[rows].apply(points))
+
+
 def test_exp_gives_back_what_log_was_taken_of() -> None:
     vectors = np.random.default_rng(10).normal(0, 0.8, (20, 6))
     np.testing.assert_allclose(poses.exp(vectors).log(), vectors, atol=1e-12)

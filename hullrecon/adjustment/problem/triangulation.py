@@ -46,23 +46,26 @@ def triangulate(
         (L, 3) m in g, NaN with fewer than two rays or no parallax, and the widest angle of the
         rays, (L,) rad.
     """
-    normal, right, mean_ray, count = (
-        np.zeros((n_landmarks, 3, 3)),
-        np.zeros((n_landmarks, 3)),
-        np.zeros((n_landmarks, 3)),
-        np.zeros(n_landmarks),
-    )
-    for pixels, camera, pose in ((tracks.top, rig.top, top), (tracks.bottom, rig.bottom, bottom)):
-        if camera is None or pose is None:
-            continue
-        seen = np.flatnonzero(np.isfinite(pixels[:, 0]))
-        origin, ray = rays_in_global(pixels[seen], tracks.node[seen], camera, pose)
-        owner = tracks.landmark[seen]
-        across = np.eye(3) - ray[:, :, None] * ray[:, None, :]
-        np.add.at(normal, owner, across)
-        np.add.at(right, owner, np.einsum("nij,nj->ni", across, origin))
-        np.add.at(mean_ray, owner, ray)
-        np.add.at(count, owner, 1.0)
+    seen = [
+        (tracks.landmark[rows], *rays_in_global(pixels[rows], tracks.node[rows], camera, pose))
+        for pixels, camera, pose in (
+            (tracks.top, rig.top, top),
+            (tracks.bottom, rig.bottom, bottom),
+        )
+        if camera is not None and pose is not None
+        for rows in [np.flatnonzero(np.isfinite(pixels[:, 0]))]
+    ]
+    owner, origin, ray = (np.concatenate(parts) for parts in zip(*seen, strict=True))
+    across = np.eye(3) - ray[:, :, None] * ray[:, None, :]
+
+    def summed(values: Array) -> Array:
+        """Sum values (n, ...) of rays by their landmarks."""
+        columns = values.reshape(len(values), -1).T
+        sums = [np.bincount(owner, column, n_landmarks) for column in columns]
+        return np.asarray(np.stack(sums, axis=1).reshape(n_landmarks, *values.shape[1:]), float)
+
+    normal, right = summed(across), summed(np.einsum("nij,nj->ni", across, origin))
+    mean_ray, count = summed(ray), summed(np.ones(len(owner)))
     spread = _ray_spread(mean_ray, count)
     good = (count >= 2) & (spread > np.radians(0.3))
     position = np.full((n_landmarks, 3), np.nan)
@@ -77,8 +80,7 @@ def rays_in_global(
 
     pose: of the camera at the nodes, in g.
     """
-    at = pose[node]
-    return at.translation, np.asarray(at.rotation.apply(camera.rays(pixels)))
+    return pose.translation[node], pose.turn_rows(node, camera.rays(pixels))
 
 
 def _ray_spread(mean_ray: Array, count: Array) -> Array:
@@ -102,6 +104,6 @@ def reprojection_errors(
     for error, (pixels, camera, pose) in zip(errors, cameras, strict=True):
         if camera is None or pose is None:
             continue
-        in_camera = pose.inverse()[tracks.node].apply(landmark[tracks.landmark])
+        in_camera = pose.inverse().apply_rows(tracks.node, landmark[tracks.landmark])
         error[:] = np.linalg.norm(camera.project(in_camera) - pixels, axis=1)
     return errors[0], errors[1]
