@@ -8,6 +8,29 @@
 #include "schur/schur.h"
 
 namespace hullrecon {
+namespace {
+
+// Adds E'(own - H K C) of a view, 6 by width, to a pose's row: own and C are what the view and all views say of the landmark's
+// displacement with the intrinsics, 3 by width, both row by row as the sum is. Four columns at a time on processors with AVX2,
+// with the same bytes, as no product is fused with a sum.
+__attribute__((target_clones("avx2", "default"))) void add_with_intrinsics(const double* own, const double* of_landmark,
+                                                                           const Mat3& hk, const Vec3& q, int width,
+                                                                           double* __restrict sum) {
+  const double *c0 = of_landmark, *c1 = c0 + width, *c2 = c1 + width, *o0 = own, *o1 = o0 + width, *o2 = o1 + width;
+  const Mat3 m = hk;
+  const double x = q[0], y = q[1], z = q[2];
+  double *top0 = sum, *top1 = top0 + width, *top2 = top1 + width, *low0 = top2 + width, *low1 = low0 + width,
+         *low2 = low1 + width;
+  for (int k = 0; k < width; ++k) {
+    const double a = o0[k] - (m(0, 0) * c0[k] + (m(0, 1) * c1[k] + m(0, 2) * c2[k]));
+    const double b = o1[k] - (m(1, 0) * c0[k] + (m(1, 1) * c1[k] + m(1, 2) * c2[k]));
+    const double c = o2[k] - (m(2, 0) * c0[k] + (m(2, 1) * c1[k] + m(2, 2) * c2[k]));
+    top0[k] += a, top1[k] += b, top2[k] += c;
+    low0[k] += y * c - z * b, low1[k] += z * a - x * c, low2[k] += x * b - y * a;
+  }
+}
+
+}  // namespace
 
 void Schur::eliminate() {
   reduced_->clear();
@@ -80,9 +103,7 @@ void Schur::eliminate_row(int i, std::vector<int64_t>& place) {
     if (intrinsics_ == 0) continue;
     cross.setZero();
     images_.add_intrinsics(v, cross, nullptr);
-    cross.noalias() -= (h * inverse(rank)) * intrinsics_of(rank);  // of the displacement; E' takes it to the twist
-    with_intrinsics.topRows<3>() += cross;
-    with_intrinsics.bottomRows<3>().noalias() += hat(q) * cross;
+    add_with_intrinsics(cross.data(), intrinsics_of(rank).data(), h * inverse(rank), q, intrinsics_, with_intrinsics.data());
   }
   Eigen::Map<Mat6>(&x_[place[i]]) += own_[i];
   eliminated_.col(i) = eliminated, with_hull_[i] = with_hull;
