@@ -102,7 +102,7 @@ void Schur::eliminate_row(int i, std::vector<int64_t>& place) {
     }
     if (intrinsics_ == 0) continue;
     cross.setZero();
-    images_.add_intrinsics(v, cross, nullptr);
+    images_.add_intrinsics(v, cross);
     add_with_intrinsics(cross.data(), intrinsics_of(rank).data(), h * inverse(rank), q, intrinsics_, with_intrinsics.data());
   }
   Eigen::Map<Mat6>(&x_[place[i]]) += own_[i];

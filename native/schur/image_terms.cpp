@@ -229,8 +229,19 @@ std::array<double, 2> ImageTerms::cost() {
   });
 }
 
+// Adds what an observation says of the landmark's displacement, robustified.
+static void add(View& view, const Observation& s, double slope) {
+  for (int row = 0; row < s.rows; ++row) {
+    const double x = s.by(row, 0), y = s.by(row, 1), z = s.by(row, 2), wx = slope * x, wy = slope * y, wz = slope * z;
+    view.information[0] += wx * x, view.information[1] += wx * y, view.information[2] += wx * z;
+    view.information[3] += wy * y, view.information[4] += wy * z, view.information[5] += wz * z;
+    view.gradient += s.r[row] * Vec3(wx, wy, wz);
+  }
+}
+
 void ImageTerms::linearise() {
   place_cameras();
+  if (intrinsics_.width() > 0) return;  // with each view's intrinsics
   const Cameras& cameras = *cameras_;
   const auto work = [&](int64_t begin, int64_t end) {
     Observation s;
@@ -242,19 +253,26 @@ void ImageTerms::linearise() {
       for (int32_t k = view.first_observation; k < view_[v + 1].first_observation; ++k) {
         cameras.look<true>(chain_[view.pose], landmark, observation_[k], s);
         cameras.robust(s, rho, slope);
-        for (int row = 0; row < s.rows; ++row) {
-          const double x = s.by(row, 0), y = s.by(row, 1), z = s.by(row, 2), wx = slope * x, wy = slope * y, wz = slope * z;
-          view.information[0] += wx * x, view.information[1] += wx * y, view.information[2] += wx * z;
-          view.information[3] += wy * y, view.information[4] += wy * z, view.information[5] += wz * z;
-          view.gradient += s.r[row] * Vec3(wx, wy, wz);
-        }
+        add(view, s, slope);
       }
     }
   };
   for_slabs(views(), model_.options().threads, work);
 }
 
-void ImageTerms::add_intrinsics(int64_t v, WithIntrinsics& cross, OfIntrinsics* alone) const {
+void ImageTerms::linearise_with_intrinsics(int64_t v, WithIntrinsics& cross, OfIntrinsics& alone) {
+  View& view = view_[v];
+  view.information.fill(0), view.gradient.setZero();
+  add_intrinsics(v, cross, &alone, [&](const Observation& s, double slope) { add(view, s, slope); });
+}
+
+void ImageTerms::add_intrinsics(int64_t v, WithIntrinsics& cross) const {
+  add_intrinsics(v, cross, nullptr, [](const Observation&, double) {});
+}
+
+// Calls each(observation, slope of its cost) of those that are in front.
+template <class Each>
+void ImageTerms::add_intrinsics(int64_t v, WithIntrinsics& cross, OfIntrinsics* alone, const Each& each) const {
   const Cameras& cameras = *cameras_;
   const View& view = view_[v];
   const Vec3 landmark = model_.landmark(order_[view.landmark]);
@@ -266,6 +284,7 @@ void ImageTerms::add_intrinsics(int64_t v, WithIntrinsics& cross, OfIntrinsics* 
     cameras.look<true>(chain_[view.pose], landmark, observation_[k], s);
     if (!s.in_front) continue;
     cameras.robust(s, rho, slope);
+    each(s, slope);
     const bool below =
         s.rows == 4 || model_.tables().mono_camera.data[observation_[k] - model_.tables().stereo_node.rows()] == 1;
     const bool above = s.rows == 4 || !below;

@@ -83,7 +83,7 @@ class ImageTerms {
   void shelve(Shelf& shelf) { shelf.add(of_pose_start_, chain_); }
 
   void place_cameras();  // at the model's unknowns
-  // Refreshes cameras and views at the model's unknowns.
+  // Refreshes cameras at the model's unknowns, and views unless intrinsics are free: then linearise_with_intrinsics() does.
   void linearise();
   // Robustified cost of stereo and mono at the model's unknowns. Not finite: the point cannot be evaluated.
   std::array<double, 2> cost();
@@ -98,13 +98,17 @@ class ImageTerms {
     using LensSquare = Eigen::Matrix<double, kLensModes, kLensModes>;
     std::array<LensSquare, 2> modes;  // of top and bottom lens, the same of either axis of the image
   };
-  // Adds what a view's observations say by displacement and intrinsics, (3, width), and by intrinsics alone; null: not wanted.
-  void add_intrinsics(int64_t view, WithIntrinsics& cross, OfIntrinsics* alone) const;
+  // Adds what a view's observations say by displacement and intrinsics, (3, width).
+  void add_intrinsics(int64_t view, WithIntrinsics& cross) const;
+  // The same, and by intrinsics alone, and refreshes the view: each observation is looked at once.
+  void linearise_with_intrinsics(int64_t view, WithIntrinsics& cross, OfIntrinsics& alone);
   // Puts the squares of lenses into `own`.
   void put_lenses(OfIntrinsics& alone) const;
 
  private:
   struct Cameras;
+  template <class Each>
+  void add_intrinsics(int64_t view, WithIntrinsics& cross, OfIntrinsics* alone, const Each& each) const;
   void sort_landmarks();
   void sort_views();
   int64_t views() const { return static_cast<int64_t>(view_.size()) - 1; }

@@ -10,13 +10,14 @@ namespace hullrecon {
 
 void Schur::linearise() {
   images_.linearise();
+  const Border of_intrinsics = differentiate_intrinsics();  // and views, which all below reads
   small_.linearise();
   surface_.linearise();
   differentiate_landmarks();
   differentiate_poses();
   differentiate_nodes();
   differentiate_others();
-  differentiate_border();
+  differentiate_border(of_intrinsics);
 }
 
 void Schur::differentiate_landmarks() {
@@ -88,7 +89,7 @@ void Schur::differentiate_others() {
   });
 }
 
-void Schur::differentiate_border() {
+void Schur::differentiate_border(const Border& of_intrinsics) {
   const auto diagonal = [](Border& sum, int first, const auto& d) { sum.own.diagonal().segment(first, d.size()) += d; };
   const Border of_poses = chunked(layout_.poses(), kPoses, [&](int64_t i, Border& sum) {
     if (mount_ < 0 || !images_.sees(i)) return;
@@ -104,7 +105,6 @@ void Schur::differentiate_border() {
       diagonal(sum, hull_, a.cwiseAbs2());
     }
   });
-  const Border of_intrinsics = differentiate_intrinsics();
   const int first = offset(layout_.blocks()), width = layout_.border();
   gradient_.reduced.segment(first, width) =
       of_poses.rhs + of_landmarks.rhs + of_intrinsics.rhs + small_.gradient(layout_.blocks());
@@ -120,7 +120,8 @@ Schur::Border Schur::differentiate_intrinsics() {
     ImageTerms::OfIntrinsics alone(intrinsics_);
     for (int64_t r = group * kGroup; r < std::min(model_.landmarks(), (group + 1) * kGroup); ++r) {
       cross.setZero();
-      for (int32_t v = images_.first_view(r); v < images_.first_view(r + 1); ++v) images_.add_intrinsics(v, cross, &alone);
+      for (int32_t v = images_.first_view(r); v < images_.first_view(r + 1); ++v)
+        images_.linearise_with_intrinsics(v, cross, alone);
       std::copy_n(cross.data(), cross.size(), intrinsics_cross_.data() + 3 * r * intrinsics_);
     }
     images_.put_lenses(alone);

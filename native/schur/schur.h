@@ -106,7 +106,7 @@ class Schur {
   void differentiate_images(int64_t pose, Vec7& gradient, Vec7& diagonal);
   void differentiate_nodes();
   void differentiate_others();
-  void differentiate_border();
+  void differentiate_border(const Border& of_intrinsics);
   Border differentiate_intrinsics();
   void add_intrinsics_to_border(const Eigen::MatrixXd& own, const Eigen::VectorXd& rhs, Border& sum) const;
 

@@ -220,6 +220,10 @@ TEST_CASE("the views of a landmark sum what its observations say") {
   model.refresh(false);
   ImageTerms images(model);
   images.linearise();
+  const int width = images.intrinsics().width();
+  WithIntrinsics cross = WithIntrinsics::Zero(3, width);
+  ImageTerms::OfIntrinsics alone(width);
+  for (int32_t v = 0; v < images.first_view(model.landmarks()); ++v) images.linearise_with_intrinsics(v, cross, alone);
   std::vector<Mat3> information(SmallProblem::kLandmarks, Mat3::Zero());
   std::vector<Vec3> gradient(SmallProblem::kLandmarks, Vec3::Zero());
   LinearFactor factor;
