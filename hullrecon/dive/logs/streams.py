@@ -77,6 +77,7 @@ PASCALS = {"Pa": 1.0, "mbar": 1e2, "hPa": 1e2, "kPa": 1e3, "psi": 6894.757, "dba
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
 FARTHEST_MEDIAN_M = 100.0  # of the DVL's ranges at a hull: the instruments reach 50 to 200 m
 LEAST_ROUNDED, ON_GRID = 20, 1e-3  # velocities that show a rounding; of its step, how exactly
+LEAST_LEVELS = 4  # of a velocity: a simulated vehicle may go at few
 COARSEST_SHARE = 0.25  # of the median speed, whose direction a rounding turns by 7 degrees
 WHOLE_TURN_DEG = 360.0
 LEAST_UNIT = 0.1  # of an IMU's quaternions: fewer are of unit length by chance
@@ -207,7 +208,7 @@ def _refuse_coarse(velocity: Array, speed: Array) -> None:
     """Raise InputError for velocities (n, 3), m/s, rounded so that they lose their direction."""
     levels = np.unique(np.abs(velocity[np.isfinite(velocity)]))
     moving = speed[speed > 0]
-    if len(moving) < LEAST_ROUNDED or len(levels) < 2:
+    if len(moving) < LEAST_ROUNDED or len(levels) < LEAST_LEVELS:
         return
     step = float(np.diff(levels).min())
     rounded = np.abs(levels / step - np.round(levels / step)).max() < ON_GRID

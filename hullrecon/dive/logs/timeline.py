@@ -30,6 +30,8 @@ LASTING = 20
 FAR_S = 86400.0
 UNSET_NS = 10 * 365 * 86400 * NS  # a clock before 1980 was never set
 FAR_SHARE = 0.05  # of a sensor's readings; more are another dive, which is not ours to leave out
+# ntpd steps a clock by no less; so many readings then lie before the last one of the previous part
+STEPPED_NS, AGAIN = round(0.128 * NS), 3
 SUMMER_NS = 3600 * NS  # that clocks of local time fall back as summer time ends
 FEW = 2  # readings with one stamp are duplicates; more, and no other, are a clock that stands still
 MOST_GAPS = 5  # that are told one by one
@@ -87,6 +89,7 @@ def put_in_order(
     if spread:
         right = spread_bursts(name, right, logged, bursts)
     _refuse_two_bases(name, right)
+    _refuse_open_step(name, right, number)
     # In order, each stamp once.
     order = np.argsort(right, kind="stable")
     kept = np.ones(len(order), bool)
@@ -193,19 +196,34 @@ def _set_back(stamp: Ints, logged: Ints, log: Ints) -> Ints:
 def _set_back_within(stamp: Ints, logged: Ints) -> Ints:
     """Estimate by how much stamps (n,) of one log are off after its clock was set back, ns.
 
-    A later part then begins within the previous part and ends after it, or an hour before the
-    previous one ended. Zeros where parts were logged in another order or twice.
+    By a second or more, or else by as little as a clock is stepped, which several readings show.
     """
-    out, step = np.zeros_like(stamp), np.diff(stamp)
-    back = (step <= -JUMP_S * NS) & (np.diff(logged) <= -JUMP_S * NS)
+    step = np.diff(stamp)
+    if not (step > 0).any():
+        return np.zeros_like(stamp)
+    period = round(float(np.median(step[step > 0])))
+    out = _stepped_back(stamp, logged, period, round(JUMP_S * NS), 1)
+    if out.any():
+        return out
+    return _stepped_back(stamp, logged, period, max(STEPPED_NS, AGAIN * period), AGAIN)
+
+
+def _stepped_back(stamp: Ints, logged: Ints, period: int, least: int, again: int) -> Ints:
+    """Estimate by how much stamps (n,) are off after steps back of so many ns at least.
+
+    A later part then begins within the previous part, with so many readings at least, and ends
+    after it, or it begins an hour before the previous one ended. Zeros where parts were logged in
+    another order or twice.
+    """
+    out = np.zeros_like(stamp)
+    back = (np.diff(stamp) <= -least) & (np.diff(logged) <= -least)
     limits = [0, *(1 + np.flatnonzero(back)).tolist(), len(stamp)]
     for (begin, middle), (_, end) in itertools.pairwise(itertools.pairwise(limits)):
         before, after = stamp[begin:middle], stamp[middle:end]
         # stamps on a grid meet those of before by chance
         overlap = logged[middle:end][after <= before[-1]]
-        if min(len(before), len(after)) < LASTING or not (step > 0).any():
+        if min(len(before), len(after)) < LASTING or (after[:again] > before[-1]).any():
             return np.zeros_like(stamp)
-        period = round(float(np.median(step[step > 0])))
         late = int(before[-1] - after[0]) + period  # that the later part is
         is_summer = abs(late - SUMMER_NS) < max(period, JUMP_S * NS)
         if not (is_summer or (after[0] > before[0] and after[-1] > before[-1])):
@@ -214,6 +232,29 @@ def _set_back_within(stamp: Ints, logged: Ints) -> Ints:
             return np.zeros_like(stamp)
         out[middle:] -= SUMMER_NS if is_summer else late
     return out
+
+
+def _refuse_open_step(name: str, stamp: Ints, log: Ints) -> None:
+    """Raise InputError for stamps (n,) that fall back to before the log began, and not up to it.
+
+    The clock was set back by more than the log lasted, or two recordings were joined. Parts that
+    meet were logged in another order.
+    """
+    for number in np.unique(log):
+        part = stamp[log == number]
+        for at in 1 + np.flatnonzero(np.diff(part) <= -JUMP_S * NS):
+            before, after = part[:at], part[at:]
+            if min(len(before), len(after)) < LASTING or after.max() >= before.min():
+                continue
+            if before.min() - after.max() < GAP_S * NS:
+                continue
+            raise InputError(
+                f"{name}: its stamps fall back by {(before[-1] - after[0]) / NS:.1f} s at "
+                f"{format_time(int(before[-1]))}, to before the log began: its clock was set back, "
+                "or two recordings were joined",
+                remedy=f"give one part of it, with dive.from = {format_time(int(before.min()))} or "
+                f"dive.to = {format_time(int(after.max()))}, or write the stamps anew",
+            )
 
 
 def _lasting_jump(stamp: Ints, offset: Ints, before: slice, after: slice) -> int:
@@ -250,6 +291,7 @@ def _describe_jumps(
     # both clocks go back where another log begins: no clock did
     sorted_in = (np.diff(log) != 0) & (back <= -JUMP_S) & (np.abs(moved) < JUMP_S)
     jump[sorted_in] = 0.0
+    jump = np.where(np.diff(set_back) != 0, back, jump)
     out = []
     if late.any():
         longest_s = float((logged - stamp)[late].max() - np.median(logged - stamp)) / NS

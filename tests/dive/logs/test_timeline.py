@@ -64,6 +64,29 @@ def test_clock_of_local_time_falls_back_by_an_hour_amid_the_dive():
     np.testing.assert_allclose(line.t_ns / NS, true, atol=1e-6)
 
 
+def test_a_step_back_by_less_than_a_second_mixes_no_two_times():
+    true = np.arange(0, 30, 0.1)
+    stamps = ns(*np.where(true >= 15, true - 0.93, true))
+    line = put_in_order("dvl", stamps, stamps)
+    assert line.keep.tolist() == list(range(300))
+    np.testing.assert_allclose(line.t_ns / NS, true, atol=1e-6)
+    assert "jumps by -0.830 s" in sentences(line.notes)[0]
+    late = np.arange(0, 30, 0.1)
+    late[[150, 151]] = late[[151, 150]] - [0.2, 0.0]  # one reading alone was late
+    line = put_in_order("dvl", ns(*late), ns(*late))
+    assert sorted(line.t_ns.tolist()) == sorted(set(ns(*late).tolist()))
+
+
+def test_stamps_that_fall_back_to_before_the_log_are_refused_until_one_part_is_given():
+    parts = np.arange(100, 130, 0.1), np.arange(40, 70, 0.1)
+    stamps = ns(*np.concatenate(parts))
+    with pytest.raises(InputError, match=r"fall back by 89\.9 s at") as caught:
+        put_in_order("dvl", stamps, stamps)
+    assert "dive.from = 1970-01-01T00:01:40.000Z" in caught.value.remedy
+    for part in parts:
+        assert len(put_in_order("dvl", ns(*part), ns(*part)).t_ns) == 300
+
+
 @pytest.mark.parametrize(
     "second", [np.arange(0, 15, 0.1), np.arange(5, 30, 0.1)], ids=["logged later", "logged twice"]
 )
