@@ -7,7 +7,10 @@ import cv2
 import numpy as np
 import pytest
 
-from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.executor import choose_executor
+from hullrecon.artifacts.manifest import HashCache
+from hullrecon.artifacts.progress import choose_progress
+from hullrecon.artifacts.runner import RunContext, build, make_job, run_stage
 from hullrecon.artifacts.stage import StageSettings
 from hullrecon.dive.config.schema import Cameras, CameraTop, Dive, Logs
 from hullrecon.errors import InputError, StageError
@@ -115,6 +118,22 @@ def test_a_dive_without_a_single_feature_ends_with_advice(tmp_path):
     black = ingest(tmp_path / "ingest", [np.zeros((64, 64, 3), np.uint8)], [True])
     with pytest.raises(StageError, match="no image has a feature"):
         run(black, tmp_path / "out")
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_dask_cluster_leaves_the_bytes_of_one_process(made, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    alone, out, hashes = run(made, tmp_path / "alone"), tmp_path / "out", HashCache()
+    job = make_job(STAGE, SECTIONS, {"ingest": made}, made.parent / "package", hashes)
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as dask,
+        choose_executor(scheduler=dask.scheduler_address) as executor,
+    ):
+        build(job, out, tmp_path / ".out", RunContext(hashes, executor, choose_progress()))
+    names = sorted(path.name for path in alone.iterdir())
+    assert [path.name for path in sorted(out.iterdir())] == names
+    for name in set(names) - {"manifest.json"}:
+        assert (out / name).read_bytes() == (alone / name).read_bytes()
 
 
 def test_a_camera_that_logged_no_image_is_said_with_what_to_do(made, tmp_path):
