@@ -232,9 +232,10 @@ WARNINGS: dict[str, Words] = {
     "stream-shifted": _shifted,
     "stream-moved": _moved,
     "tray-zero": 'the tray\'s angle is zero in all {count} readings: was it read? tray.joint = "" '
-    "says that nothing turns",
+    "says that nothing turns, until then each angle is known to 10 degrees (one sigma)",
     "tray-little": "the tray's angle turns by {span_deg:.2g} degrees in the whole dive, less than "
-    'tray.sigma_deg ({sigma_deg:.2g}): is it in radians (tray.joint_unit = "rad")?',
+    'tray.sigma_deg ({sigma_deg:.2g}): is it in radians (tray.joint_unit = "rad")? Until then each '
+    "angle is known to 10 degrees (one sigma)",
     "imu-single-reading": "the IMU gave a single reading, which tells no attitude",
     "imu-upside-down": 'imu: gravity pulls upward with imu.frame = "{frame}": it is "{other}", or '
     "the accelerations are those of gravity, with the other sign",

@@ -48,6 +48,9 @@ class NavigationSigmas:
     # leaves (navigation/clocks)
     dvl_late_s: float = 0.0
     pressure_late_s: float = 0.0
+    # of the tray's angle at any time, beyond `tray_rad`, where its readings tell nothing
+    # (`doubtful_angles`)
+    tray_untold_rad: float = 0.0
 
 
 def sigmas_from_settings(settings: Mapping[str, object]) -> NavigationSigmas:

@@ -26,7 +26,8 @@ from hullrecon.navigation.dead_reckoning.dead_reckon import (
 from hullrecon.navigation.dead_reckoning.exposures import CameraTiming, exposures_of
 from hullrecon.navigation.dead_reckoning.positions import attach_positions
 from hullrecon.navigation.navigate import choose_path, reckon_dive
-from hullrecon.navigation.sigmas import sigmas_from_settings
+from hullrecon.navigation.sensors.servo import TELL_NOTHING, UNTOLD_RAD
+from hullrecon.navigation.sigmas import NavigationSigmas, sigmas_from_settings
 from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect, StereoMotion
 from hullrecon.navigation.stereo_odometry.stereo_path import (
     FEATURES,
@@ -96,13 +97,14 @@ def run(context: Context[NoOptions]) -> None:
         context.warn(mount.sentence)
     judged = _judge_sensors(context)
     delay = _check_rig(context, judged.records)
+    sigmas = _sigmas(context, judged)
     has_stereo = all(ingest.image_index(camera) is not None for camera in Camera)
     found, source = choose_path(
         judged.records.dvl,
         judged.records.imu,
         ingest.image_index(Camera.TOP) if has_stereo else None,
-        lambda: _by_dvl(context, judged.records, delay),
-        lambda: _by_stereo(context, judged.records, delay),
+        lambda: _by_dvl(context, judged.records, delay, sigmas),
+        lambda: _by_stereo(context, judged.records, delay, sigmas),
     )
     facts = {"suspects": [one.document() for one in judged.tried], **found.facts}
     # offsets of clocks are told by what follows, which estimates them
@@ -177,7 +179,19 @@ def _check_rig(context: Context[NoOptions], records: SensorRecords) -> Delay | N
     return checked.delay
 
 
-def _by_dvl(context: Context[NoOptions], records: SensorRecords, delay: Delay | None) -> Navigated:
+def _sigmas(context: Context[NoOptions], judged: Judged) -> NavigationSigmas:
+    """Collect the sigmas of navigation, wide for a tray whose readings tell nothing."""
+    sigmas = sigmas_from_settings(_ingest_and_settings(context)[1])
+    untold = any(finding.code in TELL_NOTHING for finding in judged.findings)
+    return replace(sigmas, tray_untold_rad=UNTOLD_RAD) if untold else sigmas
+
+
+def _by_dvl(
+    context: Context[NoOptions],
+    records: SensorRecords,
+    delay: Delay | None,
+    sigmas: NavigationSigmas,
+) -> Navigated:
     """Reckon the path by DVL and IMU.
 
     Images compare clocks and carry the path where these are silent.
@@ -208,7 +222,7 @@ def _by_dvl(context: Context[NoOptions], records: SensorRecords, delay: Delay | 
     def progress(frames: range) -> Iterable[int]:
         return context.progress(frames, "images followed")
 
-    return reckon_dive(logs, rig, sigmas_from_settings(settings), measure, goes_on, progress)
+    return reckon_dive(logs, rig, sigmas, measure, goes_on, progress)
 
 
 def _timing(settings: StageSettings, delay: Delay | None) -> CameraTiming:
@@ -218,7 +232,10 @@ def _timing(settings: StageSettings, delay: Delay | None) -> CameraTiming:
 
 
 def _by_stereo(
-    context: Context[NoOptions], records: SensorRecords, delay: Delay | None
+    context: Context[NoOptions],
+    records: SensorRecords,
+    delay: Delay | None,
+    sigmas: NavigationSigmas,
 ) -> Navigated:
     """Compute the path by stereo odometry, from the cameras and what else was logged."""
     ingest, settings = _ingest_and_settings(context)
@@ -241,7 +258,7 @@ def _by_stereo(
         aids,
         ImagePairMotion(top=top, bottom=bottom, odometer=odometer),
         rig,
-        sigmas_from_settings(settings),
+        sigmas,
         np.concatenate([rig_sigma, np.full(DISPARITY, np.nan)]),
         progress,
     )

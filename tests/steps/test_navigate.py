@@ -24,6 +24,7 @@ from hullrecon.records.sensors import (
     DvlPings,
     ImageIndex,
     ImuSamples,
+    JointSamples,
     PositionFixes,
     PressureSamples,
 )
@@ -130,6 +131,14 @@ def test_step_writes_records_and_source_of_path(ingest: Path, tmp_path: Path) ->
     assert report["nodes"] == len(path.t_ns)
     assert report["path_length_m"] == pytest.approx(3.96, abs=0.05)
     assert any("tray" in sentence for sentence in report["remarks"])
+
+
+def test_a_tray_of_zeros_alone_is_known_to_ten_degrees(ingest: Path, tmp_path: Path) -> None:
+    t_ns = np.arange(0, 20 * SECOND, SECOND // 5, dtype=np.int64)
+    keep(ingest, "tray", JointSamples(t_ns=t_ns, angle=np.zeros(len(t_ns))))
+    out = run(ingest, tmp_path / "navigate")
+    attitude = from_arrays(Attitude, load_arrays(out / "attitude.npz"))
+    np.testing.assert_allclose(np.degrees(attitude.tray_sigma), 10.0)
 
 
 def test_the_step_leaves_what_makes_its_poses_wrong(ingest: Path, tmp_path: Path) -> None:

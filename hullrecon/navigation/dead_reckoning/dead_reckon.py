@@ -133,12 +133,13 @@ def dead_reckon(
 
     exposures = exposures_of(trajectory, beams, (logs.top, logs.bottom), logs.timing, path_at, rig)
     edges = widen_for_delay(odometry(path, at), path, at, sigmas.dvl_late_s)
+    attitude = _attitude(path, at, depth, sigmas)
     return Navigated(
         trajectory=replace(trajectory, exposures=exposures),
         error_model=errors,
-        odometry=widen_for_tray(edges, path.servo.unread_sigma(at.t_ns)),
+        odometry=widen_for_tray(edges, attitude.tray_sigma),
         returns=beams,
-        attitude=_attitude(path, at, depth, sigmas),
+        attitude=attitude,
         remarks=notes,
         facts=facts,
     )
@@ -311,5 +312,5 @@ def _attitude(
         sigma=np.stack([depth_m, tilt, tilt], axis=1),
         nodes_per_reading=shared,
         tray_direction=at.direction.copy(),
-        tray_sigma=path.servo.unread_sigma(at.t_ns),
+        tray_sigma=np.hypot(path.servo.unread_sigma(at.t_ns), sigmas.tray_untold_rad),
     )

@@ -17,6 +17,9 @@ from hullrecon.typing import Array, Ints
 LEAST_TRAVEL_RAD = np.radians(0.3)  # a servo's reading flickers by less; a command moves it farther
 # how fast and how far a tray may have turned while nothing was read
 UNREAD_RATE_RAD_S, UNREAD_RAD = 0.05, 0.5
+# sigma of an angle whose readings tell nothing: trays tilt by up to some 30 degrees
+UNTOLD_RAD = np.radians(10.0)
+TELL_NOTHING = ("tray-zero", "tray-little")  # what `doubtful_angles` finds
 FEW_READINGS = 3  # fewer readings are a setting, not the record of a moving tray
 MOVED = 10.0  # times its flicker: white noise spans six to seven, a coarse encoder takes few values
 

@@ -225,7 +225,8 @@ def _attitude(
 
     Empty but for the tray where neither depth nor attitude was measured.
     """
-    direction, tray_sigma = tray.direction_at(t_ns), tray.unread_sigma(t_ns)
+    direction = tray.direction_at(t_ns)
+    tray_sigma = np.hypot(tray.unread_sigma(t_ns), sigmas.tray_untold_rad)
     if history is None and depth is None:
         none = np.zeros(0)
         return Attitude(
