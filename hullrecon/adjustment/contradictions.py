@@ -18,7 +18,7 @@ from scipy.special import chdtri  # not scipy.stats, which takes a quarter of a 
 from hullrecon import native
 from hullrecon.adjustment.exceeded_priors import MANY_SIGMAS, MOUNTS, ROTATION, displacement
 from hullrecon.adjustment.hull_pose.other_beams import find_fitting_beams
-from hullrecon.adjustment.hull_pose.other_tray import find_fitting_tray
+from hullrecon.adjustment.hull_pose.other_tray import find_fitting_tray, find_tray_offset
 from hullrecon.adjustment.readout import RowMotion, motion_by_row
 from hullrecon.adjustment.rounds import Estimate, Phase, RoundResult, RoundSolver
 from hullrecon.adjustment.suspects import Trial, best_explanations, least_gain, try_suspects
@@ -133,7 +133,7 @@ def _refuse_other_readings(solved: Estimate, placed: Phase) -> None:
     """Raise ContradictionError where the CAD model fits the DVL's ranges read otherwise.
 
     With its beams in another order, or, without images, which show how the tray turns, with the
-    tray's angles of the other sign or unit.
+    tray's angles of the other sign, unit or zero.
     """
     measured, state = solved.measured, solved.state
     returns, cad_model, hull = measured.returns, measured.cad_model, placed.estimate.state.hull
@@ -149,9 +149,16 @@ def _refuse_other_readings(solved: Estimate, placed: Phase) -> None:
         order, before_m, after_m = beams
         values = {"beams": list(order), "before_mm": 1e3 * before_m, "after_mm": 1e3 * after_m}
         raise ContradictionError(Finding("other-beams", values).sentence)
-    tray = None
-    if measured.tracks is None:
-        tray = find_fitting_tray(rig, state.path, measured.odometry, returns, cad_model)
+    if measured.tracks is not None:
+        return
+    tray = find_fitting_tray(rig, state.path, measured.odometry, returns, cad_model)
+    off = None
+    if placed.placement is not None:
+        lies = placed.placement.registration
+        off = find_tray_offset(rig, state.path, measured.odometry, returns, lies)
+    if off is not None and (tray is None or off[1] < tray[2]):
+        values = {"offset_deg": float(np.degrees(off[0])), "after_mm": 1e3 * off[1]}
+        raise ContradictionError(Finding("tray-offset", values).sentence)
     if tray is not None:
         reading, before_m, after_m = tray
         values = {"reading": reading, "before_mm": 1e3 * before_m, "after_mm": 1e3 * after_m}

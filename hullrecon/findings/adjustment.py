@@ -182,6 +182,9 @@ ERRORS: dict[str, Words] = {
     "contradiction": _contradiction,
     "other-beams": _other_beams,
     "other-tray": _other_tray,
+    "tray-offset": "the tray's angles are off by {offset_deg:+.0f} degrees, or hull.pose is turned "
+    "by as much about the tray's axis: with angles put right by that the ends of the DVL's beams "
+    "lie {after_mm:.0f} mm from the CAD model (root mean square) where hull.pose has it",
 }
 WARNINGS: dict[str, Words] = {
     "explained-as-well": _explained_as_well,

@@ -4,15 +4,20 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from adjustment.test_cad_acceptance import true_path
+from scipy.spatial.transform import Rotation
 
 from hullrecon.adjustment.hull_pose.other_tray import (
     READINGS,
     find_fitting_tray,
+    find_tray_offset,
     turned_odometry,
     with_tray,
 )
+from hullrecon.adjustment.hull_pose.registration import register
+from hullrecon.geometry.poses import Poses
 
 SOLVED = true_path(camera=False)
 RIG = SOLVED.state.mounted(SOLVED.measured.rig)
@@ -36,6 +41,26 @@ def test_reading_with_which_the_cad_model_fits_is_named(reading):
     named, before_m, after_m = found(1 / READINGS[reading])
     assert named == reading
     assert after_m < 0.5 * before_m
+
+
+@pytest.mark.parametrize("off_deg", [-14.0, 18.0])
+def test_zero_of_the_tray_at_which_the_cad_model_lies_as_guessed_is_named(off_deg):
+    off, m, path = np.radians(off_deg), SOLVED.measured, SOLVED.state.path
+    odometry = turned_odometry(m.odometry, np.full(len(m.odometry.first), off))
+    path = with_tray(path, m.odometry, path.tray + off)
+    ends = RIG.dvl_points(m.returns, path).points[~m.returns.flagged]
+    right = register(ends, m.cad_model, RIG.priors.range_sigma_m)
+    # as it lies turned with the ends about the vehicle's y axis
+    turn = Rotation.from_rotvec(off * path.poses.rotation.apply([0.0, 1.0, 0.0]).mean(axis=0))
+    wider = replace(m.cad_model, guess_sigma=10 * m.cad_model.guess_sigma)
+    turned = Poses(
+        (turn * m.cad_model.guess.rotation).as_quat(), m.cad_model.guess.translation.copy()
+    )
+    lies = replace(right, global_from_hull=turned, sigmas_off=10.0, cad_model=wider)
+    found_rad, rms_m = find_tray_offset(RIG, path, odometry, m.returns, lies)
+    assert np.degrees(found_rad) == pytest.approx(off_deg, abs=0.1)
+    assert rms_m < 0.04
+    assert find_tray_offset(RIG, path, odometry, m.returns, right) is None  # it lies as guessed
 
 
 def test_angles_as_they_are_are_not_doubted():

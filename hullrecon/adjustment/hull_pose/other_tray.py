@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Test whether a CAD model that does not fit the survey would fit tray angles read otherwise.
 
-Without a camera nothing else tells a wrong sign or unit of them: the hull that the beams meet is as
-bent as the angles say, and depths change by their cosine alone.
+Without a camera nothing else tells a wrong sign, unit or zero of them: the hull that the beams
+meet is as bent as the angles say, and depths change by their cosine alone.
 """
 
 from __future__ import annotations
@@ -12,9 +12,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from hullrecon.adjustment.hull_pose.other_headings import stated_model
 from hullrecon.adjustment.hull_pose.registration import (
+    GOOD_FITNESS,
+    GUESS_SIGMAS,
     Registration,
     fits_far_better,
+    prior_step,
     register_near,
     rms_m,
     thin_points,
@@ -62,6 +66,39 @@ def find_fitting_tray(
             )
     best = fits_far_better(as_is, found)
     return None if best is None else (best, rms_m(as_is), rms_m(found[best]))
+
+
+def find_tray_offset(
+    rig: Rig, path: VehiclePath, odometry: Odometry, returns: Returns, found: Registration
+) -> tuple[float, float] | None:
+    """Compute by how much the tray's angles are off where the CAD model lies turned about its axis.
+
+    Ends of beams from a tray that is off turn with it, and a path that its odometry made does too.
+    The hull's pose was guessed apart from both.
+
+    Parameters
+    ----------
+    rig, path, odometry, returns
+        As for `find_fitting_tray`.
+    found
+        The CAD model registered to the ends as they are, farther from its guess than that allows.
+
+    Returns
+    -------
+    offset, rms after
+        rad, and the distances from the CAD model with the angles put right by it, m. None where it
+        does not lie as guessed then.
+    """
+    if found.sigmas_off <= GUESS_SIGMAS:
+        return None
+    stated = stated_model(found)
+    axis = path.poses.rotation.apply([0.0, 1.0, 0.0]).mean(axis=0)
+    turn = (found.global_from_hull.rotation * stated.guess.rotation.inv()).as_rotvec()[0]
+    offset = float(turn @ axis / np.linalg.norm(axis))
+    again = _register(rig, with_tray(path, odometry, path.tray - offset), returns, stated)
+    step = prior_step(again.global_from_hull, stated, again.center) / stated.guess_sigma
+    fits = again.fitness >= GOOD_FITNESS and np.abs(step).max() <= GUESS_SIGMAS
+    return (offset, rms_m(again)) if fits else None
 
 
 def with_tray(path: VehiclePath, odometry: Odometry, tray: Array) -> VehiclePath:
