@@ -29,7 +29,7 @@ from hullrecon.vision.options import FeatureOptions
 from hullrecon.vision.pairs.mono_motion import refine
 from hullrecon.vision.pairs.two_view import TwoView, essential_of, motions_of, sampson_squared
 from hullrecon.vision.stereo.delay import Delay, MatchedRays, estimate_delay, move_to_top
-from hullrecon.vision.stereo.lens_hypotheses import best_lenses
+from hullrecon.vision.stereo.lens_hypotheses import best_lenses, epipolar_error_px
 from hullrecon.vision.stereo.matching import rectify, triangulate
 from hullrecon.vision.stereo.pose_conventions import fitting_readings
 
@@ -56,6 +56,7 @@ CLEARLY_NEARER = 2.0  # how much better one cause has to explain the vehicle's w
 LEAST_WAY_M = 0.02  # between two pairs of images: some times what stereo errs by
 WAY_NS = 150_000_000  # about two pairs of images, in which pings count
 FITS, OUTLIER_MEDIANS = 3, 3.0  # of a motion, and how far points of it may be off
+LEAST_TURN_DEG = 0.05  # that is told as one
 UPSIDE_DOWN_DEG = 135.0
 TURN_PICTURES = (
     "its pictures, or those of the top camera, stand otherwise than in the calibration: give them "
@@ -553,6 +554,13 @@ def _contradiction(
         )
     lenses = best_lenses(look.lenses, look.given, *seen)
     best_px = min(lenses[0].error_px, fitted_px if found is not None else np.inf)
+    # has no number to fit, so that it is believed before what has
+    exchanged_px = epipolar_error_px(look.lenses[::-1], essential_of(look.given), seen)
+    if exchanged_px <= min(MAX_ERROR_PX, AS_GOOD * best_px):
+        return RigProblem(
+            what=f"{what}, {exchanged_px:.1f} px with the two cameras' calibrations exchanged",
+            remedy="exchange camera.top.calibration and camera.bottom.calibration",
+        )
     if best_px > MAX_ERROR_PX:
         return RigProblem(
             what=f"{what}, and neither one pose, one delay of the bottom camera nor one lens fits "
@@ -562,7 +570,10 @@ def _contradiction(
     causes = []
     if found is not None and fitted_px <= AS_GOOD * best_px:
         turn_deg = np.degrees(_turn_rad(look.given, found))
-        causes.append(f"{fitted_px:.1f} px with the bottom camera turned by {turn_deg:.1f} degrees")
+        moved = f"the bottom camera turned by {turn_deg:.1f} degrees"
+        if turn_deg < LEAST_TURN_DEG:
+            moved = "x, y, z of camera.bottom.pose_in_top in another direction"
+        causes.append(f"{fitted_px:.1f} px with {moved}")
         if turn_deg > UPSIDE_DOWN_DEG:  # no rig is built so far from its calibration
             return RigProblem(what=f"{what}, {causes[0]}", remedy=TURN_PICTURES)
     causes += [

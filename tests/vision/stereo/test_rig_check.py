@@ -310,6 +310,14 @@ def test_a_transposed_matrix_is_no_turned_camera(rig, dive, camera):
     assert problem.remedy.startswith("calibrate the two cameras again")
 
 
+def test_exchanged_calibrations_are_named_and_exchanging_them_heals(rig, dive):
+    models = dict(rig.camera_models)
+    wrong = {Camera.TOP: models[Camera.BOTTOM], Camera.BOTTOM: models[Camera.TOP]}
+    problem = check(replace(rig, camera_models=wrong)).problem
+    assert problem.remedy == "exchange camera.top.calibration and camera.bottom.calibration"
+    assert check(replace(rig, camera_models=models)).problem is None
+
+
 def test_wrong_lens_is_no_pose_of_camera(rig, dive):
     """A bottom camera with the distortion of another: no turn of it brings the matches onto their
     lines.
