@@ -29,6 +29,7 @@ from hullrecon.adjustment.results.unexpected_errors import (
     MountFit,
     mount_warnings,
     navigation_warnings,
+    scale_warning,
 )
 from hullrecon.geometry.poses import from_mount
 from hullrecon.rig import mount_prior
@@ -63,6 +64,20 @@ def test_each_error_is_said_with_its_sign_and_what_was_allowed(place, correction
     assert navigation_warnings(0.6 * found, NAVIGATION_SIGMA, CERTAIN) == []
     unsure = np.diag(0.9 * NAVIGATION_SIGMA) ** 2  # so large an error in a seventh of its size
     assert navigation_warnings(found, NAVIGATION_SIGMA, unsure) == []
+
+
+@pytest.mark.parametrize(("pull", "said"), [(11.0, True), (-11.0, True), (3.0, False)])
+def test_a_scale_that_a_dive_hardly_knows_is_doubted_where_it_pulls(pull, said):
+    """Of an eighth of the prior's variance that a dive takes away."""
+    prior = NAVIGATION_SIGMA[0]
+    found, left = np.zeros(6), CERTAIN.copy()
+    found[0], left[0, 0] = pull * prior * np.sqrt(1 / 8), 7 / 8 * prior**2
+    warned = scale_warning(found, NAVIGATION_SIGMA, left)
+    assert bool(warned) == said
+    if said:
+        assert f"too {'short' if pull > 0 else 'long'}" in warned[0]
+        assert f"{100 * 8 * abs(found[0]):.0f} ± {100 * np.sqrt(7) * prior:.0f} %" in warned[0]
+    assert scale_warning(found, np.r_[np.inf, NAVIGATION_SIGMA[1:]], left) == []
 
 
 def test_what_lies_within_its_sigmas_is_not_spoken_of():

@@ -29,6 +29,7 @@ from hullrecon.adjustment.results.unexpected_errors import (
     length_warning,
     mount_warnings,
     navigation_warnings,
+    scale_warning,
 )
 from hullrecon.adjustment.stereo_calibration import stereo_warning
 from hullrecon.adjustment.suspects import Trial, best_explanations
@@ -172,6 +173,7 @@ def _unexpected_errors(
     return [
         *lengths,
         *navigation_warnings(state.navigation, allowed, marginals.navigation),
+        *scale_warning(state.navigation, allowed, marginals.navigation),
         *mount_warnings(mounts),
     ]
 
