@@ -193,7 +193,10 @@ def smallest_change(found: Difference, places: int, options: ChangeOptions) -> f
 
 
 def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOptions) -> Mask:
-    """Select unchanged hull around a region, beyond the blur of edges."""
+    """Select unchanged hull around a region's cells, beyond the blur of edges.
+
+    `off` marks the cells of all regions that changed.
+    """
     from scipy.ndimage import distance_transform_edt
 
     within_m, reach_m = 2 * options.edge_m, 2 * options.edge_m + RING_M

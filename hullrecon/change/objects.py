@@ -264,9 +264,12 @@ def _stood_in_both(before: float, after: float) -> bool:
 def _describe_rest(
     old: _MovedObject | None, new: _MovedObject | None, compared: int, context: ObjectComparison
 ) -> ObjectChange:
-    """Describe an object at which no changed region was found.
+    """Test an object once more at its own top, where no changed region was found.
 
-    The p-value is corrected for the number of objects only, which is smaller than that of places.
+    The search over all places has to be strict. Here the p-value is corrected for the number of
+    objects only, so a change may be found yet: an object of one survey is new or gone, one of both
+    has grown or shrunk. Else it is unchanged, not seen in the other survey, or, where that survey
+    saw its place but does not show it standing, uncertain.
 
     Parameters
     ----------
@@ -385,15 +388,17 @@ def _height(
 
 
 def _position_sigma(center: Array, moved: _MovedObject | None, context: ObjectComparison) -> Array:
-    """Choose one sigma (3,) m of a place: the object's, else that of a hull pose.
+    """Choose one sigma (3,) m of a place along, in girth and along the normal.
 
-    The latter is half the offset's prior covariance, which is the sum of both hull poses'.
+    It is the object's, else that of a hull pose: half the offset's prior covariance, which is the
+    sum of both hull poses'.
     """
     found = None if moved is None else moved.found
     if found is not None and None not in (found.sigma_along, found.sigma_girth, found.sigma_normal):
         return np.array([found.sigma_along, found.sigma_girth, found.sigma_normal], float)
     axes = [axis[0] for axis in tangents_at(context.chart, center[None])]
     axes.append(np.cross(axes[1], axes[0]))
+    # how far a hull that moves and turns (6,) carries the place along each axis
     rows = np.concatenate(
         [np.stack(axes), np.cross(center - context.offset.center, np.stack(axes))], axis=1
     )

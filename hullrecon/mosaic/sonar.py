@@ -292,13 +292,16 @@ class _HullCells:
 def _hull_cells(
     surface: MosaicSurface, image_view: SonarView, patch: SurfacePatch, min_cosine: float
 ) -> Ints:
-    """Find the flat indices of the pixels that hold pieces of hull."""
+    """Find the sonar image's cells (flat, one for each visible texel of the patch) that show hull.
+
+    A cell that holds several texels occurs as often: the brightness of hull is learnt from them.
+    """
     point = patch.point.reshape(-1, 3)
     rows = np.flatnonzero(np.isfinite(point[:, 0]))
     pixel, ratio = image_view.project(point[rows])
-    held = np.isfinite(ratio)
-    free, _ = seen(surface, patch, rows[held], image_view.center, min_cosine)
-    near = np.rint(pixel[held][free]).astype(np.int64)
+    in_fan = np.isfinite(ratio)
+    is_visible, _ = seen(surface, patch, rows[in_fan], image_view.center, min_cosine)
+    near = np.rint(pixel[in_fan][is_visible]).astype(np.int64)
     return np.asarray(near[:, 1] * image_view.image.shape[1] + near[:, 0])
 
 

@@ -202,9 +202,9 @@ class Regression:
         return np.concatenate([np.zeros(0), *parts])
 
     def sigma(self, wanted: Array, noise: float = 0.0) -> Array:
-        """Predict sigmas at (m, 2) [Ozog2016 eq. 3.3]: of the surface.
+        """Predict the surface's sigmas at (m, 2) [Ozog2016 eq. 3.3].
 
-        With the noise of a return, of the next return.
+        With the noise of a return they are those of what the next return would measure.
         """
         parts = [
             self._explained_variance(wanted[i : i + CHUNK]) for i in range(0, len(wanted), CHUNK)

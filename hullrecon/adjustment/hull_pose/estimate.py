@@ -282,12 +282,14 @@ def _select(evidence: HullPoseEvidence, kept: Mask) -> HullPoseEvidence:
 
 
 def _at_heights(pose: Poses, cad_model: CadModel, center: Array) -> list[Poses]:
-    """Turn a hull as the guess has it, at its height and others, where no depth was measured.
+    """List poses to start a fit from: turned as the guess is, at the hull's height and at others.
 
-    A round that slides along the height turns the hull with it, and a fit that starts so turned
-    ends in a minimum beside the right one.
+    Empty where the package knows the height. Where no depth was measured, a round that slides along
+    the height turns the hull with it, and a fit that starts so turned ends in a minimum beside the
+    right one.
     """
     guess = cad_model.guess
+    # the survey's centre stays where it lies on the hull, the hull turns about it
     back = guess.rotation.apply(center[None])
     as_guessed = Poses(guess.quaternion, pose.apply(center[None]) - back)
     heights = registration.at_other_heights(as_guessed, cad_model, center)

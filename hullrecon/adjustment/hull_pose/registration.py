@@ -42,6 +42,9 @@ GUESS_SIGMAS = 3.5  # beyond which the package's guess is contradicted
 # known to metres, and faces of a bilge lie so far apart
 OPEN_HEIGHT_M = 0.6
 FIT_ITERATIONS = 60  # of the last fit, at most
+SAMPLES = 20_000  # of the CAD model's faces
+NEAR_M = 3.0  # from the survey to faces that are sampled
+KEPT_M = 4.0  # from the survey to samples that are kept
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -210,26 +213,26 @@ def at_other_heights(pose: Poses, cad_model: CadModel, center: Array) -> list[Po
 
 
 def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
-    """Sample points by area on the faces within three metres of the guessed survey.
+    """Sample points by area on the faces near the guessed survey, and keep those near it.
 
-    Some 20,000. Empty where no face is so near.
+    Of SAMPLES points those that lie within KEPT_M. Empty where no face lies within NEAR_M.
     """
     corner = mesh.vertices[mesh.faces]
     middle = corner.mean(1)
     reach = np.linalg.norm(corner - middle[:, None], axis=2).max(1)
-    gap, _ = cKDTree(near).query(middle, distance_upper_bound=3.0 + reach.max())
-    part = Mesh(mesh.vertices, mesh.faces[gap <= 3.0 + reach])
+    gap, _ = cKDTree(near).query(middle, distance_upper_bound=NEAR_M + reach.max())
+    part = Mesh(mesh.vertices, mesh.faces[gap <= NEAR_M + reach])
     if len(part.faces) == 0:
         return np.zeros((0, 3))  # a CAD model in other units, or guessed far off
     area = face_areas(part)
     rng = np.random.default_rng(seed)
-    face = rng.choice(len(area), 20000, p=area / area.sum())
-    u, v = rng.random((2, 20000))
+    face = rng.choice(len(area), SAMPLES, p=area / area.sum())
+    u, v = rng.random((2, SAMPLES))
     fold = u + v > 1
     u[fold], v[fold] = 1 - u[fold], 1 - v[fold]
     a, b, c = part.vertices[part.faces[face]].transpose(1, 0, 2)
     samples = a + u[:, None] * (b - a) + v[:, None] * (c - a)
-    gap, _ = cKDTree(near).query(samples, distance_upper_bound=4.0)
+    gap, _ = cKDTree(near).query(samples, distance_upper_bound=KEPT_M)
     return np.asarray(samples[np.isfinite(gap)])
 
 

@@ -141,8 +141,10 @@ def join_time_bases(
 def _shift(stamps: BagStamps, right: Sequence[BagStamps]) -> Ints | None:
     """Compute what to add to a sensor's stamps. None where they are right, or none can tell.
 
-    Stamps that were logged seconds late are right; those ahead of the logger's clock by a second
-    are not.
+    A steady sensor is logged by a constant delay after its stamp. Where a sensor of the right base
+    is steady too, the difference of delays is the shift. Stamps that were logged seconds late are
+    right all the same. Those ahead of the logger's clock by a second are not. Where either is not
+    steady, times of logging carry the stamps over.
     """
     steady = [other.median_ns for other in right if other.is_steady]
     if stamps.is_steady and steady:
@@ -151,10 +153,12 @@ def _shift(stamps: BagStamps, right: Sequence[BagStamps]) -> Ints | None:
         return None if is_late else np.full(len(stamps.stamp_ns), shift_ns, np.int64)
     if steady and not stamps.runs_at_another_rate:
         return None  # it jumps, or was logged late now and then
-    # of two clocks one runs at another rate than the logger's, as a simulator's does
+    # Either clock runs at another rate than the logger's, as a simulator's does. When a steady
+    # sensor measured is known from the logger's clock, else only when it was logged.
     logged = stamps.logged_ns - (stamps.median_ns if stamps.is_steady else 0)
-    if steady:
+    if steady:  # the right base keeps the logger's pace
         return logged - round(float(np.median(steady))) - stamps.stamp_ns
+    # the right base does not: its own delays tell where it was at each time of logging
     longest = max(right, key=lambda other: len(other.stamp_ns))
     return logged + _follow(logged, longest) - stamps.stamp_ns
 

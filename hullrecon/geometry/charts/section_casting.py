@@ -19,6 +19,7 @@ AXES = "xyz"
 GRAZING = 0.12
 # of such a line's length, the largest distance of its middle from the mesh
 OFF_SKIN = 0.1
+NEARLY_ALL = 0.995  # of the skin that the best axis sees
 
 
 def hull_axes(vertices: Array, up: Array, bow: str | None = None) -> Array:
@@ -103,13 +104,16 @@ def outward_faces(mesh: Mesh, sections: Sections) -> Mesh:
 
 
 def choose_axis_height(mesh: Mesh) -> float:
-    """Choose from nine heights, m, that from which rays see most of the sides and the bottom."""
+    """Choose the axis' height, m, of nine: the highest that sees nearly all of sides and bottom.
+
+    From a high axis rays meet the bottom at fewer grazing angles.
+    """
     low, high = mesh.vertices[:, 2].min(), mesh.vertices[:, 2].max()
     heights = low + (high - low) * np.linspace(0.1, 0.9, 9)
     seen = [_seen_area(mesh, height) for height in heights]
     if max(seen) <= 0:
         raise InputError("no ray from inside meets the CAD model", where="hull.mesh")
-    good = np.asarray(seen) >= 0.995 * max(seen)
+    good = np.asarray(seen) >= NEARLY_ALL * max(seen)
     return float(heights[good].max())
 
 

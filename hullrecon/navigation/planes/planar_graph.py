@@ -68,7 +68,7 @@ class Offer:
 
     @property
     def trusted(self) -> bool:
-        """Whether the hull is smooth enough for patches to be compared."""
+        """Whether enough of the offered pairs agree for them to be believed."""
         return len(self.agreeing) >= LEAST_AGREEING * self.offered
 
 

@@ -196,14 +196,16 @@ class _Likely:
 def _likeliest(scene: LinkedScene, track: CameraTrack, keyframes: Ints) -> _Likely | None:
     """Find the images that look most alike.
 
-    None where search reaches all that the path leaves open.
+    None where the search by overlap reaches as far as the path is uncertain.
     """
     places = open_places(track, keyframes, scene.depth_m, scene.camera)
     if places is None:
         return None
     vocabulary, words = learn_words(scene.worker, [scene.nodes[k] for k in keyframes])
-    images = invert(words, len(vocabulary))
-    pairs, control = likeliest_pairs(track, keyframes, scene.depth_m, scene.camera, places, images)
+    images_by_word = invert(words, len(vocabulary))
+    pairs, control = likeliest_pairs(
+        track, keyframes, scene.depth_m, scene.camera, places, images_by_word
+    )
     return _Likely(pairs=pairs, control=control, words=len(vocabulary), reach_m=places.reach_m)
 
 
