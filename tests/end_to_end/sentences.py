@@ -609,7 +609,7 @@ TABLE = (
         _weak_axis,
     ),
     (
-        rf"known to {LENGTH} along the (?:hull|plane) and {LENGTH} (?:in girth|across it) \(one "
+        rf"known to {LENGTH} along the (?:hull|survey) and {LENGTH} (?:in girth|across it) \(one "
         rf"sigma, median\)",
         _vehicle_place,
     ),
