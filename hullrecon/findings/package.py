@@ -225,7 +225,7 @@ WARNINGS: dict[str, Words] = {
     "stations-off": _stations,
     "hull-on-its-side": "it is symmetric about a level plane and not from port to starboard, so "
     "hull.pose lays it on its side: was it exported with {port} up? Turn hull.pose by 90 degrees "
-    "about its {forward} axis",
+    "about its {forward} axis, so that {port} points up",
     "region-empty": _empty_region,
     "regions-uncounted": lambda count, why: (
         f"{count_noun(count, 'hull.region')} cannot be counted: {why}"

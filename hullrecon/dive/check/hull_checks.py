@@ -56,7 +56,7 @@ def describe_bow(hull: Hull, mesh: Mesh) -> tuple[Finding, list[Finding]]:
 
 
 def check_upright(hull: Hull, mesh: Mesh) -> list[Finding]:
-    """Warn where the CAD model lies on its side as hull.pose has it."""
+    """Warn of a CAD model that hull.pose lays on its side."""
     axes = hull_axes(mesh.vertices, up_in(from_mount(hull.pose)), hull.bow)
     found = find_lying_side(mesh, axes)
     return [] if found is None else [replace(found, where="the CAD model")]

@@ -97,10 +97,10 @@ def chart_for_points(points: ArrayLike, toward: ArrayLike) -> Chart:
         With fewer than three points.
     """
     from hullrecon.geometry.charts.cylinder_chart import unroll
-    from hullrecon.geometry.charts.plane_chart import fit_plane_chart
+    from hullrecon.geometry.charts.plane_chart import SHIP_AXES_IN_G, fit_plane_chart
 
     points, sensors = np.asarray(points, float), np.atleast_2d(np.asarray(toward, float))
-    plane = fit_plane_chart(points, sensors.mean(axis=0), up=np.array([0.0, 0.0, -1.0]))
+    plane = fit_plane_chart(points, sensors.mean(axis=0), up=SHIP_AXES_IN_G[2])
     return unroll(points, sensors, plane) or plane
 
 

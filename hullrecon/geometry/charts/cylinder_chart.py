@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, make_smoothing_spline
 from scipy.sparse.csgraph import minimum_spanning_tree, shortest_path
 
-from hullrecon.geometry.charts.plane_chart import PlaneChart
+from hullrecon.geometry.charts.plane_chart import SHIP_AXES_IN_G, PlaneChart
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.typing import Array
 
@@ -33,7 +33,6 @@ SMOOTH_M = 0.3  # shorter bends of the profile are smoothed away
 STEP_M = 0.1  # between the profile's knots
 ROUNDS = 6  # of smoothing the profile and measuring arcs on it anew
 NEWTON_STEPS = 8  # from the nearest knot to the foot of a place
-UP = np.array([0.0, 0.0, -1.0])  # in g
 LEAST_TURN = 0.3  # of a Newton step's divisor, 1 - height / radius of curvature
 
 
@@ -83,8 +82,8 @@ class CylinderChart:
 
     @property
     def ship_axes(self) -> Array:
-        """Rows forward, port, up (3, 3) in g, whose z is down. See `Chart`."""
-        return np.diag([1.0, -1.0, -1.0])
+        """See `Chart`."""
+        return SHIP_AXES_IN_G
 
     @property
     def along_of_origin(self) -> float:
@@ -197,7 +196,7 @@ def _straight_and_bent(normal: Array, plane: PlaneChart) -> tuple[Array, int]:
     Normals do not turn along a cylinder. That way is along, or girth where it is steep, at a stem.
     """
     straight = np.linalg.eigh(normal.T @ normal)[1][:, 0]
-    kept = int(abs(straight @ UP) > np.cos(np.radians(45.0)))
+    kept = int(abs(straight @ SHIP_AXES_IN_G[2]) > np.cos(np.radians(45.0)))
     # the plane's sense, where the plane has one
     share = straight @ plane.axes[kept]
     straight = straight * np.sign(share if abs(share) > 0.5 else straight[np.argmax(abs(straight))])

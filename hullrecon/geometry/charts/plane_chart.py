@@ -14,9 +14,10 @@ from hullrecon.errors import InputError
 from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.typing import Array, Mask
 
-# a plane lies flat when its normal is within 30 degrees of the vertical
+SHIP_AXES_IN_G = np.diag([1.0, -1.0, -1.0])  # rows forward, port, up: z of g is down
 ROUNDS = 5  # of leaving points out
 TRIALS = 200  # planes through three points
+# a plane lies flat when its normal is within 30 degrees of the vertical
 STEEP = np.cos(np.radians(30.0))
 
 
@@ -29,8 +30,8 @@ class PlaneChart:
 
     @property
     def ship_axes(self) -> Array:
-        """Rows forward, port, up (3, 3) in g, whose z is down. See `Chart`."""
-        return np.diag([1.0, -1.0, -1.0])
+        """See `Chart`."""
+        return SHIP_AXES_IN_G
 
     @property
     def along_of_origin(self) -> float:

@@ -18,7 +18,10 @@ def test_a_ship_on_her_side_is_named_and_upright_again_when_turned():
     ship = Mesh(barge().vertices @ Y_UP.T, barge().faces)
     (named,) = check_upright(Hull(mesh="h.stl"), ship)
     assert named.sentence.startswith("the CAD model: it is symmetric about a level plane")
-    assert "exported with y up? Turn hull.pose by 90 degrees about its x axis" in named.sentence
+    assert (
+        "exported with y up? Turn hull.pose by 90 degrees about its x axis, so that y points up"
+        in named.sentence
+    )
     assert check_upright(Hull(mesh="h.stl", pose=(0, 0, 0, -90, 0, 0)), ship) == []
 
 

@@ -52,6 +52,7 @@ class FileLog:
         return list(self._tracker.losses)
 
     def _read(self) -> Iterator[Message]:
+        """Yield the file's messages in order. Each format has its own."""
         raise NotImplementedError
 
 
