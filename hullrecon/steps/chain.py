@@ -139,7 +139,7 @@ STAGES = (
         optional=("links", "matches"),
         uses=(*RIG_SECTIONS, "hull"),
         parameters=AdjustOptions,
-        version=39,
+        version=40,
         run=_later("adjust"),
     ),
     Stage(

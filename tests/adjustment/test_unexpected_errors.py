@@ -120,15 +120,23 @@ def fit(found, covariance=KNOWN):
 )
 def test_a_mount_far_from_its_place_is_said(off, words):
     (sentence,) = mount_warnings(
-        {CAMERA: fit(displaced(off)), DVL: MountFit(None, None, None, KNOWN)}
+        {CAMERA: fit(displaced(off)), DVL: MountFit(None, None, None, KNOWN)}, 1.0
     )
     assert words in sentence
     assert sentence.startswith("The dive fits with camera.top.mount ")
     assert ", 5 times what camera.top.mount_sigma allows" in sentence
-    near = records_poses(motion(0.13, *SIX[1:5], 91.0))  # 0.1 m along its axis, and a degree
-    assert mount_warnings({CAMERA: fit(near)}) == []
-    assert mount_warnings({CAMERA: fit(displaced(off), 1e4 * KNOWN)}) == []
-    assert mount_warnings({CAMERA: MountFit(MOUNT, None, displaced(off), KNOWN)}) == []
+    near = records_poses(motion(0.06, *SIX[1:5], 91.0))  # 30 mm along its axis, and a degree
+    assert mount_warnings({CAMERA: fit(near)}, 1.0) == []
+    assert mount_warnings({CAMERA: fit(displaced(off), 1e4 * KNOWN)}, 1.0) == []
+    assert mount_warnings({CAMERA: MountFit(MOUNT, None, displaced(off), KNOWN)}, 1.0) == []
+
+
+def test_a_camera_off_along_its_axis_names_its_focal_length():
+    for off, way, long in ((0.08, "nearer to", "short"), (-0.08, "farther from", "long")):
+        found = MOUNT @ records_poses(motion(0, 0, off, 0, 0, 0))
+        (sentence,) = mount_warnings({CAMERA: fit(found)}, 1.6)
+        assert f"along the camera's axis by 80 ± 1 mm, {way} the hull, 8 times" in sentence
+        assert f"calibration is 5 % too {long}" in sentence
 
 
 def test_two_mounts_that_are_turned_alike_point_at_the_imu():
@@ -142,7 +150,7 @@ def test_two_mounts_that_are_turned_alike_point_at_the_imu():
             displaced(motion(0, 0, 0, *dvl_off), beside),
         )
         return mount_warnings(
-            {DVL: MountFit(dvl, prior, dvl_found, KNOWN), CAMERA: fit(camera_found)}
+            {DVL: MountFit(dvl, prior, dvl_found, KNOWN), CAMERA: fit(camera_found)}, 1.0
         )
 
     *_, alike = said((3.0, 0.1, 0.2), (2.8, 0.2, 0.0))

@@ -21,6 +21,7 @@ from hullrecon.adjustment.problem import intrinsics, iteration_history, lens, we
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.observations import landmark_count, read_blocks
 from hullrecon.adjustment.problem.state import HullState, State
+from hullrecon.adjustment.problem.triangulation import camera_poses
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.adjustment.results.legs import LegTies, tie_legs
 from hullrecon.adjustment.results.solution import build_solution, marginal_covariances
@@ -41,6 +42,7 @@ from hullrecon.geometry.robust import robust_sigma
 from hullrecon.records.solution import Solution
 from hullrecon.typing import Array, Arrays, Ints
 
+MOST_LANDMARKS = 2000  # whose distance from the cameras is measured
 # Sigma of the CAD model's scale beyond which the report says that the survey cannot tell it
 TRUSTED_SCALE = 0.1
 NAVIGATION = (
@@ -174,8 +176,20 @@ def _unexpected_errors(
         *lengths,
         *navigation_warnings(state.navigation, allowed, marginals.navigation),
         *scale_warning(state.navigation, allowed, marginals.navigation),
-        *mount_warnings(mounts),
+        *mount_warnings(mounts, _distance(m, state)),
     ]
+
+
+def _distance(m: Measurements, state: State) -> float:
+    """Compute the median distance of landmarks from the nearest upper camera, m. NaN without."""
+    from scipy.spatial import cKDTree
+
+    known = state.landmark[np.isfinite(state.landmark).all(axis=1)]
+    if not len(known):
+        return float("nan")
+    few = known[:: max(1, len(known) // MOST_LANDMARKS)]
+    cameras = camera_poses(m.rig, state)[0].translation
+    return float(np.median(cKDTree(cameras).query(few)[0]))
 
 
 def _suspects(trials: Sequence[Trial]) -> dict[str, object]:

@@ -18,6 +18,7 @@ LEAST_TOLD = 0.01  # share of the prior's variance that a dive takes away if it 
 # sigmas beyond which no chance is, as in navigation/suspects: 78 dives without such a fault had 2.2
 # at most, velocities 15 % short 10.9
 SURPRISING = 5.0
+ALONG = 2  # place of the shift along an instrument's axis
 TRAY_AXIS = 0.9  # component of a unit turn along y, the tray's axis
 ALIKE = 0.25  # difference of two turns that count as equal, as a share of the greater
 # Places among the errors of navigation; the tray's backlash is not judged
@@ -116,11 +117,15 @@ class MountFit(NamedTuple):
     covariance: Array  # (6, 6) of (translation in the parent's axes, right-perturbed rotation)
 
 
-def mount_warnings(mounts: Mapping[str, MountFit]) -> list[str]:
+def mount_warnings(mounts: Mapping[str, MountFit], distance_m: float) -> list[str]:
     """Warn of each mount estimated far from its nominal pose, and of mounts turned alike.
 
-    A shift along an instrument's own z is not mentioned: a wrong focal length or range looks the
-    same. mounts: by key of dive.toml.
+    Parameters
+    ----------
+    mounts
+        By key of dive.toml.
+    distance_m
+        From the cameras to the hull.
     """
     found = [
         _Displacement.of(key, fit.nominal, fit.sqrt_information, fit.found, fit.covariance)
@@ -128,7 +133,8 @@ def mount_warnings(mounts: Mapping[str, MountFit]) -> list[str]:
         if fit.nominal is not None and fit.sqrt_information is not None and fit.found is not None
     ]
     sentences = [mount.sentence() for mount in found if mount.is_far()]
-    return [*sentences, *_turned_alike(found)]
+    nearer = [mount.along_sentence(distance_m) for mount in found if mount.is_along()]
+    return [*sentences, *nearer, *_turned_alike(found)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,23 +161,25 @@ class _Displacement:
     def times_allowed(self) -> Array:
         """Divide the displacement (6,) by what dive.toml allows.
 
-        Zero where the dive does not determine it, and along the instrument's z.
+        Zero where the dive does not determine it.
         """
-        over = np.where(
+        return np.where(
             np.abs(self.by) > MANY_OF_ITS_OWN * self.sigma, np.abs(self.by) / self.allowed, 0.0
         )
-        over[2] = 0.0
-        return np.asarray(over)
 
     def is_far(self) -> bool:
-        return bool(self.times_allowed().max() > MANY_SIGMAS)
+        """Tell whether it was found moved across the instrument's axis, or turned."""
+        return bool(np.delete(self.times_allowed(), ALONG).max() > MANY_SIGMAS)
+
+    def is_along(self) -> bool:
+        return bool(self.times_allowed()[ALONG] > MANY_SIGMAS)
 
     def is_turned(self) -> bool:
         return bool(self.times_allowed()[3:].max() > MANY_SIGMAS)
 
     def sentence(self) -> str:
         """Tell by how much the mount was found moved or turned, with sigmas."""
-        over = self.times_allowed()
+        over = np.delete(self.times_allowed(), ALONG)
         moved, turned = 1e3 * np.linalg.norm(self.by[:2]), np.degrees(np.linalg.norm(self.by[3:]))
         moved_sigma, turned_sigma = (
             1e3 * np.linalg.norm(self.sigma[:2]),
@@ -190,6 +198,19 @@ class _Displacement:
         return (
             f"The dive fits with {self.key} {' and '.join(parts)} from where dive.toml has it, "
             f"{over.max():.0f} times what {self.key}_sigma allows. Where it sits was estimated."
+        )
+
+    def along_sentence(self, distance_m: float) -> str:
+        """Tell by how much a camera was found nearer to the hull or farther from it."""
+        along = self.by[ALONG]
+        share = 100 * abs(along) / distance_m
+        way, long = ("nearer to", "short") if along > 0 else ("farther from", "long")
+        return (
+            f"The dive fits with {self.key} moved along the camera's axis by "
+            f"{1e3 * abs(along):.0f} ± {1e3 * self.sigma[ALONG]:.0f} mm, {way} the hull, "
+            f"{self.times_allowed()[ALONG]:.0f} times what {self.key}_sigma allows. A focal length "
+            f"whose calibration is {share:.0f} % too {long} looks the same, and so do ranges of "
+            "the DVL that are off by as much: one of the three is wrong, and lengths with it."
         )
 
 
