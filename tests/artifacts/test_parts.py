@@ -13,6 +13,7 @@ import pickle
 import re
 import shutil
 from collections.abc import Callable, Iterator, Sequence
+from enum import IntEnum
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -233,6 +234,20 @@ def test_what_is_no_data_is_not_kept(bench: Bench, caplog: pytest.LogCaptureFixt
     assert list(store.resume("commands", ["x"], lambda items: iter([command]))[1]) == [command]
     assert re.search(r"a finished part cannot be kept: \w+.getenv is no data", caplog.text)
     assert not bench.folder.exists()
+
+
+class Verdict(IntEnum):
+    KEPT = 3
+
+    def __reduce_ex__(self, protocol: object) -> tuple[Callable[..., object], tuple[object, str]]:
+        return getattr, (Verdict, self.name)  # as every enumeration of Python 3.11.2 (Debian 12)
+
+
+def test_a_member_of_an_enumeration_is_kept_by_any_python(bench: Bench) -> None:
+    store = bench.store()
+    list(store.resume("verdicts", ["x"], lambda items: iter([Verdict.KEPT]))[1])
+    kept, results = store.resume("verdicts", ["x"], lambda items: iter([Verdict.KEPT]))
+    assert (kept, list(results)) == (1, [Verdict.KEPT])
 
 
 def test_a_forged_part_runs_nothing(bench: Bench) -> None:
