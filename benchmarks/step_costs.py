@@ -17,24 +17,38 @@ import json
 from pathlib import Path
 
 from hullrecon.api.costs import QUANTITIES, fit_line, size_of_run
+from hullrecon.artifacts.manifest import FILE_NAME
 from hullrecon.steps.chain import NAMES
 
 PINGS = frozenset({"mosaic-sonar"})  # all others grow with the images
 
 
 def measured(folder: Path) -> dict[str, float] | None:
-    """Read what a step took. None if the run lacks it."""
-    path = folder / "manifest.json"
+    """Read what a step took. None if the run lacks it.
+
+    Of the time that a step shared with one beside it, half is its own.
+    """
+    path = folder / FILE_NAME
     if not path.exists():
         return None
     manifest = json.loads(path.read_text(encoding="utf-8"))
     run = manifest["run"]
     workers = run["host"]["cores"] * run["workers_peak_rss_bytes"]
     return {
-        "seconds": run["seconds"],
+        "seconds": run["seconds"] - sum(_overlaps(folder)) / 2,
         "memory_mb": (run["peak_rss_bytes"] + workers) / 1e6,
         "disk_mb": sum(file["size"] for file in manifest["outputs"].values()) / 1e6,
     }
+
+
+def _overlaps(folder: Path) -> list[float]:
+    """Measure how long each other step of the run was under way with that of the folder, s."""
+    spans = {}
+    for path in folder.parent.glob(f"*/{FILE_NAME}"):
+        run = json.loads(path.read_text(encoding="utf-8"))["run"]
+        spans[path.parent.name] = run["started"], run["started"] + run["seconds"]
+    begin, end = spans.pop(folder.name)
+    return [max(0.0, min(end, other[1]) - max(begin, other[0])) for other in spans.values()]
 
 
 def table(runs: list[Path]) -> dict[str, object]:

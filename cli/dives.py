@@ -49,8 +49,8 @@ def jobs_option(what: str) -> Callable[[Command], Command]:
 def memory_option(command: Command) -> Command:
     """Add --memory to a command."""
     text = (
-        "GB that a run may take; a dive that needs twice as much is refused"
-        "  [default: half of the machine's]"
+        "GB that a run may take; a dive that needs twice as much is refused, and two steps run "
+        "beside each other only if both fit  [default: half of the machine's]"
     )
     return click.option(
         "--memory", "memory_gb", type=click.FloatRange(min=0, min_open=True), help=text

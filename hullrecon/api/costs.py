@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from importlib import resources
@@ -118,20 +118,44 @@ def half_of_machine_gb() -> float:
     return DEFAULT_SHARE * machine / 1e9
 
 
-def findings_of(costs: Sequence[StepCost], memory_gb: float | None) -> list[Finding]:
-    """Tell what a run costs, and warn or refuse where a step needs more memory than it may take.
+def fit_together(
+    steps: Collection[str], costs: Sequence[StepCost], memory_gb: float | None
+) -> bool:
+    """Test whether steps may run beside each other: two, if both fit in what a run may take.
 
     `memory_gb`: half of the machine's if None.
+    """
+    allowed_gb = half_of_machine_gb() if memory_gb is None else memory_gb
+    memory_mb = [cost.memory_mb for cost in costs if cost.step in steps]
+    return len(memory_mb) == len(steps) == 2 and sum(memory_mb) <= 1000 * allowed_gb
+
+
+def findings_of(
+    costs: Sequence[StepCost],
+    memory_gb: float | None,
+    beside: Iterable[tuple[str, str]] = (),
+) -> list[Finding]:
+    """Tell what a run costs, and warn or refuse where a step needs more memory than it may take.
+
+    `memory_gb`: half of the machine's if None. `beside`: steps that run beside each other if they
+    fit together.
     """
     if not costs:
         return []
     most = max(costs, key=lambda cost: cost.memory_mb)
+    memory_mb = {cost.step: cost.memory_mb for cost in costs}
+    at_once = memory_mb | {
+        f"{one} beside {other}": memory_mb[one] + memory_mb[other]
+        for one, other in beside
+        if fit_together((one, other), costs, memory_gb)
+    }
+    peak = max(at_once, key=at_once.__getitem__)
     found = Finding(
         "run-costs",
         {
             "seconds": sum(cost.seconds for cost in costs),
-            "memory_mb": most.memory_mb,
-            "step": most.step,
+            "memory_mb": at_once[peak],
+            "step": peak,
             "disk_mb": sum(cost.disk_mb for cost in costs),
             "steps": [asdict(cost) for cost in costs],
         },

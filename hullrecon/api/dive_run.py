@@ -7,7 +7,7 @@ from __future__ import annotations
 import logging
 import multiprocessing
 import shutil
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,14 +17,15 @@ from hullrecon.artifacts.chain import Chain, StepStatus
 from hullrecon.artifacts.executor import choose_executor
 from hullrecon.artifacts.machine import usable_cores
 from hullrecon.artifacts.manifest import hash_file
-from hullrecon.artifacts.progress import Outlook, Progress
+from hullrecon.artifacts.progress import Progress, RunOutlook
 from hullrecon.artifacts.runner import RunContext, StepOutcome, first_failure, run_chain
-from hullrecon.artifacts.step_call import call_here
+from hullrecon.artifacts.step_call import begin_here
 from hullrecon.artifacts.step_process import step_processes
 from hullrecon.artifacts.workspace import PUBLISHED, Workspace
 from hullrecon.errors import InputError, StorageError, UsageError
 
 if TYPE_CHECKING:
+    from hullrecon.api.costs import StepCost
     from hullrecon.dive.config.load import LoadedConfig
     from hullrecon.evaluation.score import Score
 
@@ -175,7 +176,8 @@ def run(
         How long to wait for another run on this dive.
     memory_gb
         How much memory a run may take, half of the machine's if None. A dive that is predicted to
-        take more is warned of once its package is read, and refused if it is twice as much.
+        take more is warned of once its package is read, and refused if it is twice as much. Two
+        steps run beside each other only if both fit in it, and none do with one job.
     progress
         Shows how far each step is, nothing if None.
     raise_failure
@@ -200,18 +202,30 @@ def run(
     if scheduler is None and jobs is None:
         jobs = usable_cores()
     is_alone = scheduler is None and jobs == 1
-    calls = nullcontext(call_here) if is_alone else step_processes(PRELOAD)
-    with choose_executor(jobs or 1, scheduler) as executor, calls as call_step:
-        hashes = dive.workspace.hashes(trusting=not read_data)
-        outlook = Outlook()
+    processes = nullcontext(begin_here) if is_alone else step_processes(PRELOAD)
+    chain = dive.chain if last_step is None else dive.chain.up_to(last_step)
+    outlook = RunOutlook()
+    costs: list[StepCost] = []  # known once the package is read
+    with choose_executor(jobs or 1, scheduler) as executor, processes as begin_step:
+        run_context = RunContext(
+            dive.workspace.hashes(trusting=not read_data),
+            executor,
+            progress or Progress(),
+            outlook,
+            begin_step=begin_step,
+            fit_together=lambda steps: _fit_together(steps, costs, memory_gb),
+        )
+        beside = () if is_alone else chain.pairs_beside()
         outcomes = run_chain(
-            dive.chain if last_step is None else dive.chain.up_to(last_step),
+            chain,
             dive.workspace,
-            RunContext(hashes, executor, progress or Progress(), outlook, call_step=call_step),
+            run_context,
             from_scratch=from_scratch,
             wait_s=wait_s,
             preflight=lambda plan: outlook.plan(_check_before_run(dive, plan, jobs, from_scratch)),
-            before={"navigate": lambda: _refuse_costs(dive, outlook, memory_gb)},
+            before={
+                "navigate": lambda: costs.extend(_refuse_costs(dive, outlook, memory_gb, beside))
+            },
             keep_going=True,
         )
     result = RunResult(dive=dive, outcomes=tuple(outcomes))
@@ -273,23 +287,40 @@ def _check_before_run(
     return [step.stage.name for step in to_do]
 
 
-def _refuse_costs(dive: DiveRun, outlook: Outlook, memory_gb: float | None) -> None:
+def _refuse_costs(
+    dive: DiveRun,
+    outlook: RunOutlook,
+    memory_gb: float | None,
+    beside: Iterable[tuple[str, str]],
+) -> list[StepCost]:
     """Log what the steps to do cost, by the size of the dive, and refuse what does not fit.
 
     Raises InputError as `check` would for too little memory, StorageError for too little disk.
     """
     if not outlook.steps:
-        return
+        return []
     from hullrecon.api.costs import findings_of, predict, size_of_run
 
     costs = predict(size_of_run(dive.workspace.root), outlook.steps)
     outlook.predict({cost.step: cost.seconds for cost in costs})
-    for finding in findings_of(costs, memory_gb):
+    for finding in findings_of(costs, memory_gb, beside):
         if finding.severity == "error":
             raise InputError(finding.sentence)
         level = logging.WARNING if finding.severity == "warning" else logging.INFO
         log.log(level, "%s: %s", dive.name, finding.sentence)
     _refuse_full_disk(dive, 1e6 * sum(cost.disk_mb for cost in costs), "the artifacts take about")
+    return costs
+
+
+def _fit_together(
+    steps: Collection[str], costs: Sequence[StepCost], memory_gb: float | None
+) -> bool:
+    """Test whether steps may run beside each other. False before it is known what they cost."""
+    if not costs:
+        return False
+    from hullrecon.api.costs import fit_together
+
+    return fit_together(steps, costs, memory_gb)
 
 
 def _refuse_full_disk(dive: DiveRun, needed: float, why: str) -> None:

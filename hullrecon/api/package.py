@@ -136,7 +136,8 @@ def check_loaded(
     found, chain = checked.found, Chain(stages(), loaded.sections, loaded.package)
     size = size_of(found.images, found.cameras, found.records.sonar)
     steps = [stage.name for stage in chain.stages if stage.name not in chain.skip_reasons()]
-    return replace(checked, costs=findings_of(predict(size, steps), memory_gb))
+    costs = findings_of(predict(size, steps), memory_gb, chain.pairs_beside())
+    return replace(checked, costs=costs)
 
 
 def summarise(path: Path | str, *, allow_outside: bool = False) -> LogSummary:

@@ -51,6 +51,16 @@ class Chain:
             to_visit += [by_name[n] for n in names if n in by_name]
         return replace(self, stages=tuple(s for s in self.stages if s.name in needed))
 
+    def pairs_beside(self) -> list[tuple[str, str]]:
+        """List the pairs of stages of which neither waits for the other, in order."""
+        pairs, waits_for = list[tuple[str, str]](), dict[str, set[str]]()
+        for stage in self.stages:
+            named = {*stage.inputs, *stage.optional} & waits_for.keys()
+            waits_for[stage.name] = named.union(*(waits_for[name] for name in named))
+            earlier = [name for name in waits_for if name != stage.name]
+            pairs += [(name, stage.name) for name in earlier if name not in waits_for[stage.name]]
+        return pairs
+
     def skip_reasons(self) -> dict[str, str]:
         """Find the steps that this dive cannot have, with the reason.
 

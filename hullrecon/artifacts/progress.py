@@ -8,7 +8,8 @@ import logging
 import signal
 import sys
 import time
-from collections.abc import Callable, Generator, Iterable, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from types import FrameType
 from typing import TYPE_CHECKING, TypeVar
 
@@ -57,19 +58,22 @@ LEAST_S = 10.0  # of work, before its pace is believed
 Clock = Callable[[], float]
 
 
-class Outlook:
+class RunOutlook:
     """Where a run stands among its steps, and how long it takes yet as far as that is known.
 
     Predicted times are of another machine. They are scaled by what the finished steps of this run
-    took, and nothing is said before these took LEAST_S.
+    took, and nothing is said before these took LEAST_S. Steps that run beside each other share the
+    time.
     """
 
     def __init__(self, clock: Clock = time.monotonic) -> None:
         self._clock = clock
         self.steps: tuple[str, ...] = ()  # to do, in order
         self._predicted_s: dict[str, float] = {}
-        self._took_s: dict[str, float] = {}  # finished steps, made whole in this run
-        self._step, self._begun, self._whole = "", clock(), True
+        self._spent_s: dict[str, float] = {}  # begun steps
+        self._finished: set[str] = set()  # made whole in this run
+        self._under_way: dict[str, Outlook] = {}
+        self._counted_until = clock()
 
     def plan(self, steps: Iterable[str]) -> None:
         """Note the steps that are to be done, in order."""
@@ -79,71 +83,117 @@ class Outlook:
         """Note what steps are predicted to take, all on one machine."""
         self._predicted_s = {name: s for name, s in seconds.items() if s > 0}
 
-    def begin(self, step: str) -> None:
-        """Note that a step begins."""
-        self._step, self._begun, self._whole = step, self._clock(), True
+    @contextmanager
+    def step(self, name: str) -> Iterator[Outlook]:
+        """Note that a step is under way, and at the end without an error that it is done."""
+        self._count()
+        self._spent_s[name] = 0.0
+        self._under_way[name] = outlook = Outlook(self, name)
+        try:
+            yield outlook
+            self._count()
+            if outlook.whole:
+                self._finished.add(name)
+        finally:
+            self._count()
+            del self._under_way[name]
+
+    def mark(self, step: str) -> str:
+        """Write the number of a step among those to do, as `[2/10] `. Empty where not known."""
+        if step not in self.steps:
+            return ""
+        return f"[{self.steps.index(step) + 1}/{len(self.steps)}] "
+
+    def left_of_step(self, step: str, loop_s: float | None) -> float | None:
+        """Predict what is left of a step, s, by the pace so far. A loop's rate may say more."""
+        expected_s = self._expected_s()
+        if step not in expected_s:
+            return None
+        own_s = expected_s[step]
+        if loop_s is None and own_s <= 0:  # beyond what was predicted nobody knows by how much
+            return None
+        # until one of two ends, each has half of the machine
+        shared_s = sum(min(own_s, other_s) for other_s in expected_s.values())
+        return max(loop_s or 0.0, shared_s)
+
+    def left_of_run(self, step_s: float) -> float | None:
+        """Predict what is left of the run, s: `step_s` of a step, those beside it, later ones."""
+        pace, expected_s = self._pace(), self._expected_s()
+        planned = [name for name in self.steps if name in self._under_way]
+        if not planned:
+            return None
+        after_first = self.steps[self.steps.index(planned[0]) + 1 :]
+        later = [name for name in after_first if name not in self._spent_s]
+        if (
+            pace is None
+            or len(expected_s) < len(self._under_way)
+            or any(name not in self._predicted_s for name in later)
+        ):
+            return None
+        under_way_s = max(step_s, sum(expected_s.values()))
+        return under_way_s + pace * sum(self._predicted_s[name] for name in later)
+
+    def _expected_s(self) -> dict[str, float]:
+        """Predict what is left of each step under way if it had the machine, where known."""
+        self._count()
+        pace = self._pace()
+        if pace is None:
+            return {}
+        return {
+            name: max(0.0, pace * self._predicted_s[name] - self._spent_s[name])
+            for name, outlook in self._under_way.items()
+            if outlook.whole and name in self._predicted_s
+        }
+
+    def _count(self) -> None:
+        """Share the time since the last count among the steps under way."""
+        now = self._clock()
+        for name in self._under_way:
+            self._spent_s[name] += (now - self._counted_until) / len(self._under_way)
+        self._counted_until = now
+
+    def _pace(self) -> float | None:
+        """Divide what finished steps took by what was predicted for them."""
+        known = [name for name in self._finished if name in self._predicted_s]
+        took_s = sum(self._spent_s[name] for name in known)
+        if took_s < LEAST_S:
+            return None
+        return took_s / sum(self._predicted_s[name] for name in known)
+
+
+class Outlook:
+    """What is to be said of one step, and how long it and its run take yet."""
+
+    def __init__(self, run: RunOutlook | None = None, step: str = "") -> None:
+        self._run, self._step = run or RunOutlook(), step
+        self.whole = True  # no part was made by an earlier run
 
     def resume(self) -> None:
-        """Note that part of the present step was made by an earlier run."""
-        self._whole = False
-
-    def end(self) -> None:
-        """Note that the present step is done."""
-        if self._whole:
-            self._took_s[self._step] = self._clock() - self._begun
+        """Note that part of the step was made by an earlier run."""
+        self.whole = False
 
     @property
     def mark(self) -> str:
         """Number of the step among those to do, as `[2/10] `. Empty where that is not known."""
-        if self._step not in self.steps:
-            return ""
-        return f"[{self.steps.index(self._step) + 1}/{len(self.steps)}] "
+        return self._run.mark(self._step)
 
     def left(self, loop_s: float | None = None) -> str:
         """Say how long step and run take yet, as far as known, with a comma before.
 
         `loop_s`: what is left of a loop of the step by its rate, None if that is not known.
         """
-        step_s = self._left_of_step(loop_s)
+        step_s = self._run.left_of_step(self._step, loop_s)
         if step_s is None:  # other loops may follow
             return "" if loop_s is None else f", about {in_words(loop_s)} left"
-        run_s = self._left_of_run(step_s)
+        run_s = self._run.left_of_run(step_s)
         of_run = "" if run_s is None else f", {in_words(run_s)} of the run"
         return f", about {in_words(step_s)} left of the step{of_run}"
 
     def left_of_run(self, loop_s: float | None) -> str:
         """Say how long the run takes yet. Empty where that is not known."""
-        step_s = self._left_of_step(loop_s)
-        run_s = None if step_s is None else self._left_of_run(step_s)
+        step_s = self._run.left_of_step(self._step, loop_s)
+        run_s = None if step_s is None else self._run.left_of_run(step_s)
         return "" if run_s is None else f"about {in_words(run_s)} left of the run"
-
-    def _left_of_step(self, loop_s: float | None) -> float | None:
-        """Predict what is left of the step, s, by the pace so far. A loop's rate may say more."""
-        predicted_s, pace = self._predicted_s.get(self._step), self._pace()
-        if predicted_s is None or pace is None or not self._whole:
-            return None
-        expected_s = pace * predicted_s - (self._clock() - self._begun)
-        if loop_s is None:  # beyond what was predicted nobody knows by how much
-            return expected_s if expected_s > 0 else None
-        return max(loop_s, expected_s)
-
-    def _left_of_run(self, step_s: float) -> float | None:
-        """Predict what is left of the run, s: the rest of this step, and all later ones."""
-        pace = self._pace()
-        if pace is None or self._step not in self.steps:
-            return None
-        later = self.steps[self.steps.index(self._step) + 1 :]
-        if any(name not in self._predicted_s for name in later):
-            return None
-        return step_s + pace * sum(self._predicted_s[name] for name in later)
-
-    def _pace(self) -> float | None:
-        """Divide what finished steps took by what was predicted for them."""
-        known = [name for name in self._took_s if name in self._predicted_s]
-        took_s = sum(self._took_s[name] for name in known)
-        if took_s < LEAST_S:
-            return None
-        return took_s / sum(self._predicted_s[name] for name in known)
 
 
 def in_words(seconds: float) -> str:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -13,13 +13,14 @@ from hullrecon.artifacts.chain import Chain, StepStatus, assess_chain, assess_st
 from hullrecon.artifacts.delivery import delivered_records
 from hullrecon.artifacts.disk import commit_folder, make_folder, remove, storage_errors
 from hullrecon.artifacts.executor import Executor, choose_executor
+from hullrecon.artifacts.interleaving import Course, await_end, interleave, run_to_end
 from hullrecon.artifacts.machine import host, refuse_small_address_space, versions
 from hullrecon.artifacts.manifest import HashCache, Manifest, write_manifest
 from hullrecon.artifacts.parts import PartStore
-from hullrecon.artifacts.progress import Outlook, Progress, choose_progress
+from hullrecon.artifacts.progress import Outlook, Progress, RunOutlook, choose_progress
 from hullrecon.artifacts.recipe import Job, SourceWatch, make_job
 from hullrecon.artifacts.stage import Stage
-from hullrecon.artifacts.step_call import StepCall, StepCaller, call_here
+from hullrecon.artifacts.step_call import BeginStep, StepCall, begin_here
 from hullrecon.artifacts.workspace import Workspace, removed_meanwhile
 from hullrecon.errors import HullreconError, StageError
 
@@ -34,10 +35,12 @@ class RunContext:
     hashes: HashCache
     executor: Executor
     progress: Progress = field(default_factory=Progress)
-    outlook: Outlook = field(default_factory=Outlook)
+    outlook: RunOutlook = field(default_factory=RunOutlook)
     watch: SourceWatch | None = None  # of the whole run, None for a step that runs alone
     is_held: Callable[[], bool] = lambda: True  # the workspace; not where somebody removed it
-    call_step: StepCaller = call_here  # or in a process of its own
+    begin_step: BeginStep = begin_here  # or in a process of its own
+    # whether these steps may run beside each other
+    fit_together: Callable[[Collection[str]], bool] = lambda steps: False
 
 
 @dataclass(frozen=True)
@@ -128,15 +131,14 @@ def _run_all(
     keep_going: bool,
     before: Mapping[str, Callable[[], None]],
 ) -> list[StepOutcome]:
-    """Take the steps in order.
-
-    A step is skipped if the dive cannot have it or an input has failed.
-    """
+    """Take the steps in order, those beside each other that fit together."""
     skipped, failures = chain.skip_reasons(), dict[str, str]()
-    hashes, done = run_context.hashes, list[StepOutcome]()
+    hashes = run_context.hashes
     watch = SourceWatch(hashes, chain.package, chain.read_before)
     run_context = replace(run_context, watch=watch)
-    for stage in chain.stages:
+
+    def take(stage: Stage) -> Course[StepOutcome]:
+        """Bring a step up to date, unless the dive cannot have it or an input has failed."""
         if not run_context.is_held():
             raise removed_meanwhile(workspace.root)
         lost = next((name for name in stage.inputs if name in failures), None)
@@ -147,33 +149,35 @@ def _run_all(
         why_not = skipped.get(stage.name) or failures.get(stage.name)
         if why_not is not None:
             status = StepStatus(stage=stage, state="skipped", reasons=(why_not,))
-            done.append(StepOutcome(status, False, None))
-            continue
+            return StepOutcome(status, False, None)
         if stage.name in before:
             before[stage.name]()
         inputs = inputs_of(stage, chain, workspace, {**skipped, **failures})
         job = make_job(stage, chain.sections, inputs, chain.package, hashes, failures)
         watch.begin(job)
-        outcome = _bring_up_to_date(job, workspace, run_context, from_scratch, keep_going)
-        done.append(outcome)
+        outcome = yield from _bring_up_to_date(
+            job, workspace, run_context, from_scratch, keep_going
+        )
         if outcome.failure is not None:
             failures[stage.name] = _in_words(outcome.failure)
-            continue
+            return outcome
         watch.end(job)
         restored = workspace.publish(stage.name, hashes)
         if restored is not None:
             log.warning("%s", restored)
-    return done
+        return outcome
+
+    return interleave(chain.stages, take, run_context.fit_together)
 
 
 def _bring_up_to_date(
     job: Job, workspace: Workspace, run_context: RunContext, from_scratch: bool, keep_going: bool
-) -> StepOutcome:
+) -> Course[StepOutcome]:
     """Rebuild one step if it is out of date or damaged.
 
     With `keep_going`, an error that concerns this step alone is returned in its outcome.
     """
-    name, outlook = job.stage.name, run_context.outlook
+    name = job.stage.name
     status = assess_step(job, workspace, run_context.hashes)
     parts = PartStore(workspace.parts_folder(name), job.recipe)
     if status.state == "up to date" or from_scratch:
@@ -181,14 +185,21 @@ def _bring_up_to_date(
     if status.state == "up to date" and not from_scratch:
         log.debug("%s: up to date", name)
         return StepOutcome(status, False, status.manifest)
-    outlook.begin(name)
-    log.info("%s%s: started: %s%s", outlook.mark, name, status.why_run(), outlook.left())
-    if status.state == "damaged":
-        place = workspace.quarantine(name)
-        log.warning("%s: damaged (%s), set apart in %s", name, "; ".join(status.reasons), place)
     try:
-        building = workspace.build_folder(name)
-        manifest = build(job, workspace.root / name, building, run_context, parts)
+        with run_context.outlook.step(name) as outlook:
+            why = status.why_run()
+            log.info("%s%s: started: %s%s", outlook.mark, name, why, outlook.left())
+            if status.state == "damaged":
+                place, how = workspace.quarantine(name), "; ".join(status.reasons)
+                log.warning("%s: damaged (%s), set apart in %s", name, how, place)
+            manifest = yield from _build(
+                job,
+                workspace.root / name,
+                workspace.build_folder(name),
+                run_context,
+                parts,
+                outlook,
+            )
     except Exception as error:
         error.add_note(name)
         # an error of the disk, the package or the configuration concerns all steps
@@ -199,7 +210,6 @@ def _bring_up_to_date(
             raise
         log.warning("%s: failed: %s", name, _in_words(error))
         return StepOutcome(status, False, None, error)
-    outlook.end()
     run_context.hashes.save()
     spent = manifest.run
     log.debug("%s: done in %.1f s, %.0f MB", name, spent["seconds"], spent["peak_rss_bytes"] / 1e6)
@@ -239,17 +249,10 @@ def run_stage(
     return out
 
 
-def build(
-    job: Job,
-    out: Path,
-    building: Path,
-    run_context: RunContext,
-    parts: PartStore | None = None,
-) -> Manifest:
+def build(job: Job, out: Path, building: Path, run_context: RunContext) -> Manifest:
     """Run the stage's function in the folder `building`, then move that to `out` in one step.
 
-    The manifest is written last. After any error, `out` is as it was, and `parts` keeps what was
-    finished.
+    The manifest is written last. After any error, `out` is as it was.
 
     Raises
     ------
@@ -260,6 +263,18 @@ def build(
     InputError
         A file of the package changed meanwhile.
     """
+    return run_to_end(_build(job, out, building, run_context))
+
+
+def _build(
+    job: Job,
+    out: Path,
+    building: Path,
+    run_context: RunContext,
+    parts: PartStore | None = None,
+    outlook: Outlook | None = None,
+) -> Course[Manifest]:
+    """Build as `build` does. After an error `parts` keeps what was finished."""
     watch = run_context.watch or SourceWatch(run_context.hashes, job.source or Path())
     watch.begin(job)
     with storage_errors(building.parent):
@@ -269,7 +284,8 @@ def build(
         parts.begin()
     try:
         call = StepCall(job=job, building=building, parts=parts, executor=run_context.executor)
-        made = run_context.call_step(call, run_context.progress, run_context.outlook)
+        begun = run_context.begin_step(call, run_context.progress, outlook or Outlook())
+        made = yield from await_end(begun)
         manifest = Manifest(
             recipe=job.recipe,
             key=job.recipe.key,

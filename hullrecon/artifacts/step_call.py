@@ -7,10 +7,11 @@ from __future__ import annotations
 import signal
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 from msgspec import Struct
 
@@ -46,7 +47,50 @@ class Made:
     spent: JsonTable  # times (s) and memory (bytes)
 
 
-StepCaller: TypeAlias = Callable[[StepCall, Progress, Outlook], Made]
+class BegunStep(Protocol):
+    """A step whose function was called: it has ended, or goes on in a process of its own."""
+
+    @property
+    def says(self) -> Sequence[Connection[Any, Any] | int]:
+        """What is ready, for `multiprocessing.connection.wait`, where `hear` has something to do.
+
+        Empty where the step has ended.
+        """
+
+    def hear(self) -> Made | None:
+        """Take up what the step says. Returns what it left once it has ended.
+
+        Raises as `call_here` does.
+        """
+
+    def interrupt(self) -> None:
+        """Ask a step that has not ended to tidy up, and return at once."""
+
+    def end(self) -> None:
+        """Wait until a step that was interrupted has tidied up, and end it if that takes long."""
+
+
+@dataclass(frozen=True)
+class EndedStep:
+    """A step that has ended."""
+
+    made: Made
+    says: tuple[()] = ()
+
+    def hear(self) -> Made:
+        return self.made
+
+    def interrupt(self) -> None: ...
+
+    def end(self) -> None: ...
+
+
+BeginStep: TypeAlias = Callable[[StepCall, Progress, Outlook], BegunStep]
+
+
+def begin_here(call: StepCall, progress: Progress, outlook: Outlook) -> EndedStep:
+    """Call the step's function in this process, to its end. Raises as `call_here`."""
+    return EndedStep(call_here(call, progress, outlook))
 
 
 def call_here(call: StepCall, progress: Progress, outlook: Outlook) -> Made:

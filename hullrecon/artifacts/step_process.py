@@ -8,6 +8,7 @@ docs/adr/0015-each-step-has-a-process-of-its-own.md says why so.
 from __future__ import annotations
 
 import logging
+import math
 import os
 import pickle
 import signal
@@ -15,18 +16,17 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from itertools import count, repeat
 from logging.handlers import QueueHandler
 from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
 from typing import Any, TypeVar
 
 from hullrecon.artifacts.processes import clean_context, end_with_parent, stop_server
 from hullrecon.artifacts.progress import Outlook, Progress, listen
-from hullrecon.artifacts.step_call import Made, StepCall, StepCaller, call_here
+from hullrecon.artifacts.step_call import BeginStep, Made, StepCall, call_here
 from hullrecon.errors import StageError
 
 Item = TypeVar("Item")
@@ -73,65 +73,94 @@ class _StepError(Exception):
 
 
 @contextmanager
-def step_processes(preload: Sequence[str] = ()) -> Iterator[StepCaller]:
+def step_processes(preload: Sequence[str] = ()) -> Iterator[BeginStep]:
     """Yield what calls a step's function in a new process. `preload`: as for `clean_context`."""
     try:
-        yield partial(_call_in_process, [__name__, *preload])
+        yield partial(_StepProcess, [__name__, *preload])
     finally:
         stop_server()
 
 
-def _call_in_process(
-    preload: Sequence[str], call: StepCall, progress: Progress, outlook: Outlook
-) -> Made:
-    """Call the step's function in a new process, and show here what it logs and how far it is.
+class _StepProcess:
+    """A step in a process of its own. What it logs and how far it is shows here."""
 
-    Raises
-    ------
-    StageError
-        The process was killed, most likely as the memory ran out.
-    KeyboardInterrupt
-        A signal has come. The process has ended, and what is finished is kept.
-    Exception
-        The step's own error, as `call_here` raises it.
-    """
-    context = clean_context(preload)
-    ours, theirs = context.Pipe(duplex=False)
-    process = context.Process(
-        target=_serve, args=(theirs, call, outlook.mark, _levels(), dict(os.environ))
-    )
-    with ours, closing(_Display(progress, outlook)) as display:
+    def __init__(
+        self, preload: Sequence[str], call: StepCall, progress: Progress, outlook: Outlook
+    ) -> None:
+        self._step, self._patient_until = call.job.stage.name, math.inf
+        self._display = _Display(progress, outlook)
+        context = clean_context(preload)
+        self._ours, theirs = context.Pipe(duplex=False)
+        self._process = context.Process(
+            target=_serve, args=(theirs, call, outlook.mark, _levels(), dict(os.environ))
+        )
         with theirs:
-            process.start()
+            self._process.start()
+
+    @property
+    def says(self) -> Sequence[Connection[Any, Any] | int]:
+        return [] if self._ours.closed else [self._ours, self._process.sentinel]
+
+    def hear(self) -> Made | None:
+        """Show what the step says, until it says nothing for now.
+
+        Raises
+        ------
+        StageError
+            The process was killed, most likely as the memory ran out.
+        Exception
+            The step's own error, as `call_here` raises it.
+        """
+        while ready := wait(self.says, 0):
+            if self._ours not in ready:  # it has ended without a result
+                break
+            try:
+                message = self._ours.recv()
+            except EOFError:
+                break
+            if isinstance(message, Made):
+                self._close(_PATIENCE_S)
+                return message
+            if isinstance(message, _Failed):
+                self._close(_PATIENCE_S)
+                raise message.error from _StepError(message.trace)
+            self._display.show(message)
+        else:
+            return None
+        self._close(_PATIENCE_S)
+        raise _ended_early(self._step, self._process.exitcode or 0)
+
+    def interrupt(self) -> None:
+        """Let the step tidy up, for _PATIENCE_S."""
+        if self._ours.closed or self._patient_until < math.inf:
+            return
+        self._patient_until = time.monotonic() + _PATIENCE_S
+        with suppress(ProcessLookupError):
+            os.kill(self._process.pid or 0, signal.SIGINT)
+
+    def end(self) -> None:
+        """Wait for the step, and drop what it says meanwhile: a full pipe would hold it."""
+        if self._ours.closed:
+            return
         try:
-            result = _await_result(process, ours, display)
-        except BaseException:
-            _interrupt(process, ours)
-            raise
+            while self._ours in wait(self.says, self._left_s()):
+                if not os.read(self._ours.fileno(), _PIPE_BYTES):
+                    break
+            self._process.join(self._left_s())
+        finally:  # also where Ctrl-C is pressed again
+            self._close(0.0)
+
+    def _left_s(self) -> float:
+        return max(0.0, self._patient_until - time.monotonic())
+
+    def _close(self, patience_s: float) -> None:
+        try:
+            self._process.join(patience_s)
         finally:
-            process.join(_PATIENCE_S)
-            process.kill()  # nothing that is left to do there matters
-            process.join()
-    if result is None:
-        raise _ended_early(call.job.stage.name, process.exitcode or 0)
-    if isinstance(result, _Failed):
-        raise result.error from _StepError(result.trace)
-    return result
-
-
-def _await_result(
-    process: BaseProcess, connection: Connection[Any, Any], display: _Display
-) -> Made | _Failed | None:
-    """Show what the step says until its result or its error comes. None if it ended without."""
-    while connection in wait([connection, process.sentinel]):
-        try:
-            message = connection.recv()
-        except EOFError:
-            break
-        if isinstance(message, Made | _Failed):
-            return message
-        display.show(message)
-    return None
+            self._process.kill()  # nothing that is left to do there matters
+            self._process.join()
+            self._ours.close()
+            self._display.close()
 
 
 def _ended_early(step: str, exit_code: int) -> StageError:
@@ -148,22 +177,6 @@ def _ended_early(step: str, exit_code: int) -> StageError:
         f"the process of {step} ended with {how}",
         remedy="what it printed says more; what is finished is kept",
     )
-
-
-def _interrupt(process: BaseProcess, connection: Connection[Any, Any]) -> None:
-    """Let the step tidy up, and drop what it says meanwhile: a full pipe would hold it."""
-    until = time.monotonic() + _PATIENCE_S
-    try:
-        with suppress(ProcessLookupError):
-            os.kill(process.pid or 0, signal.SIGINT)
-        left_s = _PATIENCE_S
-        while connection in wait([connection, process.sentinel], left_s):
-            if not os.read(connection.fileno(), _PIPE_BYTES):
-                break
-            left_s = max(0.0, until - time.monotonic())
-        process.join(max(0.0, until - time.monotonic()))
-    finally:  # also where Ctrl-C is pressed again
-        process.kill()
 
 
 class _Display:

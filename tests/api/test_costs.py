@@ -12,7 +12,14 @@ import pytest
 import hullrecon
 from benchmarks.step_costs import measured
 from hullrecon.api import dive_run
-from hullrecon.api.costs import DiveSize, findings_of, fit_line, predict, size_of_run
+from hullrecon.api.costs import (
+    DiveSize,
+    findings_of,
+    fit_line,
+    fit_together,
+    predict,
+    size_of_run,
+)
 from hullrecon.errors import InputError, StorageError
 from hullrecon.steps.chain import NAMES
 
@@ -51,6 +58,16 @@ def test_the_sentence_names_the_step_and_says_about() -> None:
     assert said.severity == "note"
     assert said.sentence.startswith("a run takes about ")
     assert max(costs, key=lambda cost: cost.memory_mb).step in said.sentence
+
+
+def test_steps_that_fit_run_beside_each_other_and_their_sum_is_said() -> None:
+    costs = predict(DiveSize(megapixels=150.0, pings=230), NAMES)
+    mosaics = ("mosaic-optical", "mosaic-sonar")
+    both_gb = sum(cost.memory_mb for cost in costs if cost.step in mosaics) / 1000
+    assert fit_together(mosaics, costs, 1.01 * both_gb)
+    assert not fit_together(mosaics, costs, 0.99 * both_gb)
+    (said,) = findings_of(costs, 1.01 * both_gb, [mosaics])
+    assert f"{both_gb:.1f} GB of memory (mosaic-optical beside mosaic-sonar)" in said.sentence
 
 
 def test_a_part_of_the_dive_is_advised_only_where_that_can_heal() -> None:

@@ -18,14 +18,16 @@ from typing import Any
 
 from msgspec import Struct
 
+from hullrecon.artifacts.chain import Chain
 from hullrecon.artifacts.executor import Executor, Processes
 from hullrecon.artifacts.manifest import HashCache, Manifest
-from hullrecon.artifacts.progress import Outlook, Progress
+from hullrecon.artifacts.progress import Progress
 from hullrecon.artifacts.recipe import make_job
-from hullrecon.artifacts.runner import RunContext, build
+from hullrecon.artifacts.runner import RunContext, StepOutcome, build, run_chain
 from hullrecon.artifacts.stage import Context, Stage
-from hullrecon.artifacts.step_call import StepCaller
+from hullrecon.artifacts.step_call import BeginStep
 from hullrecon.artifacts.step_process import step_processes
+from hullrecon.artifacts.workspace import Workspace
 from hullrecon.errors import InputError
 
 log = logging.getLogger("hullrecon.test")
@@ -38,16 +40,14 @@ class Options(Struct, frozen=True, kw_only=True):
 def make(
     function: Callable[[Context[Any]], None],
     out: Path,
-    call_step: StepCaller,
+    begin_step: BeginStep,
     *,
     jobs: int = 1,
     progress: Progress | None = None,
 ) -> Manifest:
     stage = Stage("make", "make", (), Options, 1, function)
     executor = Processes(jobs) if jobs > 1 else Executor()
-    context = RunContext(
-        HashCache(), executor, progress or Progress(), Outlook(), call_step=call_step
-    )
+    context = RunContext(HashCache(), executor, progress or Progress(), begin_step=begin_step)
     job = make_job(stage, {}, {}, None, context.hashes)
     return build(job, out, out.with_name("building"), context)
 
@@ -101,6 +101,40 @@ def wait_for_interrupt(folder: Path, context: Context[Any]) -> None:
         time.sleep(60)
     finally:
         (folder / "tidied").touch()
+
+
+def meet(folder: Path, mine: str, other: str, context: Context[Any]) -> None:
+    """Wait for the other step, for long."""
+    (folder / mine).touch()
+    until = time.monotonic() + 30
+    while not (folder / other).exists():
+        assert time.monotonic() < until, "the other step never began"
+        time.sleep(0.01)
+
+
+def refuse_beside(folder: Path, context: Context[Any]) -> None:
+    while not (folder / "begun").exists():
+        time.sleep(0.01)
+    refuse(context)
+
+
+def run_two(
+    one: Callable[[Context[Any]], None],
+    other: Callable[[Context[Any]], None],
+    folder: Path,
+    begin_step: BeginStep,
+) -> list[StepOutcome]:
+    """Run a chain of two steps, which may run beside each other."""
+    stages = (
+        Stage("one", "one", (), Options, 1, one),
+        Stage("other", "other", (), Options, 1, other),
+    )
+    run_context = RunContext(
+        HashCache(), Executor(), begin_step=begin_step, fit_together=lambda steps: True
+    )
+    (folder / "package").mkdir()
+    chain = Chain(stages, {}, folder / "package")
+    return run_chain(chain, Workspace(folder / "run"), run_context)
 
 
 def die_once(folder: Path, item: int) -> int:

@@ -34,6 +34,10 @@ def ran(toy: ModuleType, package: Path, workspace: Workspace) -> Workspace:
     return workspace
 
 
+def test_steps_that_wait_for_each_other_are_not_beside(toy: ModuleType, package: Path) -> None:
+    assert toy.chain(package).pairs_beside() == [("left", "right")]
+
+
 def test_before_the_first_run_everything_is_missing(look: Look, workspace: Workspace) -> None:
     assert look() == dict.fromkeys(("read", "left", "right", "join"), ("not run yet", []))
     assert not workspace.root.exists()

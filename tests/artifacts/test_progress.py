@@ -7,6 +7,7 @@ from __future__ import annotations
 import io
 import logging
 import sys
+from collections.abc import Iterator
 
 import pytest
 
@@ -15,6 +16,7 @@ from hullrecon.artifacts.progress import (
     LogLines,
     Outlook,
     Progress,
+    RunOutlook,
     choose_progress,
 )
 
@@ -90,16 +92,21 @@ def clock() -> Clock:
 
 
 @pytest.fixture
-def outlook(clock: Clock) -> Outlook:
-    """Of a run whose first step took twice what was predicted, at the begin of the second."""
-    outlook = Outlook(clock)
-    outlook.plan(["ingest", "features", "links"])
-    outlook.predict({"ingest": 10.0, "features": 60.0, "links": 30.0})
-    outlook.begin("ingest")
-    clock.now += 20
-    outlook.end()
-    outlook.begin("features")
-    return outlook
+def run(clock: Clock) -> RunOutlook:
+    """A run whose first step took twice what was predicted."""
+    run = RunOutlook(clock)
+    run.plan(["ingest", "features", "links"])
+    run.predict({"ingest": 10.0, "features": 60.0, "links": 30.0})
+    with run.step("ingest"):
+        clock.now += 20
+    return run
+
+
+@pytest.fixture
+def outlook(run: RunOutlook) -> Iterator[Outlook]:
+    """Of the second step, at its begin."""
+    with run.step("features") as outlook:
+        yield outlook
 
 
 def test_predicted_times_are_scaled_by_the_steps_so_far(outlook: Outlook, clock: Clock) -> None:
@@ -118,23 +125,31 @@ def test_beyond_what_was_predicted_nothing_is_said(outlook: Outlook, clock: Cloc
     assert outlook.left() == ""
 
 
-def test_a_step_that_was_resumed_teaches_no_pace(outlook: Outlook, clock: Clock) -> None:
-    outlook.resume()
-    clock.now += 1
-    assert outlook.left() == ""
-    outlook.end()
-    outlook.begin("links")
-    assert outlook.left() == ", about 60 s left of the step, 60 s of the run"
+def test_a_step_that_was_resumed_teaches_no_pace(run: RunOutlook, clock: Clock) -> None:
+    with run.step("features") as outlook:
+        outlook.resume()
+        clock.now += 1
+        assert outlook.left() == ""
+    with run.step("links") as outlook:
+        assert outlook.left() == ", about 60 s left of the step, 60 s of the run"
 
 
-def test_without_prediction_a_loop_speaks_for_itself_alone(clock: Clock) -> None:
-    outlook = Outlook(clock)
+def test_steps_beside_each_other_share_the_time(run: RunOutlook, clock: Clock) -> None:
+    with run.step("features") as long, run.step("links") as short:
+        assert short.left() == ", about 2 min left of the step, 3 min of the run"
+        clock.now += 120
+        assert short.left() == ""
+        assert long.left() == ", about 60 s left of the step, 60 s of the run"
+
+
+def test_without_prediction_a_loop_speaks_for_itself_alone() -> None:
+    outlook = Outlook()
     assert (outlook.mark, outlook.left(), outlook.left(200.0)) == ("", "", ", about 3 min left")
 
 
 def test_lines_tell_the_rate_of_what_was_made(caplog: pytest.LogCaptureFixture) -> None:
     clock = Clock()
-    items = LogLines(5.0, clock).track(range(10), "images", 10, Outlook(clock), kept=4)
+    items = LogLines(5.0, clock).track(range(10), "images", 10, Outlook(), kept=4)
     with caplog.at_level(logging.INFO):
         for done in range(7):
             next(items)

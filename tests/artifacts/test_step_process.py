@@ -22,23 +22,23 @@ from typing import Any
 import pytest
 
 from hullrecon.artifacts.progress import Outlook, Progress
-from hullrecon.artifacts.step_call import StepCaller, call_here
+from hullrecon.artifacts.step_call import BeginStep, begin_here
 from hullrecon.artifacts.step_process import step_processes
 from hullrecon.errors import InputError, StageError
 from tests.artifacts import steps_to_send as steps
 
 
 @pytest.fixture(scope="module")
-def in_process() -> Iterator[StepCaller]:
+def in_process() -> Iterator[BeginStep]:
     with step_processes(["hullrecon.artifacts.step_process"]) as call:
         yield call
 
 
 def test_a_step_leaves_and_says_the_same_as_here(
-    in_process: StepCaller, tmp_path: Path, caplog: pytest.LogCaptureFixture
+    in_process: BeginStep, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     caplog.set_level(logging.INFO)
-    here = steps.make(steps.say_and_leave, tmp_path / "here", call_here)
+    here = steps.make(steps.say_and_leave, tmp_path / "here", begin_here)
     there = steps.make(steps.say_and_leave, tmp_path / "there", in_process, jobs=2)
     said = [record.getMessage() for record in caplog.records if record.name.startswith("hullrecon")]
     assert said == 2 * ["a word", "make: a warning"]
@@ -48,7 +48,7 @@ def test_a_step_leaves_and_says_the_same_as_here(
 
 
 def test_step_and_workers_are_processes_and_workers_have_a_thread(
-    in_process: StepCaller, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    in_process: BeginStep, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
     steps.make(steps.leave_environment, tmp_path / "out", in_process, jobs=2)
@@ -60,7 +60,7 @@ def test_step_and_workers_are_processes_and_workers_have_a_thread(
 
 
 def test_work_of_a_killed_worker_is_done_again(
-    in_process: StepCaller, tmp_path: Path, caplog: pytest.LogCaptureFixture
+    in_process: BeginStep, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     steps.make(partial(steps.lose_a_worker, tmp_path), tmp_path / "out", in_process, jobs=2)
     assert json.loads((tmp_path / "out" / "items.json").read_text()) == list(range(8))
@@ -88,13 +88,13 @@ class Shown(Progress):
             self.loops.append((label, total, passed))
 
 
-def test_loops_of_the_step_are_shown_by_the_run(in_process: StepCaller, tmp_path: Path) -> None:
+def test_loops_of_the_step_are_shown_by_the_run(in_process: BeginStep, tmp_path: Path) -> None:
     shown = Shown()
     steps.make(steps.go_slowly, tmp_path / "out", in_process, progress=shown)
     assert shown.loops == [("make: items", 3, 2)]  # the last item ends with its loop
 
 
-def test_a_steps_own_error_comes_with_its_traceback(in_process: StepCaller, tmp_path: Path) -> None:
+def test_a_steps_own_error_comes_with_its_traceback(in_process: BeginStep, tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         steps.make(steps.refuse, tmp_path / "out", in_process)
     assert caught.value.line() == "too short (a.csv): log more"
@@ -102,9 +102,7 @@ def test_a_steps_own_error_comes_with_its_traceback(in_process: StepCaller, tmp_
     assert not (tmp_path / "building").exists()
 
 
-def test_an_error_that_cannot_be_sent_comes_in_words(
-    in_process: StepCaller, tmp_path: Path
-) -> None:
+def test_an_error_that_cannot_be_sent_comes_in_words(in_process: BeginStep, tmp_path: Path) -> None:
     with pytest.raises(RuntimeError, match="OwnError: odd"):
         steps.make(steps.fail_oddly, tmp_path / "out", in_process)
 
@@ -114,14 +112,14 @@ def test_an_error_that_cannot_be_sent_comes_in_words(
     [(signal.SIGKILL, "was killed: most likely the memory"), (signal.SIGSEGV, "with SIGSEGV")],
 )
 def test_a_process_that_a_signal_ended_is_a_stage_error(
-    number: signal.Signals, said: str, in_process: StepCaller, tmp_path: Path
+    number: signal.Signals, said: str, in_process: BeginStep, tmp_path: Path
 ) -> None:
     with pytest.raises(StageError, match=f"the process of make .*{said}"):
         steps.make(partial(steps.die, number), tmp_path / "out", in_process)
     assert not (tmp_path / "building").exists()
 
 
-def test_an_interrupted_run_lets_the_step_tidy_up(in_process: StepCaller, tmp_path: Path) -> None:
+def test_an_interrupted_run_lets_the_step_tidy_up(in_process: BeginStep, tmp_path: Path) -> None:
     def interrupt() -> None:
         while not (tmp_path / "begun").exists():
             time.sleep(0.01)
@@ -132,6 +130,22 @@ def test_an_interrupted_run_lets_the_step_tidy_up(in_process: StepCaller, tmp_pa
         steps.make(partial(steps.wait_for_interrupt, tmp_path), tmp_path / "out", in_process)
     assert (tmp_path / "tidied").exists()
     assert not (tmp_path / "building").exists()
+
+
+def test_steps_that_fit_together_run_beside_each_other(
+    in_process: BeginStep, tmp_path: Path
+) -> None:
+    one, other = (partial(steps.meet, tmp_path, *names) for names in ("ab", "ba"))
+    outcomes = steps.run_two(one, other, tmp_path, in_process)
+    assert [outcome.made for outcome in outcomes] == [True, True]
+
+
+def test_an_error_lets_the_step_beside_it_tidy_up(in_process: BeginStep, tmp_path: Path) -> None:
+    refuse = partial(steps.refuse_beside, tmp_path)
+    with pytest.raises(InputError, match="too short"):
+        steps.run_two(partial(steps.wait_for_interrupt, tmp_path), refuse, tmp_path, in_process)
+    assert (tmp_path / "tidied").exists()
+    assert not any((tmp_path / "run" / ".hullrecon" / "building").iterdir())
 
 
 def test_step_and_workers_end_at_once_when_the_run_is_killed(tmp_path: Path) -> None:

@@ -477,8 +477,10 @@ def _time_of_step(dive, _, step, minutes, seconds, memory):
 
 
 def _time(dive, _, minutes, seconds, steps):
-    others = [run["seconds"] for name, run in dive.step_runs.items() if name != "report"]
-    return unlike("time", _seconds(minutes, seconds), sum(others)) + unlike(
+    others = [run for name, run in dive.step_runs.items() if name != "report"]
+    spans = [(run["started"], run["started"] + run["seconds"]) for run in others]
+    ticks = {n for begin, end in spans for n in range(round(100 * begin), round(100 * end))}
+    return unlike("time", _seconds(minutes, seconds), len(ticks) / 100) + unlike(
         "steps", steps, len(others)
     )
 

@@ -334,7 +334,7 @@ def survey(
                     settings={"adjust": {"rounds": 3, "method": "maxmix"}},
                     inputs={"navigate": "ab12"},
                     warnings=("two rays missed",),
-                    run={"seconds": 7.5},
+                    run={"started": 0.0, "seconds": 7.5},
                 ),
             )
         ),

@@ -179,7 +179,7 @@ def test_the_same_survey_gives_the_same_bytes(
 
 def after(survey: Survey, seconds: float, peak_rss_bytes: int) -> list[str]:
     """The lines of the page of the same results from a run of another speed."""
-    speed = {"seconds": seconds, "peak_rss_bytes": peak_rss_bytes}
+    speed = {"started": 0.0, "seconds": seconds, "peak_rss_bytes": peak_rss_bytes}
     steps = tuple(replace(step, run={**step.run, **speed}) for step in survey.provenance.steps)
     again = replace(survey, provenance=replace(survey.provenance, steps=steps))
     return render_page(page_context(again, [], FILES, object_crops(again))).splitlines()
@@ -380,7 +380,7 @@ def test_the_summary_document_counts_and_keeps_what_varies_apart(survey: Survey)
     assert document["counts"]["iterations"] == 2
     assert document["deliverables"] == {"trajectory.csv": {"bytes": 1234, "sha256": "ab" * 32}}
     assert document["warnings"] == ["adjust: two rays missed"]
-    assert document["run"] == {"steps": {"adjust": {"seconds": 7.5}}}
+    assert document["run"] == {"steps": {"adjust": {"started": 0.0, "seconds": 7.5}}}
 
 
 def test_the_summary_of_a_bare_dive_names_what_is_absent(bare: Survey) -> None:

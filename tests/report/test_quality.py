@@ -117,14 +117,15 @@ def test_refined_cameras_are_given_with_their_sigmas(survey: Survey) -> None:
 
 def test_times_are_those_of_the_steps(survey: Survey) -> None:
     (step,) = survey.provenance.steps
+    beside = {"started": 4.0, "seconds": 200.4, "peak_rss_bytes": 1.5e9}
     steps = (
         step,
-        replace(step, name="detect", run={"seconds": 200.4, "peak_rss_bytes": 1.5e9}),
+        replace(step, name="detect", run=beside),
         replace(step, run={}),
     )
     found = tables(replace(survey, provenance=replace(survey.provenance, steps=steps)))["times"]
     assert found.rows == [("adjust", "8 s", "–"), ("detect", "3 min 20 s", "1,500 MB")]
-    assert "3 min 28 s for 2 steps" in found.caption
+    assert "3 min 24 s for 2 steps" in found.caption
 
 
 def test_a_dive_without_any_of_it_has_no_table(bare: Survey) -> None:

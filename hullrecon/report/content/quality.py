@@ -162,16 +162,26 @@ def _sensor_errors(
 
 def _times(survey: Survey) -> WordTable:
     """Tabulate time and memory of each step."""
-    rows, total = [], 0.0
+    rows, spans = [], []
     for step in survey.provenance.steps:
-        seconds, memory = step.run.get("seconds"), step.run.get("peak_rss_bytes")
-        if isinstance(seconds, int | float):
-            total += float(seconds)
+        begun, seconds = step.run.get("started"), step.run.get("seconds")
+        memory = step.run.get("peak_rss_bytes")
+        if isinstance(begun, int | float) and isinstance(seconds, int | float):
+            spans.append((begun, begun + seconds))
             held = f"{memory / 1e6:,.0f} MB" if isinstance(memory, int | float) else "–"
             rows.append((step.name, duration(float(seconds)), held))
     caption = (
-        f"Time and memory by step: {duration(total)} for {count(len(rows), 'step')}, "
+        f"Time and memory by step: {duration(_covered(spans))} for {count(len(rows), 'step')}, "
         "this report's own not counted"
     )
     headings = ("Step", "Time", "Most memory held")
     return WordTable(name="times", caption=caption, headings=headings, rows=rows)
+
+
+def _covered(spans: Sequence[tuple[float, float]]) -> float:
+    """Sum the time that spans cover: that of steps beside each other counts once."""
+    total, until = 0.0, 0.0
+    for begin, end in sorted(spans):
+        total += max(0.0, end - max(begin, until))
+        until = max(until, end)
+    return total
