@@ -65,7 +65,7 @@ def read_log(folder: Path, name: str) -> Reading:
         beams=BEAMS,
         sigma_velocity=0.003,
         calibration={"camera_top": CALIBRATION},
-        offset_ns={"camera_top": 0},
+        added_ns={"camera_top": 0},
         mesh=None,
         units="m",
         sonar_azimuth_deg=AZIMUTH_DEG,

@@ -87,7 +87,7 @@ class IngestRequest:
     beams: Array | None  # (b, 3) of the DVL, for messages without
     sigma_velocity: float  # m/s, where a message has none
     calibration: Mapping[str, str]  # file by camera ("camera_top", "camera_bottom")
-    offset_ns: Mapping[str, int]  # by sensor, added to the stamps
+    added_ns: Mapping[str, int]  # by sensor, added to the stamps
     mesh: str | None  # the CAD model
     units: str  # of the CAD model
     uncalibrated: tuple[str, ...] = ()  # cameras whose calibration the logs have to hold
@@ -188,7 +188,7 @@ def ingest(
         problems,
         window,
         spool.keep,
-        request.offset_ns,
+        request.added_ns,
     )
     # a log that could not be read may hold the topics that seem to be missing
     out.is_whole = len(logs) == len(request.logs) and not found.unread
@@ -196,7 +196,7 @@ def ingest(
         _check_topics(topics, found, problems)
     calibrations.check_constant(problems)
     bags = [number for number, log in enumerate(logs) if not log.gives_samples]
-    out.notes += _join_time_bases(found, sinks, bags, request.offset_ns)
+    out.notes += _join_time_bases(found, sinks, bags, request.added_ns)
     out.sensors = frames.sensors(request.joints) | _rig_of_camchain(package, request, out.cameras)
     out.notes += [*found.notes, *calibrations.notes(out.cameras)]
     _describe_contents(out, found, {*topics.values(), *calibrations.topics.values()})
@@ -267,7 +267,7 @@ def _join_time_bases(
     found: LogContents,
     sinks: Mapping[str, ImageSink],
     bags: Sequence[int],
-    offset_ns: Mapping[str, int],
+    added_ns: Mapping[str, int],
 ) -> list[Finding]:
     """Put sensors of bags onto one time base, but those whose offset dive.toml gives.
 
@@ -280,7 +280,7 @@ def _join_time_bases(
     rows |= {camera: sink.stamps() for camera, sink in sinks.items()}
     logged: dict[str, BagStamps] = {}
     for sensor, (stamp, at, log) in rows.items():
-        if stamp and not offset_ns.get(sensor) and np.isin(log, bags).all():
+        if stamp and not added_ns.get(sensor) and np.isin(log, bags).all():
             logged[sensor] = BagStamps(np.array(stamp, np.int64), np.array(at, np.int64))
     shifts, notes = join_time_bases(logged)
     for sensor, shift_ns in shifts.items():
@@ -320,7 +320,7 @@ def _check_found(
     """
     with problems.collect():
         _check_silence(out)
-    for gap in clock_gaps({**out.records.by_name(), **out.images}, request.offset_ns):
+    for gap in clock_gaps({**out.records.by_name(), **out.images}, request.added_ns):
         if gap.severity == "error":
             problems.refuse(gap)
     if not out.records.by_name() and not out.images and not problems.found:
@@ -562,6 +562,6 @@ def _check_joints(source: _Source) -> None:
         )
 
 
-def offset_ns(seconds: float) -> int:
+def whole_ns(seconds: float) -> int:
     """Convert a time offset to whole nanoseconds."""
     return round(seconds * NS)

@@ -16,7 +16,7 @@ import numpy as np
 from hullrecon.artifacts.stage import Context, StageSettings
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.schema import Logs, Topics
-from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest, offset_ns
+from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest, whole_ns
 from hullrecon.dive.logs.dvl_beams import tilted_beams
 from hullrecon.dive.logs.ping_spool import Images, PingStorage
 from hullrecon.dive.logs.streams import LogUnits, PressureModel
@@ -73,8 +73,8 @@ def request_of(settings: StageSettings) -> IngestRequest:
         calibration=_drop_empty(
             {c.key: settings.read_optional(f"{c.section}.calibration", str) for c in Camera}
         ),
-        offset_ns={
-            sensor: offset_ns(settings.read_optional(f"{section}.time_offset", float) or 0.0)
+        added_ns={
+            sensor: whole_ns(settings.read_optional(f"{section}.time_offset", float) or 0.0)
             for sensor, section in TIME_OFFSETS.items()
         },
         uncalibrated=tuple(c.key for c in Camera if _needs_logged_calibration(settings, c)),

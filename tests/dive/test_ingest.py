@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from benchmarks.fuzz.seed_ad2cp import dvl_file
-from hullrecon.dive.ingest import IngestRequest, ingest, offset_ns
+from hullrecon.dive.ingest import IngestRequest, ingest, whole_ns
 from hullrecon.dive.logs.streams import PressureModel
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import sentences
@@ -32,7 +32,7 @@ REQUEST = IngestRequest(
     beams=None,
     sigma_velocity=0.003,
     calibration={"camera_top": "calibration/camera_top.yaml"},
-    offset_ns={"camera_top": 0, "camera_bottom": 0},
+    added_ns={"camera_top": 0, "camera_bottom": 0},
     mesh=None,
     units="m",
 )
@@ -126,7 +126,7 @@ def test_the_window_holds_stamps_as_they_are_corrected(tmp_path):
         "logs": ("logs",),
         "topics": {},
         "calibration": {},
-        "offset_ns": {"position": offset_ns(-7200.0)},
+        "added_ns": {"position": whole_ns(-7200.0)},
     }
     found, _ = run(tmp_path, **off, **limits)
     expected = [int(START.timestamp() + k) * 10**9 for k in range(5, 11)]
@@ -143,7 +143,7 @@ def test_clocks_apart_are_refused_and_the_remedy_heals(tmp_path, late_s):
         run(tmp_path, **PLAIN)
     key, value = re.search(r"try (\S+) = (\S+) \(", refused.value.what).groups()
     assert key == "dvl.time_offset"
-    found, _ = run(tmp_path, **PLAIN, offset_ns={"dvl": offset_ns(float(value))})
+    found, _ = run(tmp_path, **PLAIN, added_ns={"dvl": whole_ns(float(value))})
     left_ns = found.records.dvl.t_ns - found.records.imu.t_ns
     assert np.abs(left_ns).max() <= 4 * 10**9  # what navigate finds by itself
 
@@ -152,7 +152,7 @@ def test_clocks_apart_are_refused_and_the_remedy_heals(tmp_path, late_s):
 def test_an_offset_is_added_to_the_stamps_of_its_sensor(tmp_path, sensor):
     write_tables(tmp_path / "logs", imu=0, dvl=0, position=0)
     before, _ = run(tmp_path, **PLAIN)
-    after, _ = run(tmp_path, **PLAIN, offset_ns={sensor: offset_ns(-2.5)})
+    after, _ = run(tmp_path, **PLAIN, added_ns={sensor: whole_ns(-2.5)})
     for name, record in after.records.by_name().items():
         moved_ns = -2_500_000_000 if name == sensor else 0
         np.testing.assert_array_equal(record.t_ns, before.records.by_name()[name].t_ns + moved_ns)
@@ -160,7 +160,7 @@ def test_an_offset_is_added_to_the_stamps_of_its_sensor(tmp_path, sensor):
 
 def test_an_offset_of_the_joints_is_added_to_every_servo(package):
     before, _ = run(package)
-    after, _ = run(package, offset_ns={"joints": offset_ns(0.25), "camera_top": offset_ns(-0.5)})
+    after, _ = run(package, added_ns={"joints": whole_ns(0.25), "camera_top": whole_ns(-0.5)})
     for name in ("tray", "sonar_tray"):
         moved_ns = after.records.by_name()[name].t_ns - before.records.by_name()[name].t_ns
         assert set(moved_ns.tolist()) == {250_000_000}
@@ -387,8 +387,8 @@ def test_records_have_the_stamps_of_a_clock_that_was_put_right(kit, package):
 
 
 def test_offsets_are_whole_nanoseconds():
-    assert offset_ns(0.1) == 100_000_000
-    assert offset_ns(-1e-9) == -1
+    assert whole_ns(0.1) == 100_000_000
+    assert whole_ns(-1e-9) == -1
 
 
 def pd0(path: Path) -> None:

@@ -210,7 +210,7 @@ def test_every_dotted_name_that_ingest_uses_exists(package):
     request = request_of(ingest_settings(loaded))
     assert request.joints == {"tray": "tray", "sonar_tray": "fan"}
     assert request.calibration == {"camera_top": "top.yaml"}
-    assert request.offset_ns["camera_top"] == 500_000_000
+    assert request.added_ns["camera_top"] == 500_000_000
 
 
 def test_a_failure_leaves_nothing_behind(package, tmp_path):

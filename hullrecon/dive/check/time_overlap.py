@@ -44,13 +44,13 @@ class Stream(Protocol):
 
 
 def clock_gaps(
-    streams: Mapping[str, Stream], offset_ns: Mapping[str, int] = MappingProxyType({})
+    streams: Mapping[str, Stream], added_ns: Mapping[str, int] = MappingProxyType({})
 ) -> list[Finding]:
     """Find streams that overlap none of the largest group of streams that overlap each other.
 
     A single reading, as of a joint that stands still, says nothing about a clock.
 
-    offset_ns: by sensor, what dive.toml has already added to the stamps.
+    added_ns: by sensor, what dive.toml has already added to the stamps.
     """
     spans = {
         name: (int(s.t_ns[0]), int(s.t_ns[-1])) for name, s in streams.items() if len(s.t_ns) > 1
@@ -64,7 +64,7 @@ def clock_gaps(
     main = max(groups, key=lambda names: _weight(names, spans))
     whole = _union(main, spans)
     others = [name for name in spans if name in main]
-    given_s = {name: offset_ns.get(JOINTS.get(name, name), 0) / NS for name in spans}
+    given_s = {name: added_ns.get(JOINTS.get(name, name), 0) / NS for name in spans}
     return [
         _describe(name, spans[name], others, whole, given_s[name])
         for name in spans

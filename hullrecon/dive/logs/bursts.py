@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Find stamps that say when readings were received, in bursts, and spread them over the time.
+"""Find stamps that came in bursts, and spread them over the time in which they were measured.
 
-A computer that reads a serial buffer now and then, and a clock of whole seconds, give several
-readings within no time, and none for as long as the next ones take to gather.
+A computer that reads a serial buffer now and then stamps the readings when it received them. It,
+and a clock of whole seconds, give several readings at nearly one time, and none until the next
+ones have gathered.
 """
 
 from __future__ import annotations
@@ -15,33 +16,41 @@ from hullrecon.records.clock import NS
 from hullrecon.typing import Array, Ints
 
 CLOSE = 0.2  # of the mean step: readings of one burst are closer
-LEAST_BURSTS, LEAST_SIZE = 10, 3  # bursts, and readings of their median
-UNEVEN = 2.0  # times the median interval, which nine of ten intervals between bursts stay below
+LEAST_BURSTS, LEAST_SIZE = 10, 3  # bursts in a stream, and readings in the median burst
+# times the median interval between bursts; nine of ten intervals have to stay below
+UNEVEN = 2.0
 LONGEST_S = 5.0  # between bursts; an instrument that measures in bursts pauses for minutes
-# between the clocks of sensor and logger, from which on only their difference says anything
+# Between sensor and logger. A longer time is an offset between two clocks, a shorter one the time
+# that messages took to be logged
 FAR_S = 60.0
 
 
 def spread_bursts(name: str, stamp: Ints, logged: Ints, notes: list[Finding]) -> Ints:
     """Spread stamps that come in bursts over the time in which they were measured.
 
-    Where the logger's times do not come in bursts, those are taken. Other streams are kept.
+    Where the logging times do not come in bursts, they replace the stamps. Otherwise each burst is
+    spread evenly over the time in which it gathered. Stamps without bursts are left unchanged.
 
     Parameters
     ----------
     name : of the stream, for the notes
     stamp, logged : (n,) ns, by sensor and by logger; alike where the log has one time only
     notes : what was done is added
+
+    Returns
+    -------
+    stamps (n,), ns, in the order given
     """
     order = np.argsort(stamp, kind="stable")
-    starts = _bursts(stamp[order])
+    starts = _burst_starts(stamp[order])
     if starts is None:
         return stamp
     values: dict[str, object] = {"count": len(stamp), "bursts": len(starts)}
-    if _bursts(np.sort(logged)) is None:
-        delay = int(np.median(logged - stamp))
+    if _burst_starts(np.sort(logged)) is None:
+        logged_minus_stamp_ns = int(np.median(logged - stamp))
         notes.append(Finding("stamps-in-bursts", {**values, "within_s": None}, name))
-        return logged - (delay if abs(delay) > FAR_S * NS else 0)
+        # times of the logger's clock, put onto the sensor's clock where the two are far apart
+        return logged - (logged_minus_stamp_ns if abs(logged_minus_stamp_ns) > FAR_S * NS else 0)
     spread, within_s = _spread(stamp[order], starts)
     notes.append(Finding("stamps-in-bursts", {**values, "within_s": within_s}, name))
     out = np.empty_like(stamp)
@@ -49,8 +58,12 @@ def spread_bursts(name: str, stamp: Ints, logged: Ints, notes: list[Finding]) ->
     return out
 
 
-def _bursts(t_ns: Ints) -> Ints | None:
-    """Find the first rows (b,) of bursts among sorted stamps. None where there are none."""
+def _burst_starts(t_ns: Ints) -> Ints | None:
+    """Find the first row (b,) of each burst among sorted stamps.
+
+    None where stamps do not come in bursts, or where the bursts do not follow each other evenly, as
+    those of a buffer that is read at a fixed rate do.
+    """
     if len(t_ns) < LEAST_BURSTS * LEAST_SIZE:
         return None
     step = np.diff(t_ns)
@@ -64,13 +77,20 @@ def _bursts(t_ns: Ints) -> Ints | None:
 
 
 def _spread(t_ns: Ints, starts: Ints) -> tuple[Ints, float]:
-    """Spread each burst over the time since the one before, where stamps grow within it.
+    """Spread the stamps of each burst evenly over the time in which its readings gathered.
 
-    A clock of whole seconds, of which all stamps of a burst are alike, stands at their beginning.
+    A buffer is read at the end of that time: its burst is spread back to the burst before. A clock
+    of whole seconds, which gives all readings of a burst one stamp, shows the beginning of that
+    time: its burst is spread up to the next one.
+
+    Parameters
+    ----------
+    t_ns : (n,) stamps, sorted
+    starts : (b,) first row of each burst
 
     Returns
     -------
-    stamps (n,), and the median time between two of them, s, to which they are known
+    stamps (n,), ns, and how well they are known, s: the median time between two of them
     """
     ends = np.r_[starts[1:], len(t_ns)]
     is_coarse = bool((t_ns[ends - 1] == t_ns[starts]).mean() > 0.5)

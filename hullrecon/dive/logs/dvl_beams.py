@@ -34,9 +34,10 @@ FAR_ALTITUDE = 0.13
 SAME_COSINE = 0.015  # share; on the slope of a hull an altitude is no mean of the beams
 # of ranges beside an altitude in m, and how far (log) their ratio may be off
 SMALL_UNITS, SAME_UNIT = {"mm": 1e-3, "cm": 1e-2, "ft": 0.3048}, 0.15
-# Sigmas within which another reading lies that nothing excludes. More than one table in twenty has
-# it, as instruments write distances along their axis: it belongs in an interval of 95 %.
-OTHER_READING = 1.96
+# Sigmas within which the scale of ranges lies that are in truth distances along the axis. Nothing
+# excludes that, and more than one table in twenty holds them, as instruments write them: they
+# belong in an interval of 95 %.
+ALONG_AXIS_SIGMAS = 1.96
 FEW = 10  # pings whose ranges and altitude are compared
 
 
@@ -108,15 +109,20 @@ def ask_for_beams(count: int, why: str = "") -> InputError:
 
 
 def put_ranges_right(beams: Array, ranges: Array, altitude: Array) -> tuple[Array, list[Finding]]:
-    """Put ranges right that the altitude shows to be in another unit, or along the axis.
+    """Correct ranges that the altitude shows to be in another unit than m, or along the axis.
 
-    Arguments as of `check_beams`. A vertical distance is shorter than the range along its beam by
-    the cosine of the beam's angle, a wrong angle of the beams makes less than half of that.
+    Arguments as of `check_beams`. A distance along the axis is shorter than the range along its
+    beam by the cosine of the beam's angle. Another angle of the beams, such as 30 degrees in place
+    of 22.5, changes less than that cosine does.
+
+    Returns
+    -------
+    ranges (n, b) along the beams, m, and what was corrected
 
     Raises
     ------
     InputError
-        Ranges and altitude differ by more than any DVL's beams explain, and so does no unit.
+        Ranges and altitude differ by more than any DVL's beams explain, and no unit explains it.
     """
     ratio = _reach_over_altitude(beams, ranges, altitude)
     for unit, metres in SMALL_UNITS.items():
@@ -134,7 +140,7 @@ def put_ranges_right(beams: Array, ranges: Array, altitude: Array) -> tuple[Arra
 
 
 def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[Finding]:
-    """Find beams that point far off the axis or contradict the altitude.
+    """Report beams that point far off the axis or contradict the altitude.
 
     Parameters
     ----------
@@ -163,14 +169,22 @@ def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[Finding]:
 def range_scale_sigma(
     beams: Array, ranges: Array, altitude: Array, by_hand: bool
 ) -> tuple[float, list[Finding]]:
-    """Compute by what share all ranges may be wrong together (one sigma).
+    """Compute the sigma of a scale error that all ranges share, as a share of the range.
 
-    Where the altitude contradicts them, one of the two is wrong by that much. Where there is none,
-    a table may hold distances along the axis, as PD0 and others give them, and nothing else of a
-    dive without cameras tells: how the ranges change with the velocities does not, as a vehicle
-    keeps its distance and a hull is curved. That reading has to lie within OTHER_READING sigmas.
+    Where the altitude contradicts the ranges, one of the two is wrong by that much. Where there is
+    no altitude, a table may hold distances along the axis, as PD0 and others give them. Nothing
+    else in a dive without cameras tells: how the ranges change with the velocities does not, as a
+    vehicle keeps its distance and a hull is curved. Such distances then have to lie within
+    ALONG_AXIS_SIGMAS of the ranges.
 
-    by_hand: of a table, the rest as of `check_beams`.
+    Parameters
+    ----------
+    beams, ranges, altitude : as of `check_beams`
+    by_hand : the ranges are of a table, which its writer may have filled with either distance
+
+    Returns
+    -------
+    sigma, 0 where nothing speaks against the ranges, and what to report
     """
     if not len(beams):
         return 0.0, []
@@ -180,24 +194,24 @@ def range_scale_sigma(
         return off if off > SAME_ALTITUDE else 0.0, []
     if not by_hand:
         return 0.0, []
-    sigma = float(1 / beams[:, 2].mean() - 1) / OTHER_READING
+    sigma = float(1 / beams[:, 2].mean() - 1) / ALONG_AXIS_SIGMAS
     return sigma, [Finding("ranges-unconfirmed", {"percent": 100 * sigma}, "dvl")]
 
 
 def _reach_over_altitude(beams: Array, ranges: Array, altitude: Array) -> float:
-    """Compute how far the beams reach along the axis, over the altitude: 1 where they are right.
+    """Compute the median over all pings of the beams' mean reach along z divided by the altitude.
 
-    Ranges (n, b) along z, their mean over the altitude (n,), and of that the median. NaN where too
-    few are known, or where the altitude stands still while the ranges change: a driver that
-    computes none may fill in any.
+    It is 1 where ranges, beams and altitude agree. NaN where too few are known, or where the
+    altitude is constant while the ranges change: a driver that computes none may fill in any.
+    Arguments as of `check_beams`.
     """
     whole = np.isfinite(ranges).all(axis=1) & np.isfinite(altitude)
     if not len(beams) or np.count_nonzero(whole) < FEW:
         return float("nan")
-    reach, said = (ranges[whole] * beams[:, 2]).mean(axis=1), altitude[whole]
-    if np.ptp(said) == 0 and np.ptp(reach) > SAME_ALTITUDE * np.median(reach):
+    reach, logged = (ranges[whole] * beams[:, 2]).mean(axis=1), altitude[whole]
+    if np.ptp(logged) == 0 and np.ptp(reach) > SAME_ALTITUDE * np.median(reach):
         return float("nan")
-    return float(np.median(reach / said))
+    return float(np.median(reach / logged))
 
 
 def _logged_beams(logged: Sequence[Array], configured: Array | None, notes: list[Finding]) -> Array:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Find the places of sensors in tf_static: on the vehicle, or on a servo that turns."""
+"""Read the poses of sensors from tf_static: on the vehicle, or on a servo that turns."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from hullrecon.dive.logs.messages.descriptions import (
     Tree,
     frame_doubts,
     frame_tree,
+    locate_frame,
     mount_of,
     names_above,
-    way_up,
 )
 from hullrecon.dive.logs.messages.samples import WITHOUT_HEADER
 from hullrecon.dive.logs.readers.protocol import Channel, Message
@@ -33,7 +33,7 @@ RIG = "rig"  # key of the lower camera in the upper one, by a calibration of bot
 
 @dataclass(frozen=True, kw_only=True)
 class FixedSensor:
-    """The place of a sensor in tf_static, or of a rig's lower camera in its calibration."""
+    """The pose of a sensor by tf_static, or of a rig's lower camera by its calibration."""
 
     frame: str  # its name in the log, or the calibration's file
     # x, y, z in m, roll, pitch, yaw in degrees: in the vehicle with its servo at zero, or on the
@@ -42,7 +42,7 @@ class FixedSensor:
     on_servo: bool = False
     # where the servo turns, m in the vehicle; None where no frame on the way is the servo's
     servo_origin: tuple[float, ...] | None = None
-    doubt: str = ""  # why tf_static does not tell it
+    doubt: str = ""  # why tf_static does not tell the pose, which is then zero
 
 
 @dataclass
@@ -52,16 +52,16 @@ class FrameListener:
     topics: Mapping[str, str]  # by sensor
     tree_messages: list[Fields] = field(default_factory=list)
     frames: dict[str, str] = field(default_factory=dict)  # names by sensor
-    _asked: set[str] = field(default_factory=set)
+    _asked: set[str] = field(default_factory=set)  # sensors whose first message was looked at
 
     def watch(self, messages: Iterable[Message]) -> Iterator[Message]:
-        """Pass the messages on."""
+        """Pass all messages on, and note what each says of frames."""
         for message in messages:
             self._note(message)
             yield message
 
     def sensors(self, joints: Mapping[str, str]) -> dict[str, FixedSensor]:
-        """Locate the sensors that tf_static leads to.
+        """Compute the poses of the sensors that tf_static leads to, by sensor.
 
         joints: names of the servos by record ("tray", "sonar_tray").
         """
@@ -94,9 +94,14 @@ def fixed_sensors(
     joints: Mapping[str, str],
     doubts: Mapping[str, str] = MappingProxyType({}),
 ) -> dict[str, FixedSensor]:
-    """Locate the sensors whose frames tf_static reaches, by sensor.
+    """Compute the poses of the sensors whose frames tf_static reaches, by sensor.
 
-    doubts: why the place of a frame is not known.
+    Parameters
+    ----------
+    tree : the transforms of tf_static
+    frames : name of each sensor's frame, by sensor
+    joints : names of the servos by record ("tray", "sonar_tray")
+    doubts : by frame, why its pose is not known; it holds for all frames below as well
     """
     found = {}
     for sensor, frame in frames.items():
@@ -107,19 +112,21 @@ def fixed_sensors(
             )
             continue
         servo = joints.get(SERVO_OF.get(sensor, ""), "")
-        way = way_up(frame, tree, {f"{servo}{ending}" for ending in ENDINGS} if servo else set())
-        if way.vehicle is not None:
+        located = locate_frame(
+            frame, tree, {f"{servo}{ending}" for ending in ENDINGS} if servo else set()
+        )
+        if located.vehicle is not None:
             origin = (
                 None
-                if way.vehicle_from_servo is None
-                else tuple(mount_of(way.vehicle_from_servo)[:3])
+                if located.vehicle_from_servo is None
+                else tuple(mount_of(located.vehicle_from_servo)[:3])
             )
             found[sensor] = FixedSensor(
-                frame=printable(frame), pose=tuple(mount_of(way.vehicle)), servo_origin=origin
+                frame=printable(frame), pose=tuple(mount_of(located.vehicle)), servo_origin=origin
             )
         # its axes are those of the vehicle at zero: forward, port, up (REP 103)
-        elif way.servo is not None:
-            pose = tuple(mount_of(FRD_FROM_FLU @ way.servo))
+        elif located.servo is not None:
+            pose = tuple(mount_of(FRD_FROM_FLU @ located.servo))
             found[sensor] = FixedSensor(frame=printable(frame), pose=pose, on_servo=True)
     return found
 
@@ -140,6 +147,7 @@ def frame_of(message: object) -> str | None:
 
 
 def _decoded(message: Message) -> list[Fields]:
+    """Decode a message. Empty where it cannot be, or where its reader has decoded it already."""
     if not isinstance(message.data, bytes):
         return []
     try:

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Take the heading from an IMU's rates: near a ship's steel a compass swings by tens of degrees.
 
-Roll and pitch stay those of the orientation, which gravity holds. The rates' bias about the
-vertical is what the two headings drift apart by, as far as the compass tells that better than
-gyroscopes are calibrated.
+Roll and pitch stay those of the logged orientation, which gravity holds. The bias of the rates
+about the vertical is estimated from how the integrated heading drifts away from the compass,
+against the prior that gyroscopes are calibrated to BIAS_SIGMA_RAD_S.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from hullrecon.errors import InputError
 from hullrecon.records.clock import seconds
 from hullrecon.typing import Array, Ints, Mask
 
-# that attitude systems with MEMS gyroscopes leave of a rate's bias (one sigma)
+# one sigma of the rates' bias that attitude systems with MEMS gyroscopes leave
 BIAS_SIGMA_RAD_S = np.radians(0.05)
-LONGEST_GAP_S = 1.0  # between readings, over which rates are integrated
-LEAST_RATES = 0.9  # of the readings, that have rates
+LONGEST_GAP_S = 1.0  # between readings; over a longer one the orientation gives the turn
+LEAST_RATES = 0.9  # share of the readings that need to have rates
 
 
 @dataclass(frozen=True)
@@ -29,9 +29,9 @@ class RateHeading:
     """Attitudes with the heading of the rates."""
 
     rotation: Rotation  # (n,) from the vehicle to `global`
-    drift_rad_s: float  # of the rates' heading against the orientation's, which was taken off
-    drift_sigma_rad_s: float  # to which that is known
-    swing_rad: float  # root mean square of the orientation's heading about the other
+    drift_rad_s: float  # of the rates' heading against the orientation's; it was taken off
+    drift_sigma_rad_s: float
+    swing_rad: float  # root mean square of the difference of the headings once the drift is off
 
 
 def heading_by_rates(t_ns: Ints, rotation: Rotation, rates: Array) -> RateHeading:
@@ -59,30 +59,33 @@ def heading_by_rates(t_ns: Ints, rotation: Rotation, rates: Array) -> RateHeadin
     turned = rotation.apply(np.nan_to_num(rates))[:, 2]  # about the vertical, rad/s
     step_s = np.diff(t_s)
     by_orientation = (rotation[1:] * rotation[:-1].inv()).as_rotvec()[:, 2]
-    more = 0.5 * (turned[1:] + turned[:-1]) * step_s - by_orientation
-    more[(step_s > LONGEST_GAP_S) | ~known[1:] | ~known[:-1]] = 0.0
-    apart = np.concatenate([[0.0], np.cumsum(more)])  # rates' heading over the orientation's
-    drift, sigma = _drift(t_s, apart)
-    apart = apart - drift * (t_s - t_s.mean())
-    apart = apart - np.median(apart)
+    growth = 0.5 * (turned[1:] + turned[:-1]) * step_s - by_orientation
+    growth[(step_s > LONGEST_GAP_S) | ~known[1:] | ~known[:-1]] = 0.0
+    # heading of the rates minus that of the orientation, rad
+    difference = np.concatenate([[0.0], np.cumsum(growth)])
+    drift, sigma = _drift(t_s, difference)
+    difference = difference - drift * (t_s - t_s.mean())
+    difference = difference - np.median(difference)
     return RateHeading(
-        rotation=Rotation.from_euler("z", apart[:, None]) * rotation,
+        rotation=Rotation.from_euler("z", difference[:, None]) * rotation,
         drift_rad_s=drift,
         drift_sigma_rad_s=sigma,
-        swing_rad=float(np.sqrt(np.mean(np.square(apart)))),
+        swing_rad=float(np.sqrt(np.mean(np.square(difference)))),
     )
 
 
-def _drift(t_s: Array, apart: Array) -> tuple[float, float]:
-    """Estimate the slope of a difference (n,) of headings, and its sigma.
+def _drift(t_s: Array, difference: Array) -> tuple[float, float]:
+    """Estimate the slope of a difference (n,) of headings, rad/s, and its sigma.
 
-    What it swings by about a line is as many independent values as it crosses that.
+    A line is fitted and combined with the prior that the slope is zero. The residuals of the line
+    are correlated, as the compass swings slowly with the ship's steel: they count as one
+    independent value for each time that they change sign.
     """
     since = t_s - t_s.mean()
     spread = float(since @ since)
-    slope = float(since @ apart) / spread
-    left = apart - apart.mean() - slope * since
-    independent = 1 + np.count_nonzero(np.diff(np.signbit(left)))
-    variance = float(left @ left) / spread / independent
+    slope = float(since @ difference) / spread
+    residual = difference - difference.mean() - slope * since
+    independent = 1 + np.count_nonzero(np.diff(np.signbit(residual)))
+    variance = float(residual @ residual) / spread / independent
     weight = variance / (variance + BIAS_SIGMA_RAD_S**2)  # of the prior, a slope of zero
     return (1 - weight) * slope, float(np.sqrt(weight) * BIAS_SIGMA_RAD_S)

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Find readings that are written as numbers but stand for lost ones.
 
-Drivers write a lost velocity as zero, as the last one or as what a filter makes of that, with or
-without a covariance beyond all measurement, a lost range as the largest that the instrument could
-have, a lost attitude as the default of its message.
+Drivers write a lost velocity as zero, as the last one or as what a filter makes of that. Some
+mark it by a covariance that no measurement has. They write a lost range as the largest that the
+instrument could have, and a lost attitude as the default of its message.
 """
 
 from __future__ import annotations
@@ -17,21 +17,25 @@ from hullrecon.typing import Array, Ints, Mask
 
 # Water Linked calls velocities of this figure of merit and more invalid
 WORST_SIGMA_M_S = 0.4
-# from one ping to the next; no vehicle stops within less, whatever the time between them
+# Change of velocity from one ping to the next that is no vehicle's: by noise and by acceleration
+# over the time between the two
 SUDDEN_M_S, SUDDEN_M_S2 = 0.02, 0.25
 NOTHING_M_S = 1e-6  # velocities below are zero; no DVL tells a tenth of a millimetre per second
-LEAST_NOISE = 3.0  # times its step: a sensor as noisy does not measure exactly zero on three axes
+# Noise over the smallest velocity that the sensor writes. One as noisy does not measure exactly
+# zero on three axes
+LEAST_NOISE = 3.0
 LEAST_PINGS = 20  # to tell a sensor's noise, and that its values are not constant
-THIRD_DIFFERENCE = 20**0.5  # of white noise: its standard deviation over the noise's
+THIRD_DIFFERENCE = 20**0.5  # standard deviation of third differences of white noise, over its own
 LONG_RUN = 3.0  # times as many equal velocities as usual
-LONGEST_HOLD_S = 1.0
+LONGEST_HOLD_S = 1.0  # that a reading may be repeated as measured
 MOST_UNHEARD = 0.5  # of the velocities may be lost because no beam has a range
-UNFILLED, SUDDEN_TURN_RAD = (0.0, 0.0, 0.0, 1.0), 0.1  # ROS 2's default orientation
+# ROS 2's default orientation, and the angle to it from which a neighbour shows it to be false
+UNFILLED, SUDDEN_TURN_RAD = (0.0, 0.0, 0.0, 1.0), 0.1
 LEAST_LIMITED = 5  # ranges that are exactly the largest one
 LEAST_BEAMS = 3  # of a ping that shows whether one is unlike the others
 MOST_ALIKE = 0.9  # of the pings, with one range in all beams
-STANDS_STILL = 0.2  # of what the hull in the other beams comes and goes
-CLOSE_TO_LIMIT = 0.9  # of the largest range: one that was measured has others as long
+STANDS_STILL = 0.2  # of the spread of the other beams' ranges; a beam that varies less stands still
+CLOSE_TO_LIMIT = 0.9  # of the largest range; where that was measured, others are nearly as long
 
 
 @np.errstate(all="ignore")  # velocities of any size
@@ -80,12 +84,17 @@ def drop_lost_velocities(
 
 
 def _false_readings(t_ns: Ints, velocity: Array) -> tuple[Mask, Mask]:
-    """Find velocities (n,) that stand for lost ones: false zeros, and repeats of the last one.
+    """Find velocities that stand for lost ones: false zeros, and repeats of the last one.
 
-    Zeros are false where they begin or end as no vehicle stops or starts, or where a sensor whose
-    noise is well beyond the smallest velocity that it tells from zero gives several. Such a sensor
-    does not give the same velocity for seconds either, apart from a driver that writes each ping
+    Runs of equal velocities are looked at one by one. Zeros are false where the velocity jumps at
+    the start or the end of their run as no vehicle starts or stops. They are also false where a
+    sensor gives several whose noise is well above the smallest velocity that it writes. Such a
+    sensor does not repeat any other velocity for seconds either, unless its driver writes each ping
     several times.
+
+    Returns
+    -------
+    masks (n,) of the false zeros and of the repeats
     """
     zeros, repeats = np.zeros(len(velocity), bool), np.zeros(len(velocity), bool)
     known = np.flatnonzero(np.isfinite(velocity).all(axis=1))
@@ -113,7 +122,10 @@ def _false_readings(t_ns: Ints, velocity: Array) -> tuple[Mask, Mask]:
 
 
 def _is_noisy(velocity: Array) -> bool:
-    """Tell whether velocities (n, 3) have noise well above their smallest value."""
+    """Tell whether velocities (n, 3) have noise well above their smallest value.
+
+    Third differences tell noise from motion.
+    """
     if len(velocity) < LEAST_PINGS:
         return False
     noise = 1.4826 * np.median(np.abs(np.diff(velocity, 3, axis=0)), axis=0) / THIRD_DIFFERENCE
@@ -124,8 +136,8 @@ def _is_noisy(velocity: Array) -> bool:
 def is_false_attitude(quaternion: Array) -> Mask:
     """Find attitudes (n,) of exactly (0, 0, 0, 1) amid others: a message that was not filled in.
 
-    quaternion: (n, 4) x, y, z, w. One that turns there gently from its neighbours is believed, and
-    so are most of them.
+    quaternion: (n, 4) x, y, z, w. Such an attitude is believed where the attitudes before and after
+    it are close to it, and where most attitudes are such, as of a vehicle that stands still.
     """
     default = (np.abs(quaternion) == UNFILLED).all(axis=1)
     others = np.flatnonzero(~default & np.isfinite(quaternion).all(axis=1))
@@ -134,7 +146,7 @@ def is_false_attitude(quaternion: Array) -> Mask:
     rows = np.arange(len(quaternion))
     after = np.searchsorted(others, rows).clip(0, len(others) - 1)
     before = (np.searchsorted(others, rows) - 1).clip(0)
-    # of the turn from the default to a unit quaternion, w is the cosine of half of it
+    # w of a unit quaternion is the cosine of half its angle from the default
     turned = np.cos(SUDDEN_TURN_RAD / 2) > np.abs(quaternion[:, 3])
     return np.asarray(default & (turned[others[after]] | turned[others[before]]))
 
@@ -142,8 +154,15 @@ def is_false_attitude(quaternion: Array) -> Mask:
 def is_held(t_ns: Ints, quaternion: Array, rates: Array, acceleration: Array) -> Mask:
     """Find readings (n,) that repeat the one before to the last digit for more than a second.
 
-    An IMU that turns has no two equal ones: it or its driver stood still. One that is at rest in a
-    simulator has no rates, and a driver that writes each reading several times repeats all alike.
+    An IMU on a vehicle that turns has no two equal ones: the IMU or its driver has hung up. Two
+    repeats are believed. A simulated vehicle at rest has rates of exactly zero, and a driver that
+    writes each reading several times does so with all of them.
+
+    Parameters
+    ----------
+    t_ns : (n,) stamps in order
+    quaternion : (n, 4) orientation
+    rates, acceleration : (n, 3) as logged
     """
     reading = np.hstack([quaternion, rates, acceleration])
     moved = np.r_[True, (np.diff(reading, axis=0) != 0).any(axis=1)]
@@ -155,11 +174,11 @@ def is_held(t_ns: Ints, quaternion: Array, rates: Array, acceleration: Array) ->
     return np.asarray(np.repeat(long, count) & ~moved & (rates != 0).any(axis=1))
 
 
-def drop_ranges_of_one_beam(ranges: Array, notes: list[Finding]) -> Array:
-    """Replace ranges (n, b) by NaN that are none of the beams they stand for.
+def drop_false_beams(ranges: Array, notes: list[Finding]) -> Array:
+    """Replace ranges (n, b), m, by NaN that were not measured along the beam they are listed for.
 
     A driver without ranges writes the altitude into all beams. A beam that hears its own pulse, or
-    a part of the vehicle, stays where it is while the hull in the others comes and goes.
+    a part of the vehicle, stays at one short range while the hull in the others comes and goes.
     """
     whole = np.isfinite(ranges).all(axis=1)
     if ranges.shape[1] < LEAST_BEAMS or whole.sum() < LEAST_PINGS:
@@ -183,7 +202,10 @@ def drop_ranges_of_one_beam(ranges: Array, notes: list[Finding]) -> Array:
 
 
 def drop_ranges_at_limit(ranges: Array, notes: list[Finding]) -> Array:
-    """Replace ranges (n, b) by NaN that are exactly the largest of all and far from the others."""
+    """Replace ranges (n, b), m, by NaN that are exactly the largest of all and far from the others.
+
+    Such a range is what an instrument writes where no echo came back.
+    """
     known = ranges[np.isfinite(ranges)]
     if not known.size:
         return ranges

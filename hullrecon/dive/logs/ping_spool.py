@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from hullrecon.dive.logs.samples import SonarSample
 from hullrecon.typing import Array
 
-# of a ping's pixels are no brighter than its bright one: a few may be saturated
+# percentile of a ping's pixels that is its bright pixel: the brightest few may be saturated
 BRIGHT_PERCENT = 99.5
 Images = NDArray[np.uint8]  # (pings, beams, ranges)
-# from their shape, one (beams, ranges) after the other
+# stores images (beams, ranges) as they come, given the shape of the whole array, and returns it
 KeepImages = Callable[[tuple[int, int, int], Iterator[Images]], Images]
 
 
@@ -26,7 +26,7 @@ class PingStorage:
     """The place where the images of a sonar go."""
 
     spool: BinaryIO  # an empty file that may be read and written, for images as they were logged
-    keep: KeepImages  # keeps them as they are used
+    keep: KeepImages  # stores the images of eight bits that the other steps use
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,9 +46,9 @@ class PingSpool:
         self._range_m: Array | None = None
 
     def keep(self, sample: SonarSample) -> SpooledPing:
-        """Write a ping's image to the file.
+        """Write a ping's image to the file, and return the ping without it.
 
-        Directions and ranges equal to those of the ping before are shared.
+        Directions and ranges equal to those of the ping before share its arrays, to save memory.
         """
         image = np.ascontiguousarray(sample.image)
         if (

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Convert positions by GPS and USBL to metres north and east, without unusable ones."""
+"""Convert position fixes (USBL, GNSS) to metres north and east, and drop unusable ones."""
 
 from __future__ import annotations
 
@@ -17,13 +17,14 @@ from hullrecon.records.clock import seconds_to_nearest
 from hullrecon.records.sensors import PositionFixes, PressureSamples
 from hullrecon.typing import Array, Mask
 
-# of a satellite's signal; centimetres of sea water end it, the rest is for waves and the sensor
+# Depth at which a satellite's signal is lost: centimetres of sea water end it, the rest is for
+# waves and the error of the sensor
 DEEPEST_RECEPTION_M = 1.0
-FARTHEST_DEG = (90.0, 360.0)  # latitude, longitude
+FARTHEST_DEG = (90.0, 360.0)  # the largest latitude and longitude; some count longitude to 360
 FARTHEST_RAD = (np.pi / 2, np.pi)
-MOST_DDMM = (9000.0, 18000.0)
-NEAR_DEPTH_S = 10.0  # of a depth that tells whether an antenna was under water
-# in the name of a topic whose positions are of a locator under water
+MOST_DDMM = (9000.0, 18000.0)  # as degrees and minutes in one number, ddmm.mmm
+NEAR_DEPTH_S = 10.0  # between a fix and the depth that tells whether the antenna was under water
+# words in the name of a topic whose fixes are of a locator under water
 ACOUSTIC_WORDS = frozenset({"usbl", "ssbl", "sbl", "lbl", "ugps", "acoustic", "underwater"})
 
 
@@ -42,14 +43,14 @@ def position_fixes(
     pressure: PressureSamples | None,
     notes: list[Finding],
 ) -> PositionFixes | None:
-    """Convert fixes to metres relative to the first of them. None without any.
+    """Convert fixes to metres north and east of the first one. None where no fix is usable.
 
     Parameters
     ----------
     samples : in order of time
-    sigma_m : of either axis, where a message has none
-    frame : "enu" or "ned", of x and y in a local frame
-    pressure : tells when an antenna was under water
+    sigma_m : of either horizontal axis, where a message has none
+    frame : "enu" or "ned", the meaning of x and y where fixes are in a local frame
+    pressure : depths, which tell when a satellite antenna was under water
     notes : what was left out is added
 
     Raises
@@ -62,16 +63,17 @@ def position_fixes(
     if len(fixed) < len(samples):
         values = {"lacking": len(samples) - len(fixed), "count": len(samples)}
         notes.append(Finding("positions-without-fix", values, "position"))
-    of_one_form = [s for s in fixed if s.geographic == fixed[0].geographic]
-    if len(of_one_form) < len(fixed):
-        values = {"others": len(fixed) - len(of_one_form), "count": len(fixed)}
+    # geographic and local coordinates cannot be mixed: those of the first fix's kind are used
+    of_one_kind = [s for s in fixed if s.geographic == fixed[0].geographic]
+    if len(of_one_kind) < len(fixed):
+        values = {"others": len(fixed) - len(of_one_kind), "count": len(fixed)}
         notes.append(Finding("positions-other-form", values, "position"))
-    drowned = _under_water(of_one_form, pressure)
-    if drowned.any():
-        count = {"drowned": int(drowned.sum()), "count": len(drowned)}
+    under_water = _under_water(of_one_kind, pressure)
+    if under_water.any():
+        count = {"drowned": int(under_water.sum()), "count": len(under_water)}
         limit = {"deepest_m": DEEPEST_RECEPTION_M}
         notes.append(Finding("positions-under-water", {**count, **limit}, "position"))
-    kept = [s for s, is_drowned in zip(of_one_form, drowned, strict=True) if not is_drowned]
+    kept = [s for s, is_wet in zip(of_one_kind, under_water, strict=True) if not is_wet]
     if not kept:
         return None
     given = np.array([s.sigma_m for s in kept])
@@ -85,7 +87,10 @@ def position_fixes(
 
 
 def _refuse_other_units(samples: Sequence[PositionSample]) -> None:
-    """Raise InputError where most latitudes and longitudes are in another unit than degrees."""
+    """Raise InputError where most latitudes and longitudes are in another unit than degrees.
+
+    Radians, degrees and minutes in one number, and 1e-7 degrees are told by their size.
+    """
     place = np.abs(np.array([s.place[:2] for s in samples], float).reshape(-1, 2))
     place = place[np.isfinite(place).all(axis=1) & place.any(axis=1)]
     if not len(place):
@@ -108,9 +113,9 @@ def _refuse_other_units(samples: Sequence[PositionSample]) -> None:
 
 
 def _is_position(sample: PositionSample) -> bool:
-    """Tell whether a sample has a place.
+    """Tell whether a sample holds a fix.
 
-    Receivers send zero latitude and longitude before they have a fix.
+    Receivers send zero latitude and longitude before they have one.
     """
     first, second = sample.place[:2]
     if not np.isfinite([first, second]).all():
@@ -134,7 +139,15 @@ def _under_water(samples: Sequence[PositionSample], pressure: PressureSamples | 
 
 
 def _in_metres(place: Array, geographic: bool, frame: str) -> Array:
-    """Convert places (n, 3) to metres north and east (n, 2) relative to the first."""
+    """Convert positions (n, 3) to metres north and east (n, 2) of the first.
+
+    Parameters
+    ----------
+    place : latitude and longitude in degrees where geographic, else x and y in m; the third column
+        is not used
+    geographic : whether they are latitude and longitude
+    frame : "enu" (x is east) or "ned" (x is north), of a local frame
+    """
     if geographic:
         return north_east(place[:, 0], place[:, 1])
     shift = place[:, :2] - place[0, :2]

@@ -35,9 +35,9 @@ from hullrecon.records.clock import NS, format_time
 TakeImage = Callable[[ImageSample, int, int], None]
 KeepPing = Callable[[SonarSample], SonarSample]
 Watch = Callable[[Iterable[Message]], Iterable[Message]]
-LIMIT_NS = 1 << 62  # the year 2116; differences of such stamps are int64 too
-MOST_REASONS = 5  # a topic for which messages could not be used, that are told apart
-MOST_DEFINITIONS = 16  # a topic: each is compiled anew
+LIMIT_NS = 1 << 62  # the year 2116; differences of smaller stamps do not overflow an int64
+MOST_REASONS = 5  # for each topic, why its messages could not be used, that are listed
+MOST_DEFINITIONS = 16  # of a topic's type: each is compiled, and a damaged log may have many
 SENSORS = tuple(TYPES)
 # two sensors on one topic: each sends a tenth of its messages at least, and they take turns
 LEAST_SHARE, LEAST_TURNS = 0.1, 10
@@ -49,8 +49,8 @@ class FrameNames:
     """The frames that the messages of one topic name."""
 
     counts: Counter[str] = field(default_factory=Counter)
-    turns: int = 0  # messages of another frame than the one before
-    last: str = ""
+    turns: int = 0  # messages of another frame than the message before them
+    last: str = ""  # frame of the message before
 
     def add(self, frame: str) -> None:
         """Count a message's frame."""
@@ -60,7 +60,7 @@ class FrameNames:
             self.counts[frame] += 1
 
     def refuse_two(self, topic: str) -> None:
-        """Raise InputError where messages of two frames take turns: these are two sensors."""
+        """Raise InputError where messages of two frames take turns: two sensors share the topic."""
         both = self.counts.most_common(2)
         least = LEAST_SHARE * self.counts.total()
         if len(both) < 2 or both[1][1] < least or self.turns < LEAST_TURNS:
@@ -75,20 +75,23 @@ class FrameNames:
 
 @dataclass(kw_only=True)
 class LogContents:
-    """The contents of the logs."""
+    """What reading all logs gave: samples by sensor, and what was lost or left out."""
 
-    # by sensor ("dvl", ...), in the order of the logs: samples (images go to their sinks), when
-    # each was logged, ns, and the number of its log
+    # By sensor ("dvl", ...), row by row in the order of the logs: the samples (images go to their
+    # sinks instead), when each was logged, ns, and the number of its log.
     samples: dict[str, list[Sample]] = field(default_factory=lambda: {name: [] for name in SENSORS})
     logged_ns: dict[str, list[int]] = field(default_factory=lambda: {name: [] for name in SENSORS})
     log: dict[str, list[int]] = field(default_factory=lambda: {name: [] for name in SENSORS})
-    counts: Counter[Channel] = field(default_factory=Counter)  # messages
-    undecoded: Counter[tuple[str, str]] = field(default_factory=Counter)  # by topic and reason
+    counts: Counter[Channel] = field(default_factory=Counter)  # messages of each channel
+    # messages that could not be used, by topic and reason
+    undecoded: Counter[tuple[str, str]] = field(default_factory=Counter)
     unstamped: Counter[str] = field(default_factory=Counter)  # messages without a stamp, by topic
-    ignored: Counter[Channel] = field(default_factory=Counter)  # for a topic of the same sensor
+    # samples of tables and instruments' files that were ignored, as dive.toml names a topic for
+    # the same sensor
+    ignored: Counter[Channel] = field(default_factory=Counter)
     losses: list[tuple[str, Loss]] = field(default_factory=list)  # with the name of the file
     inside: int = 0  # samples in the time window
-    outside: int = 0
+    outside: int = 0  # and out of it
     # by joint, the last angle before the time window, when that was logged, and its log
     joints_before: dict[str, tuple[JointSample, int, int]] = field(default_factory=dict)
     # topics of which a message could be used, and the sensors that took it
@@ -108,7 +111,7 @@ def read_streams(
     problems: Problems | None = None,
     window: TimeWindow | None = None,
     keep_ping: KeepPing = lambda ping: ping,
-    offset_ns: Mapping[str, int] = MappingProxyType({}),
+    added_ns: Mapping[str, int] = MappingProxyType({}),
 ) -> LogContents:
     """Read the logs once and collect the samples that lie in the time window.
 
@@ -120,9 +123,9 @@ def read_streams(
     take_image : called with each image
     watch : sees every message pass (progress)
     problems : takes what would be raised, if given
-    window : what is used, None for all
-    keep_ping : what is kept of a sonar's ping
-    offset_ns : by sensor, added to the stamps
+    window : samples outside are counted and dropped, None: all are used
+    keep_ping : turns a sonar's ping into what is kept in memory
+    added_ns : by sensor, what is added to the stamps (positive where they are early)
 
     Raises
     ------
@@ -141,7 +144,10 @@ def read_streams(
                     continue
                 count = len(problems.found)
                 with problems.collect():
-                    _sort(message, number, topics, take_image, out, window, keep_ping, offset_ns)
+                    _sort_by_sensor(
+                        message, number, topics, take_image, out, window, keep_ping, added_ns
+                    )
+                # one complaint for each channel, not for each of its messages
                 if len(problems.found) > count:
                     refused.add(message.channel)
             out.unread -= 1
@@ -162,7 +168,7 @@ def read_streams(
         for topic, n in sorted(out.unstamped.items())
     ]
     if window is not None:
-        _start_joints(out, window)
+        _carry_joints_into_window(out, window)
         values = {"window": window.describe(), "count": out.outside}
         out.notes.append(Finding("outside-window", values, "dive"))
     out.notes += [
@@ -172,7 +178,7 @@ def read_streams(
     return out
 
 
-def _sort(
+def _sort_by_sensor(
     message: Message,
     log: int,
     topics: Mapping[str, Sequence[str]],
@@ -180,14 +186,18 @@ def _sort(
     out: LogContents,
     window: TimeWindow | None,
     keep_ping: KeepPing,
-    offset_ns: Mapping[str, int],
+    added_ns: Mapping[str, int],
 ) -> None:
-    """Sort the samples of a message by sensor, and count those outside the time window."""
-    for sensor, read in _samples(message, topics, out):
-        # the DVL's own attitude and depth are of its clock
-        moved_ns = offset_ns.get("dvl" if is_of_dvl(read) else sensor, 0)
-        sample = replace(read, t_ns=read.t_ns + moved_ns) if moved_ns else read
-        logged_ns = message.t_ns + moved_ns
+    """Add the samples of a message to those of its sensors, and count those outside the window.
+
+    Arguments as of `read_streams`, for one message of the log with number `log`. Images go to
+    `take_image`, all other samples to `out`.
+    """
+    for sensor, read in _translated(message, topics, out):
+        # attitude and depth by sensors inside the DVL are stamped by the DVL's clock
+        sensor_added_ns = added_ns.get("dvl" if is_of_dvl(read) else sensor, 0)
+        sample = replace(read, t_ns=read.t_ns + sensor_added_ns) if sensor_added_ns else read
+        logged_ns = message.t_ns + sensor_added_ns
         if window is not None and not window.holds(window.time_of(sample.t_ns, logged_ns)):
             out.outside += 1
             if isinstance(sample, JointSample) and np.isfinite(sample.angle):
@@ -207,7 +217,7 @@ def _sort(
 def _note_joint_before(
     sample: JointSample, logged_ns: int, log: int, out: LogContents, window: TimeWindow
 ) -> None:
-    """Keep a joint's reading if it is the last one before the window."""
+    """Keep a joint's reading where it is the latest one before the window so far."""
     known = out.joints_before.get(sample.name)
     if (
         window.first_ns is not None
@@ -217,11 +227,11 @@ def _note_joint_before(
         out.joints_before[sample.name] = sample, logged_ns, log
 
 
-def _start_joints(out: LogContents, window: TimeWindow) -> None:
-    """Put the last reading of each joint before the window at the window's start.
+def _carry_joints_into_window(out: LogContents, window: TimeWindow) -> None:
+    """Repeat the last reading of each joint before the window at the window's start.
 
-    A joint that is logged once, or only as it turns, has stood still since. Where nothing was
-    measured in the window, joints are left out.
+    A joint that is logged once, or only when it turns, has stood still since. Where no sensor
+    measured in the window, nothing is added, so that the window stays empty.
     """
     if not out.inside:
         return
@@ -244,10 +254,13 @@ def _start_joints(out: LogContents, window: TimeWindow) -> None:
             out.notes.append(Finding("joint-before-window", values, f"joint {name}"))
 
 
-def _samples(
+def _translated(
     message: Message, topics: Mapping[str, Sequence[str]], out: LogContents
 ) -> Iterator[tuple[str, Sample]]:
-    """Yield a message's samples with their sensor, counting messages that cannot be used."""
+    """Translate a message into samples, and yield each with its sensor.
+
+    Messages that cannot be used are counted in `out`, with the reason.
+    """
     channel = message.channel
     is_sample = not isinstance(message.data, bytes)
     if is_sample and any(channel.topic in sensors for sensors in topics.values()):
@@ -272,10 +285,11 @@ def _samples(
 
 
 def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> Sequence[Sample]:
-    """Decode a serialised message into samples.
+    """Decode a serialised message into samples of a sensor.
 
-    Raises DamagedError where it gives none, and InputError for a topic of a type that is not read.
-    Where other messages of the topic were read, its type counts as damaged.
+    Raises InputError for a topic of a type or encoding that is not read, as dive.toml then names
+    the wrong topic. Raises DamagedError where the message cannot be decoded, or is of another type
+    than messages of the topic that were read before.
     """
     channel = message.channel
     if channel.encoding not in ENCODINGS and (channel.topic, sensor) not in out.used:
@@ -312,13 +326,16 @@ def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> 
         ) from None
     if stamp == 0:
         out.unstamped[channel.topic] += 1
-    if sensor != "joints":  # of which each servo's driver may send its own
+    if sensor != "joints":  # several servos may share a topic, each with its own frame
         out.frames.setdefault(channel.topic, FrameNames()).add(frame_of(fields) or "")
     return found
 
 
 def _reason(topic: str, reason: str, out: LogContents) -> str:
-    """Limit the reasons listed for one topic: each damaged message may have its own."""
+    """Replace a reason by a general one where the topic has MOST_REASONS others already.
+
+    Each damaged message may have its own.
+    """
     if (topic, reason) in out.undecoded or sum(t == topic for t, _ in out.undecoded) < MOST_REASONS:
         return reason
     return "for other reasons"

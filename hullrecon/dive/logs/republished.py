@@ -26,14 +26,14 @@ from hullrecon.typing import Array, Mask
 
 Kind = TypeVar("Kind", bound=Sample)
 LEAST_MEASURED = 20  # readings, to tell a sensor's resolution and how much its values change
-# Of the readings nine in ten are published so many times, over how often the median one is: the
-# rates of sensor and driver are no whole multiples
+# How often a reading is published over how often the median one is. Nine in ten lie within these
+# limits: the rates of sensor and driver are no whole multiples
 EVEN = (0.5, 2.0)
-SIGNIFICANT = 5.0  # standard deviations of the number of readings that are alike by chance
+SIGNIFICANT = 5.0  # standard deviations above the number of readings that are alike by chance
 
 
 def drop_republished(name: str, samples: Sequence[Kind], notes: list[Finding]) -> list[Kind]:
-    """Keep the first of readings that were published several times.
+    """Keep the first of each group of readings that a driver published several times.
 
     Parameters
     ----------
@@ -56,11 +56,17 @@ def drop_republished(name: str, samples: Sequence[Kind], notes: list[Finding]) -
 
 
 def find_republished(values: Array) -> Mask:
-    """Find readings (n, k) that repeat the one before, evenly and oftener than by chance.
+    """Find readings that repeat the one before, evenly and more often than by chance.
 
-    By chance two are alike in a value with the probability, at most, that its resolution has in how
-    much it usually changes. Readings of a vehicle at rest, or of a coarse sensor, are alike in runs
-    of all lengths.
+    Readings of a vehicle at rest, or of a coarse sensor, are alike too, but in runs of all lengths.
+
+    Parameters
+    ----------
+    values : (n, k), NaN where lost
+
+    Returns
+    -------
+    mask (n,), all False unless the repeats are a driver's
     """
     known: Mask = np.asarray(np.isfinite(values).any(axis=1))
     lost = np.isnan(values)
@@ -81,7 +87,11 @@ def is_even(again: Mask) -> bool:
 
 
 def _chance(values: Array) -> float:
-    """Bound the probability that two readings (n, k) of a sensor are alike by chance."""
+    """Bound the probability that two consecutive readings of a sensor are alike by chance.
+
+    It is, for each of the k values (n, k), at most the sensor's resolution over the value's usual
+    change. The k values are taken as independent.
+    """
     chance = 1.0
     for column in values.T:
         found = column[np.isfinite(column)]
@@ -94,11 +104,14 @@ def _chance(values: Array) -> float:
 
 
 def _values_of(sample: Sample) -> Array:
-    """Select what a sensor measured anew in each reading. Nothing of those that may stand still."""
+    """Select the values that a sensor measures anew in each reading.
+
+    Empty for sensors that may stand still (servos).
+    """
     match sample:
         case DvlSample():
             return np.concatenate([sample.velocity, sample.ranges])
-        case ImuSample():  # whose rates a driver may fill in at their own rate
+        case ImuSample():  # the driver may publish angular rates more often than orientations
             return sample.quaternion
         case PressureSample():
             return np.array([sample.pascal])

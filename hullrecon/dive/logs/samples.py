@@ -26,14 +26,16 @@ class DvlSample:
     sigma: float  # m/s, of the velocity; NaN: not given
     ranges: Array  # (b,) m along the beams; empty where the log has none
     beams: Array | None  # (b, 3) unit vectors in `dvl`; None where the log does not carry them
-    instrument: str = ""  # that the type names, where `beams` are that instrument's and not logged
+    # instrument that the message's type names, where `beams` are by its data sheet and not logged
+    instrument: str = ""
     # m along z of `dvl` to what the beams meet, as the instrument computed it; NaN where the log
     # has none, or one that means something else
     altitude: float = float("nan")
     along_axis: bool = False  # ranges are along z of `dvl`, wherever the beams turn out to point
     # of a table: its writer may have taken distances along the axis for ranges
     by_hand: bool = False
-    not_over_ground: str = ""  # why a velocity that was measured is lost: what else it is
+    # what a measured velocity is relative to, where that is not the ground; it is lost then
+    not_over_ground: str = ""
 
     def __post_init__(self) -> None:
         _require(self.velocity.shape == (3,) and self.ranges.ndim == 1)
@@ -152,22 +154,22 @@ def is_of_dvl(sample: object) -> bool:
 
 
 def find_copies(samples: Sequence[Sample], log: Sequence[int]) -> list[int]:
-    """Find the rows whose log has the same reading, with the same stamp, further up.
+    """Find the rows whose reading, with the same stamp, stands earlier in the same log already.
 
-    log: number of the log of each sample. Two recordings of one message are no copies: their
-    loggers' clocks are compared by them.
+    log: number of the log of each sample. Equal readings of two logs are no copies: they are two
+    recordings of one message, by which the clocks of the loggers are compared.
     """
     keys = np.array([(number, s.t_ns) for number, s in zip(log, samples, strict=True)], np.int64)
     if not len(keys):
         return []
-    _, first, of = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    earlier = first[of.ravel()]
+    _, first, group = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    earlier = first[group.ravel()]
     again = np.flatnonzero(earlier != np.arange(len(keys)))
     return [row for row in again.tolist() if _is_same(samples[earlier[row]], samples[row])]
 
 
 def are_written_twice(samples: Sequence[Sample]) -> bool:
-    """Tell whether most readings with the stamp of the one before are that one once more."""
+    """Tell whether most readings with the stamp of the one before are also equal to it."""
     alike = [_is_same(a, b) for a, b in itertools.pairwise(samples) if a.t_ns == b.t_ns]
     return sum(alike) > len(alike) / 2
 

@@ -17,9 +17,9 @@ from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.typing import Array
 
-# share of the range by which windows of one setting differ, as the water's temperature changes
+# share of the range by which windows of one setting differ at most, as the temperature changes
 SAME_REACH = 0.01
-# of beams' unit vectors: half a degree; the fans of two modes differ by tens of degrees
+# difference of unit vectors, half a degree; the fans of two modes differ by tens of degrees
 SAME_FAN = 0.01
 MEANING = (
     "the azimuth of each beam in degrees from the middle of the fan, growing from port to starboard"
@@ -31,8 +31,9 @@ def pings_of_one_window(
 ) -> tuple[list[SonarSample], Array]:
     """Select the pings of the most common window and fan, with their ranges (ranges,) m.
 
-    A window is a number of beams and a span of ranges. Windows whose ends differ by 1 % at most are
-    one, as the speed of sound that a sonar reckons with changes with the temperature.
+    A window is a number of beams and samples and a span of ranges. Windows whose ends differ by
+    SAME_REACH at most are one, as the speed of sound that a sonar reckons with changes with the
+    temperature. A fan is the directions of all beams. What was left out is added to `notes`.
     """
     if not samples:
         return [], np.zeros(0)
@@ -67,7 +68,17 @@ def pings_of_one_window(
 def _widest_agreement(
     samples: Sequence[SonarSample], reach: Array, shape: tuple[int, ...]
 ) -> list[int]:
-    """Find the rows of the largest group of pings of one shape whose windows agree."""
+    """Find the rows of the largest group of pings of one shape whose windows agree.
+
+    For each ping, those are counted whose last range lies within half of SAME_REACH of its own. The
+    group is around the ping with most.
+
+    Parameters
+    ----------
+    samples : all pings
+    reach : (n,) last range of each, m
+    shape : (beams, ranges) of the images that are looked at
+    """
     rows = np.array([i for i, s in enumerate(samples) if s.image.shape == shape])
     value = np.sort(reach[rows])
     margin = SAME_REACH / 2 * np.abs(reach[rows])
@@ -92,7 +103,6 @@ def _of_one_fan(samples: Sequence[SonarSample], rows: Sequence[int]) -> list[int
     Pings without beam directions count as one fan. Pings of one fan mostly share one array, so
     arrays are compared once for each object instead of once for each ping.
     """
-    # pings share the arrays
     fans: dict[int, Array | None] = {id(samples[i].directions): samples[i].directions for i in rows}
     key = {number: b"" if fan is None else fan.tobytes() for number, fan in fans.items()}
     count = Counter(key[id(samples[i].directions)] for i in rows)
@@ -111,13 +121,16 @@ def _is_one_fan(directions: Array | None, other: Array | None) -> bool:
 
 
 def image_in_ranges(sample: SonarSample, range_m: Array) -> NDArray[np.generic]:
-    """Resample a ping's image to other ranges by the nearest sample. 0 beyond its own ranges."""
+    """Resample a ping's image (beams, ranges) to other ranges, m, by the nearest sample.
+
+    0 beyond its own ranges. Returned unchanged where its own ranges do not grow.
+    """
     own = sample.range_m
     if np.array_equal(own, range_m) or len(own) < 2 or not (np.diff(own) > 0).all():
         return sample.image
     number = np.arange(len(own))
     half = 0.5 * np.diff(own)[[0, -1]]
-    # of the samples, not of their middles
+    # a sample reaches half a step beyond its middle, at either end too
     limits = np.concatenate([[own[0] - half[0]], own, [own[-1] + half[1]]])
     nearest = (
         np.interp(range_m, limits, np.concatenate([[0], number, [number[-1]]]), left=-1, right=-1)

@@ -26,9 +26,9 @@ from hullrecon.dive.logs.dvl_beams import (
 from hullrecon.dive.logs.heading import heading_by_rates
 from hullrecon.dive.logs.lost_values import (
     UNFILLED,
+    drop_false_beams,
     drop_lost_velocities,
     drop_ranges_at_limit,
-    drop_ranges_of_one_beam,
     is_false_attitude,
     is_held,
 )
@@ -60,14 +60,15 @@ from hullrecon.records.sensors import (
 )
 from hullrecon.typing import Array, Ints, Mask
 
-LEAST_ATTITUDES = 50  # as many alike, to the last digit, are no measurement
+LEAST_ATTITUDES = 50  # readings that are no measurement if they are equal to the last digit
 UNIT_QUATERNION = 0.05  # how far the length of an attitude's quaternion may be off 1
-# of the pings have a bright pixel at most as bright as the one scaled to white: a few are disturbed
+# percentile of the pings' bright pixels that is scaled to white: a few pings are disturbed
 BRIGHT_PINGS_PERCENT = 99.0
 FASTEST_M_S = 15.0  # no vehicle at a hull is faster
 FASTEST_MEDIAN_M_S = 4.0  # of a dive: a survey of a hull is ten times slower
-STILL_M = 0.15  # of a depth from the 5th to the 95th percentile; an enclosure's air stays within
-HIGHEST_M = 1.0  # median height over the water, beyond which depths are wrong
+# span of depths from the 5th to the 95th percentile; that of an enclosure's air is smaller
+STILL_M = 0.15
+HIGHEST_M = 1.0  # median height over the water, above which depths are wrong
 HIGHEST_DECK_M = 6.0  # from which a vehicle is launched; zero pascal is 10 m above the water
 # A depth is a spike where it differs from the median of so many readings around it by more than
 # this distance and what a vehicle can sink or rise between the first and the last of them.
@@ -76,14 +77,15 @@ DEEPEST_HULL_M = 40.0  # the largest ships draw 25 m
 PASCALS = {"Pa": 1.0, "mbar": 1e2, "hPa": 1e2, "kPa": 1e3, "psi": 6894.757, "dbar": 1e4, "bar": 1e5}
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
 FARTHEST_MEDIAN_M = 100.0  # of the DVL's ranges at a hull: the instruments reach 50 to 200 m
-LEAST_ROUNDED, ON_GRID = 20, 1e-3  # velocities that show a rounding; of its step, how exactly
-LEAST_LEVELS = 4  # of a velocity: a simulated vehicle may go at few
-COARSEST_SHARE = 0.25  # of the median speed, whose direction a rounding turns by 7 degrees
+# velocities that are needed to tell a rounding, and how exactly they lie on it, of its step
+LEAST_ROUNDED, ON_GRID = 20, 1e-3
+LEAST_LEVELS = 4  # different values; a simulated vehicle may go at few speeds
+COARSEST_SHARE = 0.25  # of the median speed; a rounding by that turns its direction by 7 degrees
 WHOLE_TURN_DEG = 360.0
-LEAST_UNIT = 0.1  # of an IMU's quaternions: fewer are of unit length by chance
+LEAST_UNIT = 0.1  # share of an IMU's quaternions that are of unit length; fewer are so by chance
 METRES_A_SECOND = {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3}
 GRAVITY_M_S2, NEAR_GRAVITY = 9.80665, 0.1  # by CIPM; share by which a vehicle moves it
-LEAST_FELT_M_S2 = GRAVITY_M_S2 / 2  # of an accelerometer at rest; less has gravity taken off
+LEAST_FELT_M_S2 = GRAVITY_M_S2 / 2  # median; where it is less, a filter has taken gravity off
 ACCELERATIONS = {"g": GRAVITY_M_S2, "mg": 1e-3 * GRAVITY_M_S2}  # not those of a message
 NED_FROM_ENU = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
 FRD_FROM_FLU = Rotation.from_matrix(np.diag([1.0, -1.0, -1.0]))
@@ -122,7 +124,7 @@ def dvl_pings(
     Parameters
     ----------
     samples : pings in order of time
-    beams : (b, 3) directions of dive.toml, for messages without
+    beams : (b, 3) directions of dive.toml in `dvl`, for messages without; None: not given
     sigma : of a velocity, m/s, where a message has none
     notes : what was assumed or left out is added
     unit : of METRES_A_SECOND, of the logged velocities and of their sigmas
@@ -130,7 +132,8 @@ def dvl_pings(
     Raises
     ------
     InputError
-        Ranges along beams that nothing describes, or velocities of another unit.
+        Ranges along beams that nothing describes, values that only another unit explains, or
+        pings of two DVLs.
     """
     counts = Counter(len(s.ranges) for s in samples if len(s.ranges)).most_common(1)
     width = counts[0][0] if counts else 0
@@ -139,7 +142,7 @@ def dvl_pings(
         if len(sample.ranges) == width:
             ranges[row] = sample.ranges
     ranges[~((ranges > 0) & np.isfinite(ranges))] = np.nan  # no return
-    ranges = drop_ranges_of_one_beam(drop_ranges_at_limit(ranges, notes), notes)
+    ranges = drop_false_beams(drop_ranges_at_limit(ranges, notes), notes)
     if width and not np.isfinite(ranges).any():
         notes.append(Finding("ranges-all-lost", where="dvl"))
         ranges, width = ranges[:, :0], 0
@@ -182,7 +185,7 @@ def dvl_pings(
 
 
 def _describe_not_over_ground(samples: Sequence[DvlSample]) -> list[Finding]:
-    """Count the velocities that a DVL measured relative to something else than the ground."""
+    """Report the velocities that a DVL measured relative to something else than the ground."""
     code, count = "velocities-not-over-ground", len(samples)
     others = Counter(s.not_over_ground for s in samples if s.not_over_ground)
     return [
@@ -205,7 +208,13 @@ def _refuse_far(ranges: Array) -> None:
 
 
 def _refuse_coarse(velocity: Array, speed: Array) -> None:
-    """Raise InputError for velocities (n, 3), m/s, rounded so that they lose their direction."""
+    """Raise InputError for velocities (n, 3), m/s, rounded so that they lose their direction.
+
+    Parameters
+    ----------
+    velocity : (n, 3) m/s, NaN where lost
+    speed : (n,) their lengths
+    """
     levels = np.unique(np.abs(velocity[np.isfinite(velocity)]))
     moving = speed[speed > 0]
     if len(moving) < LEAST_ROUNDED or len(levels) < LEAST_LEVELS:
@@ -223,7 +232,10 @@ def _refuse_coarse(velocity: Array, speed: Array) -> None:
 
 
 def _refuse_fast(speed: Array, unit: str) -> None:
-    """Raise InputError for speeds (n,), m/s, that only another unit explains."""
+    """Raise InputError for speeds (n,), m/s, that only another unit explains.
+
+    unit: of METRES_A_SECOND, by which they were converted. The error names the units that fit.
+    """
     known = speed[np.isfinite(speed)]
     median = float(np.median(known)) if len(known) > 2 else 0.0
     if median <= FASTEST_MEDIAN_M_S:
@@ -250,23 +262,23 @@ def imu_samples(
     rates_unit: str = "rad/s",
     heading: str = "orientation",
 ) -> ImuSamples:
-    """Stack attitudes and rates of the vehicle, leaving out rows without an attitude.
+    """Stack attitudes and rates of the vehicle in `global`, leaving out rows without an attitude.
 
     Parameters
     ----------
-    samples : all of an IMU, or all of a DVL's own sensors
+    samples : in order of time, all by an IMU or all by sensors inside the DVL
     frame : "ned" (body forward-starboard-down in north-east-down) or "enu" (body
         forward-port-up in east-north-up)
     notes : what was assumed or left out is added
     mount_deg : roll, pitch, yaw of the IMU in the vehicle
     rates_unit : "rad/s" or "deg/s"
-    heading : "orientation" or "rates", what gives it
+    heading : "orientation" or "rates": what the heading is taken from
 
     Raises
     ------
     InputError
-        Most rows have no attitude, all have one that is not filled in, or it is a DVL's and
-        mount_deg is missing.
+        Most rows have no attitude, all have the same one, two IMUs share the topic, or the
+        attitude is the DVL's and mount_deg is missing.
     """
     quaternion = np.array([s.quaternion for s in samples]).reshape(-1, 4)
     length = np.linalg.norm(quaternion, axis=1)
@@ -319,7 +331,10 @@ def imu_samples(
 
 
 def _no_attitude(length: Array, unit: int) -> InputError:
-    """Make the error for an IMU of which few quaternions, of lengths (n,), are of length 1."""
+    """Make the error for an IMU few of whose quaternions are of length 1.
+
+    length: (n,) of all quaternions. unit: how many of them are of length 1.
+    """
     given = length[np.isfinite(length) & (length > 0)]
     how = "they are lost, all zero, or marked as not measured by their covariance"
     if 2 * len(given) > len(length):
@@ -333,7 +348,10 @@ def _no_attitude(length: Array, unit: int) -> InputError:
 
 
 def _in_m_s2(acceleration: Array, notes: list[Finding]) -> Array:
-    """Convert accelerations (n, 3) to m/s2 where most are as large as gravity in g or mg."""
+    """Convert accelerations (n, 3) to m/s2 where their median size is that of gravity in g or mg.
+
+    Others are returned unchanged.
+    """
     size = np.linalg.norm(acceleration, axis=1)
     known = size[np.isfinite(size)]
     felt = float(np.median(known)) if len(known) else 0.0
@@ -345,9 +363,17 @@ def _in_m_s2(acceleration: Array, notes: list[Finding]) -> Array:
 
 
 def _with_gravity(acceleration: Array, rotation: Rotation, notes: list[Finding]) -> Array:
-    """Add gravity to accelerations (n, 3) that a filter freed of it by its own orientation.
+    """Put gravity back into accelerations that a filter has taken it off, by the orientation.
 
-    rotation: (n,) from the vehicle to `global`.
+    Parameters
+    ----------
+    acceleration : (n, 3) m/s2, in the vehicle, as an accelerometer feels it
+    rotation : (n,) from the vehicle to `global`
+    notes : what was changed is added
+
+    Returns
+    -------
+    acceleration (n, 3), NaN where a driver filled in zeros
     """
     felt = rotation.apply(acceleration)
     known = np.isfinite(felt).all(axis=1)
@@ -364,10 +390,15 @@ def _with_gravity(acceleration: Array, rotation: Rotation, notes: list[Finding])
 
 
 def _refuse_unfilled(quaternion: Array, rates: Array) -> None:
-    """Raise InputError for orientations (n, 4) that are a constant which nobody measured.
+    """Raise InputError where all orientations are equal and were not measured.
 
-    Such are a message's default, and an orientation that stands still while the rates (n, 3) do
-    not. A simulated vehicle at rest has neither.
+    They are the default of a message, or they stay equal while the rates are not zero. Those of a
+    simulated vehicle at rest are accepted.
+
+    Parameters
+    ----------
+    quaternion : (n, 4) x, y, z, w
+    rates : (n, 3) rad/s
     """
     if len(quaternion) < LEAST_ATTITUDES or (quaternion != quaternion[0]).any():
         return
@@ -411,14 +442,16 @@ def pressure_samples(
     Parameters
     ----------
     samples : readings in order of time
-    model : what they are
+    model : converts them to depth
     notes : what was assumed or left out is added
-    compared : the dive tells how the vehicle sank, so that pressures of another unit are kept
+    compared : whether another sensor tells how the vehicle sank, so that a wrong unit of pressure
+        is found later; depths above the water are then returned, not refused
 
     Raises
     ------
     InputError
-        Half of the depths lie above the water, or two units read alike.
+        Half of the depths lie above the water, two units fit the numbers, or two sensors share the
+        topic.
     """
     if any(is_of_dvl(s) for s in samples):
         notes.append(Finding("depth-of-dvl", where="pressure"))
@@ -449,9 +482,10 @@ def pressure_samples(
 
 
 def _are_spikes(t_ns: Ints, depth: Array) -> Mask:
-    """Find depths (n,) that a vehicle cannot have reached from the readings around them.
+    """Find depths (n,), m, that a vehicle cannot have reached from the readings around them.
 
-    The noise of depths that are read in too small a unit is no spike.
+    Each is compared with the median of SPIKE_READINGS around it. The threshold grows with the
+    noise, so that depths in a wrong unit, whose noise is metres, are not all spikes.
     """
     if len(depth) < SPIKE_READINGS:
         return np.zeros(len(depth), bool)
@@ -466,9 +500,10 @@ def _are_spikes(t_ns: Ints, depth: Array) -> Mask:
 def _refuse_unclear_numbers(
     samples: Sequence[PressureSample | DepthSample], model: PressureModel
 ) -> None:
-    """Raise InputError for numbers that may be hectopascals or centimetres.
+    """Raise InputError for depths without a unit that may be hectopascals or centimetres.
 
-    A centimetre of water is a hectopascal: motion does not tell them apart.
+    A centimetre of water is a hectopascal: motion does not tell them apart. Only numbers that are
+    depths of a hull in both units are refused.
     """
     if model.unit is not None or isinstance(samples[0], PressureSample):
         return
@@ -488,14 +523,17 @@ def _refuse_unclear_numbers(
 
 
 def _depth(sample: PressureSample | DepthSample, model: PressureModel) -> float:
-    """Convert a reading to metres below the water."""
-    by_type = isinstance(sample, PressureSample)
+    """Convert a reading to metres below the water.
+
+    A unit in dive.toml decides whether the number is a pressure or a depth, else its type does.
+    """
+    is_pressure = isinstance(sample, PressureSample)
     value = sample.pascal if isinstance(sample, PressureSample) else sample.height
-    unit = model.unit or ("Pa" if by_type else "m")
+    unit = model.unit or ("Pa" if is_pressure else "m")
     if unit in PASCALS:
         return (value * PASCALS[unit] - model.atmosphere) / (model.density * model.gravity)
-    of_type = isinstance(sample, DepthSample) and sample.is_up
-    is_up = of_type if model.z_axis is None else model.z_axis == "up"
+    is_up_by_type = isinstance(sample, DepthSample) and sample.is_up
+    is_up = is_up_by_type if model.z_axis is None else model.z_axis == "up"
     return -value * METRES[unit] if is_up else value * METRES[unit]
 
 
@@ -551,7 +589,7 @@ def joint_samples(
     Raises
     ------
     InputError
-        A tray that would turn by more than a whole turn.
+        A tray that would turn by more than a whole turn, or angles of two servos.
     """
     angle = np.array([s.angle for s in samples])
     angle = np.radians(angle) if unit == "deg" else angle
@@ -591,7 +629,10 @@ def keep_in_memory(shape: tuple[int, int, int], images: Iterator[Images]) -> Ima
 
 
 def leave_black(shape: tuple[int, int, int], images: Iterator[Images]) -> Images:
-    """Stand in for `keep_in_memory` where no image is looked at: black, without any memory."""
+    """Return black images that take no memory, in place of `keep_in_memory`.
+
+    For calls that look at no image.
+    """
     return np.broadcast_to(np.uint8(0), shape)
 
 
@@ -610,8 +651,8 @@ def sonar_pings(
     samples : pings in order of time
     notes : what was assumed or left out is added
     azimuth_deg : (beams,) of dive.toml, for logs that do not say where the beams point
-    keep : keeps the images
-    load : gives a ping with its image, where `samples` hold stand-ins (ping_spool)
+    keep : stores the images, and returns them as one array
+    load : reads the image of a ping back, where `samples` hold stand-ins (ping_spool)
 
     Raises
     ------

@@ -14,9 +14,9 @@ from hullrecon.dive.logs.readers.protocol import Log, Message
 from hullrecon.errors import InputError
 from hullrecon.records.clock import NS, format_time
 
-Instant = datetime | float | None  # an hour of a day, or s from the log's start; None: no limit
+Instant = datetime | float | None  # a date and time, or s from the log's start; None: no limit
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
-# between the clocks of sensor and logger: one of them is a simulator's, or was never set
+# a day; where sensor and logger differ by more, one clock is a simulator's or was never set
 FAR_NS = 86400 * NS
 
 
@@ -34,9 +34,9 @@ class TimeWindow:
         )
 
     def time_of(self, t_ns: int, logged_ns: int) -> int:
-        """Choose the clock that the limits are told by, the sensor's or the logger's.
+        """Choose the time of a message that is compared with the limits: its stamp or its logging.
 
-        It is the sensor's, but where they are a day apart the one that is nearer to a limit.
+        It is the stamp, or, where the two are a day or more apart, the one nearer to a limit.
         """
         limit = self.last_ns if self.first_ns is None else self.first_ns
         if limit is None or abs(logged_ns - t_ns) < FAR_NS:
@@ -92,6 +92,7 @@ def _first_message_ns(logs: Sequence[Log]) -> int:
 
 
 def _first_messages(log: Log) -> list[Message]:
+    """Read the first message of a log, of a folder of tables the first row of each."""
     return (
         log.first_messages()
         if isinstance(log, PlainLog)

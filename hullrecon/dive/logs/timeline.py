@@ -16,33 +16,33 @@ from hullrecon.findings.finding import Finding
 from hullrecon.records.clock import NS, format_time
 from hullrecon.typing import Ints, Mask
 
-# the sensor's clock has jumped where it moves that much against the logger's; logging delays stay
-# below
+# the sensor's clock has jumped where it moves that much against the logger's; the times that
+# messages take to be logged vary by less
 JUMP_S = 1.0
-GAP_PERIODS, GAP_S = 5.0, 1.0  # a silence that is told exceeds both
-LATE_S = 2.0  # a late start after the first sensor, or an early end before the last, that is told
+GAP_PERIODS, GAP_S = 5.0, 1.0  # a silence that is reported exceeds both
+LATE_S = 2.0  # start after the first sensor, or end before the last one, that is reported
 BESIDE_NS = 30 * NS  # on either side of a jump: the readings that tell its size
-STEADY = 0.1  # of a jump: what half of the offsets around it may scatter by
-# readings before and after a jump, at least, of a clock that is then put right; fewer are a late
-# delivery
+STEADY = 0.1  # of a jump: width of the interval that half of the offsets around it may take
+# readings that a clock must keep its new offset for; fewer are messages that were delivered late
 LASTING = 20
-# from the stamps of the dive: a clock that was not set yet, or a stamp that is damaged
+# a day from the other stamps of the dive: a clock that was not set yet, or a stamp that is damaged
 FAR_S = 86400.0
 UNSET_NS = 10 * 365 * 86400 * NS  # a clock before 1980 was never set
 FAR_SHARE = 0.05  # of a sensor's readings; more are another dive, which is not ours to leave out
-# ntpd steps a clock by no less; so many readings then lie before the last one of the previous part
+# ntpd steps a clock by no less. After such a step back AGAIN readings or more have stamps before
+# the last one of the previous part
 STEPPED_NS, AGAIN = round(0.128 * NS), 3
-SUMMER_NS = 3600 * NS  # that clocks of local time fall back as summer time ends
+SUMMER_NS = 3600 * NS  # by which clocks of local time fall back when summer time ends
 FEW = 2  # readings with one stamp are duplicates; more, and no other, are a clock that stands still
-MOST_GAPS = 5  # that are told one by one
+MOST_GAPS = 5  # that are listed one by one
 
 
 @dataclass(frozen=True)
 class Timeline:
     """The readings of one sensor in order of time, each stamp once."""
 
-    keep: Ints  # (m,) rows of the readings, as they were logged
-    t_ns: Ints  # (m,) their stamps, put right
+    keep: Ints  # (m,) rows of the readings that are kept, among those given
+    t_ns: Ints  # (m,) their corrected stamps
     notes: list[Finding]  # what was wrong with the stamps
 
 
@@ -56,20 +56,20 @@ def put_in_order(
 ) -> Timeline:
     """Sort readings by time, correct clock jumps, and drop duplicates and stray stamps.
 
-    Of readings with one stamp the first stays. Few readings that lie a day or more from all others
-    are left out.
+    Of readings with one stamp the first is kept. A few readings that lie a day or more from all
+    others are left out.
 
     Parameters
     ----------
     name : of the stream, for the notes
     stamp_ns, logged_ns : (n,) stamps of sensor and logger, in the order of the logs
     log : (n,) number of the log of each reading, None where there is one log
-    spread : readings that were received in bursts are put where they were measured
+    spread : whether readings that came in bursts get the times at which they were measured
 
     Raises
     ------
     InputError
-        The sensor's clock stands still.
+        The sensor's clock stands still, or changes in a way that nothing tells how to correct.
     """
     stamp, logged = np.asarray(stamp_ns, np.int64), np.asarray(logged_ns, np.int64)
     number = np.zeros(len(stamp), np.int64) if log is None else np.asarray(log, np.int64)
@@ -79,7 +79,7 @@ def put_in_order(
             remedy="write the stamps with all their digits, or log those of the sensor",
         )
     # Clock errors: jumps against the logger's clock, then a clock that was set back with it.
-    logged = _on_one_logger(stamp, logged, number)
+    logged = _on_first_logger(stamp, logged, number)
     jumped = clock_error(stamp, logged)
     near = np.flatnonzero(~_far_from_all(stamp - jumped))
     jumped, far = jumped[near], np.delete(stamp, near)
@@ -110,20 +110,29 @@ def put_in_order(
     return Timeline(near[keep], right[keep], notes)
 
 
-def _on_one_logger(stamp: Ints, logged: Ints, log: Ints) -> Ints:
-    """Put the logging times (n,) of recordings that overlap onto the clock of the first one.
+def _on_first_logger(stamp: Ints, logged: Ints, log: Ints) -> Ints:
+    """Put the logging times of recordings that overlap onto the clock of the first one's logger.
 
-    Two computers that record the same messages write other times beside the same stamps. Recordings
-    one after the other are left: stamps on a grid meet by chance after the sensor's clock fell
-    back.
+    Two computers that record the same messages write different logging times beside the same
+    stamps. The median of their difference is taken off. Recordings that follow each other in time
+    are left unchanged: after the sensor's clock fell back, stamps on a grid can be equal by chance.
+
+    Parameters
+    ----------
+    stamp, logged : (n,) ns
+    log : (n,) number of the recording of each reading
+
+    Returns
+    -------
+    logging times (n,), ns
     """
     out, numbers = logged.copy(), np.unique(log)
     for number in numbers[1:]:
         rows, before = np.flatnonzero(log == number), np.flatnonzero(log < number)
-        _, mine, theirs = np.intersect1d(stamp[rows], stamp[before], return_indices=True)
+        _, same, same_before = np.intersect1d(stamp[rows], stamp[before], return_indices=True)
         first, last = logged[before].min(), logged[before].max()
-        if len(mine) >= LASTING and logged[rows].min() < last and logged[rows].max() > first:
-            out[rows] -= int(np.median(logged[rows][mine] - out[before][theirs]))
+        if len(same) >= LASTING and logged[rows].min() < last and logged[rows].max() > first:
+            out[rows] -= int(np.median(logged[rows][same] - out[before][same_before]))
     return out
 
 
@@ -144,7 +153,10 @@ def _refuse_two_bases(name: str, stamp: Ints) -> None:
 
 
 def _far_from_all(stamp: Ints) -> Mask:
-    """Find the stamps (n,) of small groups that lie a day or more from the main group."""
+    """Find the stamps (n,) of small groups that lie a day or more from all other stamps.
+
+    Groups are parted by gaps of FAR_S. The largest group is kept whatever its size.
+    """
     order = np.argsort(stamp, kind="stable")
     part = np.zeros(len(stamp), np.int64)
     part[order[1:]] = np.cumsum(np.diff(stamp[order]) > FAR_S * NS)
@@ -157,8 +169,9 @@ def clock_error(stamp: Ints, logged: Ints) -> Ints:
     """Estimate by how much stamps (n,) are off after jumps of the sensor's clock, ns.
 
     A jump against the logger's clock must be confirmed by LASTING readings on each side (a late
-    delivery that catches up is not a jump). The segment with an offset below JUMP_S, as of
-    clocks that were synchronised, is the reference, else the longest. Zeros without a jump.
+    delivery that catches up is not a jump). The error is to be subtracted. It is zero in the
+    segment between jumps whose offset from the logger's clock is smallest, if that is below JUMP_S
+    (its clocks were synchronised), else in the longest segment. Zeros without a jump.
     """
     offset = stamp - logged
     limits = np.concatenate(
@@ -177,14 +190,23 @@ def clock_error(stamp: Ints, logged: Ints) -> Ints:
     reference = int(np.argmin(away)) if away.min() < JUMP_S * NS else longest
     # readings of a segment too short to tell go with the one before
     starts = np.array([segment.start for segment in segments])
-    of = np.maximum(np.searchsorted(starts, np.arange(len(stamp)), side="right") - 1, 0)
-    return np.asarray((moved - moved[reference])[of])
+    segment_of = np.maximum(np.searchsorted(starts, np.arange(len(stamp)), side="right") - 1, 0)
+    return np.asarray((moved - moved[reference])[segment_of])
 
 
 def _set_back(stamp: Ints, logged: Ints, log: Ints) -> Ints:
-    """Estimate the error (n,) of stamps where sensor and logger share a clock that was set back.
+    """Estimate the error of stamps, ns, where sensor and logger share a clock that was set back.
 
     Each log is searched by itself: a second log may have been recorded at the same time.
+
+    Parameters
+    ----------
+    stamp, logged : (n,) ns
+    log : (n,) number of the log of each reading
+
+    Returns
+    -------
+    (n,) ns, to be subtracted, zero before a step
     """
     out = np.zeros_like(stamp)
     for number in np.unique(log):
@@ -196,7 +218,8 @@ def _set_back(stamp: Ints, logged: Ints, log: Ints) -> Ints:
 def _set_back_within(stamp: Ints, logged: Ints) -> Ints:
     """Estimate by how much stamps (n,) of one log are off after its clock was set back, ns.
 
-    By a second or more, or else by as little as a clock is stepped, which several readings show.
+    Steps back of JUMP_S or more are sought first, which one reading shows. Where there are none,
+    steps as small as a time server makes are sought, which several readings have to show.
     """
     step = np.diff(stamp)
     if not (step > 0).any():
@@ -209,36 +232,44 @@ def _set_back_within(stamp: Ints, logged: Ints) -> Ints:
 
 
 def _stepped_back(stamp: Ints, logged: Ints, period: int, least: int, again: int) -> Ints:
-    """Estimate by how much stamps (n,) are off after steps back of so many ns at least.
+    """Estimate by how much stamps (n,) are off after their clock was stepped back, ns.
 
-    A later part then begins within the previous part, with so many readings at least, and ends
-    after it, or it begins an hour before the previous one ended. Zeros where parts were logged in
-    another order or twice.
+    The part after a step begins within the span of the part before and ends after it, or it begins
+    an hour before the previous one ended, as when summer time ends. The error is such that the
+    parts follow each other by one period. Zeros where parts were logged in another order or twice.
+
+    Parameters
+    ----------
+    stamp, logged : (n,) of one log, ns
+    period : median time between two readings, ns
+    least : smallest step that counts, ns
+    again : readings after a step, at least, with stamps not after the last one before it
     """
     out = np.zeros_like(stamp)
     back = (np.diff(stamp) <= -least) & (np.diff(logged) <= -least)
     limits = [0, *(1 + np.flatnonzero(back)).tolist(), len(stamp)]
     for (begin, middle), (_, end) in itertools.pairwise(itertools.pairwise(limits)):
         before, after = stamp[begin:middle], stamp[middle:end]
-        # stamps on a grid meet those of before by chance
+        # logged times tell a part that was logged twice: stamps on a grid are equal by chance
         overlap = logged[middle:end][after <= before[-1]]
         if min(len(before), len(after)) < LASTING or (after[:again] > before[-1]).any():
             return np.zeros_like(stamp)
-        late = int(before[-1] - after[0]) + period  # that the later part is
-        is_summer = abs(late - SUMMER_NS) < max(period, JUMP_S * NS)
+        step_back = int(before[-1] - after[0]) + period
+        is_summer = abs(step_back - SUMMER_NS) < max(period, JUMP_S * NS)
         if not (is_summer or (after[0] > before[0] and after[-1] > before[-1])):
             return np.zeros_like(stamp)
         if np.isin(overlap, logged[begin:middle]).mean() > 0.5:
             return np.zeros_like(stamp)
-        out[middle:] -= SUMMER_NS if is_summer else late
+        out[middle:] -= SUMMER_NS if is_summer else step_back
     return out
 
 
 def _refuse_open_step(name: str, stamp: Ints, log: Ints) -> None:
-    """Raise InputError for stamps (n,) that fall back to before the log began, and not up to it.
+    """Raise InputError where stamps (n,) fall back so far that a gap stays before the log's start.
 
-    The clock was set back by more than the log lasted, or two recordings were joined. Parts that
-    meet were logged in another order.
+    The clock was set back by more than the log lasted, or two recordings were joined, and nothing
+    tells by how much. Where the later part ends just before the earlier one begins, the two were
+    only logged in another order.
     """
     for number in np.unique(log):
         part = stamp[log == number]
@@ -258,9 +289,15 @@ def _refuse_open_step(name: str, stamp: Ints, log: Ints) -> None:
 
 
 def _lasting_jump(stamp: Ints, offset: Ints, before: slice, after: slice) -> int:
-    """Measure the change of the clock's offset between two segments, ns, from readings near it.
+    """Measure by how much the clock's offset changes between two segments, ns.
 
-    0 where the offset is not steady on both sides, or changes by less than JUMP_S.
+    It is the difference of the median offsets of readings within BESIDE_NS of the change. 0 where
+    the offset is not steady on both sides, or changes by less than JUMP_S.
+
+    Parameters
+    ----------
+    stamp, offset : (n,) stamps, and stamps minus logging times, ns
+    before, after : rows of the two segments
     """
     sides = [
         offset[before][stamp[before] >= stamp[before][-1] - BESIDE_NS],
@@ -282,7 +319,7 @@ def _describe_jumps(
     ----------
     name : of the stream
     stamp, logged, log : (n,) as of put_in_order
-    jumped, set_back : (n,) corrections of the stamps that were found, ns
+    jumped, set_back : (n,) errors of the stamps that were found, ns, zero where none was
     """
     moved, back = np.diff(stamp - logged) / NS, np.diff(stamp) / NS
     jump = np.where(np.abs(moved) >= JUMP_S, moved, np.where(back <= -JUMP_S, back, 0.0))
@@ -319,7 +356,10 @@ def _describe_jumps(
 
 
 def _logged_late(stamp: Ints, logged: Ints) -> Mask:
-    """Find the readings (n,) that were logged late: their clock ran on while logging lagged."""
+    """Find the readings (n,) that were logged late: their clock ran on while logging lagged.
+
+    Logging has to catch up again. Where it never does, the sensor's clock jumped instead.
+    """
     out = np.zeros(len(stamp), bool)
     offset, row = stamp - logged, 0
     drops = np.flatnonzero((np.diff(offset) <= -JUMP_S * NS) & (np.diff(stamp) >= 0))

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tell readings of two sensors, which share a topic or a table, from those of one.
 
-Two sensors that take turns give two groups of values: what one sensor adds by noise and motion from
-reading to reading is small beside what parts it from the other.
+Two sensors that take turns give two groups of values. Noise and motion move the values of one
+sensor from reading to reading by little, compared with the gap between the two sensors.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from hullrecon.errors import InputError
 from hullrecon.typing import Array
 
 WINDOW = 20  # readings that are looked at together
-LEAST_OF_ONE = 2  # of a window: a sensor that sends a tenth of the messages
+LEAST_OF_ONE = 2  # readings of a window in the smaller group: a tenth of the messages
 LEAST_TURNS = 3  # from one group to the other within a window
-APART = 5.0  # times as wide as both groups together, for white noise some 0.2
-LEAST_STEPS = 2.5  # smallest differences that a coarse sensor tells, between two groups
-SHARE = 0.2  # of the windows: two servos may stand at one angle for most of a dive
-ROUNDING = 1e-9  # of the largest difference
+APART = 5.0  # gap between the groups over the width of both together, for white noise some 0.2
+LEAST_STEPS = 2.5  # gap between the groups in steps of a sensor's resolution
+SHARE = 0.2  # of the windows with two groups: two servos may stand at one angle for most of a dive
+ROUNDING = 1e-9  # of the largest difference; smaller differences are rounding, not resolution
 
 
 def refuse_two_sensors(sensor: str, away: Array, unit: str, leave_away: str = "") -> None:
@@ -28,15 +28,15 @@ def refuse_two_sensors(sensor: str, away: Array, unit: str, leave_away: str = ""
 
     Parameters
     ----------
-    sensor : whose they are to be
+    sensor : name of the stream, for the message
     away : (w, WINDOW) how far each reading of a window is from the first of the window
-    unit : of these, for what is said
-    leave_away : how the sensor is left away, "" where no run goes on without
+    unit : of `away`, for the message
+    leave_away : for the message, how to run without the sensor, "" where no run can
     """
     if len(away) == 0:
         return
     # In each window, the widest gap between two values parts the readings into two groups. How far
-    # apart the values are without that gap is what one sensor adds.
+    # apart the values are without that gap is by noise and motion.
     ordered = np.sort(away, axis=1)
     gaps = np.diff(ordered, axis=1)
     at = gaps.argmax(axis=1)

@@ -10,8 +10,8 @@ from hullrecon.dive.config.calibration import read_camera
 from hullrecon.dive.logs.messages.descriptions import (
     calibration_yaml,
     frame_tree,
+    locate_frame,
     mount_of,
-    way_up,
 )
 from hullrecon.geometry.poses import Poses, from_mount
 
@@ -45,7 +45,7 @@ def test_a_sensor_s_frame_is_turned_into_the_vehicle_s_axes():
         transform("base_link", "frame", (0.2, 0.1, 0.3)),
         transform("frame", "dvl", (0.05, 0.0, 0.0)),
     )
-    pose = way_up("/dvl", frames).vehicle
+    pose = locate_frame("/dvl", frames).vehicle
     np.testing.assert_allclose(pose.translation[0], [0.25, -0.1, -0.3])
     np.testing.assert_allclose(pose.rotation.apply([0, 0, 1])[0], [0, 0, -1], atol=1e-12)
 
@@ -54,7 +54,7 @@ def test_forward_looking_camera_has_the_mount_of_the_template():
     # REP 103: x right, y down, z ahead
     optical = Rotation.from_matrix([[0, 0, 1], [-1, 0, 0], [0, -1, 0]])
     mount = mount_of(
-        way_up("camera", tree(transform("base_link", "camera", (0.4, 0, 0), optical))).vehicle
+        locate_frame("camera", tree(transform("base_link", "camera", (0.4, 0, 0), optical))).vehicle
     )
     assert mount[:3] == [0.4, 0.0, 0.0]
     ahead = from_mount([0, 0, 0, 90.0, 0.0, 90.0]).rotation
@@ -71,9 +71,11 @@ def test_a_mount_gives_back_its_pose_at_any_pitch(roll, pitch):
 
 
 def test_a_frame_without_a_way_to_the_vehicle_has_no_mount():
-    assert way_up("dvl", tree(transform("map", "dvl"))).vehicle is None
-    assert way_up("a", tree(transform("b", "a"), transform("a", "b"))).vehicle is None  # a circle
-    assert way_up("dvl", {}).vehicle is None
+    assert locate_frame("dvl", tree(transform("map", "dvl"))).vehicle is None
+    assert (
+        locate_frame("a", tree(transform("b", "a"), transform("a", "b"))).vehicle is None
+    )  # a circle
+    assert locate_frame("dvl", {}).vehicle is None
 
 
 def test_transforms_of_no_rotation_or_no_number_are_left_out():

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from hullrecon.dive.logs.lost_values import (
+    drop_false_beams,
     drop_lost_velocities,
     drop_ranges_at_limit,
-    drop_ranges_of_one_beam,
     is_false_attitude,
 )
 from hullrecon.dive.logs.messages.covariance import sigma_of
@@ -149,13 +149,13 @@ def test_a_beam_that_hears_itself_and_an_altitude_for_all_beams_are_lost():
     comes_and_goes = 1.5 + 0.4 * np.sin(0.1 * np.arange(COUNT))[:, None]
     deaf = comes_and_goes + np.array([0, 0.1, 0.2, 0.3])
     notes = []
-    assert np.isfinite(drop_ranges_of_one_beam(deaf, notes)).all()
+    assert np.isfinite(drop_false_beams(deaf, notes)).all()
     assert not notes
     deaf[:, 1] = 0.05 + 0.001 * np.arange(COUNT) / COUNT
-    lost_beams = np.isnan(drop_ranges_of_one_beam(deaf, notes)).all(axis=0)
+    lost_beams = np.isnan(drop_false_beams(deaf, notes)).all(axis=0)
     assert lost_beams.tolist() == [False, True, False, False]
     assert "beam 2 reads 0.05 to 0.05 m" in sentences(notes)[0]
-    assert np.isnan(drop_ranges_of_one_beam(comes_and_goes[:, [0] * 4], [])).all()
+    assert np.isnan(drop_false_beams(comes_and_goes[:, [0] * 4], [])).all()
 
 
 def test_ranges_at_the_instruments_limit_are_lost():

@@ -44,14 +44,17 @@ class BagChunk:
 
 
 class Connections(dict[int, Channel]):
-    """The connections met so far."""
+    """The connections (topic and type, by number) that were read so far."""
 
     unknown = 0  # messages of connections whose definition was lost
     unchecked = False  # a chunk without a checksum was met
 
 
 def record(stream: BinaryIO, at: int, size: int) -> tuple[Head, bytes, int]:
-    """Read head and data of the record at byte `at`, and the byte behind it."""
+    """Read head and data of the record at byte `at`, and the byte behind it.
+
+    Raises DamagedError where no whole record of a known kind lies there. size: of the file.
+    """
     if at >= size:
         raise DamagedError(f"it would lie behind the end of the file, {size} bytes")
     stream.seek(at)
@@ -73,7 +76,11 @@ def record(stream: BinaryIO, at: int, size: int) -> tuple[Head, bytes, int]:
 def messages_of(
     head: Head, data: bytes, connections: Connections, budget: UnpackBudget | None = None
 ) -> list[Message]:
-    """Read the messages of a chunk or of a single message record, and learn its connections."""
+    """Read the messages of a chunk or of a single message record.
+
+    Connections that it defines are added to `connections`. The budget limits what a chunk unpacks
+    to. Raises DamagedError.
+    """
     op = op_of(head)
     if op == CHUNK:
         how = text(head.get("compression", b""))
@@ -111,7 +118,11 @@ def records(data: bytes) -> Iterator[tuple[Head, bytes]]:
 
 
 def read_index(stream: BinaryIO, size: int, connections: Connections) -> list[BagChunk] | None:
-    """Read the index at a bag's end, in the order of the file. None if it cannot be trusted."""
+    """Read the index at a bag's end: its chunks in the order of the file.
+
+    None where the index is damaged, or does not list each chunk once. Connections that it defines
+    are added to `connections`.
+    """
     try:
         head, _, _ = record(stream, len(MAGIC), size)
         (at,) = fields("<Q", head.get("index_pos", b""))
@@ -121,7 +132,7 @@ def read_index(stream: BinaryIO, size: int, connections: Connections) -> list[Ba
             head, data, at = record(stream, at, size)
             if op_of(head) not in (CONNECTION, CHUNK_INFO):
                 return None
-            messages_of(head, data, connections)  # enters what it says of connections
+            messages_of(head, data, connections)  # adds the connections that it defines
             if op_of(head) == CHUNK_INFO:
                 chunks.append(_chunk(head, data))
     except DamagedError:
@@ -151,6 +162,7 @@ def op_of(head: Head) -> int:
 
 
 def _connection(head: Head, data: bytes) -> tuple[int, Channel]:
+    """Parse the record of a connection: its number, topic and type."""
     inner = parse_head(data)
     kind, topic = text(inner.get("type", b"")), text(head.get("topic", b""))
     # comments may be in any code page
@@ -159,6 +171,7 @@ def _connection(head: Head, data: bytes) -> tuple[int, Channel]:
 
 
 def _chunk(head: Head, data: bytes) -> BagChunk:
+    """Parse the index entry of a chunk."""
     (offset,) = fields("<Q", head.get("chunk_pos", b""))
     pairs = [fields("<II", data, at) for at in range(0, len(data), 8)]
     counts: dict[int, int] = dict(pairs)  # type: ignore[arg-type]

@@ -20,7 +20,7 @@ LONGEST_LINE = 1 << 16  # characters
 MOST_COLUMNS = 512
 ENDS = ("\n", "\r")
 SEPARATORS = ",;\t"
-HEADER_WITHIN = 50  # lines: loggers write what they are above the header
+HEADER_WITHIN = 50  # first lines in which the header is sought; loggers write remarks above it
 SHOWN = 60  # characters of a line that is no header
 # as spreadsheets write numbers where the comma does not separate cells
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+(e[-+]?\d+)?\s*", re.IGNORECASE)
@@ -29,12 +29,21 @@ Row = Mapping[str, str]  # cells by column; those that a short line lacks are em
 
 
 def read_rows(path: Path, needed: Sequence[str]) -> Iterator[tuple[int, Row | None]]:
-    """Yield line numbers and rows. None for a line that is too long or no CSV.
+    """Yield line numbers and rows. None in place of a line that is too long or no CSV.
 
-    Cells are separated as the header's are, by commas, semicolons or tabs. Columns are named by
-    small letters. Blank lines and those above the header are passed over. Raises InputError when
-    the file cannot be read, a column that every row needs is not in the header, or rows have so
-    many cells that their numbers' decimal commas separate cells too.
+    Cells are separated as those of the header, by commas, semicolons or tabs. Names of columns are
+    made lower case. Blank lines and those above the header are skipped.
+
+    Parameters
+    ----------
+    path : of the table
+    needed : columns that every row needs
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, a needed column is not in the header, or rows have so many cells
+        that the decimal commas of their numbers must separate cells too.
     """
     try:
         require_regular_file(path)
@@ -66,7 +75,10 @@ def _encoding(path: Path) -> str:
 def _find_header(
     path: Path, lines: Iterator[tuple[int, str | None]], needed: Sequence[str]
 ) -> tuple[list[str], str]:
-    """Find the line that names the needed columns, and what separates them."""
+    """Find the line that names the needed columns: its cells, and the separator.
+
+    Raises InputError where none of the first HEADER_WITHIN lines does.
+    """
     first, missing = "", list(needed)
     for number, line in lines:
         for separator in SEPARATORS:
@@ -94,6 +106,7 @@ def _refuse_decimal_commas(
     """Raise InputError for a row that has more than 1.5 times as many cells as the header.
 
     Where commas separate cells and are decimal points as well, each number falls into two cells.
+    Rows with long remarks are accepted: more cells than the header has must hold digits.
     """
     if separator != "," or cells is None or 2 * len(cells) <= 3 * len(header):
         return
@@ -108,7 +121,7 @@ def _refuse_decimal_commas(
 
 
 def _check_header(path: Path, header: Sequence[str], needed: Sequence[str]) -> None:
-    """Raise InputError for columns that are too many, or of which one is there twice."""
+    """Raise InputError for too many columns, or for a needed one that is there twice."""
     where = printable(str(path.parent))
     if len(header) > MOST_COLUMNS:
         raise InputError(
@@ -137,7 +150,10 @@ def _lines(stream: TextIO) -> Iterator[str | None]:
 
 
 def _cells(line: str | None, separator: str) -> list[str] | None:
-    """Split one line into cells. None where it is no CSV. An open quote ends with its line."""
+    """Split one line into cells, with decimal points. None where it is no CSV.
+
+    A quote that is not closed ends with the line, so that it does not swallow those below.
+    """
     if line is None:
         return None
     try:

@@ -20,10 +20,11 @@ from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError
 ROWS = "SELECT rowid, topic_id, timestamp, data FROM messages WHERE rowid >= ? ORDER BY rowid"
 HIGHEST = (1 << 63) - 1  # row number
 NEIGHBOURS = 512  # rows behind a damaged one that are asked for one by one; then the step doubles
-ROWS_A_PAGE = 64  # of damaged pages: so many failures a page are followed
-# of SQLite's machine; a sound row takes some ten steps and has at least 20 bytes
+ROWS_A_PAGE = 64  # failures for each page of the database, after which reading stops
+# Steps of SQLite's virtual machine that a statement may take: so many, plus so many a byte of the
+# file. A sound row takes some ten steps and has at least 20 bytes
 FREE_STEPS, STEPS_A_BYTE = 4_000_000, 20
-HANDLER_STEPS = 1000
+HANDLER_STEPS = 1000  # after which SQLite calls the handler that counts them
 # sqlite3 decodes its own messages strictly
 READ_ERRORS = (sqlite3.Error, UnicodeDecodeError, OverflowError, DamagedError)
 
@@ -77,9 +78,13 @@ class Database:
         return out
 
     def rows(self, open_gap: Callable[[str], None]) -> Iterator[Row]:
-        """Yield the rows by number. Behind an unreadable row, look for the next readable one."""
-        # Behind a bad row its next neighbours are tried one by one. Where all are bad, most likely
-        # with their page, the steps double, and the first readable row is found by bisection.
+        """Yield the rows by number. Behind an unreadable row, look for the next readable one.
+
+        open_gap: called with the reason where rows are lost.
+        """
+        # Behind a bad row the next NEIGHBOURS rows are tried one by one. Where all are bad, as when
+        # their page is, the step doubles until a row can be read, and the first readable row
+        # before it is found by bisection.
         at = bad = self._first()
         self.skipped = max(0, at - 1) if at < HIGHEST else 0
         patience, misses, left = NEIGHBOURS + ROWS_A_PAGE * self._pages(), 0, 2 * self._size
@@ -149,10 +154,10 @@ def _text(value: object) -> str:
 
 
 def describe_damage(path: Path) -> str:
-    """Describe what SQLite will ignore of a write-ahead log, though it was written. "" for nothing.
+    """Describe what SQLite will silently ignore of a write-ahead log. "" for nothing.
 
-    Frames of an older generation (another salt) behind those of the last one are sound, and belong
-    to nobody.
+    SQLite reuses the file: behind the frames of the last generation those of an older one may lie,
+    which have another salt. They are no damage.
     """
     with path.open("rb") as stream:
         header = stream.read(HEADER)
@@ -182,7 +187,7 @@ def describe_damage(path: Path) -> str:
 
 
 def _holds(stream: BinaryIO, start: bytes, salt: bytes) -> bool:
-    """Tell whether frames of the last generation follow anywhere, by their salt."""
+    """Tell whether the salt of the last generation's frames occurs in `start` or behind it."""
     while start:
         if salt in start:
             return True
@@ -192,7 +197,10 @@ def _holds(stream: BinaryIO, start: bytes, salt: bytes) -> bool:
 
 
 def _checksum(data: bytes, order: str, sums: tuple[int, int]) -> tuple[int, int]:
-    """Go on with SQLite's checksum of a write-ahead log over these bytes."""
+    """Continue SQLite's checksum of a write-ahead log over `data`.
+
+    order: of the bytes, "<" or ">". sums: the checksum up to there, two words.
+    """
     first, second = sums
     words = iter(struct.unpack(f"{order}{len(data) // 4}I", data))
     for one, two in zip(words, words, strict=True):

@@ -68,7 +68,10 @@ BY_SUFFIX = {
 
 
 def describe_file(path: Path, start: bytes) -> tuple[str, str]:
-    """Name what a file is and what to do with it. Two empty texts where that is not known."""
+    """Name what a file is and what to do with it, by its first bytes, else by its name.
+
+    Two empty texts where that is not known.
+    """
     suffix = path.suffix.lower()
     if suffix in IMAGE_SUFFIXES or suffix in VIDEOS:
         kind = "a photo" if suffix in IMAGE_SUFFIXES else "a video"
@@ -92,7 +95,10 @@ def is_page(start: bytes) -> bool:
 
 
 def describe_folder(names: Iterable[str]) -> tuple[str, str]:
-    """Name the contents of a folder without a log and what to do with it, if that is known."""
+    """Name what a folder without a log holds and what to do with it, by the names of its files.
+
+    Two empty texts where that is not known.
+    """
     names = sorted(names)
     suffixes = Counter(Path(name.lower().removesuffix(".gz")).suffix for name in names)
     photos = sum(suffixes[suffix] for suffix in IMAGE_SUFFIXES)

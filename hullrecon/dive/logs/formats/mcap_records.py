@@ -55,17 +55,18 @@ class Chunk:
 
 
 class Definitions:
-    """The schemas and channels met so far."""
+    """The schemas and channels that were read so far."""
 
     def __init__(self) -> None:
-        self._schemas: dict[int, tuple[str, str, str]] = {}
+        self._schemas: dict[int, tuple[str, str, str]] = {}  # name, format and text, by number
         self.channels: dict[int, Channel] = {}
         self.unknown = 0  # messages of channels whose definition was lost
 
     def take(self, opcode: int, body: bytes) -> Message | None:
-        """Learn a schema or a channel, or decode a message.
+        """Add a schema or a channel, or decode a message. None for any record but a message.
 
-        Raises DamagedError for an invalid record.
+        A message of a channel that is not known is counted. Raises DamagedError for an invalid
+        record.
         """
         if opcode == SCHEMA:
             name, at = _string(body, 2)
@@ -106,11 +107,12 @@ def head(stream: BinaryIO, at: int, end: int) -> tuple[int, int]:
 
 
 def packed_at(body: bytes, length: int) -> int | None:
-    """Find where the packed records of a chunk's body start. None when it is no chunk's body.
+    """Find where the packed records start within a chunk's body. None when it is no chunk's body.
 
-    A chunk's lengths agree with each other, which no other record's bytes do by chance.
+    The lengths in a chunk agree with each other, as the bytes of another record hardly do by
+    chance.
 
-    body: its first bytes suffice. length: of the whole body.
+    body: its first CHUNK_HEAD bytes suffice. length: of the whole body.
     """
     if len(body) < 40:
         return None

@@ -51,9 +51,10 @@ class Summary:
 
 
 def read_summary(stream: BinaryIO, size: int) -> Summary | None:
-    """Read the summary. None when there is none that can be trusted.
+    """Read the summary. None where there is none, or where it cannot be trusted.
 
-    Its checksum, where it has one, must hold, and no message may lie where it names no chunk.
+    Its checksum, where it has one, must hold, and no message may lie outside the chunks that it
+    names.
     """
     try:
         start, section = _section(stream, size)
@@ -66,8 +67,14 @@ def read_summary(stream: BinaryIO, size: int) -> Summary | None:
 def is_end_of_data(stream: BinaryIO, opcode: int, length: int, at: int, size: int) -> bool:
     """Tell whether the record at byte `at` ends the data.
 
-    That is a DATA_END of four bytes, behind it the summary if any, the footer and the magic.
-    Anything else that looks like an end is damage: data may follow.
+    That is a DATA_END of four bytes, behind which the summary, if any, the footer and the magic
+    follow. Anything else that looks like an end is damage: data may follow.
+
+    Parameters
+    ----------
+    stream : the file
+    opcode, length : of the record
+    at, size : where the record begins, and the size of the file
     """
     footer = _footer(stream, size)
     if footer is None:
@@ -108,7 +115,10 @@ def _is_summary(stream: BinaryIO, at: int, foot: int) -> bool:
 
 
 def _heads(stream: BinaryIO, at: int, end: int) -> Iterator[tuple[int, int, int]]:
-    """Yield opcode, byte and length of the records that fill `at` to `end`, else DamagedError."""
+    """Yield opcode, byte and length of the records between `at` and `end`.
+
+    Raises DamagedError where records do not fill that span.
+    """
     while at < end:
         opcode, length = head(stream, at, end)
         yield opcode, at, length
@@ -116,7 +126,7 @@ def _heads(stream: BinaryIO, at: int, end: int) -> Iterator[tuple[int, int, int]
 
 
 def _names_all(stream: BinaryIO, summary: Summary) -> bool:
-    """Tell whether no chunk and no message lies where the summary names none."""
+    """Tell whether no chunk and no message lies outside the chunks that the summary names."""
     edges = [
         len(MAGIC),
         *(edge for note in summary.chunks for edge in (note.offset, note.end)),
@@ -155,8 +165,15 @@ def _section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
 
 
 def _parse(section: bytes, start: int) -> Summary:
-    """Parse a summary: definitions, place and topics of each chunk, counts by topic."""
+    """Parse a summary: definitions, place and topics of each chunk, counts by topic.
+
+    Raises DamagedError where chunks overlap or their number is not the stated one.
+
+    section: bytes of the summary. start: the byte of the file at which it begins.
+    """
     definitions = Definitions()
+    # of each chunk: first byte, byte behind it and its indices, log time of its first and last
+    # message, numbers of the channels that it holds
     notes: list[tuple[int, int, int, int, list[int]]] = []
     by_channel: dict[int, int] = {}
     chunks = None

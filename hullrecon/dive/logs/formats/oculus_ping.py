@@ -21,9 +21,10 @@ MAGIC = b"SO"  # 0x4f53
 # check, source, destination, kind, version, payload bytes, spare
 HEADER, SIMPLE_PING = "<HHHHHIH", 0x23
 HEADER_BYTES = struct.calcsize(HEADER)
-# of the fire message; with a gain each row begins with four bytes of it
+# byte of the fire message's flags, and the flag that each row begins with four bytes of gain
 FLAGS_AT, GAIN_IS_SENT = 20, 0x04
-# size, resolution, ranges, beams; image; end, by version
+# By version: struct format of pixel size, range resolution, ranges and beams, and the byte where
+# they are; the byte of the image's offset and size; the end of the head, where bearings begin
 HEADS = {1: ("<BdHH", 93 + 4, 110, 122), 2: ("<BdHH", 161, 190, 202)}
 SAMPLES = {0: "<u1", 1: "<u2", 2: "<u4", 3: "<u4"}  # DataSizeType; 24 bits are not read
 NOT_READ = 2

@@ -25,7 +25,8 @@ LOST = -32768
 FRAMES = ("beam", "instrument", "ship", "earth")
 BEAM_ANGLES = {0: 15.0, 1: 20.0, 2: 30.0}  # degrees, by the code in the system configuration
 MIN_BEAM_ANGLE, MAX_BEAM_ANGLE = 5.0, 60.0
-BLOCK, REACH = 1 << 20, 65535 + 2  # bytes read at a time; of the longest ensemble
+# bytes that are searched at a time, and that are read beyond so that the longest ensemble is whole
+BLOCK, REACH = 1 << 20, 65535 + 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +58,10 @@ class Ensemble:
 
 
 def is_pd0(start: bytes) -> bool:
-    """Tell whether a file starts with an ensemble, whose list of types is followed by the first."""
+    """Tell whether a file starts with an ensemble.
+
+    The first data type lies directly behind the list of data types.
+    """
     return (
         len(start) >= 8
         and start.startswith(MAGIC)
@@ -67,7 +71,7 @@ def is_pd0(start: bytes) -> bool:
 
 def ensembles(stream: BinaryIO) -> Iterator[tuple[int, int, Ensemble | str]]:
     """Yield (start, end, ensemble), and (start, end, why) of bytes of no ensemble between them."""
-    at = bad = 0
+    at = bad = 0  # where the search is, and where bytes of no ensemble begin
     why = ""
     while True:
         stream.seek(at)
@@ -95,10 +99,10 @@ def ensembles(stream: BinaryIO) -> Iterator[tuple[int, int, Ensemble | str]]:
 
 
 def _checked_starts(data: bytes) -> NDArray[np.intp]:
-    """Find the bytes where something has an ensemble's magic, length and checksum.
+    """Find the bytes at which an ensemble with right magic, length and checksum starts.
 
-    Sums over ensembles are differences of one running sum: each byte is added once, however many
-    heads claim it.
+    The sum over an ensemble is the difference of two values of one running sum, so that each byte
+    is added once, however many heads claim it.
     """
     values = np.frombuffer(data, np.uint8).astype(np.uint32)
     running = np.concatenate([np.zeros(1, np.uint32), np.cumsum(values, dtype=np.uint32)])
@@ -120,7 +124,10 @@ def _ensemble_at(data: bytes, at: int) -> tuple[Ensemble | None, str]:
 
 
 def parse(data: bytes) -> Ensemble:
-    """Parse one whole ensemble without its checksum. Raises DamagedError without its leaders."""
+    """Parse one whole ensemble, given without its checksum.
+
+    Raises DamagedError where its fixed or variable leader is missing.
+    """
     parts = _parts(data)
     if FIXED not in parts or VARIABLE not in parts:
         raise DamagedError("its leaders are missing")
@@ -210,9 +217,9 @@ def _beam_angle(system: int, fixed: bytes) -> float:
 
 
 def _ranges(bottom: bytes | None) -> Array:
-    """Read the ranges (4,) m. NaN where the record has 0, which is lost.
+    """Read the distances (4,) along the axis, m, of a bottom track. NaN where lost, written as 0.
 
-    Their high bytes are at the end of long records.
+    Distances above 655.35 m have a third byte, at the end of long records.
     """
     if bottom is None:
         return np.full(4, np.nan)

@@ -24,7 +24,7 @@ from hullrecon.typing import Array
 
 KEYS = ("image", "azimuth", "range")
 LARGEST_FILE = 1 << 26  # bytes; 1024 beams of 8192 ranges as float64 have as many
-# an array unpacks to at most so many bytes and so many times its packed size
+# an array may unpack to the first number of bytes plus so many times its packed size
 FREE_BYTES, RATIO = 1 << 22, 256
 NUMBERS = "biuf"  # kinds of dtypes
 FARTHEST_M = 200.0  # of a DIDSON
@@ -40,12 +40,16 @@ def read_ping(path: Path, number: int = 0, window_m: tuple[float, float] | None 
     ----------
     path : of the file
     number : which ping, from 0, of a file of an Oculus or a DIDSON
-    window_m : where the samples of a DIDSON begin and end. A DIDSON has no azimuths
+    window_m : where the samples of a DIDSON begin and end
+
+    Returns
+    -------
+    image, azimuth and range. The azimuth of a DIDSON is None, as its file states none
 
     Raises
     ------
     ValueError
-        What is wrong with the file.
+        Anything that is wrong with the file, in words.
     """
     try:
         require_regular_file(path)
@@ -78,6 +82,7 @@ def _begins_with(path: Path, magic: bytes) -> bool:
 
 
 def _didson(path: Path, number: int, window_m: tuple[float, float] | None) -> Ping:
+    """Read a frame of a DIDSON's file. Its samples divide the window evenly."""
     image = didson_frames.read_frame(path, number)
     if window_m is None:
         raise ValueError("a DIDSON's file states no ranges in metres: give range_from and range_to")
@@ -106,7 +111,10 @@ def _oculus(path: Path, number: int) -> tuple[NDArray[np.generic], Array, Array]
 
 @lru_cache(maxsize=4)
 def _ping_offsets(path: Path, size: int, mtime_ns: int) -> list[int]:
-    """Find where the pings begin. A file that has changed is read anew."""
+    """Find the bytes where the pings begin.
+
+    size, mtime_ns: of the file, so that the cache does not serve one that has changed.
+    """
     offsets, at = [], 0
     with path.open("rb") as stream:
         while len(head := stream.read(oculus_ping.HEADER_BYTES)) == oculus_ping.HEADER_BYTES:
@@ -139,7 +147,11 @@ def _arrays(path: Path) -> list[NDArray[np.generic]]:
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[np.generic]:
-    """Read one array of numbers, whose head has to state the size that the archive states."""
+    """Read one array of numbers.
+
+    Raises ValueError where it would unpack to too much, or where its head states another size than
+    the archive does.
+    """
     if member.file_size > min(LARGEST_FILE, FREE_BYTES + RATIO * member.compress_size):
         raise ValueError(f"{member.filename} would unpack to {member.file_size} bytes")
     with archive.open(member) as stream:

@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Translate messages of attitude and of depth to samples: one small function per type."""
+"""Translate messages of attitude and of depth to samples: one small function per type.
+
+Arguments are those of `Translate` in samples.py.
+"""
 
 from __future__ import annotations
 
@@ -25,9 +28,10 @@ NO_DATA = -9999.0  # ds_sensor_msgs: DEPTH_PRESSURE_NO_DATA
 
 
 def imu(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read sensor_msgs/Imu without the quantities that their covariances mark as not measured.
+    """Read sensor_msgs/Imu, with NaN for quantities that their covariances mark as not measured.
 
-    A heading alone may be as uncertain as it likes: its changes are measured all the same.
+    The attitude is lost where roll or pitch is unknown. The sigma of the heading does not count:
+    it may be large, as north is unknown, while the changes of the heading are measured well.
     """
     q = message.orientation
     attitude_lost = sigma_of(message.orientation_covariance, (0, 1)) > NO_DIRECTION_RAD

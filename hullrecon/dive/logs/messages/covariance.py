@@ -3,9 +3,9 @@
 """Read what the covariance beside a value says of it: its sigma, nothing, or that it was lost.
 
 One rule for all types. A negative variance (-1 by sensor_msgs) or an infinite one marks a value
-that was not measured. Zero and NaN say nothing. Drivers for filters that take neither mark a lost
-value by a variance beyond all that the sensor could have, which is told by a limit for each
-quantity.
+that was not measured. Zero and NaN say nothing. Some drivers mark a lost value by a variance that
+is larger than the sensor could ever have, as their filters accept neither. The limits below tell
+that, one for each quantity.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from hullrecon.typing import Array
 LOST_SIGMA, UNKNOWN_SIGMA = float("inf"), float("nan")
 # rad, of a direction of which nothing is known: one evenly spread over the circle
 NO_DIRECTION_RAD = float(np.pi / np.sqrt(3))
-FASTEST_TURN_RAD_S = 35.0  # of gyros' common range of 2000 deg/s
+FASTEST_TURN_RAD_S = 35.0  # 2000 deg/s, the common range of gyroscopes
 DEEP_PA = 1e6  # a hundred metres of water: no pressure sensor at a hull is that bad
 FAR_M = 1000.0  # a position that may be anywhere in a harbour
 
@@ -31,12 +31,12 @@ def sigma_of(covariance: ArrayLike, axes: Sequence[int]) -> float:
     Parameters
     ----------
     covariance : (n * n,) or (n, n)
-    axes : which of them
+    axes : rows whose variances are averaged
 
     Returns
     -------
-    LOST_SIGMA where any of these, or the first element, marks a lost value, UNKNOWN_SIGMA where
-    nothing is said.
+    LOST_SIGMA where any of these variances, or the first element, marks a lost value.
+    UNKNOWN_SIGMA where all are zero or NaN, which says nothing
     """
     flat = np.asarray(covariance, float).ravel()
     if not flat.size:

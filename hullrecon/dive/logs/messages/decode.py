@@ -82,6 +82,7 @@ def _from_definition(channel: Channel) -> Typestore:
 
 @lru_cache(maxsize=2)
 def _standard(encoding: str) -> Typestore:
+    """Load the types of ROS 1 or 2 and those bundled here, for logs without definitions."""
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
     store = get_typestore(Stores.ROS1_NOETIC if encoding == "ros1" else Stores.ROS2_JAZZY)

@@ -21,18 +21,19 @@ MOST_ELEMENTS = 1000  # of fixed arrays of messages or strings, which are compil
 # elements of a fixed array of numbers: none that a chunk could hold is larger
 LARGEST_ARRAY = 1 << 27
 DEEPEST = 32  # types within types
-LONGEST_IDL = 1 << 16
-# within each other: each more multiplies the time of the IDL parser by sixty; annotations have one
+LONGEST_IDL = 1 << 16  # characters
+# Depth of parentheses: each more multiplies the time of the IDL parser by sixty. Annotations have 1
 MOST_PARENTHESES = 1
-MOST_ANGLES = 2  # likewise, by two
+MOST_ANGLES = 2  # depth of angle brackets: each more multiplies the time by two
 
-# with those that do not end
+# strings and comments, also those that do not end
 TEXT = re.compile(r'"(?:\\.|[^"\\])*(?:"|\\?\Z)|//[^\n]*|/\*(?:.*?\*/|.*)', re.DOTALL)
 BASE, NAME, ARRAY, SEQUENCE = 1, 2, 3, 4  # rosbags' kinds of fields
 WIDTHS = {"string": 4, "wstring": 4}  # bytes that are there at least; one for every other base type
 
-# of rosbags: its kind; then a name, (base type, bound) or (element, count)
+# A field as rosbags has it: its kind; then a type's name, (base type, bound) or (element, count)
 FieldKind = tuple[int, Any]
+# by the name of a type: its constants, and its fields with their names
 Types = Mapping[str, tuple[Sequence[object], Sequence[tuple[str, FieldKind]]]]
 
 
@@ -58,7 +59,10 @@ def check_idl(text: str) -> None:
 
 
 def _blank(match: re.Match[str]) -> str:
-    """Blank a string or a comment. Raises DamagedError where it does not end."""
+    """Replace a string or a comment of IDL by blanks, so that its brackets are not counted.
+
+    Raises DamagedError where it does not end.
+    """
     found = match.group()
     if found.startswith("//"):
         return " "
@@ -105,14 +109,22 @@ def _check_bounds(kind: int, inner: Any) -> None:
 
 
 class _Sizes:
-    """Count the least bytes of each type and the calls to decode it. Refuse calls without bytes."""
+    """Count the least bytes of each type and the calls to decode it. Refuse calls without bytes.
+
+    Types that are nested around nothing cost time for each message without needing a byte of it.
+    """
 
     def __init__(self, types: Types) -> None:
         self._types = types
-        self._known: dict[str, tuple[int, int]] = {}
+        self._known: dict[str, tuple[int, int]] = {}  # bytes and calls, by type
 
     def of(self, name: str, depth: int) -> tuple[int, int]:
-        """Bound what decoding a type takes: its least bytes, and the calls that read them."""
+        """Count the least bytes of a type, and the calls that decode them.
+
+        Raises DamagedError for types nested too deeply, and for calls out of proportion to bytes.
+
+        depth: types that this one is nested in.
+        """
         if depth > DEEPEST:
             raise DamagedError("its types contain each other without end")
         if name not in self._types:
@@ -126,7 +138,10 @@ class _Sizes:
         return self._known[name]
 
     def _field(self, kind: FieldKind, depth: int) -> tuple[int, int]:
-        """Count the bytes and calls of a field. One call reads an array of numbers."""
+        """Count the least bytes of a field and the calls that decode it.
+
+        One call reads a whole array of numbers, else each element takes its own.
+        """
         form, inner = kind
         if form == BASE:
             return WIDTHS.get(str(inner[0]), 1), 1

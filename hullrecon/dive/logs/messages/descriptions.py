@@ -18,12 +18,12 @@ TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 COMPRESSED = "/compressed"  # what image_transport adds to a topic's name
 BASE_FRAMES = ("base_link", "base_footprint")  # REP 105: on the vehicle, x forward, y to port, z up
 FRD_FROM_FLU = Poses(Rotation.from_euler("x", 180, degrees=True).as_quat()[None], np.zeros((1, 3)))
-MOST_FRAMES, DEEPEST = 1000, 20
-SAME_M, SAME_RAD = 1e-3, 2e-3  # by which two places of a frame may differ and still be one
+MOST_FRAMES, DEEPEST = 1000, 20  # frames that are kept, and that lie within each other
+SAME_M, SAME_RAD = 1e-3, 2e-3  # by which two poses of a frame may differ and still be one
 BINNING = ("binning_x", "binning_y")  # fields of a CameraInfo, and of its roi
 REGION = ("x_offset", "y_offset", "width", "height")
 
-Tree = Mapping[str, tuple[str, Poses]]  # child frame: its parent, and T_parent_child
+Tree = Mapping[str, tuple[str, Poses]]  # by child frame: its parent, and parent_from_child
 
 
 def frame_tree(messages: Iterable[Fields]) -> dict[str, tuple[str, Poses]]:
@@ -39,27 +39,31 @@ def frame_tree(messages: Iterable[Fields]) -> dict[str, tuple[str, Poses]]:
 
 
 def frame_doubts(messages: Iterable[Fields]) -> dict[str, str]:
-    """Say why the place of a frame is not known: it has two, or no rotation. By child."""
+    """Say why the pose of a frame is not known, by frame.
+
+    Frames are listed that have two parents, two poses in one parent, or no rotation.
+    """
     doubts: dict[str, str] = {}
-    places: dict[str, tuple[str, Poses]] = {}
+    first_poses: dict[str, tuple[str, Poses]] = {}  # by child: parent, and parent_from_child
     for child, parent, pose in _transforms(messages):
         if pose is None:
             doubts[child] = f"tf_static gives {child} no rotation (x, y, z, w of no unit length)"
             continue
-        first, place = places.setdefault(child, (parent, pose))
-        apart = place.inverse() @ pose
-        if first != parent:
-            doubts[child] = f"tf_static gives {child} two parents, {first} and {parent}"
+        first_parent, first_pose = first_poses.setdefault(child, (parent, pose))
+        apart = first_pose.inverse() @ pose
+        if first_parent != parent:
+            doubts[child] = f"tf_static gives {child} two parents, {first_parent} and {parent}"
         elif np.linalg.norm(apart.translation) > SAME_M or apart.rotation.magnitude() > SAME_RAD:
             both = " and ".join(
-                f"[{', '.join(f'{value:g}' for value in mount_of(one))}]" for one in (place, pose)
+                f"[{', '.join(f'{value:g}' for value in mount_of(one))}]"
+                for one in (first_pose, pose)
             )
             doubts[child] = f"tf_static gives {child} two places in {parent}, {both}"
     return doubts
 
 
 def _transforms(messages: Iterable[Fields]) -> Iterator[tuple[str, str, Poses | None]]:
-    """Yield child, parent, and the child in the parent, None where it has no rotation."""
+    """Yield child, parent and parent_from_child, None in its place where it has no rotation."""
     for transform in (t for message in messages for t in getattr(message, "transforms", ())):
         try:
             r, child, parent = (
@@ -80,11 +84,11 @@ def _transforms(messages: Iterable[Fields]) -> Iterator[tuple[str, str, Poses | 
 
 
 @dataclass(frozen=True, kw_only=True)
-class WayUp:
-    """The place of a frame."""
+class LocatedFrame:
+    """The poses of a frame in the vehicle and on a servo."""
 
-    vehicle: Poses | None  # vehicle_from_frame; None where no way leads there
-    servo: Poses | None = None  # its pose in the first frame of a servo on the way
+    vehicle: Poses | None  # vehicle_from_frame; None where tf_static does not lead to base_link
+    servo: Poses | None = None  # servo_from_frame, of the nearest servo that it hangs on
     vehicle_from_servo: Poses | None = None
 
 
@@ -98,32 +102,41 @@ def names_above(frame: str, tree: Tree) -> list[str]:
     return names
 
 
-def way_up(frame: str, tree: Tree, servos: Set[str] = frozenset()) -> WayUp:
-    """Locate a frame by the way to base_link, in vehicle axes forward, starboard, down.
+def locate_frame(frame: str, tree: Tree, servos: Set[str] = frozenset()) -> LocatedFrame:
+    """Compute the pose of a frame in the vehicle (axes forward, starboard, down).
 
-    servos: names of frames that a servo turns.
+    The parents are followed up to base_link, and their transforms multiplied. Where base_link is no
+    parent, it may hang on one of them.
+
+    Parameters
+    ----------
+    frame : its name
+    tree : the transforms of tf_static
+    servos : names of frames that a servo turns
     """
     pose, at = identity(), _frame(frame)
-    servo = above = None
-    passed: dict[str, Poses] = {}  # the frame in each that it lies in
+    servo = above = None  # the frame on the servo, and the servo in the frame reached so far
+    passed: dict[str, Poses] = {}  # the frame in itself and in each of its parents
     for _ in range(DEEPEST):
         passed[at] = pose
         if servo is None and at.rpartition("/")[2] in servos:
             servo, above = pose, identity()
         if at.rpartition("/")[2] in BASE_FRAMES:
             turning = None if above is None else FRD_FROM_FLU @ above
-            return WayUp(vehicle=FRD_FROM_FLU @ pose, servo=servo, vehicle_from_servo=turning)
+            return LocatedFrame(
+                vehicle=FRD_FROM_FLU @ pose, servo=servo, vehicle_from_servo=turning
+            )
         if at not in tree:
             break
         at, step = tree[at]
         pose, above = step @ pose, None if above is None else step @ above
-    return WayUp(vehicle=None if servo else _way_down(passed, tree), servo=servo)
+    return LocatedFrame(vehicle=None if servo else _by_common_parent(passed, tree), servo=servo)
 
 
-def _way_down(passed: Mapping[str, Poses], tree: Tree) -> Poses | None:
-    """Locate a frame where base_link hangs on it, or on one that it lies in itself.
+def _by_common_parent(passed: Mapping[str, Poses], tree: Tree) -> Poses | None:
+    """Compute vehicle_from_frame where base_link hangs on the frame, or on one of its parents.
 
-    passed: the frame in each frame that it lies in, itself included
+    passed: the frame in itself and in each of its parents. None where they share none.
     """
     for base in (name for name in tree if name.rpartition("/")[2] in BASE_FRAMES):
         pose, at = identity(), base
@@ -144,7 +157,7 @@ def mount_of(pose: Poses, digits: int = 4) -> list[float]:
     """
     matrix = pose.rotation.as_matrix()[0]
     pitch = np.arcsin(np.clip(-matrix[2, 0], -1, 1))
-    # at 90 degrees roll and yaw are one: all of it is roll, yaw is 0
+    # at a pitch of 90 degrees only the sum or difference of roll and yaw is known: yaw is set to 0
     if np.hypot(matrix[2, 1], matrix[2, 2]) < 1e-6:
         roll, yaw = np.arctan2(-np.sign(matrix[2, 0]) * matrix[0, 1], matrix[1, 1]), 0.0
     else:
@@ -159,7 +172,10 @@ def lies_beside(topic: str, images: str) -> bool:
 
 
 def calibration_keys(info: Fields) -> dict[str, object]:
-    """Convert a CameraInfo of ROS 1 or 2 to the keys of camera_calibration's YAML."""
+    """Convert a CameraInfo of ROS 1 or 2 to the keys of camera_calibration's YAML.
+
+    Matrices are lists of their elements, row by row.
+    """
     fields = info.__dataclass_fields__
     return {
         "image_width": int(info.width),
@@ -173,7 +189,10 @@ def calibration_keys(info: Fields) -> dict[str, object]:
 
 
 def calibration_yaml(info: Fields, topic: str) -> str | None:
-    """Write camera_calibration's YAML for a CameraInfo. None where that is not filled in."""
+    """Write camera_calibration's YAML for a CameraInfo. None where the message is not filled in.
+
+    topic: of the message, for a remark on top.
+    """
     keys = calibration_keys(info)
     matrix, distortion = np.array(keys["camera_matrix"]), np.array(keys["distortion_coefficients"])
     if not (

@@ -25,10 +25,10 @@ CHANNELS = {
     "yuv422_yuy2": 2,
     "yuyv": 2,
 }
-# OpenCV's names, by their channels
+# encodings that OpenCV names by channels and type, as those of ROS
 PLAIN = {"8uc1": "mono8", "8uc3": "bgr8", "8uc4": "bgra8", "16uc1": "mono16", "16uc3": "bgr16"}
-# How much rougher 16-bit pixels are with their bytes exchanged, at least; the rows that are looked
-# at for that, and from how large an image on
+# How much rougher 16-bit pixels are, at least, with their bytes in the wrong order. Every so many
+# rows are looked at for that, of images of so many bytes or more
 ROUGH, EVERY, LEAST_BYTES = 3.0, 16, 10_000
 VIDEO_FORMS = ("h264", "h265", "hevc", "av1", "ffmpeg", "theora")
 QUICK = 1  # PNG's compression level: images are written once, and read a few times
@@ -41,12 +41,12 @@ def encode_raw(message: Fields) -> bytes:
 
 
 def decoded_mosaic(form: str, encoded: bytes) -> bytes:
-    """Turn a compressed mosaic of a colour sensor into a picture. Other pictures stay as they are.
+    """Turn a compressed Bayer mosaic into a colour picture. Other pictures are returned unchanged.
 
     Parameters
     ----------
-    form : of sensor_msgs/CompressedImage: "jpeg", or as image_transport has it, "bayer_rggb8; jpeg
-        compressed bgr8": what was published, and what was compressed
+    form : `format` of sensor_msgs/CompressedImage: "jpeg", or, as image_transport writes it,
+        "bayer_rggb8; jpeg compressed bgr8": the published encoding, and what was compressed
     encoded : a picture
 
     Raises
@@ -91,9 +91,12 @@ def _parse_encoding(encoding: str) -> tuple[str, int]:
 
 
 def _pixels(message: Fields, channels: int, width: int) -> NDArray[np.integer]:
-    """Read pixels (h, w) or (h, w, channels), rows freed of their padding.
+    """Read pixels (h, w) or (h, w, channels) of a message, without the padding of its rows.
 
-    A step that is not filled in is that of rows without padding, where as many bytes are there.
+    Where there are exactly the bytes of rows without padding, the message's step is not used: it
+    may not be filled in.
+
+    width: bytes of a sample, 1 or 2.
     """
     height, row, step = (
         int(message.height),
@@ -115,9 +118,9 @@ def _pixels(message: Fields, channels: int, width: int) -> NDArray[np.integer]:
 
 
 def _deep(rows: NDArray[np.uint8], is_bigendian: bool) -> NDArray[np.integer]:
-    """Read samples of 16 bits. Raises DamagedError where their order of bytes is not as stated.
+    """Read samples of 16 bits. Raises DamagedError where their bytes are in the other order.
 
-    Neighbours of a picture are alike, and differ all over where the lower byte comes first.
+    Neighbouring pixels of a picture are alike. With the bytes exchanged they differ all over.
     """
     orders = (">u2", "<u2") if is_bigendian else ("<u2", ">u2")
     stated, exchanged = (_roughness(rows[::EVERY].view(order)) for order in orders)
@@ -130,7 +133,7 @@ def _deep(rows: NDArray[np.uint8], is_bigendian: bool) -> NDArray[np.integer]:
 
 
 def _roughness(pixels: NDArray[np.integer]) -> float:
-    """Compute by how much neighbours along rows differ, as a share of how much all do."""
+    """Compute the mean difference of neighbours along rows over the standard deviation of all."""
     values = pixels.astype(float)
     return float(np.abs(np.diff(values)).mean() / max(values.std(), 1.0))
 

@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Translate messages of GPS and USBL positions to samples: one small function per type."""
+"""Translate messages of position fixes (GNSS, USBL) to samples: one small function per type.
+
+Arguments are those of `Translate` in samples.py.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,9 @@ def satellite_fix(message: Fields, t_ns: int, role: str) -> list[Sample]:
         sigma = sigma_of(message.position_covariance, HORIZONTAL)
     has_fix = message.status.status != NO_FIX
     return [
-        _known(PositionSample(t_ns, place if has_fix else LOST, sigma, True, by_satellite=True))
+        _unless_lost(
+            PositionSample(t_ns, place if has_fix else LOST, sigma, True, by_satellite=True)
+        )
     ]
 
 
@@ -41,7 +46,7 @@ def geographic_pose(message: Fields, t_ns: int, role: str) -> list[Sample]:
 def geographic_pose_with_covariance(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read geographic_msgs/GeoPoseWithCovarianceStamped, whose covariance is in metres."""
     sigma = sigma_of(message.pose.covariance, HORIZONTAL)
-    return [_known(_geographic(message.pose.pose.position, t_ns, sigma))]
+    return [_unless_lost(_geographic(message.pose.pose.position, t_ns, sigma))]
 
 
 def point(message: Fields, t_ns: int, role: str) -> list[Sample]:
@@ -58,7 +63,7 @@ def pose_with_covariance(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read the position of geometry_msgs/PoseWithCovarianceStamped in a local frame, metres."""
     found = message.pose
     sigma = sigma_of(found.covariance, HORIZONTAL)
-    return [_known(PositionSample(t_ns, vector(found.pose.position), sigma, False))]
+    return [_unless_lost(PositionSample(t_ns, vector(found.pose.position), sigma, False))]
 
 
 def _geographic(point: Fields, t_ns: int, sigma_m: float) -> PositionSample:
@@ -67,7 +72,7 @@ def _geographic(point: Fields, t_ns: int, sigma_m: float) -> PositionSample:
     )
 
 
-def _known(sample: PositionSample) -> PositionSample:
-    """Drop a place that its covariance marks as lost."""
+def _unless_lost(sample: PositionSample) -> PositionSample:
+    """Replace a position by NaN where its covariance marks it as lost."""
     lost = sample.sigma_m > FAR_M
     return replace(sample, place=LOST, sigma_m=UNKNOWN_SIGMA) if lost else sample

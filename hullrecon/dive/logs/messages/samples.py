@@ -34,6 +34,7 @@ def raw_image(message: Fields, t_ns: int, role: str) -> list[Sample]:
     return [ImageSample(t_ns, role, encode_raw(message))]
 
 
+# of a decoded message, its stamp, ns, and the sensor's name ("camera_top", ...)
 Translate = Callable[[Fields, int, str], Sequence[Sample]]
 DVL_TYPES: dict[str, Translate] = {
     "marine_acoustic_msgs/msg/Dvl": velocity.marine_dvl,
@@ -99,7 +100,7 @@ TYPES: dict[str, dict[str, Translate]] = {
 WITHOUT_HEADER = frozenset(  # they take the time of logging
     {"std_msgs/msg/Float64", "std_msgs/msg/Float32", "waterlinked_a50/msg/TransducerReportStamped"}
 )
-COMMON_TYPES = frozenset(  # of so many uses that only a topic's name can tell which
+COMMON_TYPES = frozenset(  # that many kinds of sensors use, so that only the topic's name tells
     {
         "geometry_msgs/msg/PoseStamped",
         "geometry_msgs/msg/PoseWithCovarianceStamped",

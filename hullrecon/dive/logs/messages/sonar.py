@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Translate pings of imaging sonars to samples: one small function per type."""
+"""Translate pings of imaging sonars to samples: one small function per type.
+
+Arguments are those of `Translate` in samples.py.
+"""
 
 from __future__ import annotations
 
@@ -63,7 +66,10 @@ def oculus_raw(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def oculus_ping(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read oculus_interfaces/Ping: rows of ranges, each behind four bytes of any gain."""
+    """Read oculus_interfaces/Ping: one row for each range, behind four bytes of gain if any.
+
+    Bearings are in hundredths of a degree.
+    """
     beams, ranges, row, width = (
         int(v) for v in (message.n_beams, message.n_ranges, message.step, message.sample_size)
     )

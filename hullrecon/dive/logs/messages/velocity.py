@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Translate messages of DVLs, and of velocities alone, to samples: one small function per type."""
+"""Translate messages of DVLs, and of velocities alone, to samples: one small function per type.
+
+Arguments are those of `Translate` in samples.py.
+"""
 
 from __future__ import annotations
 
@@ -28,8 +31,8 @@ TO_THE_WATER, ALONG_EARTH = "relative to the water", "along the earth's axes"
 def marine_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read marine_acoustic_msgs/Dvl.
 
-    A velocity relative to the water is lost. A lost beam has a range of 0, negative or NaN, or a
-    negative covariance.
+    A velocity relative to the water counts as lost. A beam is lost where its range is 0, negative
+    or NaN, or where its covariance is negative.
     """
     sigma = sigma_of(message.velocity_covar, VELOCITY)
     ranges = np.asarray(message.range, float).copy()
@@ -41,15 +44,15 @@ def marine_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     of_the_water = message.velocity_mode == OF_THE_WATER
     velocity = LOST if of_the_water else vector(message.velocity)
     altitude = _positive(message.altitude)
-    known = beams if _are_unit(beams) else None
+    known_beams = beams if _are_unit(beams) else None
     return [
-        _known(
+        _unless_lost(
             DvlSample(
                 t_ns,
                 velocity,
                 sigma,
                 ranges,
-                known,
+                known_beams,
                 altitude=altitude,
                 not_over_ground=TO_THE_WATER if of_the_water else "",
             )
@@ -58,9 +61,9 @@ def marine_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def deep_submergence_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read ds_sensor_msgs/Dvl, whose altitude is the mean of the ranges.
+    """Read ds_sensor_msgs/Dvl. Its altitude is the mean of the ranges, and is not used.
 
-    A velocity along the earth's axes is lost.
+    A velocity relative to the water, or along the earth's axes, counts as lost.
     """
     sigma = sigma_of(message.velocity_covar, VELOCITY)
     ranges = np.asarray(message.range, float)
@@ -69,14 +72,17 @@ def deep_submergence_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     ranges = np.where((np.asarray(message.range_covar, float) < 0) | ~(ranges > 0), np.nan, ranges)
     beams = np.array([vector(b) for b in message.beam_unit_vec])
     velocity = LOST if what else vector(message.velocity)
-    known = beams if _are_unit(beams) else None
-    return [_known(DvlSample(t_ns, velocity, sigma, ranges, known, not_over_ground=what))]
+    known_beams = beams if _are_unit(beams) else None
+    return [
+        _unless_lost(DvlSample(t_ns, velocity, sigma, ranges, known_beams, not_over_ground=what))
+    ]
 
 
 def twist_with_covariance(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read geometry_msgs/TwistWithCovarianceStamped and nav_msgs/Odometry: no ranges."""
     sigma = sigma_of(message.twist.covariance, VELOCITY)
-    return [_known(DvlSample(t_ns, vector(message.twist.twist.linear), sigma, NO_RANGES, None))]
+    velocity = vector(message.twist.twist.linear)
+    return [_unless_lost(DvlSample(t_ns, velocity, sigma, NO_RANGES, None))]
 
 
 def twist(message: Fields, t_ns: int, role: str) -> list[Sample]:
@@ -105,6 +111,7 @@ def unnamed_transducer_report(message: Fields, t_ns: int, role: str) -> list[Sam
 
 
 def _transducers(report: Fields, t_ns: int, instrument: str) -> DvlSample:
+    """Read a report of transducers. instrument: A50, or "" where its type does not name it."""
     ranges = [
         b.distance if b.beam_valid else np.nan
         for b in sorted(report.transducers, key=lambda b: int(b.id))
@@ -119,7 +126,15 @@ def _water_linked(
 ) -> DvlSample:
     """Read the fields common to all drivers: x forward, y right, z out of the transducers.
 
-    A velocity whose figure of merit is too large is lost.
+    A velocity whose figure of merit is FIGURE_OF_MERIT_LIMIT or more is lost.
+
+    Parameters
+    ----------
+    report : the message
+    velocity : (3,) m/s
+    distances : along the beams, m, NaN where lost
+    t_ns : stamp
+    instrument : A50, whose beams are then used, or ""
     """
     ranges = np.array(distances, float)
     ranges[~(ranges > 0)] = np.nan
@@ -140,7 +155,7 @@ def _water_linked(
 def girona_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read cola2_msgs/DVL: velocity with covariance, one altitude, no beams."""
     sigma = sigma_of(message.velocity_covariance, VELOCITY)
-    return [_known(DvlSample(t_ns, vector(message.velocity), sigma, NO_RANGES, None))]
+    return [_unless_lost(DvlSample(t_ns, vector(message.velocity), sigma, NO_RANGES, None))]
 
 
 def simulator_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
@@ -150,7 +165,7 @@ def simulator_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
         b.range if b.range > 0 and not b.range_covariance < 0 else np.nan for b in message.beams
     ]
     velocity = vector(message.velocity)
-    return [_known(DvlSample(t_ns, velocity, sigma, np.array(ranges, float), None))]
+    return [_unless_lost(DvlSample(t_ns, velocity, sigma, np.array(ranges, float), None))]
 
 
 def nortek_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
@@ -166,8 +181,8 @@ def nortek_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     ]
 
 
-def _known(sample: DvlSample) -> DvlSample:
-    """Drop a velocity that its covariance marks as lost."""
+def _unless_lost(sample: DvlSample) -> DvlSample:
+    """Replace a velocity by NaN where its covariance marks it as lost."""
     if sample.sigma < LOST_SIGMA or np.isnan(sample.sigma):
         return sample
     return replace(sample, velocity=LOST, sigma=UNKNOWN_SIGMA)

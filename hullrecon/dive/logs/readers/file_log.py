@@ -59,7 +59,7 @@ class FileLog:
 def _unpack_message(message: Message, budget: UnpackBudget) -> Message:
     """Unpack a message that rosbag2 packed by itself (compression mode MESSAGE).
 
-    Where that fails the decoder will find it damaged.
+    One that cannot be unpacked is returned as it is, and the decoder will find it damaged.
     """
     data = message.data
     if not isinstance(data, bytes) or message.channel.encoding != "cdr":

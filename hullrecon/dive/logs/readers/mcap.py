@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""MCAP, chunk by chunk with the CRC of each: whole chunks are read, whatever lies between them."""
+"""Read MCAP chunk by chunk, each checked by its CRC. Damage between whole chunks is skipped."""
 
 from __future__ import annotations
 
@@ -42,15 +42,16 @@ from hullrecon.dive.logs.readers.protocol import Message
 from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, UnpackBudget, fields
 from hullrecon.findings.finding import Finding
 
-BLOCK = 1 << 20
-# no chunk is longer than 2^40 bytes
+BLOCK = 1 << 20  # bytes read at a time
+# opcode of a chunk and a length of 8 bytes, of which no chunk needs the upper three
 LIKE_A_CHUNK = re.compile(rb"\x06(?=.{5}\x00\x00\x00)", re.DOTALL)
-# times the file's size: so much of chunks that turn out damaged is read before the rest is given up
+# Bytes of chunks that turn out damaged, over the file's size, after which the rest is given up:
+# false chunks may each claim the rest of the file
 PATIENCE = 4
 
 
 class McapLog(FileLog):
-    """Walks the chunks that the summary names, else the file from its start, past every damage."""
+    """Reads the chunks that the summary lists, else the file from its start, past every damage."""
 
     kind = "MCAP"
 
@@ -124,7 +125,16 @@ class McapLog(FileLog):
     def _messages_at(
         self, stream: BinaryIO, opcode: int, length: int, at: int, size: int
     ) -> list[Message]:
-        """Read the messages of the record at a byte. Raises DamagedError for a misplaced record."""
+        """Read the messages of the record at byte `at`. Empty for a record without messages.
+
+        Raises DamagedError for a damaged record, and for one that does not belong there.
+
+        Parameters
+        ----------
+        stream : the file
+        opcode, length : kind of the record, and bytes behind its head
+        at, size : where the record begins, and the size of the file
+        """
         stream.seek(at + HEAD)
         if opcode == CHUNK or packed_at(stream.read(min(length, CHUNK_HEAD)), length) is not None:
             if opcode != CHUNK:
@@ -152,7 +162,11 @@ class McapLog(FileLog):
         return messages_of(chunk, self._definitions, self._budget)
 
     def _check_data(self, stream: BinaryIO, at: int) -> None:
-        """Compare the checksum over all data where no chunk's covers it. Note if there is none."""
+        """Compare the checksum over all data before `at`, where chunks have none of their own.
+
+        `at` is the byte at which the record that holds the checksum begins. A wrong checksum is a
+        loss, a missing one is noted.
+        """
         stream.seek(at)
         closing = stream.read(DATA_END_SIZE)
         crc = (
@@ -172,7 +186,7 @@ class McapLog(FileLog):
 
 @dataclass(kw_only=True)
 class _Unchecked:
-    """What was met on the way."""
+    """What was met in a file that the checksums of its chunks do not cover."""
 
     loose: bool = False  # definitions or messages outside chunks
     chunks: bool = False  # chunks without a checksum
@@ -193,10 +207,10 @@ def checksum(stream: BinaryIO, end: int) -> int:
 
 
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
-    """Find the next chunk, from `start` on, whose lengths agree. `size` without any.
+    """Find where the next chunk begins, from byte `start` on. `size` where none follows.
 
-    Only heads are looked at: reading bodies for each head that looks like one would take time
-    quadratic in the file's size.
+    A chunk counts where the lengths in its head agree with each other. Bodies are not read: for
+    each head that only looks like one that would take time quadratic in the file's size.
     """
     at = start
     while at < size:

@@ -60,10 +60,10 @@ BY_SUFFIX: dict[str, Callable[[Path], Log]] = {
     ".oculus": OculusLog,
 }
 SONAR_SUFFIXES = (".aris", ".oculus")
-# not sqlite's: others use it too
+# first bytes that tell a log whatever its name; not SQLite's, which other files have too
 TELLING = (mcap_records.MAGIC, bag_records.MAGIC, aris_frames.MAGIC, log_items.MAGIC)
-PART = re.compile(r"_\d+$")  # as the recorder numbers them
-MOST_LOOKED_AT = 50  # files of a folder without a log, for what they are
+PART = re.compile(r"_\d+$")  # end of the name of a part of a recording, as the recorder numbers it
+MOST_LOOKED_AT = 50  # files of a folder without a log whose first bytes are read, to describe it
 FORMS = (
     "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0, AD2CP, ARIS or ViewPoint file, the JSON lines of "
     "a Water Linked DVL or a"
@@ -72,9 +72,11 @@ FORMS = (
 
 
 def open_log(path: Path, package: Path | None = None) -> Log:
-    """Choose the reader of a log. Raises InputError where it is missing or of no known format.
+    """Choose the reader of a log, by its first bytes, else by its name.
 
-    package: the folder that paths in plain files may be relative to.
+    Raises InputError where the log is missing, empty or of no known format.
+
+    package: the folder that paths in tables may be relative to.
     """
     where, name = printable(str(path.parent)), printable(path.name)
     try:
@@ -109,6 +111,7 @@ def open_log(path: Path, package: Path | None = None) -> Log:
 
 
 def _open_folder(path: Path, package: Path | None) -> Log:
+    """Choose the reader of a folder: of a ROS 2 recording, else of tables."""
     names = {p.name for p in path.iterdir()}
     if METADATA in names or any(map(is_stored, names)):
         return Rosbag2Log(path)
@@ -122,7 +125,10 @@ def _open_folder(path: Path, package: Path | None) -> Log:
 
 
 def _not_read(name: str, where: str, what: str, remedy: str) -> InputError:
-    """Make the error for what no reader knows, with what it is and what to do if known."""
+    """Make the error for a file or folder that no reader knows.
+
+    what, remedy: what it is and what to do, "" where unknown.
+    """
     state = "holds no log" if name.startswith("the folder ") else "is no log"
     kind = f": {what}" if what else ""
     return InputError(
@@ -131,7 +137,10 @@ def _not_read(name: str, where: str, what: str, remedy: str) -> InputError:
 
 
 def find_logs(path: Path) -> list[Path]:
-    """Find the log that a path is, or those in a folder or its `logs`, else InputError."""
+    """Find the logs at a path: the path itself if it is one, else those in it or its `logs`.
+
+    Raises InputError where there is none.
+    """
     try:
         return _find_logs(path)
     except OSError as error:
@@ -139,7 +148,7 @@ def find_logs(path: Path) -> list[Path]:
 
 
 def _find_logs(path: Path) -> list[Path]:
-    """Find the logs in a folder, or in its folder logs/. Raises InputError if there is none."""
+    """Find the logs at a path as `find_logs` does, with OSError where it cannot be read."""
     if not path.is_dir() or _holds_log(path):
         return [path]
     for folder in (path, path / "logs"):
@@ -178,9 +187,9 @@ def is_log_of_any_name(start: bytes) -> bool:
 
 
 def is_of_sonar(path: Path) -> bool:
-    """Tell whether a log holds an imaging sonar without a topic.
+    """Tell whether a log gives pings of an imaging sonar without a topic being named.
 
-    That is the file of a sonar, or a folder of CSVs with a table of pings.
+    A sonar's own file does, and a folder of CSVs with a table of pings.
     """
     if path.is_dir():
         return (path / "sonar.csv").exists()
@@ -190,7 +199,11 @@ def is_of_sonar(path: Path) -> bool:
 
 
 def _describe(inside: Sequence[Path]) -> tuple[str, str]:
-    """Describe a folder without a log by the names of its files, else by their first bytes."""
+    """Describe a folder without a log by the names of its files, else by their first bytes.
+
+    Returns what it is and what to do about it, both "" where unknown. A packed file is described
+    only where no other file is known.
+    """
     found = describe_folder(p.name for p in inside)
     if found[0]:
         return found

@@ -29,7 +29,7 @@ def unpacked_name(name: str) -> str:
 class PackedLog:
     """Unpacks the file into a temporary folder at the first pass, and reads it there.
 
-    What was unpacked of a damaged file is read.
+    Of a damaged file the part that could be unpacked is read.
     """
 
     gives_samples = False
@@ -56,7 +56,7 @@ class PackedLog:
         return [*self._damage, *(self._log.losses() if self._log is not None else [])]
 
     def _unpack(self) -> Log:
-        """Unpack the log into a scratch folder, as far as it is whole, and open that."""
+        """Unpack the log into a scratch folder, up to the first damage, and open the copy."""
         import zstandard
 
         require_regular_file(self.path)

@@ -30,7 +30,7 @@ AZIMUTH_RAD = np.radians([-90.0, 90.0, 0.0, 180.0])  # of beams 1 to 4 about z o
 
 
 class Pd0Log(FileLog):
-    """Ensembles whose checksum holds. What lies between them is named."""
+    """Reads ensembles whose checksum holds. What lies between them is listed as a loss."""
 
     kind = "Teledyne PD0"
     gives_samples = True
@@ -62,7 +62,11 @@ class Pd0Log(FileLog):
 
 
 def to_sample(ping: Ensemble) -> DvlSample:
-    """Convert a bottom track: velocity (the bottom's, reversed), ranges along the beams."""
+    """Convert a bottom track to the frame `dvl`, with ranges along the beams.
+
+    The ensemble holds the bottom's velocity relative to the instrument, hence the minus, and
+    distances along the axis.
+    """
     velocity = -DVL_FROM_INSTRUMENT @ instrument_velocity(ping)
     tilt = ping.beam_angle_rad
     beams = np.stack(
@@ -102,14 +106,15 @@ def instrument_velocity(ping: Ensemble) -> Array:
 
 
 def from_beams(beams: Array, angle_rad: float) -> Array:
-    """Compute the instrument's velocity from four beams' (positive towards the transducer).
+    """Compute a velocity (3,) in the instrument's axes from those along four beams, m/s.
 
-    With one lost, the error velocity is taken as zero. NaN with more lost.
+    beams: (4,) positive towards the transducer, NaN where lost. One lost beam is replaced as if the
+    error velocity were zero. NaN where more are lost.
     """
     b = beams.copy()
     lost = np.flatnonzero(np.isnan(b))
     if len(lost) == 1:
-        # opposite beams, 1 and 2 or 3 and 4, sum to the same: both to the velocity along the axis
+        # either pair of opposite beams, 1 and 2 or 3 and 4, sums to the velocity along the axis
         opposite = {0: (1, 2, 3), 1: (0, 2, 3), 2: (3, 0, 1), 3: (2, 0, 1)}
         partner, one, other = opposite[int(lost[0])]
         b[lost[0]] = b[one] + b[other] - b[partner]
@@ -120,7 +125,8 @@ def from_beams(beams: Array, angle_rad: float) -> Array:
 def earth_from_instrument(heading: float, pitch: float, roll: float) -> Array:
     """Build the rotation (3, 3) from the instrument's axes to east, north, up.
 
-    Teledyne RD Instruments, Coordinate Transformation, (18).
+    Angles in rad, as the instrument defines them (Teledyne RD Instruments, Coordinate
+    Transformation, equation 18).
     """
     ch, sh, cp, sp, cr, sr = (
         np.cos(heading),
@@ -140,9 +146,10 @@ def earth_from_instrument(heading: float, pitch: float, roll: float) -> Array:
 
 
 def _tilts(ping: Ensemble) -> tuple[float, float]:
-    """Convert the tilts to rotations: the sensor of pitch measures the tilt of an axis.
+    """Convert the logged tilts to pitch and roll, rad, of `earth_from_instrument`.
 
-    Roll is turned over where the instrument faces up.
+    The sensor of pitch measures the tilt of an axis against the horizon, which differs from the
+    angle of pitch where the instrument rolls. Half a turn is added to roll where it faces up.
     """
     pitch = float(np.arctan(np.tan(ping.pitch_rad) * np.cos(ping.roll_rad)))
     return pitch, ping.roll_rad + (np.pi if ping.faces_up else 0.0)

@@ -42,10 +42,11 @@ COLUMNS = {
 }
 UNITS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
 EARLIEST_S, LATEST_S = 3e8, 4.2e9  # 1979 and 2103: no log of a dive lies outside
-# no sensor gives a reading in less; where stamps count days, one a second does
+# Mean time between two readings that no sensor is faster than, and rows that tell it. Stamps that
+# count days stay below: a reading each second is 1.2e-5 days
 LEAST_ROWS, SHORTEST_NS = 20, 20_000
 LISTED_LINES = 5
-# all pings together unpack to at most so many bytes and so many times their files
+# all pings together may unpack to the first number of bytes plus so many times their files' size
 PING_FREE_BYTES, PING_RATIO = 1 << 26, 64
 # characters; file systems take no longer names, and paths of up to 4096 in all
 LONGEST_FILE_NAME, LONGEST_PATH = 255, 1000
@@ -67,15 +68,18 @@ class PlainLog:
         self.path, self.package = path, package or path
         self.notes: list[Finding] = []
         self._losses: list[Loss] = []
+        # sonar files and the number in each of the pings that were read: none may be named twice
         self._pings: set[tuple[Path, int]] = set()
-        self._ping_files: set[Path] = set()
-        self._ping_bytes_left = PING_FREE_BYTES
+        self._ping_files: set[Path] = set()  # whose sizes count in _ping_bytes_left
+        self._ping_bytes_left = PING_FREE_BYTES  # that pings may still unpack to
+        # by camera, the video that is open and its path
         self._videos: dict[str, tuple[Path, video_frames.VideoFrames]] = {}
 
     def messages(self) -> Iterator[Message]:
-        """Yield the rows of all tables, table by table.
+        """Yield the readings of all tables, table by table.
 
-        Raises InputError for a table without any.
+        Raises InputError for a table without any row that can be read, or with stamps that are no
+        seconds.
         """
         self.notes, self._losses = [], []
         self._pings, self._ping_files, self._videos = set(), set(), {}
@@ -118,7 +122,11 @@ class PlainLog:
         )
 
     def _table(self, sensor: str) -> Iterator[Message]:
-        """Read a sensor's table. Rows that cannot be read are counted, and refused if all are."""
+        """Yield the readings of a sensor's table.
+
+        Rows that cannot be read are counted. Raises InputError where that is all of them, or where
+        most stamps are no seconds.
+        """
         channel, translate = Channel(sensor, f"{sensor}.csv", "sample"), self._samples()[sensor]
         bad, rows, late, first_reason = _BadLines(), 0, list[float](), ""
         first_ns = last_ns = read = 0
@@ -178,7 +186,7 @@ class PlainLog:
         return read_rows(self.path / f"{sensor}.csv", COLUMNS[sensor])
 
     def _samples(self) -> dict[str, Callable[[Row], Sample]]:
-        """List what translates a row of each table."""
+        """List the function that translates a row, by table."""
         return {
             "dvl": _dvl,
             "imu": _imu,
@@ -193,12 +201,16 @@ class PlainLog:
         }
 
     def _locate(self, name: str) -> Path:
-        """Find a file that a table names, with the separators of Windows too."""
+        """Find a file that a table names: beside the table, else in the package.
+
+        Separators may be those of Windows. A file that is not there is placed in the package.
+        """
         names = dict.fromkeys((name.strip(), name.strip().replace("\\", "/")))
         places = [folder / known for known in names for folder in (self.path, self.package)]
         return next((place for place in places if is_there(place)), self.package / name.strip())
 
     def _image(self, camera: str, row: Row) -> ImageSample:
+        """Read a row of a camera's table, which names an image file or a frame of a video."""
         name = row["file"].strip()
         path = self._locate(name)
         is_name = 0 < len(name) <= LONGEST_PATH and len(path.name) <= LONGEST_FILE_NAME
@@ -209,7 +221,7 @@ class PlainLog:
         return ImageSample(_ns(row), camera, b"", self._in_package(path).as_posix())
 
     def _frame(self, camera: str, path: Path, row: Row) -> bytes:
-        """Read a frame of a video. Its rows have to be in the order of the frames."""
+        """Read a frame of a video as JPEG. Rows have to be in the order of the frames."""
         if not (row.get("frame") or "").strip().isdecimal():
             raise ValueError("a video needs the number of its frame in column frame")
         name, video = self._videos.get(camera, (None, None))
@@ -319,6 +331,7 @@ def _dvl(row: Row) -> DvlSample:
 
 
 def _imu(row: Row) -> ImuSample:
+    """Translate a row of imu.csv. Rates and accelerations may be missing."""
     quaternion = np.array([_number(row[name]) for name in ("qx", "qy", "qz", "qw")])
     rates, acceleration = (
         np.array([_number(row.get(name) or "", lost=True) for name in names])
@@ -328,7 +341,10 @@ def _imu(row: Row) -> ImuSample:
 
 
 def _position(row: Row) -> PositionSample:
-    """Read latitude and longitude, or x and y. An empty place is no fix."""
+    """Translate a row of position.csv: latitude and longitude, or x and y.
+
+    NaN where the cells are empty, as there was no fix then.
+    """
     geographic = "latitude" in row
     names = ("latitude", "longitude", "altitude") if geographic else ("x", "y", "z")
     if not geographic and not {"x", "y"} <= row.keys():

@@ -26,12 +26,13 @@ from hullrecon.dive.logs.readers.protocol import Message
 from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, UnpackBudget
 from hullrecon.findings.finding import Finding
 
-OP_CHUNK = b"\x04\x00\x00\x00op=\x05"
+OP_CHUNK = b"\x04\x00\x00\x00op=\x05"  # the field of a head that makes its record a chunk
 HEAD_REACH = 64  # a chunk's head starts at most so many bytes before its `op` field
 LONGEST_CHUNK_HEAD = 4 * HEAD_REACH
 LIKE_A_LENGTH = re.compile(rb"(?=[\x09-\xff]\x00\x00\x00)", re.DOTALL)  # of a chunk's head
-BLOCK = 1 << 20
-# times the file's size: so much of chunks that turn out damaged is read before the rest is given up
+BLOCK = 1 << 20  # bytes read at a time
+# Bytes of chunks that turn out damaged, over the file's size, after which the rest is given up:
+# false chunks may each claim the rest of the file
 PATIENCE = 4
 
 
@@ -65,7 +66,15 @@ class Rosbag1Log(FileLog):
         notes: list[BagChunk],
         budget: UnpackBudget,
     ) -> Iterator[Message]:
-        """Read chunk by chunk as the index lists them. A damaged chunk is lost alone."""
+        """Read the chunks that the index lists. A damaged chunk does not cost the others.
+
+        Parameters
+        ----------
+        stream, size : the file, and its size
+        connections : topics and types by number
+        notes : what the index says of each chunk
+        budget : limits what the chunks unpack to
+        """
         behind = 0
         for note in notes:
             try:
@@ -114,10 +123,10 @@ class Rosbag1Log(FileLog):
 
 
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
-    """Find the next chunk, from `start` on, whose data fits into the file. `size` without any.
+    """Find where the next chunk begins, from byte `start` on. `size` where none follows.
 
-    Only heads are looked at: reading data for each head that looks like one would take time
-    quadratic in the file's size.
+    A chunk counts where its head can be read and its data fit into the file. The data are not
+    read: for each head that only looks like one that would take time quadratic in the file's size.
     """
     at = start
     while at < size:
@@ -140,7 +149,7 @@ def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
 
 
 def _is_chunk(data: bytes, room: int) -> bool:
-    """Tell whether the record that starts there is a chunk that fits into so many bytes."""
+    """Tell whether a record that begins with these bytes is a chunk of `room` bytes at most."""
     length = int.from_bytes(data[:4], "little")
     if not len(OP_CHUNK) < length < LONGEST_CHUNK_HEAD or len(data) < 8 + length:
         return False
@@ -157,6 +166,7 @@ def _is_chunk(data: bytes, room: int) -> bool:
 
 
 def _expected_counts(notes: list[BagChunk], connections: Connections) -> dict[str, int]:
+    """Sum up the messages of each topic that the index counts."""
     out: dict[str, int] = {}
     for note in notes:
         for number, count in note.counts.items():

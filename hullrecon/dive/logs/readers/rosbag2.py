@@ -42,7 +42,10 @@ def open_stored(path: Path) -> Log:
 
 
 class Rosbag2Log:
-    """Files in the order of the metadata, then by name those of a recording that was cut short."""
+    """Reads the files in the order of the metadata, then those that it does not list, by name.
+
+    The metadata of a recording that was cut short do not list all files.
+    """
 
     kind = "ROS 2 folder"
     gives_samples = False
@@ -85,7 +88,10 @@ class Rosbag2Log:
         return list(self._losses)
 
     def _parts(self, info: _Metadata) -> list[Log]:
-        """Open the folder's files. Of a file and its packed form, the one that is not packed."""
+        """Open the folder's files, and list those that the metadata name but are missing.
+
+        Where a file lies there both packed and unpacked, the unpacked one is taken.
+        """
         try:
             inside = sorted(p for p in self.path.iterdir() if is_stored(p.name))
         except OSError as error:
@@ -108,7 +114,10 @@ class Rosbag2Log:
         return f"the file {printable(name)} is missing{there}"
 
     def _choose(self, forms: Sequence[Path]) -> Path | None:
-        """Choose the first form of a file that has bytes. None, with the losses, without any."""
+        """Choose the first of a file's forms, unpacked and packed, that has bytes.
+
+        None where all are empty, which is added to the losses.
+        """
         lost = []
         for path in forms:
             why = _why_empty(path)
@@ -119,7 +128,7 @@ class Rosbag2Log:
         return None
 
     def _open(self, path: Path) -> Log:
-        """Open a file at the first pass: a packed one is unpacked once."""
+        """Open a file, or take its reader of an earlier pass, as a packed file is unpacked once."""
         if path not in self._opened:
             self._opened[path] = open_stored(path)
         return self._opened[path]
@@ -162,7 +171,10 @@ class _Metadata:
 
 
 def _parse(info: object) -> _Metadata:
-    """Take the fields of the right type: a half-written file lacks the rest."""
+    """Take files and counts from the metadata, as far as fields are of the right type.
+
+    A half-written file lacks the others.
+    """
     table = info if isinstance(info, Mapping) else {}
     files, topics = (table.get(k) for k in ("relative_file_paths", "topics_with_message_count"))
     names = (

@@ -21,7 +21,7 @@ MAGIC = b"SQLite format 3\0"
 
 
 class SqliteLog(FileLog):
-    """A database has no checksums: damage shows where SQLite cannot follow its pages."""
+    """Reads a database. It has no checksums: damage shows where SQLite cannot follow its pages."""
 
     kind = "ROS 2 database"
 

@@ -13,10 +13,10 @@ from typing import BinaryIO, Protocol
 
 # bytes; recorders write chunks of 1 to 4 MiB, or of one message; a larger size is a damaged field
 LARGEST_CHUNK = 1 << 27
-# a log unpacks to at most so many bytes and so many times its own size
+# a log may unpack to the first number of bytes plus so many times its own size
 FREE_BYTES, RATIO = 1 << 23, 256
-# bytes in which a search begins: what it reads stays near to how far it goes, however often it
-# begins
+# Bytes that a search reads first. The step then doubles, so that many searches over short distances
+# do not each read a whole window
 FIRST_STEP = 1 << 14
 LONGEST_NAME = 400  # characters; ROS allows 255, and a line that names one stays a line
 # characters of what a library says about damaged bytes: they may quote all of them
@@ -28,7 +28,7 @@ class DamagedError(ValueError):
 
 
 class UnpackBudget:
-    """Limit the unpacked size of a log, so that kilobytes do not become hours of work."""
+    """Limits the unpacked size of a log, so that kilobytes do not become hours of work."""
 
     def __init__(self, size: int) -> None:
         self._left = FREE_BYTES + RATIO * size
@@ -117,6 +117,7 @@ def fields(layout: str, data: bytes, offset: int = 0) -> tuple[int, ...]:
 
 
 def _zstd(data: bytes, size: int) -> bytes:
+    """Unpack zstd data to `size` bytes. Raises DamagedError."""
     import zstandard
 
     try:
@@ -142,7 +143,7 @@ class _Decompressor(Protocol):
 
 
 def _to_the_end(decompressor: _Decompressor, data: bytes, size: int) -> bytes:
-    """Unpack to the end, where the stream's own checksum stands."""
+    """Unpack `size` bytes, and require the stream's end, where its own checksum stands."""
     out = bytes(decompressor.decompress(data, size + 1))
     if len(out) == size and not decompressor.eof:
         raise DamagedError("it is cut off before its checksum")
@@ -160,9 +161,14 @@ class HeaderMark:
 
 
 def find_header(stream: BinaryIO, at: int, end: int, window: int, mark: HeaderMark) -> int:
-    """Find where the next header begins, from byte `at` on, or `end`.
+    """Find where the next header begins, from byte `at` on. `end` where none follows.
 
-    window: bytes to read at a time, at most.
+    Parameters
+    ----------
+    stream : the file
+    at, end : where the search begins, and the size of the file
+    window : bytes to read at a time, at most
+    mark : how a header is recognised
     """
     step = min(FIRST_STEP, window)
     while at < end:

@@ -39,7 +39,7 @@ MOST_BEAMS = 8
 
 
 def read_reports(stream: BinaryIO) -> Iterator[tuple[int, Report | None]]:
-    """Yield line numbers and JSON objects. None for a line that is too long or holds none."""
+    """Yield each line's number and JSON object. None for a line that is too long or holds none."""
     number = 0
     while line := stream.readline(LONGEST_LINE):
         number += 1
@@ -74,7 +74,7 @@ def _parse(line: bytes) -> Report | None:
 
 
 class WaterLinkedLog(FileLog):
-    """Reports line by line. Lines that are no report are named by their number."""
+    """Reads reports line by line. Lines that are no report are listed as losses."""
 
     kind = "Water Linked JSON"
     gives_samples = True
@@ -113,7 +113,10 @@ class WaterLinkedLog(FileLog):
 
 
 def is_water_linked(start: bytes) -> bool:
-    """Tell whether a file holds such reports, one per line: other JSON lies in many folders."""
+    """Tell whether a file holds a DVL's reports, one per line, by its first bytes.
+
+    JSON of other kinds lies in many folders.
+    """
     return (
         holds_reports(start)
         and start.lstrip().startswith(b"{")
@@ -122,14 +125,17 @@ def is_water_linked(start: bytes) -> bool:
 
 
 def holds_reports(start: bytes) -> bool:
-    """Tell whether a file holds such reports, one per line or reformatted as an indented list."""
+    """Tell whether a file holds a DVL's reports, one per line or reformatted as a list."""
     return start.lstrip()[:1] in (b"{", b"[") and any(mark in start for mark in MARKS)
 
 
 def describe(timeless: int, offset_deg: float | None) -> list[Finding]:
-    """Tell what the reports of a file lack.
+    """List what the reports of a file lack.
 
-    offset_deg: mounting rotation offset, None where the configuration was not logged.
+    Parameters
+    ----------
+    timeless : reports without a time
+    offset_deg : mounting rotation offset, None where the configuration was not logged
     """
     out = [Finding("water-linked-timeless", {"count": timeless})] if timeless else []
     if offset_deg is None:
@@ -140,7 +146,11 @@ def describe(timeless: int, offset_deg: float | None) -> list[Finding]:
 
 
 def to_velocity(report: Report) -> DvlSample:
-    """Convert a report of type velocity. Raises DamagedError."""
+    """Convert a report of type velocity. Raises DamagedError.
+
+    The velocity is lost where the report marks it as invalid, where it is not over the bottom, or
+    where its figure of merit is FIGURE_OF_MERIT_LIMIT or more.
+    """
     is_valid = (
         report.get("velocity_valid") is True and report.get("tracking_mode", "bottom") == "bottom"
     )
@@ -170,7 +180,7 @@ def to_attitude(report: Report) -> ImuSample:
 
 
 def _ranges(transducers: object) -> Array:
-    """Read the distances in the order of the transducers' numbers, NaN for invalid ones."""
+    """Read the ranges along the beams in the order of the transducers' numbers, NaN where lost."""
     if not isinstance(transducers, Sequence) or len(transducers) > MOST_BEAMS:
         raise DamagedError("it has no list of transducers")
     if not all(isinstance(t, dict) for t in transducers):

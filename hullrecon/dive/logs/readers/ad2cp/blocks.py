@@ -21,7 +21,8 @@ SHORT, LONG = 10, 12  # bytes of a header; the long one has 32 bits for the size
 CHECKSUM_START = 0xB58C
 # bytes; a block with more is an echo sounder's raw samples, which are not read
 LARGEST_DATA = 1 << 20
-WINDOW, REACH = 1 << 20, LARGEST_DATA + LONG  # bytes read at a time; of the longest block
+# bytes that are searched at a time, and that are read beyond so that the longest block is whole
+WINDOW, REACH = 1 << 20, LARGEST_DATA + LONG
 
 
 @dataclass(frozen=True)
@@ -43,8 +44,8 @@ def is_ad2cp(start: bytes) -> bool:
 
 
 def blocks(stream: BinaryIO) -> Iterator[tuple[int, int, Block | str]]:
-    """Yield (start, end, block), and (start, end, why) of bytes of no block between them."""
-    at = bad = 0
+    """Yield (start, end, block) of whole blocks, and (start, end, why) of bytes between them."""
+    at = bad = 0  # where the search is, and where bytes of no block begin
     why = ""
     while True:
         stream.seek(at)
@@ -93,10 +94,10 @@ def _odd(data: bytes) -> int:
 
 
 def _whole_blocks(data: bytes) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Find starts and ends of blocks whose header, length and both checksums are right.
+    """Find starts and ends (m,) of blocks whose header, length and both checksums are right.
 
-    Sums over blocks are differences of two running sums: each byte is added once, however many
-    headers claim it.
+    The sum over a block is the difference of two running sums, so that each byte is added once,
+    however many headers claim it.
     """
     sums = _RunningSums(data)
     starts, ends = [], []
@@ -117,14 +118,14 @@ def _whole_blocks(data: bytes) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 
 
 class _RunningSums:
-    """Sums of the bytes at even and at odd places up to each byte."""
+    """Sums of the bytes at even and at odd places before each byte, for checksums of any span."""
 
     def __init__(self, data: bytes) -> None:
         self.values = np.frombuffer(data, np.uint8).astype(np.int64)
         every = np.zeros((2, len(data) + 1), np.int64)
         every[0, 1:][0::2] = self.values[0::2]
         every[1, 1:][1::2] = self.values[1::2]
-        self.running = np.cumsum(every, axis=1)
+        self.running = np.cumsum(every, axis=1)  # rows: even places, odd places
 
     def headers(self, size: int) -> NDArray[np.int64]:
         """Find where a header of that size may begin, by its sync, size and family."""
@@ -141,7 +142,7 @@ class _RunningSums:
         return self.values[at] + 256 * self.values[at + 1]
 
     def total(self, start: NDArray[np.int64], end: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Compute the checksum from each start to its end."""
+        """Compute Nortek's checksum of the bytes from each start up to its end."""
         parity = start % 2
         low = self.running[parity, end] - self.running[parity, start]
         high = self.running[1 - parity, end] - self.running[1 - parity, start]

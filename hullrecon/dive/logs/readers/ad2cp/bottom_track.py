@@ -55,7 +55,7 @@ class BottomTrack:
     distance_m: Array  # (4,) along z to where each beam meets the ground; empty in DF20
     sigma: float  # m/s
     angles_rad: Array  # (3,) heading, pitch, roll
-    orientation: int  # which axis the angles are of (Z_UP ...)
+    orientation: int  # code of the axis that the angles refer to (Z_UP, Z_DOWN, AHRS)
 
 
 def parse(kind: int, data: bytes) -> BottomTrack:
@@ -72,6 +72,11 @@ def _parse_df20(data: bytes, start: int) -> BottomTrack:
     """Parse a bottom track of data format 20.
 
     Bits of its configuration tell which values it has.
+
+    Parameters
+    ----------
+    data : of the block
+    start : byte at which the values of the beams begin
     """
     (config,) = fields("<H", data, 2)
     heading, pitch, roll, layout = fields("<HhhH", data, 24)
@@ -112,7 +117,10 @@ def _parse_df20(data: bytes, start: int) -> BottomTrack:
 
 
 def _parse_df21(data: bytes, start: int) -> BottomTrack:
-    """Parse a bottom track of data format 21, in which status bits tell which values are valid."""
+    """Parse a bottom track of data format 21, in which status bits tell which values are valid.
+
+    Arguments as of `_parse_df20`.
+    """
     (count,) = fields("<H", data, 14)
     (status,) = fields("<I", data, 20)
     if start < DF21_HEADER or count != BEAMS:
@@ -144,9 +152,9 @@ def _has_angles(config: int) -> bool:
 
 
 def _vector(values: Array, tracked: Array) -> Array:
-    """Average the z of a velocity that was measured by different beams.
+    """Make a velocity (3,) of x, y and one or two values of z, which are averaged.
 
-    The velocity is lost if any beam is.
+    NaN where any beam is lost.
     """
     return np.array([*values[:2], values[2:].mean()]) if tracked.all() else LOST
 

@@ -30,7 +30,7 @@ BEAM = re.compile(
     rb"^BEAMCFGLIST,BEAM=([1-9]),THETA=(\d{1,3}\.?\d{0,6}),PHI=(-?\d{1,3}\.?\d{0,6}),", re.MULTILINE
 )
 FARTHEST_DEG = 60.0  # a beam that leaves the axis by more is a damaged number
-# smallest singular value of directions that still make a velocity of three components
+# smallest singular value of the beams' unit vectors from which a velocity (3,) can be solved
 FLATTEST = 0.05
 CHANNEL, ATTITUDE = (Channel(sensor, "Nortek AD2CP", "sample") for sensor in ("dvl", "imu"))
 NED_FROM_ENU = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])
@@ -53,9 +53,14 @@ def directions(beams: Mapping[int, Array], numbers: Sequence[int]) -> Array | No
 
 
 def velocity_from_beams(closing: Array, units: Array) -> Array:
-    """Solve for the velocity (3,) m/s whose parts along units (n, 3) are `closing` (n,).
+    """Solve for the velocity (3,) m/s from the velocities along the beams, by least squares.
 
-    Least squares. NaN with less than three beams left, or with beams that leave a direction open.
+    NaN where fewer than three beams are known, or where they leave a direction unobserved.
+
+    Parameters
+    ----------
+    closing : (n,) along each beam, positive where it closes in on the ground, NaN where lost
+    units : (n, 3) unit vectors along the beams
     """
     good = np.isfinite(closing)
     if np.count_nonzero(good) < 3 or np.linalg.svd(units[good], compute_uv=False)[-1] < FLATTEST:
@@ -64,7 +69,7 @@ def velocity_from_beams(closing: Array, units: Array) -> Array:
 
 
 class Ad2cpLog(FileLog):
-    """Blocks whose checksums hold. What lies between them is named."""
+    """Reads blocks whose checksums hold. What lies between them is listed as a loss."""
 
     kind = "Nortek AD2CP"
     gives_samples = True
@@ -90,7 +95,14 @@ class Ad2cpLog(FileLog):
     def _pings(
         self, block: Block, start: int, beams: dict[int, Array], seen: Counter[str]
     ) -> Iterator[Message]:
-        """Yield the readings of one record, or note its loss. Counts in `seen` what was met."""
+        """Yield the readings of one bottom track, or note its loss.
+
+        Parameters
+        ----------
+        block, start : the record, and the byte at which it begins
+        beams : unit vectors by the beams' numbers
+        seen : counts what was met, by the words that `describe` reads
+        """
         try:
             ping = tracks.parse(block.kind, block.data)
         except DamagedError as error:
@@ -111,9 +123,13 @@ class Ad2cpLog(FileLog):
 
 
 def to_sample(ping: BottomTrack, units: Array | None, enu_from_dvl: Array | None) -> DvlSample:
-    """Convert a bottom track to velocity and distances along z.
+    """Convert a bottom track to velocity in `dvl` and distances along its z.
 
-    units (n, 3): unit vectors along the beams, None where the file does not describe them.
+    Parameters
+    ----------
+    ping : bottom track
+    units : (n, 3) unit vectors along the beams, None where the file does not describe them
+    enu_from_dvl : (3, 3), None where the attitude is not known
     """
     velocity = ping.velocity
     if ping.frame == "beam":
@@ -124,9 +140,9 @@ def to_sample(ping: BottomTrack, units: Array | None, enu_from_dvl: Array | None
 
 
 def enu_from_dvl(ping: BottomTrack) -> Array | None:
-    """Build the rotation (3, 3) from `dvl` to east, north, up. None without an attitude.
+    """Build the rotation (3, 3) from `dvl` to east, north, up.
 
-    That is where an angle is missing, or the instrument took another axis than z as vertical.
+    None where an angle is missing, or where the instrument took another axis than z as vertical.
     """
     from scipy.spatial.transform import Rotation  # slow to import, and few logs need it
 
@@ -155,7 +171,10 @@ def attitude(t_ns: int, turn: Array) -> ImuSample:
 
 
 def describe(seen: Counter[str]) -> list[Finding]:
-    """List what a file lacks, what was ignored and what was assumed."""
+    """List what a file lacks, what was ignored and what was assumed.
+
+    seen: counts of blocks and pings, by kind.
+    """
     others = seen["water track"] + seen["other"]
     found: list[tuple[object, str, dict[str, object]]] = [
         (seen["bottom track"] and not seen["tracked"], "ad2cp-not-tracked", {}),

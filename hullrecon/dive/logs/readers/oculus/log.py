@@ -28,7 +28,7 @@ OCULUS = 10  # kind of the items that hold what the sonar sent
 
 
 class OculusLog(FileLog):
-    """Pings of items whose headers hold what ViewPoint writes. What lies between them is named."""
+    """Reads pings of items whose headers ViewPoint may have written. Other bytes are losses."""
 
     kind = "Oculus ViewPoint"
     gives_samples = True

@@ -23,7 +23,7 @@ from hullrecon.dive.logs.readers.unpack import (
 )
 
 MAGIC, ITEM_MAGIC = b"\x44\x33\x22\x11", b"\xdd\xcc\xbb\xaa"
-# the last field of an item fills it up to eight bytes
+# struct formats; the last field of an item only fills it up to a multiple of eight bytes
 FILE_HEADER, ITEM_HEADER = "<II16sHH4xqd", "<IIHH4xdHxxIII"
 FILE_HEADER_BYTES, ITEM_HEADER_BYTES = 48, 40
 LONGEST_HEADER = 1024
@@ -32,8 +32,7 @@ PLAIN, PACKED = 0, 1
 EARLIEST_S, LATEST_S = 1.2e9, 4.1e9  # 2008, before the first Oculus, and 2099
 MOST_BYTES = 1 << 26  # of a payload
 WINDOW = 1 << 20  # bytes that a search behind damage reads at a time
-# times the file's size: so much of payloads that turn out to be none is read before the rest is
-# given up
+# bytes of payloads that turn out to be none, over the file's size, after which the rest is given up
 PATIENCE = 4
 
 
@@ -90,9 +89,15 @@ def items(
 ) -> Iterator[tuple[int, int, tuple[ItemHeader, bytes] | str]]:
     """Yield (start, end, header and payload) of items, and (start, end, why) of bytes between them.
 
-    An item counts whose bytes end where another begins or the file does, or that holds one whole
-    message of an Oculus. False headers may each claim the rest of the file. PATIENCE bounds what is
-    read of payloads that turn out to be none.
+    An item counts where its bytes end where another begins or the file ends, or where it holds one
+    whole message of an Oculus. False headers may each claim the rest of the file. PATIENCE bounds
+    what is read for them.
+
+    Parameters
+    ----------
+    stream : the file
+    at : byte at which the items begin
+    budget : limits what they unpack to
     """
     mark = HeaderMark(ITEM_MAGIC, 0, ITEM_HEADER_BYTES, parse_item_header)
     end = stream.seek(0, 2)

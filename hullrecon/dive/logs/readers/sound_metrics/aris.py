@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """An .aris file as an imaging sonar: frames are pings in the frame `sonar` of an upright sonar.
 
-The lens spaces beams unevenly. Sound Metrics publishes the middle of each beam, the mean of several
-lenses a type [ArisFileSDK]. Here each table is an odd polynomial of fifth order fitted to it.
+The lens spaces beams unevenly. Sound Metrics publishes tables of the middle of each beam, for each
+type of lens the mean of several [ArisFileSDK]. Here an odd polynomial of fifth order that was
+fitted to the table stands for it.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ ANGLES: dict[tuple[int, int, bool], tuple[float, float, float]] = {
 }
 CHANNEL = Channel("sonar", "Sound Metrics ARIS", "sample")
 TURNED_DEG = 0.5  # a rotator that moves by less has not turned
-MOST_KINDS = 4  # of model, beams and lens, that are told
+MOST_KINDS = 4  # combinations of model, beams and lens that are listed
 
 
 def beam_azimuths(model: int, beams: int, *, is_telephoto: bool) -> Array | None:
@@ -57,7 +58,7 @@ def beam_azimuths(model: int, beams: int, *, is_telephoto: bool) -> Array | None
 
 
 class ArisLog(FileLog):
-    """Frames whose header holds what an ARIS writes. What lies between them is named."""
+    """Reads frames whose header an ARIS may have written. Other bytes are losses."""
 
     kind = "Sound Metrics ARIS"
     gives_samples = True
@@ -98,6 +99,7 @@ class _Seen:
         self._rotator: list[Array] = []  # lowest and highest angles
 
     def add(self, header: FrameHeader) -> None:
+        """Count a frame."""
         self._frames += 1
         self._silent += not header.is_sounding
         self._kinds.add((header.model, header.beams, header.is_telephoto))
@@ -106,6 +108,7 @@ class _Seen:
         self._rotator = [np.minimum(low, angles), np.maximum(high, angles)]
 
     def notes(self) -> list[Finding]:
+        """Report what the frames are of, and what was assumed about them."""
         if not self._frames:
             return [Finding("aris-empty")]
         kinds = [

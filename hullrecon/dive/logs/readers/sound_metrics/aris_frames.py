@@ -20,7 +20,7 @@ from hullrecon.typing import Array
 MAGIC = b"DDF\x05"
 HEADER = 1024  # bytes, of the file's header and of each frame's
 MAGIC_AT = 12  # in a frame's header
-# by ping mode
+# number of beams by ping mode
 BEAMS = {1: 48, 2: 48, 3: 96, 4: 96, 5: 96, 6: 64, 7: 64, 8: 64, 9: 128, 10: 128, 11: 128, 12: 128}
 MOST_SAMPLES = 20_000  # of a beam
 # 2008, before the first ARIS, and 2099
@@ -111,9 +111,13 @@ def frames(stream: BinaryIO) -> Iterator[tuple[int, int, ArisFrame | str]]:
 
 
 def _frame_at(stream: BinaryIO, at: int, end: int, last: int) -> ArisFrame:
-    """Read the frame at a byte.
+    """Read the frame that begins at byte `at`. Raises DamagedError where there is no whole one.
 
-    last: bytes of the image of the previous frame, 0 for the first.
+    Parameters
+    ----------
+    stream, end : the file, and its size
+    at : where the frame begins
+    last : bytes of the image of the previous frame, 0 for the first
     """
     stream.seek(at)
     header = parse_header(stream.read(HEADER))

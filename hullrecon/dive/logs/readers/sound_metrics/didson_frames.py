@@ -3,8 +3,9 @@
 """Frames of a DIDSON's .ddf file, versions 3 and 4: the images alone.
 
 The layout's sizes are those of Sound Metrics' ARIS File SDK [ArisFileSDK]. A frame states its
-window by codes, whose meaning in metres changed with the instrument, its time by a clock without a
-zone, and nothing of where its beams point: who names the file gives these. There are no checksums.
+window by codes, whose meaning in metres changed with the instrument, and its time by a clock
+without a zone. It does not state where its beams point. The table that names the file gives all
+three. There are no checksums.
 """
 
 from __future__ import annotations
