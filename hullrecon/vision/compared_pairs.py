@@ -61,7 +61,8 @@ class LinkedScene:
     ) -> list[PairMatch]:
         """Match the proposed pairs, searching where the track expects them, or anywhere.
 
-        Their common features are written to the spool.
+        A pair of one leg that is not found where the track expects it is searched in the whole
+        image. The common features of all pairs are written to the spool.
         """
         expected = (
             [None] * len(proposal) if anywhere else track.motions(proposal.first, proposal.second)
@@ -83,14 +84,14 @@ class LinkedScene:
 
 @dataclass(frozen=True, kw_only=True)
 class CommonFeatures:
-    """The common features of pairs, read pair by pair."""
+    """The common features of m pairs, read from the spool pair by pair."""
 
     spool: FeatureSpool
-    pairs: tuple[PairMatch, ...]  # m, whose features are in the spool
+    pairs: tuple[PairMatch, ...]  # (m,) whose features are in the spool
 
     @property
     def start(self) -> Ints:
-        """Where the rows of each pair (m + 1,) begin."""
+        """First row (m + 1,) of each pair among the rows of all pairs, and their number."""
         return np.cumsum([0, *(len(pair.stored or ()) for pair in self.pairs)], dtype=np.int64)
 
     def blocks(self) -> Iterator[NDArray[np.void]]:
@@ -102,10 +103,10 @@ class CommonFeatures:
 class ComparedPairs:
     """The pairs of all rounds so far, in the order of comparison."""
 
-    proposal: Proposal  # m pairs
-    found: tuple[PairMatch, ...]  # m
+    proposal: Proposal  # of m pairs
+    found: tuple[PairMatch, ...]  # (m,) the result of each
     round: Ints  # (m,) number of the round that compared each
-    rejected: Mask  # (m,) matched, but rejected
+    rejected: Mask  # (m,) matched, but contradicted by other links or the path
 
     @staticmethod
     def none() -> ComparedPairs:
@@ -123,7 +124,7 @@ class ComparedPairs:
     def joined_with(
         self, proposal: Proposal, found: Sequence[PairMatch], number: int
     ) -> ComparedPairs:
-        """Add the pairs of another round."""
+        """Append the pairs of another round, whose number is `number`, with their results."""
         old = self.proposal
         return ComparedPairs(
             proposal=Proposal(
@@ -147,13 +148,18 @@ class ComparedPairs:
         return self.proposal.across[self.kept()]
 
     def rejecting(self, links: Mask) -> ComparedPairs:
-        """Reject some of the kept pairs."""
+        """Reject those of the k kept pairs that `links` (k,) selects."""
         rejected = self.rejected.copy()
         rejected[self.kept()[links]] = True
         return replace(self, rejected=rejected)
 
     def accepting(self, accepted: Mask) -> ComparedPairs:
-        """Reject those of the last len(accepted) pairs that matched but are not accepted."""
+        """Reject the matched pairs of the last round that place recognition does not accept.
+
+        accepted: (a,) one for each of the last a pairs. Earlier pairs stay as they are.
+        """
+        # Row of each kept pair among the last a ones, negative for earlier pairs. These look up the
+        # True that is appended.
         rows = self.kept() - (len(self.found) - len(accepted))
         return self.rejecting((rows >= 0) & ~np.append(accepted, True)[np.maximum(rows, -1)])
 
@@ -168,7 +174,10 @@ class ComparedPairs:
         )
 
     def links(self, bottom: Mask) -> CameraLinks:
-        """Collect relative poses of the kept pairs. The bottom camera leads at nodes `bottom`."""
+        """Collect the relative poses of the k kept pairs.
+
+        bottom: (n,) nodes at which the bottom camera leads.
+        """
         rows = self.kept()
         motions = [pair.motion for pair in (self.found[k] for k in rows) if pair.motion is not None]
         first, second = self.proposal.first[rows], self.proposal.second[rows]
@@ -184,7 +193,11 @@ class ComparedPairs:
         )
 
     def expected_links(self, bottom: Mask, min_common: int) -> ExpectedLinks:
-        """Learn what to expect of pairs not compared yet. min_common: features of a link."""
+        """Learn to predict the links of pairs not compared yet from the results so far.
+
+        bottom: (n,) nodes at which the bottom camera leads. min_common: features that two images
+        must have in common to be linked.
+        """
         common, kept = np.zeros(len(self.found), np.int64), self.kept()
         common[kept] = [len(self.found[k].stored or ()) for k in kept]
         compared = Compared(
@@ -200,7 +213,7 @@ class ComparedPairs:
         return CommonFeatures(spool=spool, pairs=tuple(self.found[k] for k in self.kept()))
 
     def record(self) -> NodePairs:
-        """Record what was compared, with the reasons of failures."""
+        """Convert to the record of the compared pairs, with the reason why each failed."""
         return NodePairs(
             first=self.proposal.first,
             second=self.proposal.second,

@@ -45,12 +45,13 @@ from hullrecon.vision.pairs.selection import (
 )
 from hullrecon.vision.stereo.matching import no_matches
 
-MIN_STEREO_POINTS = 8  # whose median is the depth of the scene
-# Least probability of overlap of the pairs that a round compares. The next step is taken when a
-# round finds nothing.
+MIN_STEREO_POINTS = 8  # stereo points of which the median is taken as the depth of the scene
+# Least probability of overlap of the pairs that a round compares. Once a round links no pair, the
+# next lower probability is used.
 PROBABILITIES = (0.5, 0.2, 0.05)
-# Least worth of a comparison across legs, nats. It leaves out a quarter to 70 % of those that
-# overlap, and the adjusted path's sigmas are the same to 1 % (docs/methods.md 17).
+# Least worth of a comparison across legs: expected information gain of the path, nats. It leaves
+# out a quarter to 70 % of the pairs that overlap, and the adjusted path's sigmas are the same to
+# 1 % (docs/methods.md 17).
 LEAST_GAIN = 1.0
 
 
@@ -78,13 +79,20 @@ class SolvedPath(Protocol):
         ...
 
     def relative_errors(self, bottom: Mask) -> RelativeErrors:
-        """Describe how well leading cameras are known. The bottom one leads at `bottom` (n,)."""
+        """Give the uncertainty of the leading cameras' relative poses.
+
+        bottom: (n,) nodes at which the bottom camera leads.
+        """
         ...
 
     def information_gain(
         self, bottom: Mask, first: Ints, second: Ints, information: Array
     ) -> Array:
-        """Compute by how much links of that information (m, 6, 6) would inform the path, nats."""
+        """Compute the information gain (m,) of the path by each of m possible links, nats.
+
+        bottom: (n,) nodes at which the bottom camera leads. first, second: (m,) nodes of the links.
+        information: (m, 6, 6) inverse covariance that each link would have.
+        """
         ...
 
     def record(self) -> LinkedPath:
@@ -101,7 +109,7 @@ PathSolver = Callable[[CameraLinks, Solved | None], Solved]
 class LinkedImages:
     """The images of a dive linked."""
 
-    pairs: NodePairs  # compared
+    pairs: NodePairs  # all pairs compared
     features: CommonFeatures  # of the pairs joined, in their order
     links: CameraLinks  # relative poses of the pairs joined, in their order
     stereo: NodeStereo  # matches between the two cameras of each node
@@ -111,7 +119,7 @@ class LinkedImages:
     look_alikes: int = 0  # matches across an outage rejected because other places look alike
 
     def rounds(self) -> list[dict[str, int]]:
-        """Count the pairs that each round compared, joined and rejected."""
+        """Count the pairs that each round compared, joined and rejected, by these names."""
         p = self.pairs
         return [
             {
@@ -219,9 +227,11 @@ class _Rounds(Generic[Solved]):
         max_rounds: int,
         least_gain: float = LEAST_GAIN,
     ) -> tuple[ComparedPairs, Solved]:
-        """Compare the pairs that would tell most of the path, each round on that of the previous.
+        """Compare images of different legs in rounds, and solve the path after each.
 
-        Until no comparison is worth `least_gain`.
+        A round takes the pairs whose expected information gain is at least `least_gain`, nats, on
+        the path of the round before. It ends after `max_rounds`, or when a round links no pair even
+        at the lowest of PROBABILITIES.
         """
         scene, level = self.scene, 0
         for _ in range(max_rounds):
@@ -238,7 +248,7 @@ class _Rounds(Generic[Solved]):
             chosen = choose_informative(
                 revisits.proposal.first,
                 revisits.proposal.second,
-                *self._foresee(track, revisits, compared, solved),
+                *self._predict_gain(track, revisits, compared, solved),
                 least_gain,
             )
             compared, solved, new = self._try_pairs(
@@ -249,19 +259,20 @@ class _Rounds(Generic[Solved]):
                 break
         return compared, solved
 
-    def _foresee(
+    def _predict_gain(
         self, track: CameraTrack, revisits: Revisits, compared: ComparedPairs, solved: Solved
     ) -> tuple[Array, Array]:
-        """Foresee what comparisons would tell of the path [docs/methods.md 17].
+        """Predict the information gain of comparisons before making them [docs/methods.md 17].
 
-        Where no pair has matched yet, nothing says what a link tells: then each tells MOST_GAIN.
+        Before any pair has matched, the information of a link cannot be predicted: the gain of each
+        is then MOST_GAIN.
 
         Returns
         -------
         probability
-            That the pairs match (m,).
+            (m,) that each pair matches.
         gain
-            What they would tell (m,), if they did, nats.
+            (m,) information gain of the path if it does, nats.
         """
         probability, gain = revisits.probability.copy(), np.full(len(revisits.proposal), MOST_GAIN)
         if not len(compared.kept()):
@@ -272,8 +283,9 @@ class _Rounds(Generic[Solved]):
             rows = slice(start, start + COVARIANCE_BLOCK)
             first, second = revisits.proposal.first[rows], revisits.proposal.second[rows]
             common = expected.common(first, second, revisits.expected_overlap[rows])
-            at, back = track.global_from_camera[first], track.global_from_camera[second].inverse()
-            information = expected.link_information(first, second, common, (back @ at).translation)
+            first_pose, second_pose = (track.global_from_camera[nodes] for nodes in (first, second))
+            translation = (second_pose.inverse() @ first_pose).translation
+            information = expected.link_information(first, second, common, translation)
             probability[rows] *= expected.probability(common)
             gain[rows] = solved.information_gain(bottom, first, second, information)
         return probability, gain
@@ -281,7 +293,19 @@ class _Rounds(Generic[Solved]):
     def close_loops(
         self, compared: ComparedPairs, solved: Solved, max_rounds: int
     ) -> tuple[ComparedPairs, Solved, list[Recognition]]:
-        """Recognise places by appearance, with rounds after each success, until none is new."""
+        """Link places recognised by appearance, then compare more legs on the path so closed.
+
+        Repeated up to `max_rounds` times, until nothing new is recognised. The links of a
+        recognition are kept only if the images that they bring together match as well
+        (`is_confirmed`). Otherwise all of them are rejected and the path stays as it was.
+
+        Returns
+        -------
+        compared, solved
+            With the new pairs and links.
+        recognised
+            The result of each recognition.
+        """
         recognised: list[Recognition] = []
         for _ in range(max_rounds):
             track = self._track(solved)
@@ -292,9 +316,10 @@ class _Rounds(Generic[Solved]):
             tried = compared.joined_with(places.proposal, places.found, number)
             closed, path = tried.accepting(places.accepted), solved
             if places.accepted.any():
-                # From no solution: the closed path is far from the one before.
+                # Without the solution so far as a start: the closed path is far from it.
                 path = self.solve_path(closed.links(self.scene.bottom), None)
-                # Not for what they tell of the path, but to see whether they match at all.
+                # Compare whatever overlaps now, also where it would add no information: the
+                # question is whether these images match at all.
                 closed, path = self.link_legs(closed.rejecting(path.rejected), path, 1, 0.0)
             if not is_confirmed(closed, number):
                 compared = tried.accepting(np.zeros_like(places.accepted))
@@ -311,9 +336,9 @@ class _Rounds(Generic[Solved]):
     def _try_pairs(
         self, track: CameraTrack, proposal: Proposal, compared: ComparedPairs, solved: Solved
     ) -> tuple[ComparedPairs, Solved, bool]:
-        """Match proposed pairs and solve the path with them.
+        """Match proposed pairs and solve the path with the links that are not contradicted.
 
-        Returns the pairs, the solution, and whether any pair matched.
+        Returns all pairs so far, the solution, and whether any of the new pairs matched.
         """
         bottom = self.scene.bottom
         found = self.scene.match(track, proposal)
@@ -334,7 +359,7 @@ def _match_cameras(
     Returns
     -------
     nodes
-        n, with depths by the DVL and stereo matches.
+        (n,) with the depths that the DVL measured, and the stereo matches.
     count
         Features (n,) of the leading camera.
     bottom
@@ -347,21 +372,24 @@ def _match_cameras(
     def track_with(bottom: Mask) -> CameraTrack:
         return track_cameras(dive.trajectory, dive.errors, worker.rig, dive.tray_sigma_rad, bottom)
 
-    # Stereo is sought at the depths that the top camera has.
+    # Stereo matches are searched at the depths that the DVL gives for the top camera.
     track = track_with(np.zeros(len(dive.trajectory.t_ns), bool))
-    nodes, count = _nodes(worker, dive, track), np.zeros(len(track), np.int64)
+    nodes, count = _nodes_with_depth(worker, dive, track), np.zeros(len(track), np.int64)
     stereo = map_items(worker.match_stereo, [nodes[k] for k in usable], "stereo")
     for k, (features, matches) in zip(usable, stereo, strict=True):
         count[k], nodes[k] = features, replace(nodes[k], stereo=matches)
     bottom = worker.bottom_leads(nodes)
     if bottom.any():
         track = track_with(bottom)
-        seen = zip(_nodes(worker, dive, track), nodes, strict=True)
-        nodes = [replace(node, stereo=before.stereo) for node, before in seen]
+        # Depths are along the leading camera's axis, so that they are computed anew.
+        renewed = zip(_nodes_with_depth(worker, dive, track), nodes, strict=True)
+        nodes = [replace(node, stereo=before.stereo) for node, before in renewed]
     return nodes, count, bottom, track
 
 
-def _nodes(worker: MatchWorker, dive: NavigatedDive, track: CameraTrack) -> list[MatchNode]:
+def _nodes_with_depth(
+    worker: MatchWorker, dive: NavigatedDive, track: CameraTrack
+) -> list[MatchNode]:
     """List the nodes with the depth of the scene by the DVL, without stereo matches yet."""
     depths = [None] * len(track) if dive.returns is None else depth_priors(
         track, dive.trajectory, dive.returns, worker.rig
@@ -379,13 +407,14 @@ def _nodes(worker: MatchWorker, dive: NavigatedDive, track: CameraTrack) -> list
 
 
 def _scene_depth(node: MatchNode) -> float:
-    """Take the depth of the scene, m, from the stereo's median, else the DVL, else NaN."""
+    """Take the depth of the scene, m: the median of stereo, else the DVL's, else NaN."""
     if len(node.stereo) >= MIN_STEREO_POINTS:
         return float(np.median(node.stereo.point[:, 2]))
     return node.depth.mean if node.depth else float("nan")
 
 
 def _record_stereo(nodes: list[MatchNode], count: Ints) -> NodeStereo:
+    """Concatenate the stereo matches of all nodes. count: features (n,) of the leading camera."""
     stereo = [node.stereo for node in nodes]
     none = np.zeros(0, np.int64)
     points: Array = np.concatenate([np.zeros((0, 3)), *(s.point for s in stereo)])

@@ -26,7 +26,7 @@ from hullrecon.vision.stereo.node_view import NodeFeatures
 from hullrecon.vision.tracks.landmarks import FeatureMatches, build_tracks, first_numbers
 from hullrecon.vision.tracks.track_verification import Link, contradicted_observations
 
-BLOCK_ROWS = 1 << 18  # matches that are joined at a time
+BLOCK_ROWS = 1 << 18  # matches that are read and joined at a time
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,10 +34,10 @@ class MatchedImages:
     """The tracks of a dive, and the pairs that they come from."""
 
     tracks: Tracks
-    pairs: NodePairs  # m, compared
+    pairs: NodePairs  # the m pairs compared
     inliers: Ints  # (m,) features that each pair has in common
-    keyframes: int
-    nodes: int
+    keyframes: int  # number of nodes that were compared with others
+    nodes: int  # number of all nodes
 
     def counts(self) -> dict[str, int]:
         """Count pairs, landmarks and observations."""
@@ -65,7 +65,7 @@ class MatchedImages:
         }
 
     def chains(self) -> list[int]:
-        """Count the nodes of each group that matches connect, the largest first."""
+        """Count the nodes of each connected group of the match graph, the largest first."""
         from scipy.sparse import coo_array
         from scipy.sparse.csgraph import connected_components
 
@@ -97,13 +97,13 @@ def join_images(
     trajectory
         Images and their exposures by node.
     pairs
-        Compared.
+        All pairs that were compared.
     links, features
-        Of the pairs joined, in their order.
+        Relative poses and common features of the joined pairs, in the order of `pairs`.
     stereo
         Matches between the cameras of each node.
     keyframes
-        Their number.
+        Number of nodes that were compared with others.
 
     Raises
     ------
@@ -149,14 +149,16 @@ def join_images(
 
 @dataclass(frozen=True)
 class _MatchesOnDisk:
-    """The common features of linked pairs as matches, read in blocks of pairs."""
+    """The common features of m linked pairs as matches, read in blocks of whole pairs."""
 
-    links: CameraLinks  # m
-    features: PairFeatures  # of these
-    number: Ints  # (n + 1,) features before each node
+    links: CameraLinks  # (m,)
+    features: PairFeatures  # of these links
+    number: Ints  # (n + 1,) number of each node's first feature, counted through the dive
 
     def __iter__(self) -> Iterator[FeatureMatches]:
+        """Yield the matches of whole pairs, about BLOCK_ROWS at a time."""
         start = self.features.start
+        # First pair of each block: the pairs whose rows begin next to multiples of BLOCK_ROWS.
         edges = np.searchsorted(
             start, np.minimum(np.arange(0, start[-1] + BLOCK_ROWS, BLOCK_ROWS), start[-1])
         )
@@ -181,6 +183,7 @@ def stereo_by_node(stereo: NodeStereo) -> list[StereoMatches]:
 
 
 def _verified_links(links: CameraLinks) -> list[Link]:
+    """Convert links to relative motions (4, 4) with covariance, against which tracks are tested."""
     relative = Poses(links.quaternion, links.translation).matrix()
     return [
         Link(first=int(a), second=int(b), motion=Motion(motion, covariance), scaled=bool(scaled))
@@ -191,6 +194,7 @@ def _verified_links(links: CameraLinks) -> list[Link]:
 
 
 def _most_frequent_reason(pairs: NodePairs) -> str:
+    """Say why most pairs failed, for the error when none matched."""
     if not len(pairs):
         return "no two images were near enough to be compared"
     code = int(np.bincount(pairs.reason).argmax())

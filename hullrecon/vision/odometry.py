@@ -32,15 +32,15 @@ from hullrecon.vision.stereo.node_view import (
     view_of_node,
 )
 
-# Of a feature where another pair's points predict it. Points of a rig whose calibration is rough
-# lie pixels off where they move (8 px on a real set): a narrow search keeps those that happen to
-# agree, and the motion is theirs.
+# Sigma of a feature's position in the search for it. With a roughly calibrated rig, triangulated
+# points project pixels away from the true feature (8 px on a real set). A narrow search would keep
+# only the features that happen to agree, and give a wrong motion.
 SEARCH_SIGMA_PX = 2.0
-LOOSE = 5.0  # sigmas of a motion within which its features are searched again
-# Motion of features that is no noise of their places, in which a direction is found as well.
+LOOSE = 5.0  # factor on the sigmas of a motion within which its features are searched again
+# Median motion of features above which they moved: more than the noise of their positions.
 STILL_PX = 1.0
 MOST = 0.5  # share of an image that counts as most of it
-CELLS = 4  # of an image along either side
+CELLS = 4  # cells of an image along either side, to see how much of it features cover
 
 ReadRow = Callable[[int], Pixels | None]  # image (h, w, 3) RGB of a row, None for none
 
@@ -57,8 +57,9 @@ class OdometryFrame:
 class MeasuredMotion:
     """The motion of the top camera between two stereo pairs."""
 
-    motion: Motion  # first_from_second, its covariance as far as features err independently
-    calibration: CalibrationEvidence  # effect of the calibration's errors on it
+    # first_from_second, with the covariance from errors that features have independently
+    motion: Motion
+    calibration: CalibrationEvidence  # effect of the stereo calibration's errors on the motion
     inliers: int
 
 
@@ -89,10 +90,10 @@ class StereoOdometer:
     def motion(self, first: OdometryFrame, second: OdometryFrame) -> MeasuredMotion | None:
         """Measure the motion from one pair to another.
 
-        None where too few features agree or the motion has no length. The pairs are matched twice:
-        without a guess, then in reverse near the first result. Where features are few or the
-        calibration is rough, the two may settle on different motions. Their difference is added to
-        the covariance.
+        None where too few features agree, the motion has no length, or the bottom camera leads in
+        either pair. The pairs are matched twice: without a guess, then from the second to the first
+        near the inverse of that result. Where features are few or the calibration is rough, the two
+        may settle on different motions. Their difference is added to the covariance.
         """
         if Camera.BOTTOM in (first.view.camera, second.view.camera):
             return None
@@ -121,12 +122,12 @@ def stereo_odometer(
     min_inliers
         Matches that a motion must have.
     rig_sigma_rad
-        Sigma of the bottom camera's rotation. By two of these the search lines are widened.
+        Sigma of the bottom camera's rotation. The search along epipolar lines is wider by twice
+        this.
     """
-    cameras = rig
-    widening_px = 2 * rig_sigma_rad * cameras.focal_px(Camera.TOP)
+    widening_px = 2 * rig_sigma_rad * rig.focal_px(Camera.TOP)
     return StereoOdometer(
-        rig=cameras,
+        rig=rig,
         feature_options=FeatureOptions(max_features=max_features),
         match_options=MatchOptions(
             min_inliers=min_inliers,
@@ -155,19 +156,21 @@ def image_motion(
     Returns
     -------
     between
-        From two rows second_from_first (4, 4), its translation of any length, and sigmas (2,) of
-        rotation and direction about the axis known worst, rad. None where features do not agree.
+        Function of two image rows. It returns second_from_first (4, 4), whose translation has an
+        arbitrary length, and sigmas (2,), rad, of its rotation and of the translation's direction,
+        each about the least well known axis. None where features do not agree.
     """
     match, _ = _match_top_images(rig, read, max_features, min_inliers)
 
     def between(first: int, second: int) -> tuple[Array, Array] | None:
-        """See `image_motion`. The sigma of the direction is that across it."""
+        """Measure the motion from one image row to another, as `image_motion` says."""
         found = match(first, second).motion
         if found is None:
             return None
         length = float(np.linalg.norm(found.second_from_first[:3, 3]))
         direction = found.second_from_first[:3, 3] / length
         across = np.eye(3) - np.outer(direction, direction)
+        # A direction errs by the part of the translation's error across it, over the length.
         of_direction = across @ found.covariance[:3, :3] @ across / length**2
         variance = [np.linalg.eigvalsh(c)[-1] for c in (found.covariance[3:, 3:], of_direction)]
         return found.second_from_first, np.sqrt(variance)
@@ -180,14 +183,14 @@ def continuity(
 ) -> Callable[[int, int], bool]:
     """Set up the test whether two images of the top camera overlap.
 
-    They do where min_inliers features move as those of one rigid scene. Where they stand still they
-    have to fill most of the image: a visible part of the vehicle stands still in open water too.
-    Parameters are those of `image_motion`.
+    They overlap where at least min_inliers features move as those of one rigid scene. Features that
+    stand still must also fill most of the image: a visible part of the vehicle stands still in open
+    water too. Parameters are those of `image_motion`. The test takes two image rows.
     """
     match, view = _match_top_images(rig, read, max_features, min_inliers)
     camera = rig.camera_models[Camera.TOP]
 
-    def goes_on(first: int, second: int) -> bool:
+    def overlap(first: int, second: int) -> bool:
         """Test whether features move as of one scene, and if they stand still, fill the image."""
         found = match(first, second)
         if found.reason not in (Reason.MATCHED, Reason.NO_MOTION):
@@ -196,7 +199,7 @@ def continuity(
         moved_px = np.linalg.norm((after - before) * [camera.fx, camera.fy], axis=1)
         return bool(np.median(moved_px) > STILL_PX) or fills_most(after, camera)
 
-    return goes_on
+    return overlap
 
 
 def image_flow(
@@ -204,8 +207,9 @@ def image_flow(
 ) -> Callable[[int, int], tuple[Array, Array] | None]:
     """Set up the search for features of one rigid scene in two images of the top camera.
 
-    Parameters are those of `image_motion`. From two rows the places (m, 2) of m features in both
-    images, in ideal coordinates. None where features do not agree.
+    Parameters are those of `image_motion`. The search takes two image rows and returns the
+    positions (m, 2) of the same m features in each image, in ideal coordinates. None where features
+    do not agree.
     """
     match, view = _match_top_images(rig, read, max_features, min_inliers)
 
@@ -221,30 +225,38 @@ def image_flow(
 def fills_most(xy: Array, camera: CameraModel) -> bool:
     """Decide whether points (n, 2), ideal coordinates, cover more than MOST of an image.
 
-    Both the area that their scatter stands for and the share of cells with a point must exceed it:
-    scatter alone would pass points along the rim.
+    Both the area of the rectangle over which points of this scatter would be spread evenly and the
+    share of cells with a point must exceed it. Scatter alone would pass points along the rim.
     """
-    place = (xy * [camera.fx, camera.fy] + [camera.cx, camera.cy]) / [camera.width, camera.height]
-    # Points that are even over a rectangle scatter by a twelfth of the square of its sides.
-    area = 12 * np.sqrt(max(np.linalg.det(np.cov(place.T)), 0.0))
-    cells = np.unique(np.clip((place * CELLS).astype(np.int64), 0, CELLS - 1), axis=0)
+    share = (xy * [camera.fx, camera.fy] + [camera.cx, camera.cy]) / [camera.width, camera.height]
+    # Points spread evenly along a side of length a have the variance a^2 / 12.
+    area = 12 * np.sqrt(max(np.linalg.det(np.cov(share.T)), 0.0))
+    cells = np.unique(np.clip((share * CELLS).astype(np.int64), 0, CELLS - 1), axis=0)
     return bool(area > MOST and len(cells) > MOST * CELLS**2)
 
 
 def _match_top_images(
     rig: Rig, read: ReadRow, max_features: int, min_inliers: int
 ) -> tuple[Callable[[int, int], PairMatch], Callable[[int], NodeView]]:
-    """Set up matching of the top camera's images by row, keeping the features of the last two."""
+    """Set up matching of the top camera's images by row.
+
+    Returns
+    -------
+    match
+        Matches two image rows, without a prior of the motion.
+    view
+        Features of an image row. Those of the last two rows are kept.
+    """
     options = MatchOptions(min_inliers=min_inliers)
-    cameras, feature_options = rig, FeatureOptions(max_features=max_features)
-    matcher = PairMatcher(cameras, options)
+    feature_options = FeatureOptions(max_features=max_features)
+    matcher = PairMatcher(rig, options)
 
     @lru_cache(maxsize=2)
     def view(row: int) -> NodeView:
         image = read(row)
         found = no_features() if image is None else extract(image, feature_options)
         features = NodeFeatures(top=found, bottom=no_features())
-        return view_of_node(cameras, features, None, options.sigma_px)
+        return view_of_node(rig, features, None, options.sigma_px)
 
     def match(first: int, second: int) -> PairMatch:
         seed = (options.seed, first, second)
@@ -262,12 +274,15 @@ def _measured_motion(found: PairMatch) -> MeasuredMotion | None:
 
 
 def _with_disagreement(found: MeasuredMotion, again: MeasuredMotion) -> MeasuredMotion:
-    """Add half the squared difference of both directions: either may be wrong."""
-    there = again.motion.inverse().second_from_first
-    turn = found.motion.second_from_first[:3, :3].T @ there[:3, :3]
+    """Add the difference of the motion matched forward and in reverse to the covariance.
+
+    Half its square is added: either of the two may be wrong.
+    """
+    reversed_motion = again.motion.inverse().second_from_first
+    turn = found.motion.second_from_first[:3, :3].T @ reversed_motion[:3, :3]
     gap = np.concatenate(
         [
-            there[:3, 3] - found.motion.second_from_first[:3, 3],
+            reversed_motion[:3, 3] - found.motion.second_from_first[:3, 3],
             Rotation.from_matrix(turn).as_rotvec(),
         ]
     )

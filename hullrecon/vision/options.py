@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sections [matches] and [links] of dive.toml."""
+"""Sections [features], [matches] and [links] of dive.toml."""
 
 from __future__ import annotations
 

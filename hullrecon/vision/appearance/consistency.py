@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Find links that confirm each other [Mangelson2018].
 
-The motions around two links and the path on both sides must close.
+Two links and the pieces of the path that connect their ends form a loop. If both links are right,
+the product of the four motions is the identity within its covariance.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from hullrecon.vision.pairs.camera_track import CameraTrack
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.pair_match import PairMatch, agrees
 
-MAX_CHI2 = 22.5  # of a closed loop's six numbers, 99.9 %
+MAX_CHI2 = 22.5  # of a loop's misclosure: 99.9 % of chi-square with six degrees of freedom
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +31,10 @@ class Agreement:
 
 
 def compose(outer: Motion, inner: Motion) -> Motion:
-    """Compose c_from_b and b_from_a, which err independently, with covariance to first order."""
+    """Compose c_from_b and b_from_a to c_from_a, with covariance to first order.
+
+    The errors of both are taken as independent.
+    """
     turn = outer.second_from_first[:3, :3]
     by_outer, by_inner = np.eye(6), np.eye(6)
     by_outer[:3, 3:] = -turn @ cross_matrix(inner.second_from_first[:3, 3])
@@ -54,11 +58,11 @@ def agreement(
     found
         Their matches.
     max_sigma_m
-        Largest sigma of the path between their nodes, on either side. Where it is larger, two links
-        neither confirm nor contradict each other.
+        Largest sigma of the path between the first nodes of two links, and between their second
+        ones. Where it is larger, two links neither confirm nor contradict each other.
     """
-    # Around the cycle first j, first i, second i, second j: along the path, over link i, along the
-    # path. It has to be the motion of link j.
+    # From first[j] along the path to first[i], over link i to second[i], and along the path to
+    # second[j]. This has to agree with the motion of link j.
     count = len(first)
     i, j = np.triu_indices(count, 1)
     here, there = track.motions(first[j], first[i]), track.motions(second[i], second[j])
@@ -74,29 +78,36 @@ def agreement(
 
 
 def _sigma_m(motion: Motion) -> float:
+    """Compute the sigma of a motion's translation, the mean over the axes."""
     return float(np.sqrt(np.trace(motion.covariance[:3, :3]) / 3))
 
 
 def largest_group(agree: Mask, among: Ints) -> Ints:
-    """Find the largest group of links that all agree with each other, sorted.
+    """Find a large group of links that all agree with each other: a clique, by a greedy search.
 
-    Greedy, started from each link in turn, by the number of links that each agrees with.
+    From each link in turn, the candidate that agrees with most other candidates is added, until
+    none agrees with all members. The largest group found is returned, sorted.
+
+    agree: (m, m) pairs of links that agree. among: the links (k,) to choose from.
     """
     best = np.zeros(0, np.int64)
     for start in among:
-        members, left = [int(start)], among[agree[start, among]]
-        while len(left):
-            degree = agree[np.ix_(left, left)].sum(axis=1)
-            chosen = int(left[int(degree.argmax())])
+        members, candidates = [int(start)], among[agree[start, among]]
+        while len(candidates):
+            degree = agree[np.ix_(candidates, candidates)].sum(axis=1)
+            chosen = int(candidates[int(degree.argmax())])
             members.append(chosen)
-            left = left[agree[chosen, left]]
+            candidates = candidates[agree[chosen, candidates]]
         if len(members) > len(best):
             best = np.sort(np.array(members, np.int64))
     return best
 
 
 def independent_links(first: Ints, second: Ints) -> int:
-    """Count links (m,) without a common node. Greedy, so that there may be more."""
+    """Count links of which no two share a node, chosen greedily from links (m,) by their nodes.
+
+    There may be a larger choice: the count is a lower bound.
+    """
     used: set[int] = set()
     count = 0
     for a, b in zip(first.tolist(), second.tolist(), strict=True):

@@ -1,8 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Keyframes that may show one place beyond the search by overlap, and places known to be two.
+"""Propose pairs of keyframes that may show the same part of the hull, by how alike they look.
 
-Beyond its reach are places whose offset the path leaves open by many footprints.
+They are needed where the path is too uncertain for the search by overlap: the offset of two scenes
+is uncertain by more than a footprint, as after an outage. Two kinds of pairs are proposed: those
+that may be the same place by the path, and, as a control, those that the path knows to be two
+different places. If controls match, appearance cannot be trusted on this hull.
 """
 
 from __future__ import annotations
@@ -18,33 +21,37 @@ from hullrecon.vision.appearance.vocabulary import InvertedFile
 from hullrecon.vision.pairs.camera_track import CameraTrack
 from hullrecon.vision.pairs.selection import scene_in_target
 
-# Sigma of an offset, in footprints, from which no pair is probable enough for the search.
+# Sigma of the offset of two scenes, in footprints, above which the search by overlap finds no pair
+# probable enough to compare
 BEYOND = 1.0
-KNOWN = 0.25  # sigma in footprints with which two places may be known to be two
-APART = 2.0  # footprints between these
-GATE_CHI2 = 16.3  # of the offset of two scenes, three numbers, 99.9 %
+KNOWN = 0.25  # sigma of an offset, in footprints, up to which two scenes may be a control
+APART = 2.0  # least distance of the scenes of a control, in footprints
+GATE_CHI2 = 16.3  # of the offset of two scenes: 99.9 % of chi-square with three degrees of freedom
 STATIONS = 100  # keyframes at which the path is evaluated, evenly along it
-QUERIES = 300  # keyframes whose look-alikes are searched, evenly along the path
-PART_STATIONS, PART_QUERIES = 3, 10  # of each part of the path at least, however short
-MOST_STATIONS, MOST_QUERIES = 600, 1000  # in all, where there are many parts
-CANDIDATES = 20  # most alike of each query, whose offset is computed
-PLACES = 5  # of these, at separate places, that are compared
-MOST_PAIRS = 200  # compared in all
-CONTROLS = 60  # pairs of places known to be two, that are compared as well
+QUERIES = 300  # keyframes for which others that look alike are searched, evenly along the path
+PART_STATIONS, PART_QUERIES = 3, 10  # the same, at least in each part of the path, however short
+MOST_STATIONS, MOST_QUERIES = 600, 1000  # the same, at most in all, where there are many parts
+CANDIDATES = 20  # keyframes most like a query for which the offset is computed
+PLACES = 5  # of these, keyframes at separate places that are compared with the query
+MOST_PAIRS = 200  # pairs compared in all
+CONTROLS = 60  # control pairs compared
 
 
 @dataclass(frozen=True, kw_only=True)
 class OpenPlaces:
-    """Which pairs of m keyframes may be one place by the path, evaluated at stations along it."""
+    """Which pairs of m keyframes may show the same place by the path, evaluated at s stations.
 
-    edges: Ints  # (p + 1,) first keyframe of each part of the path, and m
-    station: Ints  # (m,) of each keyframe
-    open: Mask  # (s, s) stations that may be one place, beyond the search
-    apart: Mask  # (s, s) stations known to be two places
-    reach_m: float  # largest distance that is known
+    Stations are some of the keyframes, evenly along the path.
+    """
+
+    edges: Ints  # (p + 1,) first keyframe of each of p parts of the path, and m
+    station: Ints  # (m,) number of the station that stands for each keyframe
+    open: Mask  # (s, s) pairs of stations that may be one place, beyond the search by overlap
+    apart: Mask  # (s, s) pairs of stations known to be two places
+    reach_m: float  # largest distance between stations whose offset is known (sigma below KNOWN)
 
     def of_keyframes(self, queries: Ints, mask: Mask) -> Mask:
-        """Look up a mask of stations for pairs of some keyframes with every keyframe (q, m)."""
+        """Expand a mask (s, s) of stations to pairs (q, m) of queried with all keyframes."""
         return np.asarray(mask[self.station[queries]][:, self.station])
 
 
@@ -56,9 +63,25 @@ def footprint_m(depth_m: Array, camera: CameraModel) -> float:
 def scene_offsets(
     track: CameraTrack, first: Ints, second: Ints, depth_m: Array
 ) -> tuple[Array, Array]:
-    """Compute the offset (m, 3) from the second node's scene to the first's, in the second camera.
+    """Compute the offset between the centres of the scenes of m pairs of nodes.
 
-    Between the middles of the scenes, with covariance (m, 3, 3).
+    The centre of a scene is the point on the optical axis at its median depth.
+
+    Parameters
+    ----------
+    track
+        Poses of the leading cameras.
+    first, second
+        Nodes (m,).
+    depth_m
+        Median depth (n,) of the scene by node.
+
+    Returns
+    -------
+    offset
+        (m, 3) from the centre of the second scene to that of the first, in the second camera, m.
+    covariance
+        (m, 3, 3) of the offset, m^2.
     """
     relative, covariance = scene_in_target(track, first, second, depth_m[first])
     middle = depth_m[first, None] * [0.0, 0.0, 1.0]
@@ -67,7 +90,11 @@ def scene_offsets(
 
 
 def may_be_one(offset: Array, covariance: Array, slack_m: float) -> Mask:
-    """Gate places (m,) that may be the same. Centres of overlapping scenes are slack_m apart."""
+    """Select pairs (m,) of scenes that may be the same place, by a chi-square gate on their offset.
+
+    slack_m: sigma of the distance between the centres of scenes that overlap, added to the
+    covariance (m, 3, 3) of the offset (m, 3).
+    """
     chi2 = np.einsum(
         "mi,mij,mj->m", offset, np.linalg.inv(covariance + slack_m**2 * np.eye(3)), offset
     )
@@ -82,14 +109,25 @@ def largest_sigma(covariance: Array) -> Array:
 def open_places(
     track: CameraTrack, keyframes: Ints, depth_m: Array, camera: CameraModel
 ) -> OpenPlaces | None:
-    """Find what the path leaves open between keyframes (m,) of known depth.
+    """Find the pairs of keyframes that may be one place although the search by overlap skips them.
 
-    None where the search by overlap covers all that it leaves. depth_m (n,) is by node.
+    None where there are none: the path is known well enough for the search by overlap.
+
+    Parameters
+    ----------
+    track
+        Poses of the leading cameras, with the uncertainty of relative poses.
+    keyframes
+        Nodes (m,) of known depth.
+    depth_m
+        Depth (n,) of the scene by node.
+    camera
+        Model that footprints are computed with.
     """
     if len(keyframes) < 2:
         return None
     size = footprint_m(depth_m[keyframes], camera)
-    # Two nodes' relative sigma is at most the sum of theirs relative to a third one.
+    # The relative sigma of two nodes is at most the sum of their sigmas relative to a third one.
     middle = np.full(len(keyframes), keyframes[len(keyframes) // 2])
     if 2 * np.sqrt(3) * track.relative_sigma(keyframes, middle).max() < BEYOND * size:
         return None
@@ -97,7 +135,7 @@ def open_places(
     rank = _spread(edges, STATIONS, PART_STATIONS, MOST_STATIONS)
     station = _nearest_of_part(edges, rank)
     at = track.global_from_camera.translation[keyframes]
-    # Distance of a keyframe from its station.
+    # Typical distance of a keyframe from its station.
     slack = float(np.median(np.linalg.norm(at - at[rank[station]], axis=1)))
     a, b = np.triu_indices(len(rank), 1)
     offset, covariance = scene_offsets(track, keyframes[rank[a]], keyframes[rank[b]], depth_m)
@@ -115,7 +153,7 @@ def open_places(
 
 
 def _edges_of_parts(track: CameraTrack, keyframes: Ints, depth_m: Array, size_m: float) -> Ints:
-    """Cut the keyframes where the path knows a step worse than a footprint, as over an outage."""
+    """Cut the path where a step between keyframes is uncertain by a footprint, as at an outage."""
     _, covariance = scene_offsets(track, keyframes[:-1], keyframes[1:], depth_m)
     return np.concatenate(
         [[0], np.flatnonzero(largest_sigma(covariance) > BEYOND * size_m) + 1, [len(keyframes)]]
@@ -123,18 +161,19 @@ def _edges_of_parts(track: CameraTrack, keyframes: Ints, depth_m: Array, size_m:
 
 
 def _spread(edges: Ints, total: int, each: int, most: int) -> Ints:
-    """Spread ranks of keyframes evenly along each part of the path.
+    """Choose ranks of keyframes evenly along each part of the path.
 
     Parameters
     ----------
     edges
-        First keyframe of each part, and their number.
+        First keyframe of each part, and the number of keyframes.
     total
-        Ranks in all, by the parts' lengths.
+        Number of ranks, shared among the parts by their lengths.
     each
-        Least ranks of every part, or as many as make `most`.
+        Least number of ranks in a part, unless these would be more than `most` in all.
     most
-        Ranks in all at most. Where there are more parts than that, they count as one.
+        Largest number of ranks in all. If there are more parts than that, the whole path is taken
+        as one part.
     """
     length, parts = np.diff(edges), len(edges) - 1
     if parts > most:
@@ -150,18 +189,23 @@ def _spread(edges: Ints, total: int, each: int, most: int) -> Ints:
 
 
 def _nearest_of_part(edges: Ints, rank: Ints) -> Ints:
-    """Assign each keyframe the nearest station (m,), of its own part where that has one."""
+    """Assign each keyframe the nearest station (m,), preferably one of its own part.
+
+    edges: first keyframe of each part, and m. rank: (s,) keyframes that are stations.
+    """
     number = np.arange(edges[-1])
     after = np.searchsorted(rank, number)
     beside = np.clip([after - 1, after], 0, len(rank) - 1)
     part, of_station = (
         np.searchsorted(edges, values, side="right") for values in (number, rank[beside])
     )
+    # Keyframes to the stations before and after. A station of another part is farther than any.
     away = np.abs(number - rank[beside]) + edges[-1] * (part != of_station)
     return np.asarray(np.where(away[0] <= away[1], *beside))
 
 
 def _symmetric(values: Mask, a: Ints, b: Ints, count: int) -> Mask:
+    """Fill a symmetric mask (count, count) from its values (k,) at the pairs a, b (k,)."""
     out = np.zeros((count, count), bool)
     out[a, b] = out[b, a] = values
     return out
@@ -177,6 +221,8 @@ def likeliest_pairs(
 ) -> tuple[Array, Array]:
     """Find the pairs of keyframes that look most alike.
 
+    Parameters are those of `open_places`, with its result and the visual words of the keyframes.
+
     Returns
     -------
     pairs
@@ -190,8 +236,12 @@ def likeliest_pairs(
     def pairs_where(
         mask: Mask, wanted: Callable[[Array, Array], Mask], places_each: int, most: int
     ) -> Array:
-        """Find the pairs that look most alike, of those whose offset on the path is as wanted."""
-        # Stations are near, not exact: an outage may lie between a keyframe and its station.
+        """Find the pairs that look most alike among those whose offset `wanted` selects.
+
+        mask: (s, s) pairs of stations to search. places_each: pairs of a query at most. most: pairs
+        in all at most.
+        """
+        # The mask only preselects: an outage may lie between a keyframe and its station.
         asked, place = _best(np.where(places.of_keyframes(queries, mask), scores, 0.0), CANDIDATES)
         keep = wanted(*scene_offsets(track, keyframes[queries[asked]], keyframes[place], depth_m))
         asked, place = asked[keep], place[keep]
@@ -215,14 +265,14 @@ def likeliest_pairs(
 
 
 def _is_open(offset: Array, covariance: Array, size_m: float, slack_m: float) -> Mask:
-    """Select places (m,) that may be one, beyond the search."""
+    """Select pairs (m,) that may be one place and that the search by overlap skips."""
     return np.asarray(
         (largest_sigma(covariance) > BEYOND * size_m) & may_be_one(offset, covariance, slack_m)
     )
 
 
 def _is_apart(offset: Array, covariance: Array, size_m: float, slack_m: float) -> Mask:
-    """Select places (m,) known to be two."""
+    """Select pairs (m,) known to be two places."""
     distance = np.linalg.norm(offset, axis=1)
     return np.asarray(
         (largest_sigma(covariance) < KNOWN * size_m) & (distance > APART * size_m + 2 * slack_m)
@@ -230,7 +280,7 @@ def _is_apart(offset: Array, covariance: Array, size_m: float, slack_m: float) -
 
 
 def _best(scores: Array, most: int) -> tuple[Ints, Ints]:
-    """List rows and columns of the `most` highest scores of each row, without zeros."""
+    """List rows and columns of the `most` highest scores of each row (q, m), without zeros."""
     most = min(most, scores.shape[1])
     column = np.argsort(-scores, axis=1, kind="stable")[:, :most]
     row = np.repeat(np.arange(len(scores)), most)
@@ -238,13 +288,27 @@ def _best(scores: Array, most: int) -> tuple[Ints, Ints]:
     return row[some], column.ravel()[some]
 
 
-def _by_place(asked: Ints, wanted: Ints, score: Array, most: int) -> Ints:
-    """Order rows for comparison: each query's best place, then its next best elsewhere, and so on.
+def _by_place(asked: Ints, candidate: Ints, score: Array, most: int) -> Ints:
+    """Order candidates for comparison: the best of each query, then the next best elsewhere, etc.
 
-    The rows come by query, the best first. At most `most` of a query are taken.
+    Candidates of a query within two keyframes of one already taken are left out.
+
+    Parameters
+    ----------
+    asked, candidate
+        Query and keyframe (k,) of each candidate, by query, the best first.
+    score
+        (k,) how alike they look.
+    most
+        Candidates of a query at most.
+
+    Returns
+    -------
+    rows
+        Of the candidates taken, in the order of comparison.
     """
     rank, taken = np.full(len(asked), -1), dict[int, list[int]]()
-    for k, (query, place) in enumerate(zip(asked.tolist(), wanted.tolist(), strict=True)):
+    for k, (query, place) in enumerate(zip(asked.tolist(), candidate.tolist(), strict=True)):
         before = taken.setdefault(query, [])
         if len(before) < most and all(abs(place - other) > 2 for other in before):
             rank[k] = len(before)
@@ -254,7 +318,7 @@ def _by_place(asked: Ints, wanted: Ints, score: Array, most: int) -> Ints:
 
 
 def _distinct(pairs: Array, most: int) -> Array:
-    """Take the first `most` distinct pairs (m, 2), lower first, sorted."""
+    """Take the first `most` distinct pairs (m, 2), and sort them, the lower keyframe first."""
     ordered = np.sort(pairs, axis=1)
     first = np.sort(np.unique(ordered, axis=0, return_index=True)[1])[:most]
     return np.unique(ordered[first], axis=0)

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Link images by appearance where the path leaves their places open by many footprints.
 
-Images that look alike are compared in full. They are linked where several pairs confirm each other,
-none contradicts them, and places known to be two do not look alike.
+Images that look alike are matched without a prior of their motion. They are linked where several
+pairs confirm each other, no rival group of pairs contradicts them, and places known to be two do
+not match (the control of `hypotheses`).
 """
 
 from __future__ import annotations
@@ -43,17 +44,19 @@ from hullrecon.vision.pairs.selection import Proposal, footprint_overlap
 
 SAMPLE = 100_000  # descriptors that a vocabulary is learnt from: 13 MB
 STRONGEST = 1000  # features of an image that become words
-GATE_CHI2 = 22.5  # of the six numbers of a link against the path, 99.9 %
-LEAST_LINKS = 3  # that share no image and confirm each other
-# Footprints over which their scenes must extend: one thing that looks like another is not enough.
+GATE_CHI2 = 22.5  # of a link against the path: 99.9 % of chi-square with six degrees of freedom
+LEAST_LINKS = 3  # links that confirm each other and share no image
+# Footprints over which the scenes of these links must extend: a single thing that looks like
+# another is not enough.
 LEAST_EXTENT = 1.0
-# Share of them that, confirming each other elsewhere, leaves open which are right.
+# Size of a rival group, which contradicts the largest one, as a share of it, from which it is
+# undecided which of them is right
 RIVAL_SHARE = 1 / 3
-# Sigmas of the open offset over which the path must be known within one part. Otherwise the control
-# says nothing of paint that comes again farther on.
+# The control must cover distances of this many sigmas of the uncertain offset. Otherwise it says
+# nothing of patterns that repeat at larger distances.
 LEAST_REACH = 2.0
 MAX_ALIKE = 2  # pairs of the control that may match: with more, different places look alike
-# Pairs of the next round that say something, and the share of them that must match.
+# Pairs of the next round from which their matches count, and the share that must match.
 LEAST_AFTER, BORNE_OUT = 5, 0.2
 
 # Why no link is taken.
@@ -68,13 +71,13 @@ class Recognition:
     """The result of one place recognition."""
 
     proposal: Proposal  # m pairs that were compared
-    found: tuple[PairMatch, ...]  # m
+    found: tuple[PairMatch, ...]  # (m,) their results
     accepted: Mask  # (m,) links to be taken
-    counts: dict[str, int]
+    counts: dict[str, int]  # figures for links.json, by their keys there
     refusal: str | None  # why no link is taken
 
     def refused(self, reason: str) -> Recognition:
-        """Take no link. An earlier reason stands."""
+        """Take no link, for this reason or an earlier one."""
         return replace(self, accepted=np.zeros_like(self.accepted), refusal=self.refusal or reason)
 
     def facts(self) -> dict[str, object]:
@@ -83,9 +86,10 @@ class Recognition:
 
 
 def is_confirmed(compared: ComparedPairs, number: int) -> bool:
-    """Decide whether the links of a round hold: the images that they bring together must match.
+    """Decide whether the links of a round are right: images that they bring together must match.
 
-    The next round compared these images.
+    The round after it compared these images. At least LEAST_LINKS links of the round must be kept,
+    and of the pairs of the next round, if there are LEAST_AFTER, a share of BORNE_OUT.
     """
     kept = np.zeros(len(compared.found), bool)
     kept[compared.kept()] = True
@@ -103,7 +107,7 @@ def recognise_places(
     Parameters
     ----------
     scene
-        The dive.
+        Nodes, depths and matching of the dive.
     track
         The leading cameras on the path known so far.
     keyframes
@@ -116,18 +120,18 @@ def recognise_places(
     recognition
         None where the search by overlap covers all that the path leaves open, or with one camera.
     """
-    # Which images look alike, of places that may be one, and, as a control, that are known to be
-    # two?
+    # Find images that look alike, of places that may be one, and, as a control, of places that are
+    # known to be two.
     keyframes = keyframes[np.isfinite(scene.depth_m[keyframes])]
     likely = (
-        _likeliest(scene, track, keyframes) if scene.worker.rig.stereo_mount is not None else None
+        _most_alike(scene, track, keyframes) if scene.worker.rig.stereo_mount is not None else None
     )
     if likely is None:
         return None
     proposal = _propose(scene, track, keyframes[likely.pairs])
     proposal = proposal.take(~np.isin(proposal.first * len(track) + proposal.second, compared))
 
-    # Compare them in full.
+    # Match them without a prior of the motion.
     found = scene.match(track, proposal, anywhere=True)
     alike = _match_control(scene, track, keyframes, likely)
 
@@ -161,8 +165,9 @@ def reject_look_alikes(
 ) -> ComparedPairs:
     """Reject matches across an outage where places known to be two look alike.
 
-    An outage is where the path, `track` by dead reckoning, is lost by more than a footprint. The
-    match may then be with the wrong one of two places that look alike.
+    An outage is where the path, `track` by dead reckoning, is uncertain by more than a footprint. A
+    match across it may be with the wrong one of two places that look alike. keyframes: nodes from
+    which the control is taken. compared: the pairs so far.
     """
     known = np.isfinite(scene.depth_m)
     rows = compared.kept()
@@ -174,7 +179,7 @@ def reject_look_alikes(
     sigma = largest_sigma(covariance)
     doubtful[doubtful] = sigma > BEYOND * footprint_m(scene.depth_m, scene.camera)
     keyframes = keyframes[known[keyframes]]
-    likely = _likeliest(scene, track, keyframes) if doubtful.any() else None
+    likely = _most_alike(scene, track, keyframes) if doubtful.any() else None
     if likely is None:
         return compared
     most = MAX_ALIKE if likely.reach_m >= LEAST_REACH * sigma.max() else 0
@@ -190,10 +195,10 @@ class _Likely:
     pairs: Array  # (m, 2) may be one place
     control: Array  # (c, 2) known to be two places
     words: int  # in the vocabulary
-    reach_m: float  # largest distance that the path knows
+    reach_m: float  # as in OpenPlaces
 
 
-def _likeliest(scene: LinkedScene, track: CameraTrack, keyframes: Ints) -> _Likely | None:
+def _most_alike(scene: LinkedScene, track: CameraTrack, keyframes: Ints) -> _Likely | None:
     """Find the images that look most alike.
 
     None where the search by overlap reaches as far as the path is uncertain.
@@ -216,7 +221,10 @@ def _match_control(scene: LinkedScene, track: CameraTrack, keyframes: Ints, like
 
 
 def learn_words(worker: MatchWorker, nodes: Sequence[MatchNode]) -> tuple[Vocabulary, list[Ints]]:
-    """Learn words from the leading images of some nodes, and assign them to each."""
+    """Learn visual words from the leading images of some nodes, and look up the words of each.
+
+    Returns the vocabulary, and for each node the words of its strongest features.
+    """
     each = min(max(1, SAMPLE // len(nodes)), STRONGEST)
     vocabulary = learn_vocabulary(
         np.concatenate([_strongest(worker, node, each) for node in nodes]), worker.options.seed
@@ -233,6 +241,7 @@ def _strongest(worker: MatchWorker, node: MatchNode, most: int) -> Descriptors:
 
 
 def _propose(scene: LinkedScene, track: CameraTrack, nodes: Array) -> Proposal:
+    """Propose pairs of nodes (m, 2) for comparison, with the overlap that the path predicts."""
     first, second = nodes[:, 0].astype(np.int64), nodes[:, 1].astype(np.int64)
     overlap = footprint_overlap(track, first, second, scene.depth_m, scene.camera)
     return Proposal(first=first, second=second, across=np.ones(len(first), bool), overlap=overlap)
@@ -253,7 +262,26 @@ def _confirmed(
     found: Sequence[PairMatch],
     rows: Ints,
 ) -> tuple[Ints, str | None]:
-    """Select the pairs that confirm each other. Where that is no proof: none, and why."""
+    """Select the largest group of pairs that confirm each other, or none with the reason.
+
+    None where the group is too small or too narrow, or another group contradicts it.
+
+    Parameters
+    ----------
+    scene, track
+        As of `recognise_places`.
+    proposal, found
+        Pairs that were compared, and their results.
+    rows
+        Those of them that matched and agree with the path.
+
+    Returns
+    -------
+    group
+        Rows of the selected pairs.
+    refusal
+        Why there are none, None if there are some.
+    """
     size = footprint_m(scene.depth_m, scene.camera)
     first, second = proposal.first[rows], proposal.second[rows]
     links = agreement(track, first, second, [found[k] for k in rows], KNOWN * size)

@@ -20,7 +20,7 @@ from scipy.sparse import coo_array, csr_array
 from hullrecon.typing import Array, Ints
 
 BRANCHES = 64  # of either level: at most 4096 words
-ITERATIONS = 10  # of Lloyd's algorithm
+ITERATIONS = 10  # of Lloyd's algorithm (k-means) at most
 BLOCK = 4096  # descriptors compared with the centres at once
 
 Descriptors = NDArray[np.uint8]
@@ -50,7 +50,7 @@ class Vocabulary:
 
 @dataclass(frozen=True, kw_only=True)
 class InvertedFile:
-    """The words of n images, weighted."""
+    """The weighted words of n images, for a fast comparison of one image with all."""
 
     images: csr_array  # (n, w) weights of each image's words, of unit length
     by_word: csr_array  # (w, n) images of each word
@@ -64,7 +64,7 @@ class InvertedFile:
 
 
 def learn_vocabulary(descriptors: Descriptors, seed: int, branches: int = BRANCHES) -> Vocabulary:
-    """Learn at most branches^2 words from a sample of descriptors (n, 128).
+    """Learn at most branches^2 words from descriptors (n, 128), by k-means in two levels.
 
     Raises
     ------
@@ -114,6 +114,7 @@ def _cluster(descriptors: Descriptors, count: int, rng: np.random.Generator) -> 
         order = np.argsort(label, kind="stable")
         begin = np.concatenate([[0], np.cumsum(size)[:-1]])[size > 0]
         total[size > 0] = np.add.reduceat(descriptors[order], begin, axis=0, dtype=np.int64)
+        # The mean of each centre's members, rounded to a byte in whole numbers.
         moved = np.where(
             size[:, None] > 0,
             (2 * total + size[:, None]) // np.maximum(2 * size, 1)[:, None],

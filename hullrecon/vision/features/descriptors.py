@@ -3,8 +3,9 @@
 """Descriptors of features and their matching: all with all, or within a list of pairs.
 
 Descriptors are RootSIFT as bytes, unit vectors times 512. Distances are between unit vectors. SIFT
-describes a place once for each orientation that it may have [Lowe2004 5]. Each description may
-match, but together they are one measurement of one place.
+gives a pixel one feature for each dominant orientation [Lowe2004 5]. Each of them may match, but
+together they are one measurement. So every feature has a *place*: the number of the first feature
+at its pixel, and a match is one of places.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ class Described(Protocol):
 
     @property
     def place(self) -> Ints:
-        """Number (n,) of the feature that stands for all at one pixel."""
+        """Number (n,) of the feature that stands for all at its pixel."""
         ...
 
 
@@ -111,8 +112,19 @@ def best_of_pairs(
 ) -> Putative:
     """Select mutual best matches of a list of pairs (m,) by the ratio test on both sides.
 
-    A feature that lies in a single pair has no next best. Then only `most`, the largest distance,
-    and the mutual choice decide.
+    A feature that is in a single pair has no next best. Then only the distance and the mutual
+    choice decide.
+
+    Parameters
+    ----------
+    first, second
+        Features (m,) of both sets.
+    distance
+        (m,) of their descriptors.
+    ratio
+        Largest ratio of the best to the next best distance.
+    most
+        Largest distance of a match.
     """
     if len(first) == 0:
         return _no_matches()
@@ -125,7 +137,7 @@ def best_of_pairs(
 
 
 def best_of_all(a: Floats32, b: Floats32, ratio: float, most: float) -> Putative:
-    """Select mutual best matches of all a (n, 128) with all b (m, 128) by the same test."""
+    """Select mutual best matches of all a (n, 128) with all b (m, 128), as `best_of_pairs`."""
     if len(a) < 2 or len(b) < 2:
         return _no_matches()
     squared = (a * a).sum(1)[:, None] + (b * b).sum(1)[None, :] - 2 * (a @ b.T)
@@ -152,7 +164,10 @@ def first_at_place(keypoints: Floats32) -> Ints:
 
 
 def match_places(found: Putative, place_a: Ints, place_b: Ints) -> Putative:
-    """Reduce matches of features to matches of their places, keeping the most alike of each."""
+    """Reduce matches of features to matches of their places, keeping the most alike of each.
+
+    place_a, place_b: place of each feature of the two sets.
+    """
     first, second = place_a[found.first], place_b[found.second]
     if len(first) == 0:
         return _no_matches()

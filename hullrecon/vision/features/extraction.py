@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Features of one image: contrast levelled, OpenCV's SIFT, RootSIFT, colours, saliency.
 
-An effect that moves a feature depending on its place in the image acts as a wrong lens: hundredths
-of a pixel bend a path of 45 m by centimetres (docs/methods.md 4). So the levelling knows no tiles,
-follows the light, and features are kept clear of the border.
+An effect that moves a feature depending on its position in the image acts as a wrong lens:
+hundredths of a pixel bend a path of 45 m by centimetres (docs/methods.md 4). So contrast is
+levelled by a sliding window instead of tiles, relative to the local brightness, and features near
+the border are dropped.
 """
 
 from __future__ import annotations
@@ -19,23 +20,25 @@ from hullrecon.vision.features.descriptors import WIDTH, first_at_place, root_si
 from hullrecon.vision.features.scale_space import OCTAVE_LAYERS, describe_keypoints
 from hullrecon.vision.options import FeatureOptions
 
-# SIFT [Lowe2004]: its own defaults but for the contrast, which levelled images have more of
+# SIFT [Lowe2004]: OpenCV's defaults, but for half its contrast threshold
 CONTRAST_THRESHOLD = 0.02
 EDGE_THRESHOLD = 10.0  # largest ratio of a feature's two curvatures
 
-# The levelled image: grey levels of its mean, and of one sigma of contrast above the noise.
+# Grey levels of the levelled image: its mean, and one sigma of the local contrast.
 MID_GREY, SPREAD = 128.0, 32.0
-DARKEST = 16.0  # grey levels added to the local mean: below, contrast is noise
-# Of the local mean. 1 % is a camera's noise; on plain paint it finds fewer than ten features.
+DARKEST = 16.0  # grey levels added to the local mean: in darker parts contrast is noise
+# Least local contrast, relative to the local mean, that is raised to the full spread. A camera's
+# noise is 1 %. With this limit plain paint gives fewer than ten features.
 LEAST_CONTRAST = 0.05
-# Distance from the border in diameters. Nearer, features are off by up to 0.2 px, beyond by none:
-# SIFT's smoothing reaches 1.9.
+# Least distance from the border in diameters of a feature. Nearer, features are displaced by up to
+# 0.2 px, beyond not at all: SIFT's smoothing reaches 1.9 diameters.
 CLEAR_SIZES = 2.0
-# The same in sigmas of the levelling window: nearer up to 0.024 px, beyond 0.001 px.
+# The same in sigmas of the levelling window. Nearer, features are displaced by up to 0.024 px,
+# beyond by 0.001 px.
 CLEAR_WINDOWS = 1.5
 
-WORD_BITS = 8  # of saliency's words: as many planes cut descriptor space
-WORD_SEED = 20130629  # of these planes: any serve, but always the same
+WORD_BITS = 8  # bits of a word for the saliency: planes that divide descriptor space
+WORD_SEED = 20130629  # seed of these planes: any will do, but it must stay the same
 
 
 @dataclass(frozen=True)
@@ -84,7 +87,7 @@ def level_image(image: Pixels, options: FeatureOptions) -> tuple[Pixels, Floats3
     levelled
         The image (h, w) to find features in.
     step
-        Raw pixels (2,) across and down in one of its pixels.
+        Raw pixels (2,) along u and v in one pixel of it.
     """
     import cv2
 
@@ -146,7 +149,7 @@ def is_clear_of_border(keypoints: Floats32, shape: tuple[int, ...], window_px: f
 
 
 def describe(image: Pixels, keypoints: Floats32, descriptors: Pixels) -> Features:
-    """Join keypoints and descriptors with the colours of the image there."""
+    """Join keypoints and descriptors to features, with the image's colours at the keypoints."""
     column = np.clip(np.rint(keypoints[:, 0]).astype(np.int64), 0, image.shape[1] - 1)
     row = np.clip(np.rint(keypoints[:, 1]).astype(np.int64), 0, image.shape[0] - 1)
     color = image[row, column]
@@ -160,7 +163,7 @@ def local_saliency(descriptors: NDArray[np.uint8]) -> float:
 
     The entropy of the words of its descriptors (n, 128) over the largest possible: 0 without
     descriptors or with all alike, 1 with all words equally frequent. The vocabulary is not learnt:
-    eight random planes through the middle of descriptor space make 256 words, so that the score
+    the sides of eight random planes on which a descriptor lies make 256 words, so that the score
     depends on no other image.
     """
     if len(descriptors) == 0:
@@ -170,7 +173,7 @@ def local_saliency(descriptors: NDArray[np.uint8]) -> float:
         .standard_normal((descriptors.shape[1], WORD_BITS))
         .astype(np.float32)
     )
-    # Descriptors are positive: what they have in common must not decide the side.
+    # Descriptors are positive: their common mean must not decide the side.
     planes -= planes.mean(axis=0)
     words = (descriptors.astype(np.float32) @ planes > 0) @ (1 << np.arange(WORD_BITS))
     share = np.bincount(words, minlength=1 << WORD_BITS) / len(descriptors)
@@ -179,12 +182,13 @@ def local_saliency(descriptors: NDArray[np.uint8]) -> float:
 
 
 def _level(gray: Floats32, window_px: float) -> Pixels:
-    """Normalise the local contrast to one spread everywhere, as bytes (h, w).
+    """Normalise the local contrast to the same spread everywhere, as bytes (h, w).
 
-    The window slides with the pixel, so that a feature is found at the same place of the scene
-    wherever it lies in the image. The contrast relative to the mean, unlike the difference, is the
-    same in any light. Equalising in separate tiles (CLAHE) moves features by 0.02 px in the rhythm
-    of the tiles, and by 0.12 px from image to image.
+    The window (sigma window_px, in pixels of `gray`) slides with the pixel, so that a feature is
+    found at the same point of the scene wherever it lies in the image. Contrast is taken relative
+    to the local mean, which makes it independent of the brightness of the light. Equalising in
+    separate tiles (CLAHE) moves features by 0.02 px with the period of the tiles, and by 0.12 px
+    from image to image.
     """
     import cv2
 
@@ -200,9 +204,9 @@ def _level(gray: Floats32, window_px: float) -> Pixels:
 
 
 def _reduce(gray: Pixels, reduction: float) -> tuple[Floats32, Floats32]:
-    """Shrink an image by its area mean, which reduces noise.
+    """Shrink an image by the factor `reduction`, averaging over areas, which reduces noise.
 
-    Returns the image and the step (2,) to raw pixels.
+    Returns the image, and the raw pixels (2,) along u and v in one pixel of it.
     """
     import cv2
 

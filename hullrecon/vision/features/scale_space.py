@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The scale space in which OpenCV's SIFT finds keypoints, and their descriptors in it [Lowe2004].
 
-OpenCV finds them. It describes them, too, in three quarters of its time, which the native kernel
-halves. One number in some 20,000 of RootSIFT then differs (benchmarks.descriptors).
+OpenCV finds the keypoints. Its descriptors would take three quarters of the time, so that they are
+computed by a native kernel in half of it. One number of RootSIFT in some 20,000 differs from
+OpenCV's (benchmarks.descriptors).
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from hullrecon import native
 from hullrecon.typing import Array, Floats32, Ints, Pixels
 
 OCTAVE_LAYERS = 3  # scales in an octave
-SIGMA_PX = 1.6  # of an octave's first level
-CAMERA_SIGMA_PX = 0.5  # that an image is taken to have
+SIGMA_PX = 1.6  # blur of an octave's first level
+CAMERA_SIGMA_PX = 0.5  # blur that a raw image is assumed to have, as in OpenCV
 
 
 def describe_keypoints(levelled: Pixels, keypoints: Array, octave: Ints) -> Pixels:
@@ -27,18 +28,18 @@ def describe_keypoints(levelled: Pixels, keypoints: Array, octave: Ints) -> Pixe
     Parameters
     ----------
     levelled
-        The image (h, w) in which OpenCV's SIFT found them, with its precise doubling.
+        The image (h, w) in which OpenCV's SIFT found them, with `enable_precise_upscale`.
     keypoints
         (n, 4) u, v, diameter in pixels of the image, angle in degrees, as OpenCV gives them.
     octave
-        (n,) OpenCV's packed octave and layer of each keypoint.
+        (n,) OpenCV's packed number: octave in the lowest byte, layer in the next.
 
     Returns
     -------
     Pixels
         Descriptors (n, 128), of length 512 but for rounding.
     """
-    # the first octave, of the doubled image, is number -1, as a byte
+    # OpenCV numbers octaves from -1, of the doubled image, as a signed byte. Here from 0.
     doubled = (octave + 1 & 0xFF).astype(np.int64)
     layer = octave >> 8 & 0xFF
     levels = [
@@ -55,7 +56,10 @@ def describe_keypoints(levelled: Pixels, keypoints: Array, octave: Ints) -> Pixe
 
 
 def _octaves(image: Pixels) -> Iterator[list[Floats32]]:
-    """Yield the levels of each octave that descriptors are taken from, and the one before them."""
+    """Yield the Gaussian levels of each octave, from the doubled image on.
+
+    Level 0 is the octave's base. Keypoints are found in levels 1 to OCTAVE_LAYERS.
+    """
     import cv2
 
     height, width = image.shape
@@ -80,7 +84,7 @@ def _octaves(image: Pixels) -> Iterator[list[Floats32]]:
 
 
 def _blur(picture: Floats32, before_px: float, after_px: float) -> Floats32:
-    """Smooth a picture of one sigma to a larger one."""
+    """Smooth a picture from a blur of sigma before_px to a larger one."""
     import cv2
 
     sigma = np.sqrt(after_px**2 - before_px**2)

@@ -20,9 +20,9 @@ from hullrecon.vision.features.extraction import Features
 
 
 class GrowingArray:
-    """An .npy of rows (n, width), written block by block.
+    """An .npy file of rows (n, width), written block by block.
 
-    numpy leaves room in the header for n to grow.
+    The header is written again at the end with the final n: numpy's header has room for it.
     """
 
     def __init__(self, path: Path, width: int, dtype: type[np.generic]) -> None:
@@ -61,6 +61,7 @@ class GrowingArray:
             self._file.close()
 
     def _header(self, file: IO[bytes]) -> None:
+        """Write the .npy header for the rows so far."""
         description = {
             "descr": self._dtype.str,
             "fortran_order": False,
@@ -80,7 +81,7 @@ class FeatureStore:
         return len(self._open().start) - 1
 
     def counts(self, images: Ints) -> Ints:
-        """Count the features (n,) of rows of the camera's ImageIndex. 0 for row -1."""
+        """Count the features (n,) of images (n,), rows of the camera's ImageIndex. 0 for row -1."""
         size = np.append(np.diff(self._open().start), 0)
         return np.asarray(size[images])
 

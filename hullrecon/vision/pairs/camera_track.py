@@ -18,17 +18,21 @@ from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.stereo.node_view import DepthPrior
 
-# Sigmas of what navigation's error model leaves out: stamps of the images, the camera's mount,
-# holes in the attitude.
+# Sigmas of errors that navigation's error model leaves out: stamps of the images, the camera's
+# mount, gaps in the attitude.
 WHITE_TRANSLATION_M = 0.01
 WHITE_ROTATION_RAD = np.radians(0.2)
-RANGE_MARGIN = 1.8  # depths lie within this factor of the DVL's ranges
+RANGE_MARGIN = (
+    1.8  # factor on the DVL's depths, both ways, within which stereo matches are searched
+)
 WINDOW = 4  # nodes to either side whose returns count: a footprint's width
-# At least to either side: a DVL may give a ping a second where a camera gives fifteen images.
+# Least time to either side: a DVL may give a ping a second where a camera gives fifteen images.
 WINDOW_S = 1.0
-# Spread of returns across the direction in which they spread most: less is a line, not a plane.
+# Least spread (RMS) of returns along their second principal axis: less is a line, not a plane.
 LEAST_SPREAD_M = 0.05
-MOST_RELIEF = 0.5  # scatter off the plane over that spread, with which it has a normal
+# Largest spread along the third principal axis over that along the second for which the points are
+# taken as a plane
+MOST_RELIEF = 0.5
 
 
 class RelativeErrors(Protocol):
@@ -49,9 +53,10 @@ class NavigationErrors:
     def relative_covariance(self, first: Ints, second: Ints) -> Array:
         """Compute the covariance (m, 6, 6) of second_from_first as Motion defines it.
 
-        It sums (J_b - J_a) P (J_b - J_a)' of the errors that are one unknown for the dive, what
-        accumulated between the two nodes, and what is new at each. As T_b^-1 Exp(twist_a - twist_b)
-        T_a, the translation moves by R_b' (rho + omega x p_a), the rotation by R_a' omega.
+        It sums (J_b - J_a) P (J_b - J_a)' of the errors that are constant over the dive, the random
+        walk between the two nodes a and b, and the white noise at each. With twist (rho, omega) =
+        twist_a - twist_b in global axes, the pose becomes T_b^-1 Exp(twist) T_a: the translation
+        moves by R_b' (rho + omega x p_a), the rotation by R_a' omega.
         """
         model = self.model
         apart = model.by_error[first] - model.by_error[second]
@@ -115,11 +120,11 @@ def track_cameras(
     Parameters
     ----------
     trajectory, errors
-        Of dead reckoning.
+        Path by dead reckoning, and its error model.
     cameras
         The rig.
     tray_sigma_rad
-        Of the tray's angle, for the servo's backlash.
+        Sigma of the tray's angle, for the servo's backlash.
     bottom
         Nodes (n,) at which the bottom camera leads.
     """
@@ -145,7 +150,11 @@ def leading_cameras(cameras: Rig, path: VehiclePath, bottom: Mask) -> Poses:
 
 
 def _backlash_twist(global_from_vehicle: Poses, tray_origin: Array, sigma_rad: float) -> Array:
-    """Compute the covariance (n, 6, 6) of the tray's turn about the vehicle's y at each node."""
+    """Compute the covariance (n, 6, 6) of each node's pose by an error of the tray's angle.
+
+    As a twist (translation, rotation) in global axes. The tray turns about the vehicle's y axis
+    through `tray_origin` (3,) in the vehicle.
+    """
     axis = global_from_vehicle.rotation.as_matrix()[:, :, 1]
     origin = global_from_vehicle.apply(np.tile(tray_origin, (len(axis), 1)))
     twist = np.hstack([np.cross(origin, axis), axis])
@@ -155,7 +164,11 @@ def _backlash_twist(global_from_vehicle: Poses, tray_origin: Array, sigma_rad: f
 def depth_priors(
     track: CameraTrack, trajectory: Trajectory, returns: Returns, rig: Rig
 ) -> list[DepthPrior | None]:
-    """Measure the depth of each node's scene by the DVL's returns around it. None without any."""
+    """Measure the depth of each node's scene by the DVL's returns of the nodes around it.
+
+    The window is WINDOW nodes or WINDOW_S to either side, whichever is wider. None where it has no
+    return in front of the camera.
+    """
     good = ~returns.flagged & np.isfinite(returns.range_m)
     points, node = rig.dvl_points(returns, trajectory.track().path).points[good], returns.node[good]
     order = np.argsort(node, kind="stable")
@@ -169,19 +182,23 @@ def depth_priors(
     )
     camera_from_global = track.global_from_camera.inverse()
     return [
-        _prior(camera_from_global[k].apply(points[a:b])) if b > a else None
+        _depth_prior(camera_from_global[k].apply(points[a:b])) if b > a else None
         for k, (a, b) in enumerate(zip(start, stop, strict=True))
     ]
 
 
-def _prior(points: Array) -> DepthPrior | None:
-    """Summarise DVL points (n, 3) in the camera: median depth, spread, range, surface normal."""
+def _depth_prior(points: Array) -> DepthPrior | None:
+    """Summarise DVL points (n, 3) in the camera: median depth, spread, range, surface normal.
+
+    None where none is in front of the camera.
+    """
     in_front = points[:, 2] > 0.05
     ahead = points[in_front, 2]
     if len(ahead) == 0:
         return None
     middle = float(np.median(ahead))
     low, high = np.percentile(ahead, [2, 98])
+    # Generous, as it only widens the search: the depths seen by the beams span some sigmas.
     sigma = max(0.15 * middle, 0.5 * float(high - low))
     return DepthPrior(
         mean=middle,
@@ -193,7 +210,10 @@ def _prior(points: Array) -> DepthPrior | None:
 
 
 def _surface_normal(points: Array) -> tuple[float, float, float] | None:
-    """Fit the unit normal, away from the camera, of points (n, 3). None for a line or a cloud."""
+    """Fit a plane to points (n, 3) and return its unit normal, pointing away from the camera.
+
+    None where the points are on a line, or too rough for a plane.
+    """
     if len(points) < 3:
         return None
     _, extent, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)

@@ -13,15 +13,16 @@ from scipy.spatial.transform import Rotation
 from hullrecon.records.links import CameraLinks
 from hullrecon.typing import Array, Ints, Mask
 
-MAX_CHI2 = 16.3  # of a cycle's three angles, 99.9 %
-LEAST_SIGMA_RAD = np.radians(0.1)  # of a link, for what two-view covariances leave out
+MAX_CHI2 = 16.3  # of a cycle's three angles: 99.9 % of chi-square with three degrees of freedom
+LEAST_SIGMA_RAD = np.radians(0.1)  # added to each link, for errors that its covariance leaves out
 
 
 def contradicted_links(links: CameraLinks, across: Mask) -> Mask:
-    """Reject links (m,) that more cycles of three contradict than confirm.
+    """Reject links (m,) that more cycles of three links contradict than confirm.
 
-    The worst link is removed first, with its cycles, until none is left: a wrong link makes the
-    cycles of its neighbours fail too.
+    A wrong link makes the cycles of its neighbours fail too. So the worst link is removed first,
+    its cycles no longer count, and this is repeated until no link has more failing cycles than
+    closing ones.
 
     Parameters
     ----------
@@ -35,6 +36,7 @@ def contradicted_links(links: CameraLinks, across: Mask) -> Mask:
     if len(cycle) == 0:
         return out
     closed = _chi2(links, cycle) < MAX_CHI2
+    # Excess (m,): failing minus closing cycles of each link.
     vote = np.where(closed, -1, 1)
     excess = np.bincount(cycle.ravel(), np.repeat(vote, 3), minlength=len(links)).astype(np.int64)
     by_link = np.argsort(cycle.ravel(), kind="stable")
@@ -72,7 +74,7 @@ def _cycles(links: CameraLinks) -> Ints:
 
 
 def _chi2(links: CameraLinks, cycle: Ints) -> Array:
-    """Compute the squared angle (c,) by which each cycle fails to close, over its variance."""
+    """Compute chi-square (c,), three degrees of freedom, of the rotation left around each cycle."""
     ab, bc, ac = (Rotation.from_quat(links.quaternion[cycle[:, k]]) for k in range(3))
     gap = (ac.inv() * bc * ab).as_rotvec()
     # Each link's rotation is perturbed on its right. The angles are small, so that their

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Foresee the link that a comparison would give, from the comparisons made so far.
+"""Predict the link that a comparison would give, from the comparisons made so far.
 
-How many features two images have in common follows from their overlap and from how many of either
-were found again elsewhere. How probably they match, and what the link would tell, follow from that.
+How many features two images have in common is predicted from their overlap and from how many
+features of each were found in other images. From that number follow the probability of a match and
+the information of the link.
 """
 
 from __future__ import annotations
@@ -17,10 +18,11 @@ from hullrecon.records.links import CameraLinks
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.pairs.mono_motion import DIRECTION_SIGMA_RAD, tangent_basis
 
-# Logit of a match: half where as many features as a link needs are expected, and the odds grow as
-# the features do. A sigma of one leaves the slope and the middle to some ten comparisons.
+# Prior of the logistic regression of a match on the expected features: probability one half where
+# as many features are expected as a link needs, odds proportional to the features. With a sigma of
+# one, some ten comparisons outweigh it.
 PRIOR_LOGIT, PRIOR_SIGMA = np.array([0.0, 1.0]), 1.0
-NEWTON_STEPS, LEAST_STEP = 50, 1e-6
+NEWTON_STEPS, LEAST_STEP = 50, 1e-6  # at most, and the step in the logit that ends them
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,28 +37,31 @@ class Compared:
 
 @dataclass(frozen=True, kw_only=True)
 class ExpectedLinks:
-    """What a dive's comparisons say of links to come."""
+    """Predictions of links not compared yet, learnt from the comparisons of the dive."""
 
-    found_again: Array  # (n,) features of a node's image that a look at all of it finds again
-    logit: Array  # (2,) of a match: constant, and slope by the logarithm of expected features
-    information: Array  # (6, 6) of a link, over the square of the features in common
-    scaled: Mask  # (n,) nodes whose links have a length
-    min_common: int  # features of a link at least
+    # (n,) features of a node's image that would be found in an image that overlaps it fully
+    found_again: Array
+    # (2,) log odds of a match: constant, and slope by the logarithm of the expected features
+    logit: Array
+    information: Array  # (6, 6) mean information of a link over the square of its common features
+    scaled: Mask  # (n,) nodes whose links measure the length of the motion
+    min_common: int  # least number of common features of a link
 
     def common(self, first: Ints, second: Ints, overlap: Array) -> Array:
-        """Expect the number (m,) of features in common."""
+        """Predict the number (m,) of common features of pairs with that overlap (m,)."""
         return np.asarray(overlap * np.minimum(self.found_again[first], self.found_again[second]))
 
     def probability(self, common: Array) -> Array:
-        """Compute the probability (m,) that pairs match, given the features expected."""
+        """Compute the probability (m,) that pairs match from the predicted common features (m,)."""
         return np.asarray(expit(_regressors(common, self.min_common) @ self.logit))
 
     def link_information(
         self, first: Ints, second: Ints, common: Array, translation: Array
     ) -> Array:
-        """Expect the information (m, 6, 6) of links, if the pairs match.
+        """Predict the information (m, 6, 6) of the links, if the pairs match.
 
-        translation (m, 3): of second_from_first, along which a link without a length tells nothing.
+        common: (m,) predicted common features. translation: (m, 3) of second_from_first. A link
+        that does not measure its length has no information along it.
         """
         size = np.maximum(common, self.min_common)
         out = self.information * np.square(size)[:, None, None]
@@ -69,24 +74,25 @@ class ExpectedLinks:
 def learn_links(
     nodes: int, compared: Compared, links: CameraLinks, common: Ints, min_common: int
 ) -> ExpectedLinks:
-    """Learn from comparisons what to expect of others.
+    """Learn to predict links from the comparisons made so far.
 
     Parameters
     ----------
     nodes
-        Their number, n.
+        Number of nodes, n.
     compared
         The comparisons.
     links
-        Of those that matched.
+        Links of the k comparisons that matched.
     common
-        Features in common (k,) of these.
+        Common features (k,) of these links.
     min_common
-        Features of a link at least.
+        Least number of common features of a link.
     """
     known = np.flatnonzero(np.isfinite(compared.overlap))
     first, second, overlap = (x[known] for x in (compared.first, compared.second, compared.overlap))
     found = compared.common[known]
+    # Over all comparisons of a node: the sum of overlaps, and of common features.
     ends = np.concatenate([first, second])
     looked = np.bincount(ends, np.tile(overlap, 2), minlength=nodes)
     seen = np.bincount(ends, np.tile(found, 2), minlength=nodes)
@@ -105,6 +111,7 @@ def learn_links(
 
 
 def _regressors(common: Array, min_common: int) -> Array:
+    """Build the regressors (m, 2) of the log odds of a match: 1, log of the expected features."""
     return np.stack([np.ones(len(common)), np.log((common + 1) / min_common)], axis=1)
 
 
@@ -113,8 +120,8 @@ def _fit_logit(regressors: Array, matched: Mask) -> Array:
     sign = np.where(matched, 1.0, -1.0)
 
     def cost(logit: Array) -> float:
-        off = (logit - PRIOR_LOGIT) / PRIOR_SIGMA
-        return float(np.logaddexp(0, -sign * (regressors @ logit)).sum() + 0.5 * off @ off)
+        gap = (logit - PRIOR_LOGIT) / PRIOR_SIGMA
+        return float(np.logaddexp(0, -sign * (regressors @ logit)).sum() + 0.5 * gap @ gap)
 
     logit = PRIOR_LOGIT
     for _ in range(NEWTON_STEPS):
@@ -132,7 +139,11 @@ def _fit_logit(regressors: Array, matched: Mask) -> Array:
 
 
 def _information(links: CameraLinks) -> Array:
-    """Compute the information (k, 6, 6) of links, none along motions without a length."""
+    """Compute the information (k, 6, 6) of links.
+
+    A link without a measured length has none along its translation. Its covariance is reduced to
+    rotation and direction, and the prior of the direction is taken out.
+    """
     out = np.zeros((len(links), 6, 6))
     full = np.flatnonzero(links.scaled)
     out[full] = np.linalg.inv(links.covariance[full])
@@ -142,14 +153,14 @@ def _information(links: CameraLinks) -> Array:
         to_five[:2, :3] = tangent_basis(links.translation[k] / length).T / length
         to_five[2:, 3:] = np.eye(3)
         own = np.linalg.inv(to_five @ links.covariance[k] @ to_five.T)
-        # A direction of which the matches say nothing has a prior, which is no information.
+        # The covariance holds a prior of the direction, which is no information of the matches.
         own[:2, :2] -= np.eye(2) / DIRECTION_SIGMA_RAD**2
         out[k] = to_five.T @ own @ to_five
     return out
 
 
 def _across(translation: Array) -> Array:
-    """Build the projections (m, 6, 6) of motions onto what is across their translations (m, 3)."""
+    """Build projections (m, 6, 6) that remove the component along each translation (m, 3)."""
     length = np.linalg.norm(translation, axis=1, keepdims=True)
     along = translation / np.maximum(length, np.finfo(float).tiny)
     out = np.tile(np.eye(6), (len(along), 1, 1))

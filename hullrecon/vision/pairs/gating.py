@@ -44,7 +44,8 @@ def transfer(
 ) -> tuple[Array, Array]:
     """Predict features in a second camera by the unscented transform [Julier2002], [Ozog2016 D.12].
 
-    Nine unknowns a feature, kappa 0: each is moved by 3 sigma both ways.
+    A feature has nine unknowns: motion (6), position in the first image (2) and depth. With kappa 0
+    each is moved by 3 sigma both ways.
 
     Parameters
     ----------
@@ -53,14 +54,14 @@ def transfer(
     xy
         Features (n, 2) in the first camera, ideal coordinates.
     depth_m, depth_sigma_m
-        Their depth (n,) along its axis.
+        Depth (n,) of the features along the first camera's axis, and its sigma.
     pixel_sigma
         Sigma of a feature's position, ideal coordinates.
 
     Returns
     -------
     mean, covariance
-        (n, 2) and (n, 2, 2) in the second camera, ideal coordinates. NaN where any of the nineteen
+        (n, 2) and (n, 2, 2) in the second camera, ideal coordinates. NaN where any of the moved
         points falls behind it.
     """
     spread = _motion_points(motion)
@@ -74,7 +75,7 @@ def transfer(
             shifted = centre.copy()
             shifted[:, axis] += sign * pixel_sigma
             moved.append(_project(here, shifted * depth_m[:, None]))
-    # (2, 18, n): each has weight 1 / 18, the centre has weight 0.
+    # (2, 18, n): each has weight 1 / 18. The unmoved point has weight 0 and is left out.
     points = np.concatenate(moved, axis=1)
     mean = points.mean(axis=1)
     across, down = points - mean[:, None]
@@ -118,7 +119,11 @@ def in_box(wanted: Array, half_width: Array, points: Array) -> tuple[Ints, Ints]
 
 
 def in_ellipse(wanted: Array, covariance: Array, points: Array, chi2: float) -> tuple[Ints, Ints]:
-    """Pair each wanted (n, 2) with the points within a Mahalanobis distance under (n, 2, 2)."""
+    """Pair each wanted (n, 2) with the points (m, 2) whose chi-square about it is below `chi2`.
+
+    covariance: (n, 2, 2) of each wanted position. Pairs are rows of both, in order.
+    """
+    # The inverse covariance over chi2, as (xx, xy, yy): an ellipse's points have the value 1.
     xx, xy, yy = covariance[:, 0, 0], covariance[:, 0, 1], covariance[:, 1, 1]
     form = np.stack([yy, -xy, xx], axis=1) / (chi2 * (xx * yy - xy * xy))[:, None]
     return native.pairs_in_regions(

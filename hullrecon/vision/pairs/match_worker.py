@@ -48,7 +48,7 @@ class NodePair:
     first: int
     second: int
     expected: Motion | None  # navigation's motion between them
-    full_search: bool  # search everywhere where that finds nothing
+    full_search: bool  # search the whole image where the search near `expected` finds nothing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,13 +61,17 @@ class MatchWorker:
     strategy: MatchStrategy = field(default_factory=MatchStrategy)
 
     def read(self, node: MatchNode) -> NodeFeatures:
-        """Read the features of both cameras, at the node's time. None of a camera not carried."""
+        """Read the features of both cameras, moved to where they were at the node's time.
+
+        Empty for a camera that the vehicle does not carry.
+        """
         seen = self._as_found(node)
         if node.exposure is None:
             return seen
         return move_features(self.rig, seen, float(node.exposure.depth_m[0]), node.exposure)
 
     def _as_found(self, node: MatchNode) -> NodeFeatures:
+        """Read the features of both cameras where they were found in the images."""
         bottom = (
             FeatureStore(self.features, Camera.BOTTOM).read(node.image[1])
             if self.rig.stereo_mount is not None
@@ -81,7 +85,10 @@ class MatchWorker:
         return np.array([self.read(node).bottom_leads for node in nodes], bool)
 
     def saliency(self, node: MatchNode) -> float:
-        """Look up the local saliency of the image that leads."""
+        """Look up the local saliency of the leading camera's image.
+
+        Where the top camera leads without an image, that of the bottom camera.
+        """
         if not self.read(node).bottom_leads:
             top = FeatureStore(self.features, Camera.TOP).saliency(node.image[0])
             if top or self.rig.stereo_mount is None:
@@ -103,7 +110,11 @@ class MatchWorker:
     def _match_moved(
         self, seen: NodeFeatures, prior: DepthPrior | None, exposure: Exposures
     ) -> StereoMatches:
-        """Match cameras that were not exposed at one time, by the depth that most features fit."""
+        """Match two cameras that were exposed at different times.
+
+        Features are moved to the node's time, for which the depth of the scene is needed. Where the
+        DVL did not measure it, several depths are tried and the one with the most matches is taken.
+        """
         depth_m = float(exposure.depth_m[0])
         tried = [
             self._match_cameras(move_features(self.rig, seen, depth, exposure), prior)
@@ -125,7 +136,10 @@ class MatchWorker:
     def match_pairs(
         self, block: tuple[dict[int, MatchNode], Sequence[NodePair]]
     ) -> list[PairMatch]:
-        """Match a block of pairs, given with the nodes that they touch by number."""
+        """Match a block of pairs.
+
+        block: the nodes of these pairs by number, and the pairs.
+        """
         nodes, pairs = block
         views = {number: self.view(node) for number, node in nodes.items()}
         matcher, seed = PairMatcher(self.rig, self.options, self.strategy), self.options.seed

@@ -30,16 +30,16 @@ from hullrecon.vision.pairs.stereo_adjustment import (
 )
 from hullrecon.vision.stereo.node_view import NodeView
 
-VERIFY_PX = 1.0  # of a match from its epipolar line once the motion is known
-RANSAC_PX = 3.0  # of a triangulated point projected into the other images
-GATE_CHI2 = 9.21  # of the search ellipse: 99 % of a plane Gaussian
+VERIFY_PX = 1.0  # largest distance of a match from its epipolar line once the motion is known
+RANSAC_PX = 3.0  # largest reprojection error of an inlier's triangulated point in the other images
+GATE_CHI2 = 9.21  # of the search ellipse: 99 % of a two-dimensional Gaussian
 MIN_PUTATIVE = 8  # matches before verification, as many as an essential matrix takes
 RANSAC_TRIALS = 400  # finds three inliers with 99.99 % where 28 % of the matches are right
-SEEDS = 500  # features that look for the motion near navigation's; the guided search takes all
+SEEDS = 500  # features used for the first motion when a prior is known; the guided search takes all
 FEW = 100  # with fewer seeds the first motion is rough, and the guided search is repeated
 ADJUSTED = 500  # matches that the motion is adjusted to: more add no information
-# Of a motion from navigation's, six degrees of freedom. Far beyond chance (22.5 is 99.9 %), as
-# navigation's sigmas do not hold all that goes wrong.
+# Largest chi-square (six degrees of freedom) of a motion's difference from navigation's. Far beyond
+# chance (22.5 is 99.9 %), as navigation's sigmas do not cover all its errors.
 NAVIGATION_CHI2 = 50.0
 
 
@@ -104,7 +104,7 @@ class PairMatcher:
         self, first: NodeView, second: NodeView, prior: Motion | None, seed: tuple[int, ...]
     ) -> PairMatch:
         """Match by triangulated points of both nodes, else of one, else two views without depth."""
-        # Triangulated points of both nodes.
+        # Use the triangulated points of both nodes.
         if first.stereo.any() and second.stereo.any():
             result = self._match_points(first, second, prior, seed)
             if result.reason is Reason.MATCHED:
@@ -114,7 +114,7 @@ class PairMatcher:
         seeds = self._best(first, second, gated, *everywhere)
         if len(seeds) < MIN_PUTATIVE:
             return failed_match(len(seeds), Reason.FEW_PUTATIVE)
-        # Where these are too few, triangulated points of one node.
+        # Where these are too few, use the triangulated points of one node.
         with_point = max(
             int(first.stereo[seeds.first].sum()), int(second.stereo[seeds.second].sum())
         )
@@ -122,7 +122,7 @@ class PairMatcher:
             views = self.reprojection_terms(first, second, seeds)
             start = self._resect(first, second, seeds)
             return self._refine_and_guide(first, second, seeds, views, start)
-        # Where these are too few as well, two views without depth.
+        # Where these are too few as well, use two views without depth.
         return self._match_two_views(first, second, seeds, gated, prior)
 
     def _match_points(
@@ -130,7 +130,7 @@ class PairMatcher:
     ) -> PairMatch:
         """Match features that have triangulated points in both nodes, by RANSAC on these points.
 
-        With a prior, some SEEDS features are enough: the search along the motion finds the others.
+        With a prior, about SEEDS features are enough: the guided search finds the others.
         """
         rows = np.flatnonzero(first.stereo)
         if prior is not None:
@@ -154,7 +154,10 @@ class PairMatcher:
     def _gate(
         self, first: NodeView, second: NodeView, prior: Motion | None, rows: Ints, among: Ints
     ) -> tuple[Ints, Ints] | None:
-        """Pair features by navigation and depth. None where these predict nothing."""
+        """Pair features where navigation and depth predict them. None without prior or depth.
+
+        rows, among: features of the first and of the second node that are considered.
+        """
         if prior is None or not np.isfinite(first.depth[rows]).any():
             return None
         return self._within_ellipses(first, second, prior, rows, among)
@@ -194,7 +197,19 @@ class PairMatcher:
         views: list[pose_from_points.ObservedPoints],
         start: Array | None,
     ) -> PairMatch:
-        """Refine a first guess of the motion on the views, and search all features along it."""
+        """Refine a first guess of the motion, then match all features guided by it.
+
+        Parameters
+        ----------
+        first, second
+            The nodes.
+        seeds
+            Matches that the first guess was found from.
+        views
+            Triangulated points of the seeds with their observations (`reprojection_terms`).
+        start
+            First guess of second_from_first (4, 4), None where none was found.
+        """
         if start is None:
             return failed_match(len(seeds), Reason.FEW_INLIERS)
         motion = Motion(*pose_from_points.refine(start, views, self.tolerance))
@@ -221,7 +236,7 @@ class PairMatcher:
     def _adjust(
         self, first: NodeView, second: NodeView, matched: Putative, motion: Motion
     ) -> tuple[Motion, CalibrationEvidence | None]:
-        """Adjust the motion to the matches. Unchanged where they are too few."""
+        """Adjust the motion to at most about ADJUSTED of the matches. Unchanged where too few."""
         matched = matched.take(slice(None, None, max(1, len(matched) // ADJUSTED)))
         here, there = (
             NodeObservations(lead=view.xy[rows], other=view.other[rows], point=view.point[rows])
@@ -235,7 +250,11 @@ class PairMatcher:
     def reprojection_terms(
         self, first: NodeView, second: NodeView, seeds: Putative
     ) -> list[pose_from_points.ObservedPoints]:
-        """Collect each node's points with their observations in the opposite node's cameras."""
+        """Collect each node's points with their observations in the opposite node's cameras.
+
+        Four terms: points of either node, seen by the leading and by the bottom camera of the
+        other.
+        """
         a, b = seeds.first, seeds.second
         lead, bottom = np.eye(4), self.bottom_from_top
         terms = [
@@ -271,11 +290,11 @@ class PairMatcher:
         return None if motion is None else np.asarray(np.linalg.inv(motion))
 
     def search_along(self, first: NodeView, second: NodeView, motion: Motion) -> Putative:
-        """Match all features on the epipolar lines of the motion.
+        """Match all features near the epipolar lines of the motion.
 
-        Both cameras' lines count where both saw a feature.
+        Where both cameras saw a feature, it must be near the lines of both.
         """
-        # The motion is no more accurate than the lens model.
+        # The motion is no more accurate than the lens model: half a feature's sigma, rad and m.
         sigma = 0.5 * self.options.sigma_px / self.rig.focal_px(Camera.TOP)
         loose = Motion(
             motion.second_from_first, motion.covariance + np.diag(np.repeat([sigma**2], 6))
@@ -288,7 +307,7 @@ class PairMatcher:
     def _best_on_lines(
         self, first: NodeView, second: NodeView, motion: Array, a: Ints, b: Ints
     ) -> Putative:
-        """Match descriptors of the pairs (a, b) that lie on each other's epipolar lines."""
+        """Match descriptors of those pairs (a, b) that are near each other's epipolar lines."""
         limit = (VERIFY_PX / self.rig.focal_px(Camera.TOP)) ** 2
         essential = two_view.essential_of(motion)
         good = two_view.sampson_squared(essential, first.xy[a], second.xy[b]) < limit
@@ -308,7 +327,19 @@ class PairMatcher:
         gated: tuple[Ints, Ints] | None,
         prior: Motion | None,
     ) -> PairMatch:
-        """Match by two-view geometry alone, with navigation's length of the motion."""
+        """Match by two-view geometry alone, with navigation's length of the motion.
+
+        Parameters
+        ----------
+        first, second
+            The nodes.
+        seeds
+            Putative matches.
+        gated
+            Pairs of features that navigation and depth allow, None for those of the seeds alone.
+        prior
+            Navigation's motion, None where unknown.
+        """
         few = failed_match(len(seeds), Reason.FEW_INLIERS)
         xy = first.xy[seeds.first], second.xy[seeds.second]
         tolerance = VERIFY_PX / self.rig.focal_px(Camera.TOP)
@@ -365,8 +396,8 @@ def _count_inliers(
 def _add_unmatched(kept: Putative, more: Putative) -> Putative:
     """Add the matches of `more` that share no feature with `kept`.
 
-    A homography keeps what lies on the plane. Structures that stand off it come back along the
-    epipolar lines of its motion.
+    A homography has only the features on its plane as inliers. Features of structures that stand
+    off the plane are found along the epipolar lines of its motion.
     """
     new = more.take(~np.isin(more.first, kept.first) & ~np.isin(more.second, kept.second))
     return Putative(

@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Inliers of two views without depth, where RANSAC alone cannot tell them.
+"""Choose the inliers of two views without depth with the help of navigation.
 
 On a nearly plane hull a turn and a shift of the camera look alike. A motion that is degrees off
-costs the right matches a tenth of a pixel each, and a few wrong ones that it happens to fit make it
-the likelier. Navigation knows the motion better than that, and with it the wrong matches stand out.
-Navigation only chooses the inliers: the motion is refined on them without it.
+leaves residuals of only a tenth of a pixel in the right matches, and RANSAC may prefer it for a few
+wrong matches that it happens to fit. Navigation knows the motion better than that, and with it the
+wrong matches stand out. Navigation only chooses the inliers: the motion is refined on them without
+it.
 """
 
 from __future__ import annotations
@@ -23,13 +24,15 @@ from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.stereo_adjustment import OUTLIER_SIGMAS
 from hullrecon.vision.pairs.two_view import PossibleMotion, essential_of, sampson_squared
 
-ITERATIONS = 25  # of the reweighted steps
-GATHERINGS = 5  # of inliers: they settle in two or three
-LEAST_SIGMA = 1e-7  # of a match, ideal coordinates
+ITERATIONS = 25  # iteratively reweighted steps at most
+GATHERINGS = 5  # times that inliers are chosen anew at most: they settle in two or three
+LEAST_SIGMA = 1e-7  # of a match, ideal coordinates; avoids a division by zero
 LEAST_LENGTH_M = 1e-3  # of a motion that has a direction
-WELL_KNOWN_RAD = 0.1  # sigma of navigation's rotation and direction, at most
-NEAR_RAD = 0.3  # of either, from navigation: the two motions of a plane are farther apart
-LARGEST_STEP = 0.1  # rad, m: where the matches hardly tell, the linear step leads anywhere
+WELL_KNOWN_RAD = 0.1  # largest sigma of navigation's rotation and direction to choose inliers by it
+# Largest difference of rotation or direction from navigation's. The two motions of a plane differ
+# by more.
+NEAR_RAD = 0.3
+LARGEST_STEP = 0.1  # rad, m: limits steps where the matches hardly determine the motion
 
 
 def choose(
@@ -40,8 +43,8 @@ def choose(
 ) -> Motion:
     """Choose among the motions of a two-view model, each refined on its inliers.
 
-    The two motions of a plane differ by its normal. The DVL's normal decides where there is one,
-    else navigation's rotation and direction, else the order.
+    A homography stands for two motions, with different normals of the plane. The one whose normal
+    is nearest to the DVL's is taken, else the one nearest to navigation's motion, else the first.
 
     Parameters
     ----------
@@ -70,9 +73,26 @@ def gather(
 ) -> tuple[Motion, Mask]:
     """Refine a motion on all matches (n, 2) near their epipolar lines.
 
-    Returns the motion, and which matches (n,) are near. A plane's inliers will not do: on a curved
-    hull they are those whose noise makes it flatter, and the motion turns by what the flatter hull
-    would mean.
+    The inliers of a homography are not enough: on a curved hull they are the matches whose noise
+    makes the hull look flatter, which turns the motion.
+
+    Parameters
+    ----------
+    motion
+        First guess.
+    first, second
+        Matches (n, 2) in both images, ideal coordinates.
+    prior
+        Navigation's motion, None where unknown.
+    tolerance
+        Largest distance of an inlier from its epipolar line, ideal coordinates.
+
+    Returns
+    -------
+    motion
+        Refined, with navigation's length.
+    inlier
+        Matches (n,) near the epipolar lines of the refined motion.
     """
     inlier = on_lines(motion.second_from_first, first, second, tolerance)
     found: _OnInliers | None = None
@@ -97,11 +117,12 @@ def on_lines(motion: Array, first: Array, second: Array, tolerance: float) -> Ma
 def refine_on_inliers(
     start: Array, first: Array, second: Array, prior: Motion | None
 ) -> tuple[Array, Array]:
-    """Refine a motion as `mono_motion.refine`, on matches that agree with the most likely one.
+    """Refine a motion on the matches that agree with the most likely motion.
 
-    Navigation counts in what is most likely. Where it does not know the motion well, or means
-    another, all matches (n, 2) are taken. As many wrong matches as were rejected may lie within the
-    limit. So the rejected ones count in the variance as if they lay on the limit.
+    The most likely motion is that of matches and navigation together. All matches (n, 2) are taken
+    where navigation does not know the motion well, or contradicts the one fitted without it. As
+    many wrong matches as were rejected may be left among the inliers. So the rejected ones count in
+    the variance with the residual of the limit.
 
     Returns
     -------
@@ -122,7 +143,7 @@ class _OnInliers:
     first: Array  # (n, 2) the matches, ideal coordinates
     second: Array
     good: Mask | None  # (n,) the inliers, None for all
-    limit: float  # of an inlier's Sampson distance
+    limit: float  # largest Sampson distance of an inlier, ideal coordinates
 
     def covariance(self) -> Array:
         """Compute the covariance (5, 5) of rotation and direction."""
@@ -139,7 +160,7 @@ class _OnInliers:
 
 
 def _fit_on_inliers(start: Array, first: Array, second: Array, prior: Motion | None) -> _OnInliers:
-    """Fit as `refine_on_inliers`, without the covariance, which takes as long again."""
+    """Fit as `refine_on_inliers`, but without the covariance, which takes as long again."""
     motion = mono_motion.fit(start, first, second)
     alone = _OnInliers(motion=motion, first=first, second=second, good=None, limit=np.inf)
     if prior is None or not is_well_known(prior) or not _is_near(motion, prior):
@@ -157,8 +178,8 @@ def _fit_on_inliers(start: Array, first: Array, second: Array, prior: Motion | N
 def is_well_known(prior: Motion) -> bool:
     """Decide whether navigation knows rotation and direction well enough to choose inliers.
 
-    That is well enough to rule out the wrong one of a plane's two motions, and the effect of noise
-    in nearly plane matches.
+    Its sigmas must be small enough to rule out the wrong one of a plane's two motions, and motions
+    that only the noise of nearly plane matches suggests.
     """
     length = float(np.linalg.norm(prior.second_from_first[:3, 3]))
     if length < LEAST_LENGTH_M:
@@ -170,7 +191,7 @@ def is_well_known(prior: Motion) -> bool:
 
 
 def _is_near(motion: Array, prior: Motion) -> bool:
-    """Decide whether a motion (4, 4) is navigation's, and not a plane's second solution."""
+    """Decide whether a motion (4, 4) is near navigation's, and not a plane's second solution."""
     wanted = prior.second_from_first
     turn = Rotation.from_matrix(wanted[:3, :3].T @ motion[:3, :3]).magnitude()
     cosine = motion[:3, 3] @ wanted[:3, 3] / np.linalg.norm(wanted[:3, 3])
@@ -183,8 +204,8 @@ def most_likely_motion(
     """Minimise the robust cost of matches (n, 2) and navigation together, from RANSAC's motion.
 
     It does not start from navigation's motion: from there the steps may lead to either of the two
-    motions that a plane leaves. Matches are weighted by Tukey's biweight about a sigma that falls
-    from step to step, so that costs of two steps do not compare. That is why geometry.pose_solver,
+    motions of a plane. Matches are weighted by Tukey's biweight with a sigma that falls from step
+    to step, so that the costs of two steps cannot be compared. That is why geometry.pose_solver,
     which compares them, is not used.
 
     Returns
@@ -207,7 +228,8 @@ def most_likely_motion(
         )
         weighted = (jacobian * weight[:, None]).T
         normal = weighted @ jacobian + of_navigation
-        # A direction is never more than unknown, and matches tell no length.
+        # Damp the translation, with its own length as sigma: matches do not determine the length,
+        # and at rest not the direction either.
         normal[:3, :3] += np.eye(3) / length**2
         step = np.asarray(
             -np.linalg.solve(normal, weighted @ residual + of_navigation @ _gap(motion, prior))
@@ -229,6 +251,7 @@ def _biweight(residual: Array) -> Array:
 
 
 def _sigma(residual: Array) -> float:
+    """Estimate the robust sigma of residuals (n,) about zero, LEAST_SIGMA at least."""
     return max(float(robust_sigma(residual, about=0.0)), LEAST_SIGMA)
 
 
@@ -240,6 +263,7 @@ def _gap(motion: Array, prior: Motion) -> Array:
 
 
 def _unit(motion: Array) -> Array:
+    """Scale the translation of a motion (4, 4) to length 1."""
     out = motion.copy()
     out[:3, 3] /= np.linalg.norm(out[:3, 3])
     return out

@@ -20,11 +20,14 @@ from hullrecon.vision.pairs.stereo_adjustment import correlation_inflation
 from hullrecon.vision.pairs.two_view import essential_of
 
 ITERATIONS = 10  # of Levenberg-Marquardt
-FREEDOMS = 5  # of a motion without a length
-DIRECTION_SIGMA_RAD = 1.0  # of a direction of which matches say nothing, as of a vehicle at rest
+FREEDOMS = 5  # unknowns of a motion without a length
+# Prior sigma of the direction: as good as unknown. It matters where matches do not determine the
+# direction, as of a vehicle at rest.
+DIRECTION_SIGMA_RAD = 1.0
 DIRECTION_PRIOR = np.diag([0.0, 0.0, 0.0, DIRECTION_SIGMA_RAD**-2, DIRECTION_SIGMA_RAD**-2])
-NOISE_SIGMAS = 3.0  # about what noise alone gives, within which the direction counts as unknown
-UNKNOWN_LENGTH = 1.0  # sigma over length where nothing has measured it
+# Sigmas that information on the direction, or parallax, must exceed what noise alone gives
+NOISE_SIGMAS = 3.0
+UNKNOWN_LENGTH = 1.0  # sigma of the length, which is set to 1, where it was not measured
 
 
 def refine(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
@@ -36,8 +39,8 @@ def refine(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
 def fit(motion: Array, first: Array, second: Array) -> Array:
     """Minimise the Sampson distances of matches (n, 2) over motions (4, 4) with |t| = 1.
 
-    To first order the Sampson distance is what a bundle adjustment of two views leaves of a match
-    once its point is solved for.
+    Levenberg-Marquardt. To first order the Sampson distance is the residual that a bundle
+    adjustment of two views has once the point of the match is eliminated.
     """
     residual, jacobian = linearise(motion, first, second)
     # Not geometry.pose_solver: five unknowns, and a variance that each step finds anew.
@@ -60,9 +63,10 @@ def fit(motion: Array, first: Array, second: Array) -> Array:
 def covariance_of(motion: Array, first: Array, second: Array) -> Array:
     """Compute the covariance (5, 5) of a motion fitted to matches (n, 2).
 
-    The information is that of a bundle adjustment of two views. Three things make it smaller:
-    residuals larger than expected, neighbouring features that err together, and noise in the
-    matches, which by itself looks like information on the direction (`noise_share`).
+    The information is that of a bundle adjustment of two views, reduced for three reasons:
+    residuals larger than expected, correlated errors of neighbouring features, and noise in the
+    matches, which by itself looks like information on the direction (`noise_share`). Without
+    parallax there is no information on the direction at all.
     """
     residual, jacobian = linearise(motion, first, second)
     variance = _variance(residual)
@@ -79,7 +83,7 @@ def covariance_of(motion: Array, first: Array, second: Array) -> Array:
 
 
 def with_length(motion: Array, covariance: Array, prior: Motion | None) -> Motion:
-    """Give a motion navigation's length and its uncertainty, or length 1 without navigation.
+    """Scale a motion to navigation's length, with its uncertainty, or to length 1 without it.
 
     Parameters
     ----------
@@ -106,18 +110,21 @@ def with_length(motion: Array, covariance: Array, prior: Motion | None) -> Motio
 
 
 def navigation_chi2(found: Motion, prior: Motion) -> float:
-    """Compute chi-square, of five degrees of freedom, of a motion without a length to navigation's.
+    """Compute chi-square between a motion without a length and navigation's.
 
-    The length is free, but not negative. The one that agrees best is taken, so that a direction
-    says little where the vehicle hardly moved.
+    It has five degrees of freedom. The length is the non-negative one that agrees best, so that a
+    direction says little where the vehicle hardly moved.
     """
     own, wanted = found.second_from_first, prior.second_from_first
     turn = Rotation.from_matrix(wanted[:3, :3].T @ own[:3, :3]).as_rotvec()
     direction = own[:3, 3] / max(float(np.linalg.norm(own[:3, 3])), 1e-12)
+    # The length in `found` is navigation's own and must not count twice: remove it from the
+    # covariance.
     across = np.eye(6)
-    # The length in found is navigation's own.
     across[:3, :3] -= np.outer(direction, direction)
     information = np.linalg.inv(prior.covariance + across @ found.covariance @ across)
+    # Residual as a function of the length: length * along - target. The rotation part does not
+    # depend on the length.
     along = np.concatenate([direction, np.zeros(3)])
     target = np.concatenate([wanted[:3, 3], -turn])
     length = max(float(along @ information @ target) / float(along @ information @ along), 0.0)
@@ -126,10 +133,11 @@ def navigation_chi2(found: Motion, prior: Motion) -> float:
 
 
 def has_parallax(motion: Array, first: Array, second: Array, variance: float) -> bool:
-    """Decide whether matches (n, 2) differ by more than a rotation and noise of that variance.
+    """Decide whether matches (n, 2) differ by more than the rotation and noise.
 
-    The gaps of two images have four times the variance of a match. That ratio scatters by
-    1 / sqrt(n), the variance found from n residuals by sqrt(2 / n).
+    The differences that the rotation leaves are 2-vectors, and noise of both images adds: their
+    expected square is four times `variance`, that of a coordinate in one image. The mean square
+    scatters by 1 / sqrt(n) of itself, the variance found from n residuals by sqrt(2 / n).
     """
     turned = np.hstack([first, np.ones((len(first), 1))]) @ motion[:3, :3].T
     gap = second - turned[:, :2] / turned[:, 2:]
@@ -141,10 +149,11 @@ def has_parallax(motion: Array, first: Array, second: Array, variance: float) ->
 def noise_share(motion: Array, first: Array, second: Array) -> Array:
     """Compute the information (n, 2, 2) on the direction that noise in matches (n, 2) simulates.
 
-    The derivative of a match by the direction is its shift out of the rotation, (R x1) x x2. Noise
-    of sigma in both images has the covariance
-    sigma^2 ([x2]x R P R' [x2]x' + [R x1]x P [R x1]x') in that, P = diag(1, 1, 0). The Sampson
-    distance has the variance sigma^2, which cancels. A vehicle at rest shows this much and no more.
+    The derivative of a residual by the direction is the match's shift after the rotation,
+    (R x1) x x2. Noise of sigma in both images gives it the covariance
+    sigma^2 ([x2]x R P R' [x2]x' + [R x1]x P [R x1]x'), P = diag(1, 1, 0). The Sampson distance has
+    the variance sigma^2, which cancels in the information. A vehicle at rest shows this information
+    and no more.
     """
     a, b = (np.hstack([xy, np.ones((len(xy), 1))]) for xy in (first, second))
     turned, basis = a @ motion[:3, :3].T, tangent_basis(motion[:3, 3])
@@ -158,11 +167,13 @@ def noise_share(motion: Array, first: Array, second: Array) -> Array:
 
 
 def without_noise_share(information: Array, share: Array) -> Array:
-    """Take what noise alone adds, share (n, 2, 2), off the information (5, 5) on the direction.
+    """Subtract the information that noise simulates from the information (5, 5) on the direction.
 
-    The sum of the shares scatters as a sum of squares does, by the root of twice the sum of their
-    squares. That is far more than 1 / sqrt(n) where the epipole lies in the image and the few
-    matches next to it have most of the weight.
+    It is subtracted from the marginal information of the direction, with NOISE_SIGMAS of its
+    scatter, and negative eigenvalues are set to zero. share: (n, 2, 2) of `noise_share`. Its sum
+    scatters as a sum of squares, by the root of twice the sum of their squares. That is far more
+    than 1 / sqrt(n) where the epipole lies in the image and the few matches next to it have most of
+    the weight.
     """
     scatter = np.sqrt(2 * np.einsum("nij,nij->", share, share))
     noise = share.sum(axis=0) + NOISE_SIGMAS * scatter * np.eye(2)
@@ -194,7 +205,11 @@ def tangent_basis(direction: Array) -> Array:
 
 
 def linearise(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
-    """Compute signed Sampson distances (n,) and derivatives (n, 5), the denominator held."""
+    """Compute signed Sampson distances (n,) of matches (n, 2), and their derivatives (n, 5).
+
+    The derivatives are by rotation (3) and direction (2), with the denominator of the distance held
+    constant. motion: (4, 4) with |t| = 1.
+    """
     essential, rotation = essential_of(motion), motion[:3, :3]
     a0, a1 = np.ascontiguousarray(first.T)  # by column: several times faster than rows of three
     b0, b1 = np.ascontiguousarray(second.T)
@@ -229,6 +244,7 @@ def _line_length(line_second: Array, line_first: Array) -> Array:
 
 
 def _variance(residual: Array) -> float:
+    """Estimate the variance of residuals (n,) left by a fit of five unknowns."""
     return max(float(residual @ residual) / max(1, len(residual) - 5), 1e-14)
 
 
@@ -238,7 +254,7 @@ def _information(jacobian: Array, variance: float) -> Array:
 
 
 def _apply_step(motion: Array, step: Array) -> Array:
-    """Turn a motion on the right, and move its direction within the tangent plane."""
+    """Apply a step (5,): a rotation on the right (3), and a move of the direction across it (2)."""
     out = motion.copy()
     out[:3, :3] = motion[:3, :3] @ Rotation.from_rotvec(step[:3]).as_matrix()
     direction = motion[:3, 3] + tangent_basis(motion[:3, 3]) @ step[3:]

@@ -67,7 +67,7 @@ class FeatureSpool:
         self._file, self._rows = file, 0
 
     def put(self, found: PairMatch) -> PairMatch:
-        """Write the features of a pair, and leave it without them."""
+        """Write the features of a pair to the file, and return the pair with their rows there."""
         rows = np.empty(len(found.first), COMMON_FEATURE)
         for name in COMMON_FEATURE.names or ():
             rows[name] = getattr(found, name)
@@ -110,12 +110,12 @@ def agrees(found: PairMatch, prior: Motion, max_chi2: float) -> bool:
     Parameters
     ----------
     found
-        The pair. Without a measured length, the length is left out.
+        The matched pair. A length that was not measured does not count.
     prior
-        Of the same two nodes, by navigation or other links.
+        Motion between the same two nodes, by navigation or other links.
     max_chi2
-        Limit for six degrees of freedom. A motion without a length has five degrees of freedom, and
-        five sixths of the limit.
+        Largest chi-square of six degrees of freedom. A motion without a measured length has five,
+        and five sixths of the limit.
     """
     if found.motion is None:
         return False

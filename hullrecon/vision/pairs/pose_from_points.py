@@ -17,9 +17,9 @@ from hullrecon import native
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.typing import Array, Mask
 
-BLOCK = 128  # hypotheses at a time
+BLOCK = 128  # RANSAC hypotheses computed at a time
 ITERATIONS = 12  # of Levenberg-Marquardt
-SMALLEST_STEP = 1e-7  # m, rad: far below what a pair tells
+SMALLEST_STEP = 1e-7  # m, rad: far below the sigma of a pair's motion
 MISSED = 1e-4  # probability that RANSAC draws no triple of inliers
 
 
@@ -27,11 +27,11 @@ MISSED = 1e-4  # probability that RANSAC draws no triple of inliers
 class ObservedPoints:
     """Points of one node as a camera of another node saw them."""
 
-    points: Array  # (n, 3) m
-    xy: Array  # (n, 2) ideal coordinates, NaN where not seen
-    camera_from_node: Array  # (4, 4) the camera in the frame that the points are moved into
-    backward: bool  # the motion wanted carries these points with its inverse
-    baseline_m: float  # of the rig that triangulated them, for their uncertainty in depth
+    points: Array  # (n, 3) in the leading camera of the node that triangulated them, m
+    xy: Array  # (n, 2) observations in the other node's camera, ideal coordinates, NaN if not seen
+    camera_from_node: Array  # (4, 4) observing camera from the leading camera of its node
+    backward: bool  # the points are the second node's: the inverse of second_from_first moves them
+    baseline_m: float  # of the rig that triangulated the points, for their uncertainty in depth
 
 
 def ransac(
@@ -42,16 +42,17 @@ def ransac(
     most_trials: int,
     seed: tuple[int, ...],
 ) -> Array | None:
-    """Find the motion (4, 4) of least truncated squared error by RANSAC. None with fewer than 3.
+    """Find the motion (4, 4) of least truncated squared error by RANSAC on triples of points.
 
-    Trials come in blocks, until a triple of inliers has been drawn with 1 - MISSED.
+    Trials come in blocks, until a triple of inliers has been drawn with the probability 1 - MISSED.
+    None with fewer than three points.
 
     Parameters
     ----------
     first, second
-        Points (n, 3) of both nodes.
+        The same points (n, 3) triangulated by both nodes.
     views
-        The images in which they are scored.
+        Observations by whose reprojection errors a motion is scored.
     tolerance
         Largest error of an inlier, ideal coordinates.
     most_trials
@@ -71,18 +72,20 @@ def ransac(
         k = int(np.argmin(error))
         if error[k] < least:
             best, least = motions[k], float(error[k])
-            needed = _trials(_share(best, views, tolerance))
+            needed = _trials_needed(_inlier_share(best, views, tolerance))
         spent += BLOCK
     return np.asarray(best)
 
 
-def _share(motion: Array, views: list[ObservedPoints], tolerance: float) -> float:
+def _inlier_share(motion: Array, views: list[ObservedPoints], tolerance: float) -> float:
+    """Compute the share of observations that are inliers of a motion (4, 4)."""
     seen = sum(int(np.isfinite(s.xy[:, 0]).sum()) for s in views)
     good = sum(int(rows.sum()) for rows in _inliers(motion, views, tolerance))
     return good / max(seen, 1)
 
 
-def _trials(share: float) -> float:
+def _trials_needed(share: float) -> float:
+    """Compute the trials after which a triple of inliers was drawn with 1 - MISSED."""
     hit = min(share, 0.999999) ** 3
     return float(np.log(MISSED) / np.log1p(-hit)) if hit > 0 else np.inf
 
@@ -97,7 +100,7 @@ def squared_errors(motions: Array, view: ObservedPoints) -> Array:
 
 
 def refine(motion: Array, views: list[ObservedPoints], tolerance: float) -> tuple[Array, Array]:
-    """Minimise the inliers' reprojection errors in units of their sigma.
+    """Minimise the inliers' reprojection errors in units of their sigma, by Levenberg-Marquardt.
 
     Inliers are chosen again in the first half of the iterations, then held.
 
@@ -108,8 +111,8 @@ def refine(motion: Array, views: list[ObservedPoints], tolerance: float) -> tupl
     covariance
         (6, 6) as Motion defines it, scaled by the residuals.
     """
-    # Not geometry.pose_solver, which refuses steps that raise the cost: a change of the inliers
-    # does.
+    # Not geometry.pose_solver, which refuses steps that raise the cost: a change of the inliers may
+    # raise it.
     damping = 1e-6
     inlier = _inliers(motion, views, tolerance)
     normal, gradient, cost = _normal(motion, views, inlier)
@@ -127,8 +130,8 @@ def refine(motion: Array, views: list[ObservedPoints], tolerance: float) -> tupl
         damping *= 0.1 if better else 100
         if better and np.abs(step).max() < SMALLEST_STEP:
             break
-    freedom = max(1, 2 * sum(int(rows.sum()) for rows in inlier) - 6)
-    return motion, np.asarray(np.linalg.pinv(normal, hermitian=True) * (cost / freedom))
+    degrees_of_freedom = max(1, 2 * sum(int(rows.sum()) for rows in inlier) - 6)
+    return motion, np.asarray(np.linalg.pinv(normal, hermitian=True) * (cost / degrees_of_freedom))
 
 
 def _inliers(motion: Array, views: list[ObservedPoints], tolerance: float) -> list[Mask]:
@@ -143,8 +146,9 @@ def _normal(
 ) -> tuple[Array, Array, float]:
     """Sum normal matrix (6, 6), gradient (6,) and squared error of the inliers of all views.
 
-    A triangulated depth is off by z^2 sqrt(2) / b for each unit of error in the image. Unweighted,
-    that bends wide pairs.
+    Each is weighted by the sigma of observation and triangulated point: a depth z errs by
+    z^2 sqrt(2) / baseline for each unit of error in the image. Without these weights, the motion
+    between distant nodes is biased.
     """
     normal, gradient, cost = np.zeros((6, 6)), np.zeros(6), 0.0
     for v, rows in zip(views, inlier, strict=True):

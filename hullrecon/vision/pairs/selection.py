@@ -17,14 +17,16 @@ from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.camera_track import CameraTrack
 
 MAX_OVERLAP = 0.98  # with the last keyframe: a node that overlaps it by more is no keyframe
-RETURN = 0.2  # gain of overlap that shows that the vehicle came back, and did not just move slowly
+# Rise of the overlap above the smallest one in between that shows that the vehicle came back, and
+# did not just move slowly
+RETURN = 0.2
 GRID = 8  # cells of a footprint along each side
-FINE_GRID = 32  # the same where small steps count
-QUANTILES = 6  # of a relative position along each axis
+FINE_GRID = 32  # the same for keyframes, where small steps matter
+QUANTILES = 6  # of a relative position along each axis, by which its distribution is sampled
 BLOCK = 1000  # pairs whose quantiles are in memory at a time
 COVARIANCE_BLOCK = 60_000  # pairs whose covariances are computed at a time, each by factoring anew
 GRID_POINTS = 1_000_000  # of footprints, in memory at a time
-MOST_GAIN = 1e3  # nats: beyond, a motion is as good as unknown
+MOST_GAIN = 1e3  # nats; a link with more would determine a motion that is as good as unknown
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,25 +56,26 @@ class Revisits:
     """Pairs of nodes that may show the same hull, seen on two passes."""
 
     proposal: Proposal  # m pairs
-    probability: Array  # (m,) that they do
+    probability: Array  # (m,) that they overlap enough
     expected_overlap: Array  # (m,) share of the first footprint that the second covers, if they do
 
 
 def select_keyframes(track: CameraTrack, usable: Mask, depth_m: Array, camera: CameraModel) -> Ints:
     """Select the nodes that left the footprint of the previous keyframe.
 
-    Where no depth is known all are keyframes.
+    A node is none if it overlaps the last keyframe by more than MAX_OVERLAP. Nodes of unknown depth
+    are always keyframes.
 
     Parameters
     ----------
     track
-        The leading cameras.
+        Poses of the leading cameras.
     usable
         Nodes (n,) with an image.
     depth_m
         Depth (n,) of the scene, NaN where unknown.
     camera
-        Of the footprints.
+        Model that footprints are computed with.
     """
     nodes = np.flatnonzero(usable)
     if len(nodes) < 2:
@@ -110,24 +113,24 @@ def propose_revisits(
 ) -> Revisits:
     """Find the pairs of keyframes that probably show the same hull, and were not compared yet.
 
-    Only nodes to which the vehicle came back count [KimEustice2009].
+    Only pairs between whose nodes the vehicle left the footprint and came back [KimEustice2009].
 
     Parameters
     ----------
     track
-        The leading cameras, with how well they are known.
+        Poses of the leading cameras, with the uncertainty of relative poses.
     keyframes
         The nodes to choose from.
     depth_m
         Depth (n,) of the scene.
     camera
-        Of the footprints.
+        Model that footprints are computed with.
     options
         Section [matches].
     min_probability
         Least probability that two footprints have min_overlap in common.
     compared
-        Pairs (first * n + second) that were compared.
+        Pairs (first * n + second) that were compared already.
     """
     first, second = _near(track, keyframes, depth_m, camera, options.sequential)
     overlap = footprint_overlap(track, first, second, depth_m, camera)
@@ -155,22 +158,22 @@ def propose_revisits(
 def choose_informative(
     first: Ints, second: Ints, probability: Array, gain: Array, least: float
 ) -> Ints:
-    """Choose the pairs (m,) whose comparison is worth `least` nats. Returns rows, ascending.
+    """Choose the pairs whose expected information gain is at least `least` nats.
 
-    The best are chosen first. The path is solved only after all of them are compared, so a pair
-    whose nodes were chosen k - 1 times already counts as the k-th measurement of one motion, which
-    tells less than the first [docs/methods.md (59b)].
+    Greedy, the largest expected gain first. The path is solved only after all of them are compared.
+    So a pair whose nodes were chosen k - 1 times already counts as the k-th measurement of the same
+    motion, which gains less than the first [docs/methods.md (59b)]. Returns rows, ascending.
 
     Parameters
     ----------
     first, second
         Nodes (m,).
     probability
-        That the pairs match (m,).
+        (m,) that each pair matches.
     gain
-        What each would tell of the path (m,) if it did, nats.
+        (m,) information gain of the path if it does, nats.
     least
-        Worth of the last pair chosen.
+        Least expected gain, probability times gain, of a chosen pair, nats.
     """
     worth = probability * gain
     rows = np.lexsort((second, first, -worth))
@@ -186,10 +189,10 @@ def choose_informative(
 
 
 def _gain_of_next(gain: float, before: int) -> float:
-    """Compute what a further measurement of one motion tells after `before` equal ones, nats.
+    """Compute the information gain of a further measurement of a motion after `before` equal ones.
 
-    `gain`: what the first one told. A motion is taken as six numbers that are measured equally
-    well.
+    In nats. `gain`: that of the first one. A motion is taken as six numbers that are measured
+    equally well: each measurement gains 3 ln(variance before / variance after).
     """
     ratio = math.expm1(min(gain, MOST_GAIN) / 3)  # of the variance known to that measured
     return 3 * math.log((1 + (before + 1) * ratio) / (1 + before * ratio))
@@ -205,12 +208,14 @@ def expect_overlap(
 ) -> tuple[Array, Array]:
     """Predict the share of the first footprint that the second covers, by quantiles of their pose.
 
+    Parameters are those of `propose_revisits`. first, second: (m,) nodes.
+
     Returns
     -------
     probability
-        That the share is min_overlap at least (m,). 0 where the depth is unknown.
+        (m,) that the share is at least min_overlap. 0 where the depth is unknown.
     expected
-        The mean share (m,) where it is. 0 where it cannot be.
+        (m,) mean of those shares that are at least min_overlap. 0 where none is.
     """
     probability, expected = np.zeros(len(first)), np.zeros(len(first))
     for start in range(0, len(first), COVARIANCE_BLOCK):
@@ -230,10 +235,10 @@ def expect_overlap(
 def scene_in_target(
     track: CameraTrack, source: Ints, target: Ints, depth: Array
 ) -> tuple[Array, Array]:
-    """Compute target_from_source (m, 4, 4) and how well it places the source's scene.
+    """Compute target_from_source (m, 4, 4), and the covariance of the source's scene in the target.
 
-    The covariance (m, 3, 3) is that of the middle of the scene, at depth (m,), in the target camera
-    (docs/methods.md (59)).
+    The covariance (m, 3, 3) is that of the scene's centre in the target camera (docs/methods.md
+    (59)). The centre is the point on the optical axis of the source at `depth` (m,).
     """
     relative = (
         track.global_from_camera[target].inverse() @ track.global_from_camera[source]
@@ -248,9 +253,21 @@ def scene_in_target(
 def _shares_at_quantiles(
     relative: Array, covariance: Array, depth: Array, camera: CameraModel
 ) -> Array:
-    """Compute the shares (m, q) that footprints have in common at q quantiles of the pose.
+    """Compute the shares (m, q) of the source footprints that the targets see at q quantiles.
 
-    All are that of the pose itself where no quantile is half a cell of the grid from it.
+    The quantiles are of the scene's position across the target camera's axis. Where none is half a
+    cell of the grid from the mean position, the share at the mean is taken for all.
+
+    Parameters
+    ----------
+    relative
+        target_from_source (m, 4, 4).
+    covariance
+        (m, 3, 3) of the scene's centre in the target camera.
+    depth
+        (m,) of the source's scene, m.
+    camera
+        Model of both cameras.
     """
     values, vectors = np.linalg.eigh(covariance[:, :2, :2])
     root = vectors * np.sqrt(np.maximum(values, 0))[:, None]
@@ -260,27 +277,28 @@ def _shares_at_quantiles(
     image = _ideal_in_target(relative, depth, camera, GRID)
     low, high = camera.undistort([[-0.5, -0.5], [camera.width - 0.5, camera.height - 0.5]])
     out = np.repeat(_share_within(image, low, high)[:, None], len(drawn), axis=1)
-    open_to = np.flatnonzero((np.abs(shift) > 0.5 * (high - low) / GRID).any(axis=(1, 2)))
-    out[open_to] = _share_within(image[open_to, None] + shift[open_to, :, None], low, high)
+    uncertain = np.flatnonzero((np.abs(shift) > 0.5 * (high - low) / GRID).any(axis=(1, 2)))
+    out[uncertain] = _share_within(image[uncertain, None] + shift[uncertain, :, None], low, high)
     return out
 
 
 def _share_within(image: Array, low: Array, high: Array) -> Array:
-    """Compute the share of points (..., n, 2) that lie in the image."""
+    """Compute the share of points (..., n, 2) between two corners (2,) of the image."""
     return np.asarray(((image >= low) & (image <= high)).all(axis=-1).mean(axis=-1))
 
 
 def _ideal_in_target(relative: Array, depth: Array, camera: CameraModel, grid: int) -> Array:
-    """Transfer a grid on the source image, at one depth (m,), to the target camera.
+    """Transfer a grid of points of each source image to the target camera.
 
-    Ideal coordinates (m, grid^2, 2), infinite behind it.
+    relative: target_from_source (m, 4, 4). depth: (m,) of all points of a source. Returns ideal
+    coordinates (m, grid^2, 2), infinite behind the target.
     """
     middle = (np.arange(grid) + 0.5) / grid
     u, v = np.meshgrid(middle * camera.width - 0.5, middle * camera.height - 0.5)
     rays = np.hstack([camera.undistort(np.stack([u.ravel(), v.ravel()], 1)), np.ones((grid**2, 1))])
     points = rays[None] * depth[:, None, None]
     seen = points @ relative[:, :3, :3].swapaxes(1, 2) + relative[:, None, :3, 3]
-    ahead = seen[..., 2] > 0.05
+    ahead = seen[..., 2] > 0.05  # m in front of the target
     depth_there = np.where(ahead, seen[..., 2], 1.0)[..., None]
     return np.asarray(np.where(ahead[..., None], seen[..., :2] / depth_there, np.inf))
 
@@ -293,9 +311,11 @@ def footprint_overlap(
     camera: CameraModel,
     grid: int = GRID,
 ) -> Array:
-    """Compute the overlap (m,) of image pairs: the smaller share seen by the opposite image.
+    """Compute the overlap (m,) of image pairs by the predicted footprints.
 
-    NaN where the depth is unknown.
+    It is the share of a footprint that the other image sees, the smaller of both ways. NaN where
+    the depth is unknown. first, second: (m,) nodes. depth_m: (n,) by node. grid: points of a
+    footprint along each side.
     """
     out, block = np.zeros(len(first)), max(1, GRID_POINTS // grid**2)
     for start in range(0, len(first), block):
@@ -329,7 +349,11 @@ def _sequential(nodes: Ints, reach: int) -> tuple[Ints, Ints]:
 def _near(
     track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, reach: int
 ) -> tuple[Ints, Ints]:
-    """Find pairs beyond the sequential ones whose footprints are within a diagonal and 3 sigma."""
+    """Find pairs of nodes whose scenes' centres are within a footprint's diagonal and 3 sigma.
+
+    Without the pairs of neighbours, at most `reach` nodes apart. The 3 sigma of a relative position
+    count as at most three diagonals.
+    """
     known = np.flatnonzero(np.isfinite(depth_m[nodes]))
     none = np.zeros(0, np.int64)
     if len(known) < 2:
@@ -341,7 +365,7 @@ def _near(
     size = float(np.median(depth_m[at])) * np.hypot(
         camera.width / camera.fx, camera.height / camera.fy
     )
-    # Two nodes' relative sigma is at most the sum of theirs relative to a third one.
+    # The relative sigma of two nodes is at most the sum of their sigmas relative to a third one.
     sigma_m = track.relative_sigma(at, np.full(len(at), at[len(at) // 2]))
     first, second = _within_reach(middle, size, 3 * sigma_m, 3 * size)
     apart = known[second] - known[first] > reach
@@ -349,9 +373,23 @@ def _near(
 
 
 def _within_reach(middle: Array, size: float, more: Array, most: float) -> tuple[Ints, Ints]:
-    """Find pairs of points (n, 3) closer than `size` plus what both of them add to it.
+    """Find pairs of points closer than `size` plus the margins of both.
 
-    Sorted, first < second. `more` (n,) is what each point adds; together they add at most `most`.
+    Parameters
+    ----------
+    middle
+        Points (n, 3).
+    size
+        Distance allowed to every pair, m.
+    more
+        Margin (n,) of each point, m.
+    most
+        Largest sum of both margins, m.
+
+    Returns
+    -------
+    first, second
+        (k,) with first < second, sorted.
     """
     from scipy.spatial import cKDTree
 
@@ -359,7 +397,7 @@ def _within_reach(middle: Array, size: float, more: Array, most: float) -> tuple
     parts = [np.zeros((0, 2), np.int64)]
     for start in range(0, len(middle), BLOCK):
         rows = np.arange(start, min(start + BLOCK, len(middle)))
-        # Twice its own: the pair is found from the end that adds more.
+        # Twice its own margin: each pair is found from the end with the larger one.
         found = tree.query_ball_point(middle[rows], size + np.minimum(2 * more[rows], most))
         a = np.repeat(rows, [len(near) for near in found])
         b = np.concatenate([*found]).astype(np.int64)
@@ -381,21 +419,23 @@ def _lowest_between(
     camera: CameraModel,
     least: float,
 ) -> Array:
-    """Find the smallest overlap (m,) with the first node on the way to the second.
+    """Find the smallest overlap (m,) of the first node with the nodes between it and the second.
 
-    0 once it fell below `least`. Nodes of unknown depth are ignored.
+    0 once it fell below `least`: the vehicle has left. Nodes of unknown depth are ignored.
 
     Parameters
     ----------
     track, depth_m, camera
         As of `propose_revisits`.
     nodes
-        The nodes along the way.
+        The keyframes, in order.
     first, second
-        Ranks (m,) among them.
+        Ranks (m,) of the pairs' nodes among them.
     least
-        Overlap below which the vehicle has left.
+        Overlap below which the vehicle has left the footprint.
     """
+    # One step along all nodes at a time: `running` is the smallest overlap of each node with its
+    # followers so far, `inside` the nodes whose footprint the vehicle has not left yet.
     lowest, running = np.zeros(len(first)), np.ones(len(nodes))
     inside = np.flatnonzero(np.isfinite(depth_m[nodes]))
     for step in range(1, int((second - first).max(initial=0)) + 1):

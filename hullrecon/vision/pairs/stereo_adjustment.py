@@ -3,8 +3,8 @@
 """The motion between two stereo nodes by bundle adjustment of both, with its covariance.
 
 Points are eliminated. A feature seen by both cameras of both nodes has eight coordinates and three
-unknowns, which leaves five for the motion. Counted as eight, as if triangulated points were known,
-the covariance is four times too small.
+unknowns, which leaves five to determine the motion. If triangulated points were taken as known, all
+eight would count, and the covariance would be four times too small.
 """
 
 from __future__ import annotations
@@ -17,15 +17,16 @@ from hullrecon import native
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.pairs.pose_from_points import apply_step
 
-ITERATIONS = 3
-LEAST = 6  # features of a motion
-CHI2_MEDIAN = 0.87  # median of chi-square over its five degrees of freedom
-OUTLIER_SIGMAS = 3.9  # of a feature's whole residual: 0.9999 of a Gaussian's
-# Sizes of cells whose features may err together, ideal coordinates: nearer ones share blur, light
-# and relief, or what the lens's model lacks.
+ITERATIONS = 3  # of Gauss-Newton
+LEAST = 6  # features that a motion needs
+CHI2_MEDIAN = 0.87  # median of chi-square with five degrees of freedom, divided by five
+# Limit of an inlier's residual norm, as sigmas of a Gaussian: 99.99 % of correct features are below
+OUTLIER_SIGMAS = 3.9
+# Sides of image cells within which features may have correlated errors, ideal coordinates: they
+# share blur, light and relief (smaller cells), or errors of the lens model (larger ones).
 CELLS = (0.1, 0.25)
 FIELD = 0.5  # ideal coordinates: half the width of a common image
-DISPARITY = 6  # unknowns of the disparity over the image, after those of the rig
+DISPARITY = 6  # unknowns of the disparity's error over the image, after the six of the rig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,13 +48,13 @@ class CalibrationEvidence:
     """The information of a pair of nodes on the twelve unknown errors of the dive's calibration.
 
     Six of top_from_bottom: (translation, rotation vector) in the top camera's axes. Six of the
-    disparity, of lenses and rig together: 1, x, y, x2, xy, y2 of the place in the leading image in
-    units of FIELD, ideal coordinates.
+    disparity, by lenses and rig together: the coefficients of 1, x, y, x^2, xy, y^2, with x and y
+    the position in the leading image, ideal coordinates over FIELD.
     """
 
     by_calibration: Array  # (6, 12) derivative of the motion by the errors
-    # Information (12, 12) and gradient (12,) of them, with points and motion eliminated, residuals
-    # in sigmas.
+    # Information (12, 12) and gradient (12,) of the errors, with points and motion eliminated, from
+    # residuals divided by their sigma.
     information: Array
     gradient: Array
 
@@ -63,7 +64,7 @@ class AdjustedMotion:
     """A motion adjusted to features of two stereo nodes."""
 
     second_from_first: Array  # (4, 4)
-    # (6, 6) as Motion defines it, as far as features, or cells of them, are independent
+    # (6, 6) as Motion defines it, from errors that are independent between features, or cells
     covariance: Array
     calibration: CalibrationEvidence
 
@@ -71,9 +72,9 @@ class AdjustedMotion:
 def adjust_stereo_motion(
     motion: Array, first: NodeObservations, second: NodeObservations, bottom_from_top: Array
 ) -> AdjustedMotion | None:
-    """Adjust a motion (4, 4) and the points of m features that both nodes saw.
+    """Adjust a motion (4, 4) together with the points of m features that both nodes saw.
 
-    None where too few have a stereo point, or too few agree.
+    None where too few features have a stereo point, or too few are inliers.
     """
     # Points start where either node triangulated them.
     known = np.isfinite(first.point[:, 0]) | np.isfinite(second.point[:, 0])
@@ -101,7 +102,7 @@ def adjust_stereo_motion(
     if good.sum() < LEAST:
         return None
 
-    # The covariance holds residuals that are larger than expected, and features that err together.
+    # The covariance is scaled by the residuals, and by correlated errors of neighbouring features.
     rows = native.linearise_stereo(motion, bottom_from_top, FIELD, points[good], seen[good])
     information = system.information[good].sum(axis=0)
     inverse = np.linalg.inv(information)
@@ -128,7 +129,21 @@ def _point_step(system: native.ReducedFeatures, step: Array) -> Array:
 def _calibration_evidence(
     system: native.ReducedFeatures, rows: native.StereoRows, inverse: Array, variance: float
 ) -> CalibrationEvidence:
-    """Eliminate points and motion, given the inverse (6, 6) of the motion's information."""
+    """Reduce the normal equations of points, motion and calibration to the calibration.
+
+    Points and motion are eliminated by Schur complements.
+
+    Parameters
+    ----------
+    system
+        Equations of points and motion of the m inliers, points eliminated.
+    rows
+        Residuals of the same features and their derivatives.
+    inverse
+        (6, 6) of the motion's information.
+    variance
+        Of a residual.
+    """
     turned = rows.by_calibration.swapaxes(1, 2)
     of_point = turned @ rows.by_point
     carried = of_point @ system.point_inverse
@@ -146,18 +161,18 @@ def _calibration_evidence(
 
 
 def correlation_inflation(information: Array, gradient: Array, variance: float, xy: Array) -> float:
-    """Estimate by how much features that err together inflate the variance, at least 1.
+    """Estimate by what factor correlated errors of neighbouring features inflate the covariance.
 
-    The larger factor of two sizes of cells.
+    The largest factor over the sizes in CELLS, at least 1.
 
     Parameters
     ----------
     information, gradient
-        (m, k, k) and (m, k) of each feature at the solution.
+        (m, k, k) and (m, k) by each feature at the solution, of the k unknowns.
     variance
         Of a residual.
     xy
-        Places (m, 2) of the features, ideal coordinates.
+        Positions (m, 2) of the features, ideal coordinates.
     """
     return max(
         _cluster_factor(information, gradient, variance, image_cells(xy, size)) for size in CELLS
@@ -165,12 +180,14 @@ def correlation_inflation(information: Array, gradient: Array, variance: float, 
 
 
 def _cluster_factor(information: Array, gradient: Array, variance: float, cell: Ints) -> float:
-    """Compute the factor where features of one cell (m,) may share errors [Liang1986].
+    """Compute the factor where features of one cell may have correlated errors [Liang1986].
 
-    The gradients of a cell add up to more than their sum of squares where its features err together
-    (one point found at two scales, light from one side, a wrong lens). This is the cluster-robust
-    covariance, as one factor, over what independent features of that variance would leave once the
-    motion is fitted to them.
+    Where they are correlated (one point found at two scales, light from one side, a wrong lens),
+    the square of a cell's summed gradient is larger than the sum of its features' squared
+    gradients. The factor is the trace of the cluster-robust covariance, relative to the
+    information, over its expectation for independent features. The expectation accounts for the
+    motion having been fitted to them. cell: (m,) number of each feature's cell. Other parameters
+    are those of `correlation_inflation`.
     """
     whole = np.linalg.inv(information.sum(axis=0))
     size, order = len(whole), np.argsort(cell, kind="stable")
@@ -191,8 +208,12 @@ def image_cells(xy: Array, size: float) -> Ints:
 
 
 def _inliers(system: native.ReducedFeatures) -> Mask:
-    """Select features within a chi-square's tail (Wilson-Hilferty), scaled by the median one."""
-    freedom = np.maximum(system.freedom, 1)
-    variance = float(np.median(system.cost / freedom)) / CHI2_MEDIAN
-    limit = freedom * (1 - 2 / (9 * freedom) + OUTLIER_SIGMAS * np.sqrt(2 / (9 * freedom))) ** 3
+    """Select features (m,) whose cost is no outlier of chi-square.
+
+    The variance of a residual is estimated by the median feature. The limit is the quantile of
+    chi-square at OUTLIER_SIGMAS, by the Wilson-Hilferty approximation.
+    """
+    degrees = np.maximum(system.freedom, 1)  # of freedom
+    variance = float(np.median(system.cost / degrees)) / CHI2_MEDIAN
+    limit = degrees * (1 - 2 / (9 * degrees) + OUTLIER_SIGMAS * np.sqrt(2 / (9 * degrees))) ** 3
     return np.asarray((system.freedom > 0) & (system.cost <= max(variance, 1e-14) * limit))

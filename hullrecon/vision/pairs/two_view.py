@@ -63,9 +63,10 @@ class PossibleMotion:
 
 
 def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
-    """Fit the likelier of both models to matches (n, 2) in ideal coordinates, by RANSAC.
+    """Fit an essential matrix or a homography to matches, whichever has the smaller criterion.
 
-    None with fewer than LEAST_MATCHES, or where neither model fits.
+    By RANSAC. first, second: (n, 2) in ideal coordinates. tolerance: largest error of an inlier.
+    None with fewer than LEAST_MATCHES, or where one of the models cannot be fitted.
     """
     both = fit_both(first, second, tolerance)
     if both is None:
@@ -75,7 +76,7 @@ def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
 
 
 def fit_both(first: Array, second: Array, tolerance: float) -> BothModels | None:
-    """Fit and score both models. Arguments and None as in `fit`."""
+    """Fit an essential matrix and a homography and score both. Arguments and None as in `fit`."""
     import cv2
 
     if len(first) < LEAST_MATCHES:
@@ -94,7 +95,7 @@ def fit_both(first: Array, second: Array, tolerance: float) -> BothModels | None
         sampson_squared(essential[:3], first, second),
         homography_squared(homography, first, second),
     )
-    sigma = 0.5 * tolerance
+    sigma = 0.5 * tolerance  # of a match: the tolerance of RANSAC is taken as two sigmas
     gic_e = criterion(errors[0] / sigma**2, *ESSENTIAL)
     gic_h = criterion(errors[1] / sigma**2, *HOMOGRAPHY)
     return BothModels(
@@ -104,9 +105,11 @@ def fit_both(first: Array, second: Array, tolerance: float) -> BothModels | None
 
 
 def criterion(whitened_squared: Array, dimension: int, parameters: int) -> float:
-    """Compute sum e^2/sigma^2 + 2 d N + 4 P [Torr1998], [KimEustice2009 III-B].
+    """Compute the geometric information criterion of a model, smaller is better.
 
-    An outlier's share is capped at 2 (4 - d), so that a single outlier cannot decide.
+    sum e^2/sigma^2 + 2 d N + 4 P [Torr1998], [KimEustice2009 III-B], with d the dimension of the
+    manifold of matches, N their number and P the number of parameters. The term of a match is
+    capped at 2 (4 - d), so that a single outlier cannot decide.
     """
     capped = np.minimum(whitened_squared, 2.0 * (4 - dimension))
     return float(capped.sum() + 2.0 * dimension * len(whitened_squared) + 4.0 * parameters)
@@ -124,9 +127,9 @@ def sampson_squared(essential: Array, first: Array, second: Array) -> Array:
 
 
 def homography_squared(homography: Array, first: Array, second: Array) -> Array:
-    """Compute the mean squared transfer error (n,) of both ways, halved.
+    """Compute the mean squared transfer error (n,) of both directions, halved.
 
-    So it has the size of a point's error in each image.
+    Halved, it has the size of a point's squared error in one image.
     """
     forward = _apply(homography, first) - second
     backward = _apply(np.asarray(np.linalg.inv(homography)), second) - first
@@ -139,9 +142,9 @@ def essential_of(second_from_first: Array) -> Array:
 
 
 def motions_of(found: TwoView, first: Array, second: Array) -> list[PossibleMotion]:
-    """List the motions that the model may stand for, with points ahead of both cameras.
+    """List the motions that a model may stand for, with the inliers in front of both cameras.
 
-    A homography that is a rotation alone has no translation.
+    A homography has up to two. One that is a pure rotation gives a motion with translation 0.
     """
     import cv2
 
@@ -160,6 +163,7 @@ def motions_of(found: TwoView, first: Array, second: Array) -> list[PossibleMoti
 
 
 def _motion(rotation: Array, translation: Array) -> Array:
+    """Build a motion (4, 4) with |t| = 1, or 0 where the translation is 0."""
     out = np.eye(4)
     out[:3, :3], out[:3, 3] = rotation, translation / max(float(np.linalg.norm(translation)), 1e-12)
     return out

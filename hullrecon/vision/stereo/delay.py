@@ -22,29 +22,32 @@ from hullrecon.typing import Array
 from hullrecon.vision.pairs.two_view import essential_of, sampson_squared
 from hullrecon.vision.stereo.matching import rectify, triangulate
 
-# Sigma of the rig's rotation and of the baseline's direction, rad: as good as unknown, so that what
-# a wrong calibration explains is left to it
+# Sigma of the rig's rotation and of the baseline's direction, rad. As good as unknown: what a wrong
+# calibration explains must not count as a delay.
 RIG_SIGMA_RAD = 0.05
 SIGNIFICANT = 5.0  # sigmas of a delay that is believed
 # A shorter delay moves features at usual speeds by less than calibrations are wrong
 LEAST_S = 0.002
-# Sigma that is left however many features agree: of speeds within an exposure, and of lenses, s
+# Sigma of a delay that remains however many features agree, s: from changes of speed within an
+# exposure, and from lenses
 FLOOR_S = 0.0003
-FARTHEST_S, STEP_S = 0.24, 0.02  # where a delay is sought: less than half a period of two a second
-STEPS, SETTLED = 8, 1e-5  # of Gauss and Newton at most, until none is larger (rad or s)
-FEW = 60  # matches of a pair that tell where to start
-DIFFERENCE = 1e-4  # rad or s, for derivatives
+# Delays are searched within +-FARTHEST_S: less than half the period of a camera with two images a
+# second.
+FARTHEST_S, STEP_S = 0.24, 0.02
+STEPS, SETTLED = 8, 1e-5  # Gauss-Newton steps at most, and the step (rad or s) that ends them
+FEW = 60  # matches of a pair that are used to find the starting value
+DIFFERENCE = 1e-4  # rad or s, for numeric derivatives
 HUBER = 2.0  # robust sigmas of a residual beyond which its weight falls
 
 
 @dataclass(frozen=True, kw_only=True)
 class MatchedRays:
-    """Features that two cameras have in common, and how the tray moved."""
+    """The matches of a pair of images of the two cameras, and how the tray moved."""
 
     top: Array  # (n, 2) ideal coordinates
-    bottom: Array  # (n, 2)
+    bottom: Array  # (n, 2) of the same features
     twist: Array  # (6,) of the tray in its own axes, m/s and rad/s; NaN where not measured
-    stamped_s: float  # the bottom camera's stamp after the top one's
+    stamped_s: float  # the bottom image's stamp minus the top image's
 
     def every(self, step: int) -> MatchedRays:
         """Select every `step`-th match."""
@@ -53,26 +56,30 @@ class MatchedRays:
 
 @dataclass(frozen=True, kw_only=True)
 class Delay:
-    """How long after its stamp the bottom camera was exposed. So much its stamps are early."""
+    """Time from the stamp of the bottom camera to its exposure, and its sigma."""
 
-    seconds: float
+    seconds: float  # positive: stamps are early, so that it is to be added to them
     sigma_s: float
 
     @property
     def is_significant(self) -> bool:
-        """Whether it is believed and worth a correction."""
+        """Whether the delay is believed and worth a correction."""
         return abs(self.seconds) > max(SIGNIFICANT * self.sigma_s, LEAST_S)
 
 
 def estimate_delay(rig: Rig, pairs: Sequence[MatchedRays]) -> Delay | None:
     """Estimate the bottom camera's delay together with errors of the rig's calibration.
 
-    Its sigma holds what pairs of images differ by beyond their noise. None where nothing moved.
+    Start at the delay of least epipolar error on a grid of delays, then take Gauss-Newton steps on
+    delay, rotation and direction of the baseline. The variance of the delay is that of the matches
+    plus the cluster-robust one, which holds differences between pairs of images beyond their noise.
+    None where fewer than three pairs have a known motion, or where nothing moved.
     """
     pairs = [pair for pair in pairs if np.isfinite(pair.twist).all()]
     if len(pairs) < 3:
         return None
     starts = np.arange(-FARTHEST_S, FARTHEST_S + STEP_S, STEP_S)
+    # The shortest first: of equally good delays the shortest is taken.
     starts = starts[np.argsort(np.abs(starts), kind="stable")]
     unknowns = np.zeros(6)
     few = [pair.every(-(-len(pair.top) // FEW)) for pair in pairs]
@@ -92,28 +99,44 @@ def estimate_delay(rig: Rig, pairs: Sequence[MatchedRays]) -> Delay | None:
 
 
 def move_to_top(rig: Rig, pair: MatchedRays, delay_s: float) -> Array:
-    """Move a pair's bottom features (n, 2), ideal coordinates, to where they were with the top."""
+    """Predict a pair's bottom features as if both cameras had been exposed at the same time.
+
+    Each match is triangulated with the bottom camera where it was when exposed, and the point is
+    projected into the bottom camera where it was when the top one was exposed. Features without a
+    valid point are left unchanged.
+
+    Returns
+    -------
+    bottom
+        (n, 2) ideal coordinates.
+    """
     moved = _bottom_moved(rig, pair, delay_s)
     if rig.stereo_mount is None:
         return pair.bottom
     turned = rectify(rig.stereo_mount @ moved)
     point = triangulate(turned, turned.rectify_top(pair.top), turned.rectify_bottom(pair.bottom))
-    at = rig.stereo_mount.inverse().apply(point)
-    out = np.where(at[:, 2:] > 0, at[:, :2] / np.where(at[:, 2:] > 0, at[:, 2:], 1.0), np.nan)
+    in_bottom = rig.stereo_mount.inverse().apply(point)
+    depth = in_bottom[:, 2:]
+    out = np.where(depth > 0, in_bottom[:, :2] / np.where(depth > 0, depth, 1.0), np.nan)
     return np.where(np.isfinite(out), out, pair.bottom)
 
 
 def _bottom_moved(rig: Rig, pair: MatchedRays, delay_s: float) -> Poses:
-    """Compute bottom_with_top from bottom_when_exposed, a batch of one."""
+    """Compute the bottom camera's motion from the top camera's exposure to its own.
+
+    Returns the pose of the bottom camera when it was exposed, in the axes of the bottom camera when
+    the top one was exposed, a batch of one.
+    """
     mount = rig.tray_from(Camera.BOTTOM)
     moved = exp((pair.stamped_s + delay_s) * pair.twist[None])
     return mount.inverse() @ moved @ mount
 
 
 def _residuals(rig: Rig, pair: MatchedRays, unknowns: Array) -> Array:
-    """Compute signed distances (n,) from epipolar lines, ideal coordinates.
+    """Compute signed Sampson distances (n,) of matches from their epipolar lines.
 
-    unknowns: rotation of the bottom camera (3,), turn of the baseline (2,), rad; delay, s.
+    In ideal coordinates. unknowns: (6,) error of the bottom camera's rotation (3) and of the
+    baseline's direction (2), rad, and the delay, s.
     """
     assert rig.stereo_mount is not None
     # Rectified cameras have the baseline along y: rows 0 and 2 are the axes across it
@@ -132,15 +155,26 @@ def _residuals(rig: Rig, pair: MatchedRays, unknowns: Array) -> Array:
 
 
 def _cost(rig: Rig, pairs: Sequence[MatchedRays], unknowns: Array) -> float:
-    """Sum the distances of matches from their epipolar lines, each capped as a wrong match's."""
-    wrong = 3 / rig.focal_px(Camera.TOP)
+    """Sum the mean distances of the pairs' matches from their epipolar lines.
+
+    Each distance is capped at 3 px: beyond, it is that of a wrong match.
+    """
+    cap = 3 / rig.focal_px(Camera.TOP)
     return float(
-        sum(np.minimum(np.abs(_residuals(rig, pair, unknowns)), wrong).mean() for pair in pairs)
+        sum(np.minimum(np.abs(_residuals(rig, pair, unknowns)), cap).mean() for pair in pairs)
     )
 
 
 def _normal(rig: Rig, pairs: Sequence[MatchedRays], unknowns: Array) -> tuple[Array, Array, Array]:
-    """Linearise: information (6, 6), gradient (6,), and scatter (6, 6) of the pairs' gradients."""
+    """Linearise the residuals of all pairs with Huber weights and numeric derivatives.
+
+    Returns
+    -------
+    information, gradient
+        (6, 6) and (6,) of the unknowns of `_residuals`, with the prior of the calibration.
+    scatter
+        (6, 6) sum of the outer products of each pair's gradient, for the cluster-robust variance.
+    """
     residual = [_residuals(rig, pair, unknowns) for pair in pairs]
     sigma = robust_sigma(np.concatenate(residual), about=0.0)
     prior = np.diag(np.r_[np.full(5, RIG_SIGMA_RAD**-2), 0.0])

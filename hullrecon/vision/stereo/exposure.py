@@ -22,11 +22,11 @@ from hullrecon.vision.features.extraction import Features
 from hullrecon.vision.stereo.matching import StereoMatches, rectify, triangulate
 from hullrecon.vision.stereo.node_view import NodeFeatures
 
-NEIGHBOURS = 4  # stereo matches whose mean depth a feature without a match is given
-# Depths at which stereo matches are sought where nothing has measured the scene's, m
+NEIGHBOURS = 4  # nearest stereo matches, of which a feature without a match gets the mean depth
+# Depths for which stereo matches are searched where the depth of the scene was not measured, m
 DEPTHS_M = (0.5, 1.0, 2.0, 4.0, 8.0)
-# Times that a match's depth and place are computed in turn. Each multiplies what is left by the
-# way between the exposures over the baseline, some hundredths.
+# Alternations between the depths of matches and the positions of features. Each multiplies the
+# error by the distance moved between the exposures over the baseline, some hundredths.
 ROUNDS = 4
 
 
@@ -40,11 +40,12 @@ def move_features(
     rig
         The cameras.
     seen
-        Features as found, and stereo matches, whose depths count.
+        Features as found in the images, and stereo matches, whose depths are used.
     depth_m
-        Of the scene where there are fewer than NEIGHBOURS matches; NaN leaves features in place.
+        Depth of the scene, used where there are fewer than NEIGHBOURS matches. NaN: features are
+        left unchanged.
     exposure
-        Of the node: one row.
+        Exposure times and motion of this node, one row.
     """
     bottom_point = seen.stereo.point
     if rig.stereo_mount is not None:
@@ -61,7 +62,12 @@ def move_features(
 def settle_depths(
     rig: Rig, seen: NodeFeatures, depth_m: float, exposure: Exposures
 ) -> StereoMatches:
-    """Triangulate stereo matches of features that move with the depth that they give."""
+    """Triangulate stereo matches whose two images were exposed at different times.
+
+    How far a feature has to be moved depends on its depth, and the depth on the moved features:
+    both are computed in turn, ROUNDS times. Matches without a valid point are left out. Parameters
+    are those of `move_features`.
+    """
     turned = rectify(rig.tray_from(Camera.TOP).inverse() @ rig.tray_from(Camera.BOTTOM))
     for _ in range(ROUNDS if len(seen.stereo) else 0):
         moved = move_features(rig, seen, depth_m, exposure)
@@ -79,7 +85,22 @@ def settle_depths(
 
 
 def _depths(features: Features, rows: Ints, depth_m: Array, otherwise_m: float) -> Array:
-    """Assign depths (n,), m: the own match's, the mean of near matches', or the scene's."""
+    """Assign a depth (n,), m, to each feature of one camera.
+
+    That of its own stereo match, else the mean of the nearest matches in the image. With fewer than
+    NEIGHBOURS matches all get the depth of the scene.
+
+    Parameters
+    ----------
+    features
+        The camera's features, n.
+    rows
+        Features (k,) with a stereo match.
+    depth_m
+        Depths (k,) of these matches in this camera.
+    otherwise_m
+        Depth of the scene.
+    """
     from scipy.spatial import cKDTree
 
     place = features.place
@@ -95,7 +116,10 @@ def _depths(features: Features, rows: Ints, depth_m: Array, otherwise_m: float) 
 def _move(
     rig: Rig, camera: Camera, features: Features, depth_m: Array, exposure: Exposures
 ) -> Features:
-    """Move a camera's features by the tray's motion between their row's exposure and the node."""
+    """Move a camera's features by the tray's motion between their row's exposure and the node.
+
+    A feature without a depth, or that would leave the camera's view, is left unchanged.
+    """
     if not len(features):
         return features
     model, mount = rig.model(camera), rig.tray_from(camera)

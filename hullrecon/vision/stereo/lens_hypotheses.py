@@ -16,9 +16,10 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.typing import Array
 from hullrecon.vision.pairs.two_view import essential_of, sampson_squared
 
-MOST_MATCHES = 300  # that a hypothesis is fitted to, evenly from all
-EVALUATIONS = 150  # of two numbers by simplices
-STEP_SHARE, STEP_RADIAL = 0.1, 0.1  # of the first simplex: of the focal length, of k1 and k2
+MOST_MATCHES = 300  # matches that a hypothesis is fitted to, taken evenly from all
+EVALUATIONS = 150  # of the cost at most, by Nelder-Mead on one or two numbers
+# Size of the first simplex: as a share of the focal length, and in k1 and k2
+STEP_SHARE, STEP_RADIAL = 0.1, 0.1
 Lenses = tuple[CameraModel, CameraModel]
 
 
@@ -33,7 +34,10 @@ class LensFit:
 def best_lenses(
     lenses: Lenses, bottom_from_top: Array, top_px: Array, bottom_px: Array
 ) -> list[LensFit]:
-    """Fit each wrong lens. Of each kind the one that explains matches best, the best first.
+    """Fit each hypothesis of a wrong lens to the matches.
+
+    Of each kind (principal point, focal length, distortion) only the fit of least epipolar error is
+    returned, sorted by that error.
 
     Parameters
     ----------
@@ -42,7 +46,7 @@ def best_lenses(
     bottom_from_top
         (4, 4) as calibrated.
     top_px, bottom_px
-        (n, 2) matches as seen.
+        Matches (n, 2), pixels in the raw images.
     """
     rows = np.unique(np.linspace(0, len(top_px) - 1, MOST_MATCHES).astype(np.int64))
     essential, seen = essential_of(bottom_from_top), (top_px[rows], bottom_px[rows])
@@ -55,6 +59,7 @@ def best_lenses(
 
 
 def _causes() -> Iterator[tuple[str, Callable[[CameraModel, Array], CameraModel], str]]:
+    """Yield each hypothesis: its kind, the function that changes a lens, and of which camera."""
     # The cameras look the same way: a shift in the one is a shift back in the other, and a scale of
     # both moves no match off its epipolar line.
     yield "principal point", _shifted, "bottom"
@@ -73,10 +78,26 @@ def _fit(
     essential: Array,
     seen: tuple[Array, Array],
 ) -> LensFit:
-    """Fit one kind of wrong lens of one or both cameras, by the least epipolar error."""
+    """Fit one kind of wrong lens of one or both cameras, by the least epipolar error.
+
+    Parameters
+    ----------
+    name
+        Kind of the error, as in `_causes`.
+    wrong
+        Changes a lens by one or two values, 0 for none.
+    which
+        Camera whose lens is changed: "top", "bottom" or "both".
+    lenses
+        As calibrated.
+    essential
+        (3, 3) of the calibrated rig.
+    seen
+        Matches (n, 2) in raw pixels of both images.
+    """
     from scipy.optimize import minimize  # a quarter of a second to load, for a rig that is wrong
 
-    def of(values: Array) -> Lenses:
+    def lenses_with(values: Array) -> Lenses:
         top, bottom = lenses
         return (
             top if which == "bottom" else wrong(top, values),
@@ -84,7 +105,7 @@ def _fit(
         )
 
     def error_px(values: Array) -> float:
-        return epipolar_error_px(of(values), essential, seen)
+        return epipolar_error_px(lenses_with(values), essential, seen)
 
     step = STEP_RADIAL if name == "distortion" else STEP_SHARE
     simplex = step * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
@@ -108,7 +129,10 @@ def _fit(
 
 
 def epipolar_error_px(lenses: Lenses, essential: Array, seen: tuple[Array, Array]) -> float:
-    """Compute the median distance of matches (n, 2), px, from their epipolar lines."""
+    """Compute the median distance, px, of matches from their epipolar lines.
+
+    seen: matches (n, 2) in raw pixels of the top and the bottom image.
+    """
     ideal = [lens.undistort(pixel) for lens, pixel in zip(lenses, seen, strict=True)]
     squared = sampson_squared(essential, *ideal)
     return float(np.sqrt(np.nanmedian(squared)) * 0.5 * (lenses[0].fx + lenses[1].fx))

@@ -73,7 +73,10 @@ def no_matches() -> StereoMatches:
 
 
 def rectify(top_from_bottom: Poses) -> Rectification:
-    """Turn both cameras by as little as puts the baseline on y and their axes alike.
+    """Rotate both cameras so that the baseline is on y and their axes are parallel.
+
+    The common optical axis is the mean of both, made perpendicular to the baseline, so that neither
+    camera is turned more than needed.
 
     Raises
     ------
@@ -101,11 +104,9 @@ def turn_rays(rotation: Array, xy: Array) -> Array:
 
 
 def triangulate(rectification: Rectification, top: Array, bottom: Array) -> Array:
-    """Triangulate turned coordinates (n, 2) of both cameras to points (n, 3) in the top one, m.
+    """Triangulate matches to points (n, 3) in the top camera, m [Ozog2016 eq. D.11].
 
-    This is [Ozog2016 eq. D.11] in ideal coordinates.
-
-    NaN where the disparity is not positive.
+    top, bottom: (n, 2) rectified ideal coordinates. NaN where the disparity is not positive.
     """
     disparity = top[:, 1] - bottom[:, 1]
     depth = rectification.baseline_m / np.where(disparity > 1e-9, disparity, np.nan)
@@ -124,10 +125,13 @@ def match_stereo(
 ) -> StereoMatches:
     """Match the features of two cameras within the band of [Ozog2016 D.2.1].
 
+    A feature is searched along its epipolar line between the disparities of the nearest and the
+    farthest depth.
+
     Parameters
     ----------
     rectification
-        The rig's.
+        Of the rig.
     top, bottom
         The features of either camera.
     depth_m
@@ -139,6 +143,7 @@ def match_stereo(
     """
     xy_top, xy_bottom = rectification.rectify_top(top.xy), rectification.rectify_bottom(bottom.xy)
     most, least = (float(rectification.disparity(depth)) for depth in depth_m)
+    # Middle and half size of the box in which the match lies, relative to the rectified feature.
     middle = np.array([0.0, 0.5 * (most + least)])
     half = np.array([column, max(0.5 * (most - least), column)])
     found = match_descriptors(top, bottom, in_box(xy_top - middle, half, xy_bottom))

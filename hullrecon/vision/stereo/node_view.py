@@ -28,15 +28,15 @@ from hullrecon.vision.stereo.matching import (
     rectify,
 )
 
-# Depth of the scene where nothing has measured it: from the nearest that a camera is focused for to
-# more than the visibility of harbour water.
+# Depths at which stereo matches are searched where the depth of the scene was not measured: from
+# the nearest that a camera is focused for to more than the visibility of harbour water.
 DEPTH_RANGE_M = (0.3, 15.0)
-# Stereo matches over the geometric mean of the two cameras' features. Noise and an image of a hull
-# have at most 0.042, two cameras that see at least 0.147, where one of them looks past the hull
-# (10,702 nodes of 53 runs; 0.163 on a real seabed).
+# Least number of stereo matches over the geometric mean of the two cameras' features. An image of
+# noise matched with one of a hull has at most 0.042. Two cameras that both see have at least 0.147,
+# even where one of them looks past the hull (10,702 nodes of 53 runs; 0.163 on a real seabed).
 FAIR_SHARE = 0.06
 CLEARLY_MORE = 2.0  # ratio of features from which the bottom camera leads
-NEIGHBOURS = 8  # of a stereo match in the image, with which its depth is compared
+NEIGHBOURS = 8  # nearest matches in the image with whose depths that of a match is compared
 SAME_DEPTH_SIGMAS = 6.0  # robust sigmas of local spread within which two inverse depths agree
 
 
@@ -70,7 +70,7 @@ class DepthPrior:
 
     mean: float
     sigma: float
-    nearest: float
+    nearest: float  # limits of the depth at which stereo matches are searched
     farthest: float
     # unit normal of the surface in the camera, pointing away from it; None for returns on a line
     normal: tuple[float, float, float] | None = None
@@ -80,7 +80,8 @@ class DepthPrior:
 class NodeView:
     """The n features of a node's leading camera, prepared for pair matching.
 
-    The stereo match is that of a feature's place, whichever of its rows was matched.
+    SIFT may give several features at one pixel, with different orientations. A stereo match of one
+    of them counts for all at that pixel (`place`).
     """
 
     camera: Camera  # the leading one
@@ -121,11 +122,11 @@ def stereo_of_node(
     top, bottom
         Their features.
     prior
-        Depth of the scene, None for DEPTH_RANGE_M.
+        Depth of the scene. None: DEPTH_RANGE_M is searched.
     options
         Section [matches].
     match
-        Chooses among descriptors.
+        Matches descriptors among the pairs that geometry allows.
     """
     if rig.stereo_mount is None or not len(top) or not len(bottom):
         return no_matches()
@@ -157,8 +158,9 @@ def is_fair_share(matches: int, top: Features, bottom: Features) -> bool:
 def drop_isolated_depths(matches: StereoMatches, xy: Array) -> StereoMatches:
     """Drop matches whose inverse depth agrees with too few of their neighbours in the image.
 
-    A chance match has no neighbour of like depth. Matches are kept that a quarter of the nearest
-    neighbours agree with.
+    A chance match has no neighbour of like depth. A match is kept if at least a quarter of its
+    nearest neighbours have the same inverse depth, within the spread that is usual among neighbours
+    of this image. xy: (m, 2) positions of the matches in the image.
     """
     from scipy.spatial import cKDTree
 
@@ -182,11 +184,11 @@ def view_of_node(
     rig
         The cameras.
     features
-        Of both, with their matches.
+        Features of both cameras, with their stereo matches.
     prior
         Depth of the scene by the DVL, None where not measured.
     sigma_px
-        Sigma of a feature's position, from which its depth's sigma follows.
+        Sigma of a feature's position, from which the sigma of its depth follows.
     """
     camera = Camera.BOTTOM if features.bottom_leads else Camera.TOP
     lead, stereo = features.leading, features.stereo
@@ -214,7 +216,11 @@ def view_of_node(
 def _depths(
     rig: Rig, xy: Array, point: Array, prior: DepthPrior | None, sigma_px: float
 ) -> tuple[Array, Array]:
-    """Assign depth and sigma (n,), m: the own stereo point's, four neighbours', or the prior's."""
+    """Assign a depth and its sigma (n,), m, to each feature of the leading camera.
+
+    That of its own stereo point, else the mean of the four nearest points in the image. With fewer
+    than four stereo points all get the prior's, NaN without one.
+    """
     from scipy.spatial import cKDTree
 
     depth = np.full(len(xy), prior.mean if prior else np.nan)
@@ -226,10 +232,14 @@ def _depths(
     near = cKDTree(xy[own]).query(xy[~own], k=4)[1]
     depth[own], depth[~own] = measured, measured[near].mean(axis=1)
     baseline_m = rectify(rig.stereo_mount).baseline_m
+    # z = b / disparity, and the disparity has the sigma of two positions.
     sigma[own] = measured**2 * np.sqrt(2) * sigma_px / rig.focal_px(Camera.TOP) / baseline_m
+    # Generous, as it only widens the search: the relief between the neighbours, and 2 % of the
+    # depth.
     sigma[~own] = np.hypot(1.5 * measured[near].std(axis=1), 0.02 * depth[~own])
     return depth, sigma
 
 
 def _light(features: Features) -> float:
+    """Sum 1 + brightness (mean of R, G, B, 0 to 255) over the features of an image."""
     return len(features) + float(features.color.sum(dtype=float)) / 3

@@ -31,33 +31,42 @@ from hullrecon.vision.pairs.two_view import TwoView, essential_of, motions_of, s
 from hullrecon.vision.stereo.delay import Delay, MatchedRays, estimate_delay, move_to_top
 from hullrecon.vision.stereo.lens_hypotheses import best_lenses, epipolar_error_px
 from hullrecon.vision.stereo.matching import rectify, triangulate
-from hullrecon.vision.stereo.pose_conventions import fitting_readings
+from hullrecon.vision.stereo.pose_conventions import fitting_conventions
 
-PAIRS = 6  # of images, spread over the dive
-MIN_MATCHES = 25  # of an informative pair of images
+PAIRS = 6  # pairs of images that are checked, spread over the dive
+MIN_MATCHES = 25  # matches of an informative pair of images
 MIN_PAIRS = 3  # informative pairs
-MAX_ERROR_PX = 1.5  # median, as wide as the band in which stereo matches are sought
+MAX_ERROR_PX = 1.5  # median, as wide as the band in which stereo matches are searched
 MAX_TURN_DEG = 0.3  # of the bottom camera; a calibration under water is good to a tenth
-TURN_SIGMAS = 5.0  # by which such a turn must be known
-FAR = 4.0  # median error as calibrated over that of a fitted pose, from where on another is meant
-CLEARLY_BETTER = 1.2  # the median error of one fit over another's
+TURN_SIGMAS = 5.0  # least ratio of such a turn to its sigma
+# Ratio of the median error as calibrated to that of a fitted pose from which the pose is taken to
+# be of another convention
+FAR = 4.0
+CLEARLY_BETTER = 1.2  # ratio of the median errors of two fits from which the better one is taken
 MAX_SHARE = 0.3  # of the pairs beyond MAX_ERROR_PX
-LEAST_PART = 2  # pairs that fit, and that do not, where a part of the dive is wrong
+LEAST_PART = 2  # pairs that fit, and pairs that do not, where only a part of the dive is wrong
 MAX_SHIFT = 3  # frames by which the stamps of one camera may be off
-MAX_DEPTH_RATIO = 0.15  # of stereo and DVL: a curved hull, relief and lever arms make some of it
-NEAR_NS = 1_000_000_000  # of a ping to a pair of images
-AS_GOOD = 1.5  # median error of a cause over the best one's: matches were chosen by a wrong rig
+# Relative difference of depths by stereo and DVL. A curved hull, relief and lever arms make some.
+MAX_DEPTH_RATIO = 0.15
+NEAR_NS = 1_000_000_000  # largest time between a ping and a pair of images that are compared
+# Largest ratio of a cause's median error to that of the best one to be named as well. Generous, as
+# the matches were chosen with a wrong rig.
+AS_GOOD = 1.5
 WATER = 1.333  # refractive index
-MEDIUM_SHARE = 0.05  # by which depths may be off that where the medium is the cause
-# Ratio of two units of length at least; that of two speeds of sound is below MAX_DEPTH_RATIO
+# Relative difference between the ratio of depths and 1 / WATER up to which a calibration in air is
+# named as the cause
+MEDIUM_SHARE = 0.05
+# Least ratio of two units of length; that of two speeds of sound is below MAX_DEPTH_RATIO
 LEAST_UNIT = 2.0
-LARGEST_SHIFT = 0.1  # of the focal length: a principal point is not off by more
-CLEARLY_NEARER = 2.0  # how much better one cause has to explain the vehicle's way than another
-LEAST_WAY_M = 0.02  # between two pairs of images: some times what stereo errs by
-WAY_NS = 150_000_000  # about two pairs of images, in which pings count
-FITS, OUTLIER_MEDIANS = 3, 3.0  # of a motion, and how far points of it may be off
-LEAST_TURN_DEG = 0.05  # that is told as one
-UPSIDE_DOWN_DEG = 135.0
+LARGEST_SHIFT = 0.1  # of a principal point, as a share of the focal length
+# Ratio of the logarithmic errors with which two causes explain the distance travelled, from which
+# the better one is named alone
+CLEARLY_NEARER = 2.0
+LEAST_WAY_M = 0.02  # motion between two pairs of images: several times the error of stereo
+WAY_NS = 150_000_000  # before the first and after the second pair, within which pings count
+FITS, OUTLIER_MEDIANS = 3, 3.0  # fits of a motion, and the residual of outliers over the median
+LEAST_TURN_DEG = 0.05  # below, the pose is said to be shifted, not turned
+UPSIDE_DOWN_DEG = 135.0  # turn from which the pictures of one camera are taken to be upside down
 TURN_PICTURES = (
     "its pictures, or those of the top camera, stand otherwise than in the calibration: give them "
     "as the camera was calibrated, or calibrate with such pictures"
@@ -72,21 +81,21 @@ TrayMotion = Callable[[Ints], Array]  # velocity and rate (n, 6) of the tray at 
 class StereoFrames:
     """The usable frames of two cameras, in time order."""
 
-    pair: Ints  # (k, 2) places in top and bottom of the frames taken together
-    top: tuple[Ints, Ints]  # stamps, ns, and rows in the index
+    pair: Ints  # (k, 2) positions in `top` and `bottom` of the frames taken together
+    top: tuple[Ints, Ints]  # stamps, ns, and rows in the camera's image index
     bottom: tuple[Ints, Ints]
 
 
 @dataclass(frozen=True, kw_only=True)
 class RigProblem:
-    """A contradiction, in words."""
+    """A contradiction between the calibrated rig and the images, in words."""
 
-    what: str  # with its figures
-    remedy: str  # "" where nothing is known to heal
+    what: str  # the contradiction, with its figures
+    remedy: str  # "" where none is known
 
     @property
     def sentence(self) -> str:
-        """Tell the contradiction, and what to do where that is known."""
+        """The contradiction, and what to do where that is known."""
         return f"{self.what}: {self.remedy}" if self.remedy else self.what
 
 
@@ -95,10 +104,10 @@ class RigCheck:
     """Result of checking k pairs of images."""
 
     error_px: float  # median distance of features from their epipolar lines as calibrated
-    depth_m: Array  # (k,) of the scene in the top camera, NaN behind it
-    at_ns: Ints  # (k,) when
-    problem: RigProblem | None = None  # None where all fits
-    delay: Delay | None = None  # of the bottom camera after its stamps; None: none that is seen
+    depth_m: Array  # (k,) median depth of the scene in the top camera, NaN behind it
+    at_ns: Ints  # (k,) times of the pairs
+    problem: RigProblem | None = None  # None where images and calibration agree
+    delay: Delay | None = None  # of the bottom camera; None where none was found
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,11 +116,11 @@ class _Matched:
 
     top: Array  # (n, 2) ideal coordinates
     bottom: Array
-    pixels: tuple[Array, Array]  # (n, 2) of both as seen
+    pixels: tuple[Array, Array]  # (n, 2) raw pixels in the top and the bottom image
     descriptors: Floats32  # (n, 128) in the top image
     motion: Array  # (4, 4) bottom from top by these features, |t| = 1
-    at_ns: int
-    stamped_s: float  # the bottom image's stamp after the top one's
+    at_ns: int  # stamp of the top image
+    stamped_s: float  # the bottom image's stamp minus the top image's
 
 
 def check_stereo_rig(
@@ -121,58 +130,66 @@ def check_stereo_rig(
     sigma_rad: float = 0.0,
     motion: TrayMotion | None = None,
 ) -> RigCheck | None:
-    """Check calibration and stamps by a few pairs of images.
+    """Check stereo calibration and stamps by a few pairs of images.
 
-    A shift of the frames shows only where the vehicle moved.
+    Frames that are paired wrongly are found only where the vehicle moved between them.
 
     Parameters
     ----------
     rig
         The cameras as calibrated.
     frames
-        Of both cameras.
+        Usable frames of both cameras.
     read
-        An image by camera and row.
+        Reads an image by camera and row.
     sigma_rad
-        Of the bottom camera's rotation. By two sigmas the limits are wider.
+        Sigma of the bottom camera's rotation. The limit of the epipolar error is wider by twice
+        this.
     motion
-        Of the tray, by which cameras that fire apart are told. None where it was not measured.
+        Motion of the tray, needed to find a delay between the exposures of the two cameras. None
+        where it was not measured.
 
     Returns
     -------
     check
         None where too few pairs have enough features in common.
     """
-    look = _ImageMatcher(rig, frames, read)
+    matcher = _ImageMatcher(rig, frames, read)
     places = np.zeros(0, np.int64)
     if len(frames.pair):
         places = np.unique(np.linspace(0, len(frames.pair), PAIRS + 2)[1:-1].astype(np.int64))
-    pairs = [found for k in places if (found := look.match(*frames.pair[k])) is not None]
-    limit_px = MAX_ERROR_PX + 2 * sigma_rad * look.focal_px
+    pairs = [found for k in places if (found := matcher.match(*frames.pair[k])) is not None]
+    limit_px = MAX_ERROR_PX + 2 * sigma_rad * matcher.focal_px
     if len(pairs) < MIN_PAIRS:
-        problem = _find_shift(look, frames, places, limit_px) if len(places) >= MIN_PAIRS else None
+        problem = (
+            _find_shift(matcher, frames, places, limit_px) if len(places) >= MIN_PAIRS else None
+        )
         if problem is None:
             return None
         return RigCheck(
             error_px=np.nan, depth_m=np.zeros(0), at_ns=np.zeros(0, np.int64), problem=problem
         )
-    pairs, delay = (pairs, None) if motion is None else _timed(look, pairs, motion, limit_px)
-    error_px = np.array([_error(found, look.given) for found in pairs]) * look.focal_px
+    pairs, delay = (
+        (pairs, None) if motion is None else _compensate_delay(matcher, pairs, motion, limit_px)
+    )
+    error_px = (
+        np.array([_epipolar_error(found, matcher.given) for found in pairs]) * matcher.focal_px
+    )
     middle_px = float(np.median(error_px))
-    depth, behind = [look.depths(found) for found in pairs], look.is_behind(pairs)
+    depth, behind = [matcher.depths(found) for found in pairs], matcher.is_behind(pairs)
     if (error_px > limit_px).mean() > MAX_SHARE or behind:
-        # A shift first: a vehicle that moves evenly makes wrong neighbours look like a rig of
-        # another direction.
+        # Wrong pairing is tried before a wrong calibration: with a vehicle that moves evenly,
+        # frames paired with their neighbours look like a rig with another baseline.
         problem = (
-            _find_part(look, pairs, error_px, limit_px)
-            or _find_shift(look, frames, places, limit_px)
-            or _explain(look, pairs, middle_px)
+            _find_wrong_part(matcher, pairs, error_px, limit_px)
+            or _find_shift(matcher, frames, places, limit_px)
+            or _explain(matcher, pairs, middle_px)
         )
     else:
-        problem = _describe_turn(look, pairs, middle_px, sigma_rad)
+        problem = _find_turn(matcher, pairs, middle_px, sigma_rad)
     return RigCheck(
         error_px=middle_px,
-        depth_m=np.array([np.nan if behind else _middle(z[z > 0]) for z in depth]),
+        depth_m=np.array([np.nan if behind else _median_or_nan(z[z > 0]) for z in depth]),
         at_ns=np.array([found.at_ns for found in pairs], np.int64),
         problem=problem,
         delay=delay,
@@ -187,17 +204,18 @@ def check_baseline(
     None where they agree, or were never measured at the same time.
 
     The images alone do not determine the baseline's length. The DVL sits on the tray with the
-    cameras: no path is needed. A wrong baseline scales the vehicle's way by stereo as much as
-    depths, wrong focal lengths of both cameras leave that way as it is.
+    cameras, so that no path is needed. A wrong baseline scales the distance travelled by stereo as
+    much as depths. Wrong focal lengths of both cameras scale depths alone.
 
     Parameters
     ----------
     found
-        Of the images.
+        Result of the check of the images.
     dvl, rig
-        Its pings, and where it sits.
+        Pings of the DVL, and its mount.
     motion_ratio
-        Way by stereo over that by the DVL, asked for where depths disagree; None: not known.
+        Measures the distance travelled by stereo over that by the DVL, None where it cannot. It is
+        called only where depths disagree.
     """
     camera_from_dvl = rig.tray_from(Camera.TOP).inverse() @ rig.tray_from_dvl
     ratio = []
@@ -227,14 +245,21 @@ def _causes_of_depth(
     Parameters
     ----------
     depth
-        By stereo over that by the DVL.
+        Depth by stereo over that by the DVL.
     way
-        The same ratio of the distances travelled, None where it is not known.
+        Distance travelled by stereo over that by the DVL, None where it is not known.
     baseline_m
         As calibrated.
     shift_share
-        Principal points that are off along the baseline do the same as a wrong baseline: by how
-        much they would have to be off, as a share of the focal length.
+        Error of a principal point along the baseline that would have the same effect as the wrong
+        baseline, as a share of the focal length.
+
+    Returns
+    -------
+    causes
+        What would explain it, in words.
+    remedy
+        What to do, "" where that is not known.
     """
     baseline = f"the baseline of {baseline_m:.3f} m would have to be {baseline_m / depth:.3f} m"
     focal = f"the focal lengths of both cameras would have to be {1 / depth:.2f} times as long"
@@ -242,6 +267,7 @@ def _causes_of_depth(
         focal += ", as where they were calibrated in air"
     if way is None:
         return f"{baseline}, or as well {focal}", ""
+    # Errors with which the two causes explain the ratio of distances: `depth` and 1 are expected.
     by_baseline, by_focal = abs(np.log(way / depth)), abs(np.log(way))
     if by_baseline < by_focal / CLEARLY_NEARER:
         if baseline_m > BASELINE_M[1] and baseline_m / depth < BASELINE_M[1]:
@@ -261,20 +287,21 @@ def _causes_of_depth(
 
 
 def compare_ways(rig: Rig, frames: StereoFrames, read: ReadImage, dvl: DvlPings) -> float | None:
-    """Compare the vehicle's motion from pair to pair by stereo with that by the DVL, as a ratio.
+    """Compute the ratio of the vehicle's motion by stereo to that by the DVL.
 
-    None where the vehicle hardly moved, or pairs have too little in common.
+    The median over pairs of consecutive frames. None where the vehicle hardly moved, or frames have
+    too few features in common.
     """
-    look = _ImageMatcher(rig, frames, read)
+    matcher = _ImageMatcher(rig, frames, read)
     top_from_dvl = rig.tray_from(Camera.TOP).inverse() @ rig.tray_from_dvl
     places = np.unique(np.linspace(0, len(frames.pair) - 1, PAIRS + 2)[1:-1].astype(np.int64))
     ratio = []
     for k in places[places + 1 < len(frames.pair)]:
-        pair = [look.match(*frames.pair[row]) for row in (k, k + 1)]
+        pair = [matcher.match(*frames.pair[row]) for row in (k, k + 1)]
         if pair[0] is None or pair[1] is None:
             continue
         by_dvl_m = _way_of_dvl(dvl, pair[0].at_ns, pair[1].at_ns)
-        motion = _motion_between(look, pair[0], pair[1])
+        motion = _motion_between(matcher, pair[0], pair[1])
         if motion is not None and by_dvl_m > LEAST_WAY_M:
             moved = top_from_dvl.inverse() @ motion @ top_from_dvl
             ratio.append(float(np.linalg.norm(moved.translation)) / by_dvl_m)
@@ -282,7 +309,7 @@ def compare_ways(rig: Rig, frames: StereoFrames, read: ReadImage, dvl: DvlPings)
 
 
 def _way_of_dvl(dvl: DvlPings, from_ns: int, to_ns: int) -> float:
-    """Compute how far the DVL moved between two times, m, by its mean velocity. NaN: unknown."""
+    """Compute how far the DVL moved between two times, m, by its mean velocity, NaN without any."""
     inside = (dvl.t_ns >= from_ns - WAY_NS) & (dvl.t_ns <= to_ns + WAY_NS)
     velocity = dvl.velocity[inside & np.isfinite(dvl.velocity).all(axis=1)]
     if not len(velocity):
@@ -290,10 +317,13 @@ def _way_of_dvl(dvl: DvlPings, from_ns: int, to_ns: int) -> float:
     return float(np.linalg.norm(velocity.mean(axis=0))) * (to_ns - from_ns) * 1e-9
 
 
-def _motion_between(look: _ImageMatcher, first: _Matched, second: _Matched) -> Poses | None:
-    """Fit the motion of the top camera, first_from_second, to points that two pairs share."""
+def _motion_between(matcher: _ImageMatcher, first: _Matched, second: _Matched) -> Poses | None:
+    """Fit the motion of the top camera, first_from_second, to points that two pairs share.
+
+    Outliers are removed and the fit repeated. None with fewer than MIN_MATCHES inliers.
+    """
     shared = best_of_all(first.descriptors, second.descriptors, RATIO, MAX_DISTANCE)
-    here, there = look.points(first)[shared.first], look.points(second)[shared.second]
+    here, there = matcher.points(first)[shared.first], matcher.points(second)[shared.second]
     keep = (here[:, 2] > 0) & (there[:, 2] > 0)
     here, there = here[keep], there[keep]
     for _ in range(FITS):
@@ -307,7 +337,7 @@ def _motion_between(look: _ImageMatcher, first: _Matched, second: _Matched) -> P
 
 
 class _ImageMatcher:
-    """Matches images of the two cameras, extracting features once."""
+    """Matches images of the two cameras, extracting the features of each only once."""
 
     def __init__(self, rig: Rig, frames: StereoFrames, read: ReadImage) -> None:
         self.rig, self._frames, self._read = rig, frames, read
@@ -363,7 +393,7 @@ class _ImageMatcher:
         return self.points(matched)[:, 2]
 
     def is_behind(self, pairs: Sequence[_Matched]) -> bool:
-        """Tell whether most matches lie behind the cameras as calibrated."""
+        """Decide whether most matches lie behind the cameras as calibrated."""
         return float(np.mean([np.mean(~(self.depths(m) > 0)) for m in pairs])) > 0.5
 
     def points(self, matched: _Matched) -> Array:
@@ -376,7 +406,7 @@ class _ImageMatcher:
         )
 
     def pixels(self, pairs: Sequence[_Matched]) -> tuple[Array, Array]:
-        """Collect the matches of pairs (n, 2), as seen in the top and the bottom camera."""
+        """Collect the matches of all pairs, (n, 2) raw pixels of either image."""
         top, bottom = (np.concatenate([m.pixels[side] for m in pairs]) for side in (0, 1))
         return top, bottom
 
@@ -389,14 +419,17 @@ class _ImageMatcher:
         return self._seen[camera, place]
 
 
-def _timed(
-    look: _ImageMatcher, pairs: list[_Matched], motion: TrayMotion, limit_px: float
+def _compensate_delay(
+    matcher: _ImageMatcher, pairs: list[_Matched], motion: TrayMotion, limit_px: float
 ) -> tuple[list[_Matched], Delay | None]:
-    """Move the bottom camera's features to the top one's time, by the stamps and a found delay.
+    """Move the bottom camera's features to where they were at the top camera's exposure.
 
-    A delay is believed where it brings the matches onto their lines with the rig as calibrated. One
+    By the difference of the stamps, and by a delay where one is found. A delay is believed only if
+    it brings the matches within limit_px of their epipolar lines with the rig as calibrated. One
     longer than half a period would mean that the images are of different frames, and is not
     corrected.
+
+    Returns the moved matches, and the delay (None where none was found).
     """
     twist = motion(np.array([matched.at_ns for matched in pairs], np.int64))
     rays = [
@@ -410,17 +443,19 @@ def _timed(
         for matched, ray in zip(pairs, rays, strict=True):
             apart_s = ray.stamped_s + delay_s
             if np.isfinite(ray.twist).all() and apart_s != 0:
-                bottom = move_to_top(look.rig, ray, delay_s)
-                pixels = matched.pixels[0], look.lenses[1].distort(bottom)
+                bottom = move_to_top(matcher.rig, ray, delay_s)
+                pixels = matched.pixels[0], matcher.lenses[1].distort(bottom)
                 matched = replace(matched, bottom=bottom, pixels=pixels)
             out.append(matched)
         return out
 
     def error_px(matched: list[_Matched]) -> float:
-        return look.focal_px * float(np.median([_error(m, look.given) for m in matched]))
+        return matcher.focal_px * float(
+            np.median([_epipolar_error(m, matcher.given) for m in matched])
+        )
 
-    as_stamped, delay = moved(0.0), estimate_delay(look.rig, rays)
-    if delay is None or not delay.is_significant or abs(delay.seconds) > look.half_period_s:
+    as_stamped, delay = moved(0.0), estimate_delay(matcher.rig, rays)
+    if delay is None or not delay.is_significant or abs(delay.seconds) > matcher.half_period_s:
         return as_stamped, None
     delayed = moved(delay.seconds)
     if error_px(delayed) < min(error_px(as_stamped), limit_px):
@@ -428,23 +463,25 @@ def _timed(
     return as_stamped, None
 
 
-def _error(matched: _Matched, bottom_from_top: Array) -> float:
+def _epipolar_error(matched: _Matched, bottom_from_top: Array) -> float:
+    """Compute the median Sampson distance of a pair's matches, ideal coordinates."""
     squared = sampson_squared(essential_of(bottom_from_top), matched.top, matched.bottom)
     return float(np.sqrt(np.median(squared)))
 
 
-def _middle(values: Array) -> float:
+def _median_or_nan(values: Array) -> float:
     return float(np.median(values)) if len(values) else np.nan
 
 
-def _find_part(
-    look: _ImageMatcher, pairs: Sequence[_Matched], error_px: Array, limit_px: float
+def _find_wrong_part(
+    matcher: _ImageMatcher, pairs: Sequence[_Matched], error_px: Array, limit_px: float
 ) -> RigProblem | None:
     """Test whether some pairs fit the rig as calibrated, and the others are far from it.
 
-    A calibration is right or wrong of all of them. error_px: (k,) of the pairs.
+    A wrong calibration would show in all pairs. So this means wrong pairing, or exchanged cameras,
+    in a part of the dive. error_px: (k,) median epipolar error of the pairs.
     """
-    behind = np.array([np.mean(look.depths(m) > 0) < 0.5 for m in pairs])
+    behind = np.array([np.mean(matcher.depths(m) > 0) < 0.5 for m in pairs])
     good = (error_px <= limit_px) & ~behind
     if good.sum() < LEAST_PART or (~good).sum() < LEAST_PART:
         return None
@@ -469,7 +506,7 @@ def _find_part(
 
 
 def _find_shift(
-    look: _ImageMatcher, frames: StereoFrames, places: Ints, limit_px: float
+    matcher: _ImageMatcher, frames: StereoFrames, places: Ints, limit_px: float
 ) -> RigProblem | None:
     """Test whether the bottom camera's images fit a whole number of frames earlier or later."""
     top_ns, bottom_ns = frames.top[0], frames.bottom[0]
@@ -480,11 +517,11 @@ def _find_shift(
             for top, bottom in frames.pair[places]
             if 0 <= bottom + shift < len(bottom_ns)
         ]
-        found = [look.match(top, bottom) for top, bottom in moved]
+        found = [matcher.match(top, bottom) for top, bottom in moved]
         errors_px = [
-            _error(matched, look.given) * look.focal_px
+            _epipolar_error(matched, matcher.given) * matcher.focal_px
             for matched in found
-            if matched is not None and np.mean(look.depths(matched) > 0) > 0.5
+            if matched is not None and np.mean(matcher.depths(matched) > 0) > 0.5
         ]
         if len(errors_px) >= MIN_PAIRS:
             best = min(best, (float(np.median(errors_px)), shift))
@@ -503,31 +540,34 @@ def _find_shift(
     )
 
 
-def _explain(look: _ImageMatcher, pairs: Sequence[_Matched], error_px: float) -> RigProblem:
-    """Describe how the images contradict a rig: cameras swapped, turned, or a wrong lens."""
-    found, _, fitted_px = _fit(pairs, look.focal_px)
-    each_px = np.array([_error(m, found) for m in pairs]) * look.focal_px
+def _explain(matcher: _ImageMatcher, pairs: Sequence[_Matched], error_px: float) -> RigProblem:
+    """Fit one pose to all pairs, and name what explains the images better than the calibration.
+
+    error_px: median epipolar error as calibrated.
+    """
+    found, _, fitted_px = _fit(pairs, matcher.focal_px)
+    each_px = np.array([_epipolar_error(m, found) for m in pairs]) * matcher.focal_px
     rigid = (each_px > MAX_ERROR_PX).mean() <= MAX_SHARE
-    return _contradiction(look, pairs, found if rigid else None, error_px, fitted_px)
+    return _contradiction(matcher, pairs, found if rigid else None, error_px, fitted_px)
 
 
-def _describe_turn(
-    look: _ImageMatcher, pairs: Sequence[_Matched], error_px: float, sigma_rad: float
+def _find_turn(
+    matcher: _ImageMatcher, pairs: Sequence[_Matched], error_px: float, sigma_rad: float
 ) -> RigProblem | None:
     """Test whether matches near their lines show the bottom camera turned about the top camera."""
-    # Images of a plane fit two motions alike. The one next to the given one counts, unless another
-    # is clearly better.
-    near, far = _fit(pairs, look.focal_px, look.given), _fit(pairs, look.focal_px)
+    # Images of a plane fit two motions equally well. The one nearest to the calibrated one is
+    # taken, unless another is clearly better.
+    near, far = _fit(pairs, matcher.focal_px, matcher.given), _fit(pairs, matcher.focal_px)
     found, covariance, fitted_px = near if near[2] <= CLEARLY_BETTER * far[2] else far
-    turn = _turn_rad(look.given, found)
+    turn = _turn_rad(matcher.given, found)
     sigma = float(np.sqrt(np.linalg.eigvalsh(covariance[:3, :3]).max()))
     if turn < max(np.radians(MAX_TURN_DEG) + 3 * sigma_rad, TURN_SIGMAS * sigma):
         return None
-    return _contradiction(look, pairs, found, error_px, fitted_px)
+    return _contradiction(matcher, pairs, found, error_px, fitted_px)
 
 
 def _contradiction(
-    look: _ImageMatcher,
+    matcher: _ImageMatcher,
     pairs: Sequence[_Matched],
     found: Array | None,
     error_px: float,
@@ -535,27 +575,37 @@ def _contradiction(
 ) -> RigProblem:
     """Name what explains the images: a pose in another convention, a turn, a lens, or none of them.
 
-    A turn of the bottom camera and wrong lenses are named together where they fit alike. found:
-    motion of the rig as fitted, None where no one pose fits.
+    A turn of the bottom camera and wrong lenses are named together where they fit equally well.
+
+    Parameters
+    ----------
+    matcher
+        Has the rig as calibrated.
+    pairs
+        Matches of the checked pairs.
+    found
+        Fitted bottom_from_top (4, 4), None where no single pose fits all pairs.
+    error_px, fitted_px
+        Median epipolar error as calibrated, and with the fitted pose.
     """
     what = (
         f"the images contradict the stereo calibration: {error_px:.1f} px from the epipolar "
         "lines in the median"
     )
-    behind, seen = look.is_behind(pairs), look.pixels(pairs)
+    behind, seen = matcher.is_behind(pairs), matcher.pixels(pairs)
     what += " and behind the cameras" if behind else ""
-    # a wrong convention leaves the lines by far, small errors are a turn's or a lens's
+    # a wrong convention causes large errors, a turn or a lens small ones
     is_far = behind or error_px > FAR * fitted_px
-    readings = fitting_readings(look.lenses, look.mount, *seen, AS_GOOD * fitted_px)
-    if is_far and readings:
-        words = ", or as well ".join(one.words for one in readings)
+    conventions = fitting_conventions(matcher.lenses, matcher.mount, *seen, AS_GOOD * fitted_px)
+    if is_far and conventions:
+        words = ", or as well ".join(one.words for one in conventions)
         return RigProblem(
-            what=f"{what}; they fit {words}", remedy=", or ".join(one.remedy for one in readings)
+            what=f"{what}; they fit {words}", remedy=", or ".join(one.remedy for one in conventions)
         )
-    lenses = best_lenses(look.lenses, look.given, *seen)
+    lenses = best_lenses(matcher.lenses, matcher.given, *seen)
     best_px = min(lenses[0].error_px, fitted_px if found is not None else np.inf)
-    # has no number to fit, so that it is believed before what has
-    exchanged_px = epipolar_error_px(look.lenses[::-1], essential_of(look.given), seen)
+    # Exchanged calibrations have no number to fit, so that they are believed before a fitted cause.
+    exchanged_px = epipolar_error_px(matcher.lenses[::-1], essential_of(matcher.given), seen)
     if exchanged_px <= min(MAX_ERROR_PX, AS_GOOD * best_px):
         return RigProblem(
             what=f"{what}, {exchanged_px:.1f} px with the two cameras' calibrations exchanged",
@@ -569,7 +619,7 @@ def _contradiction(
         )
     causes = []
     if found is not None and fitted_px <= AS_GOOD * best_px:
-        turn_deg = np.degrees(_turn_rad(look.given, found))
+        turn_deg = np.degrees(_turn_rad(matcher.given, found))
         moved = f"the bottom camera turned by {turn_deg:.1f} degrees"
         if turn_deg < LEAST_TURN_DEG:
             moved = "x, y, z of camera.bottom.pose_in_top in another direction"
@@ -585,6 +635,7 @@ def _contradiction(
 
 
 def _turn_rad(given: Array, found: Array) -> float:
+    """Compute the angle between the rotations of two motions (4, 4)."""
     turn = Rotation.from_matrix(given[:3, :3].T @ found[:3, :3])
     return float(np.linalg.norm(turn.as_rotvec()))
 
@@ -597,16 +648,20 @@ def _fit(
     Parameters
     ----------
     pairs
-        What images have in common.
+        Matches of the checked pairs.
     focal
-        px.
+        Focal length, px.
     given
-        Motion (4, 4) to start from, None for that of the pair whose own motion fits all best.
+        Motion (4, 4) to start from. None: that of the pair whose own motion fits all pairs best.
 
     Returns
     -------
-    motion, covariance, error_px
-        (4, 4) with |t| = 1, (5, 5), and the median error.
+    motion
+        bottom_from_top (4, 4) with |t| = 1.
+    covariance
+        (5, 5) of its rotation (3) and the direction of its translation (2), rad.
+    error_px
+        Median epipolar error of all matches.
     """
     top, bottom = (np.concatenate([getattr(m, name) for m in pairs]) for name in ("top", "bottom"))
     if given is None:
@@ -619,6 +674,7 @@ def _fit(
         start[:3, 3] /= np.linalg.norm(given[:3, 3])
     for _ in range(2):
         squared = sampson_squared(essential_of(start), top, bottom)
+        # Within 3 robust sigmas: the median of a squared Gaussian is 0.455 variances.
         near = squared < 9 * max(float(np.median(squared)) / 0.455, 1e-12)
         start, covariance = refine(start, top[near], bottom[near])
     squared = sampson_squared(essential_of(start), top, bottom)

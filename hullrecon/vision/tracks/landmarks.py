@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Join verified matches to tracks of landmarks.
 
-Matched features are united. A landmark has one observation a node: unions that break this are built
-again, the best match first.
+Matched features are joined to connected components. A landmark has at most one observation at each
+node. Components that break this are joined again, the best match first, without the matches that
+would bring a second feature of a node.
 """
 
 from __future__ import annotations
@@ -48,18 +49,20 @@ def build_tracks(
     Parameters
     ----------
     count
-        Features (n,) of each node's leading camera.
+        Number (n,) of features of each node's leading camera.
     stereo
         Matches between each node's cameras.
     matches
-        Between nodes, in blocks, which are gone through several times.
+        Matches between nodes, in blocks. They are iterated over several times.
     read
-        A node's features by its number.
+        Reads a node's features by its number.
     single_node
-        Keep also landmarks that one node saw, with both cameras.
+        Keep also landmarks that a single node saw, with both cameras.
     find_outliers
-        From node, landmark, top and bottom pixels (m,) to observations (m,) to be dropped.
+        Selects the observations (m,) to be dropped, given node (m,), landmark (m,), top and bottom
+        pixels (m, 2).
     """
+    # Features that any match uses, numbered through the dive.
     start = first_numbers(count)
     marked = np.zeros(start[-1], bool)
     for block in matches:
@@ -68,21 +71,24 @@ def build_tracks(
         marked[start[k] + node_stereo.top] = True
     used = np.flatnonzero(marked)
     node = (np.searchsorted(start, used, side="right") - 1).astype(np.int32)
+    # Join them to landmarks. A feature with a stereo match alone is a landmark of its own.
     label = join_matches(node, _Renumbered(matches, used))
     label[label < 0] = label.max(initial=-1) + 1 + np.arange(int((label < 0).sum()))
     top, bottom, response, color = _observations(used - start[node], node, stereo, read)
+    # Drop outliers. Keep landmarks of several nodes, and with single_node stereo ones of one node.
     keep = np.ones(len(used), bool)
     if find_outliers is not None:
         keep &= ~find_outliers(node, label, top, bottom)
     shared = np.bincount(label[keep], minlength=int(label.max(initial=-1)) + 1) > 1
     both = np.isfinite(top[:, 0]) & np.isfinite(bottom[:, 0])
     keep &= shared[label] | (both & single_node)
+    # Number the landmarks without gaps, and sort observations by landmark, then node.
     label = np.unique(label[keep], return_inverse=True)[1].astype(np.int64)
     order = np.argsort(label, kind="stable")  # nodes ascend
     rows = np.flatnonzero(keep)[order]
     mean_color = _mean_color(label, color[keep])
     label = label[order]
-    # One after the other: what all observations take is freed by what is kept of it.
+    # One statement each: it frees the memory of all observations before the next one takes more.
     top = top[rows]
     bottom = bottom[rows]
     response = response[rows]
@@ -98,10 +104,10 @@ def build_tracks(
 
 @dataclass(frozen=True)
 class _Renumbered:
-    """Matches in blocks, with features numbered as in `used` (u,), ascending, that has them all."""
+    """Matches in blocks, with features renumbered by their row in `used`."""
 
     matches: Iterable[FeatureMatches]
-    used: Ints
+    used: Ints  # (u,) numbers of all features that the matches use, ascending
 
     def __iter__(self) -> Iterator[FeatureMatches]:
         for block in self.matches:
@@ -117,16 +123,27 @@ def _observations(
     stereo: Sequence[StereoMatches],
     read: Callable[[int], NodeFeatures],
 ) -> tuple[Array, Array, Array, NDArray[np.uint8]]:
-    """Look up observations: feature `row` (m,) of the leading camera of `node` (m,), ascending.
+    """Look up the pixels, responses and colours of observations.
+
+    Parameters
+    ----------
+    row
+        Row (m,) of each observation's feature in its node's leading camera.
+    node
+        Node (m,) of each, ascending.
+    stereo
+        Matches between each node's cameras.
+    read
+        Reads a node's features by its number.
 
     Returns
     -------
     top, bottom
         Pixels (m, 2) in either image, NaN where not seen.
     response
-        The detector's (m,), the mean of both images.
+        Response (m,) of the detector, the mean of both images.
     color
-        (m, 3).
+        RGB (m, 3) in the leading image.
     """
     top, bottom = np.full((len(row), 2), np.nan), np.full((len(row), 2), np.nan)
     color, response = np.zeros((len(row), 3), np.uint8), np.full(len(row), np.nan)
@@ -152,6 +169,7 @@ def _observations(
 
 
 def _mean_color(label: Ints, color: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Average the colours (m, 3) of each landmark's observations; label: (m,) their landmark."""
     count = np.maximum(np.bincount(label), 1)
     mean = np.stack([np.bincount(label, color[:, c]) / count for c in range(3)], axis=1)
     return np.rint(mean).astype(np.uint8)
@@ -160,15 +178,15 @@ def _mean_color(label: Ints, color: NDArray[np.uint8]) -> NDArray[np.uint8]:
 def join_matches(node_of: Ints32, matches: Iterable[FeatureMatches]) -> Ints:
     """Assign each feature (n,) a landmark, numbered by its first feature. -1 where unmatched.
 
-    A component that would hold two features of one node is built again, best match first, leaving
-    out the matches that bring the conflict.
+    A component with two features of one node is joined again, the best match first, leaving out the
+    matches that cause the conflict.
 
     Parameters
     ----------
     node_of
         Node (n,) of each feature.
     matches
-        Between these features, in blocks, which are gone through several times.
+        Matches between these features, in blocks. They are iterated over several times.
     """
     label = _components(len(node_of), matches)
     torn = _conflicting(label, node_of)
@@ -183,7 +201,10 @@ def join_matches(node_of: Ints32, matches: Iterable[FeatureMatches]) -> Ints:
 
 
 def _components(n: int, matches: Iterable[FeatureMatches]) -> Ints32:
-    """Find the components that matches join n features to. Each has the number of its first."""
+    """Label n features by connected components of the matches.
+
+    The label (n,) of a component is its first feature. Components are merged block by block.
+    """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -204,7 +225,7 @@ def _components(n: int, matches: Iterable[FeatureMatches]) -> Ints32:
 
 
 def _conflicting(label: Ints32, node_of: Ints32) -> Mask:
-    """Select the components (by number) with two features of one node."""
+    """Select the components with two features of one node, as a mask (n,) by component label."""
     order = np.lexsort((node_of, label))
     same = (np.diff(label[order]) == 0) & (np.diff(node_of[order]) == 0)
     out = np.zeros(len(label), bool)
@@ -214,7 +235,7 @@ def _conflicting(label: Ints32, node_of: Ints32) -> Mask:
 
 @dataclass(frozen=True)
 class _Untangled:
-    """Matches in blocks, of features in torn components those alone that were kept."""
+    """Matches in blocks, without those of conflicting components that were not kept."""
 
     matches: Iterable[FeatureMatches]
     torn: Mask  # (n,) features of components with two features of one node
@@ -227,9 +248,10 @@ class _Untangled:
 
 
 def _untangle(node_of: Ints32, matches: Iterable[FeatureMatches], torn: Mask) -> _Untangled:
-    """Leave out the matches, the worst first, that join two features of one node.
+    """Leave out matches of conflicting components so that none joins two features of one node.
 
-    `torn`: the features (n,) of components that hold such.
+    The best matches (smallest distance) are kept first. torn: features (n,) of conflicting
+    components.
     """
     of_torn = [block.take(torn[block.first]) for block in matches]
     first, second, distance = (
@@ -243,9 +265,9 @@ def _untangle(node_of: Ints32, matches: Iterable[FeatureMatches], torn: Mask) ->
 
 
 def _without_conflict(node_of: Ints32, first: Ints, second: Ints) -> Mask:
-    """Select the edges, taken in order, that join two groups without a common node.
+    """Select the matches (m,), taken in order, whose two groups of features have no common node.
 
-    A loop, but only over the torn components.
+    Union-find in a Python loop, which is fast enough as it runs over conflicting components only.
     """
     group: dict[int, dict[int, int]] = {}  # feature -> its group: node -> feature
     kept = np.zeros(len(first), bool)

@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Verify tracks: test every link on every landmark that both of its nodes claim to have seen.
+"""Verify tracks: test every link on every landmark that both of its nodes observed.
 
-A wrong match joins two points into one track. The links that did not make that match contradict it.
+A wrong match joins two points into one track. Links between other nodes of that track, which had no
+part in the match, contradict it.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from hullrecon.vision.stereo.matching import rectify, triangulate
 
 ROUNDS = 3  # of votes: a rejected observation no longer counts against the others
 BLOCK = 1 << 16  # observations computed at a time
-LOOSER = 1.5  # factor on the limits of matching: a link's motion has an error of its own
+LOOSER = 1.5  # factor on the limits that matching uses: a link's motion has an error of its own
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +46,7 @@ def contradicted_observations(
     links: Sequence[Link],
     sigma_px: float,
 ) -> Mask:
-    """Reject observations (m,) that as many links contradict as confirm.
+    """Reject observations (m,) that links contradict, by majority vote.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ def contradicted_observations(
     links
         Verified pairs.
     sigma_px
-        Of a feature's position.
+        Sigma of a feature's position.
     """
     observations = _Observations(rig, top, bottom, sigma_px)
     nodes = 1 + max((max(link.first, link.second) for link in links), default=-1)
@@ -74,7 +75,19 @@ def contradicted_observations(
 
 
 def _outvote(count: int, votes: Sequence[tuple[Ints32, Ints32, Mask]]) -> Mask:
-    """Reject observations in rounds, by each link's votes: observations a, b, and agreement."""
+    """Reject observations that links contradict, in rounds of votes.
+
+    A link votes on both observations of each landmark that its nodes share. The first round rejects
+    only where contradictions are more than twice the confirmations, later ones where they are at
+    least as many: by then votes that involve a wrong observation no longer count.
+
+    Parameters
+    ----------
+    count
+        Number of observations.
+    votes
+        For each link, observations a (k,) and b (k,) of shared landmarks, and whether they agree.
+    """
     out = np.zeros(count, bool)
     for step in range(ROUNDS):
         yes, no = np.zeros(count, np.int32), np.zeros(count, np.int32)
@@ -89,7 +102,7 @@ def _outvote(count: int, votes: Sequence[tuple[Ints32, Ints32, Mask]]) -> Mask:
 
 
 class _Observations:
-    """Ideal coordinates of all observations, and points of the stereo ones."""
+    """Ideal coordinates of all observations, and depths of the stereo ones."""
 
     def __init__(self, rig: Rig, top: Array, bottom: Array, sigma_px: float) -> None:
         self._rig, self._sigma = rig, sigma_px / rig.focal_px(Camera.TOP)
@@ -110,19 +123,26 @@ class _Observations:
         self._lead[alone] = self._other[alone]
 
     def agree(self, link: Link, a: Ints, b: Ints) -> Mask:
-        """Test observations a, b on each other's epipolar lines and, with a depth, along them."""
+        """Test whether observations a, b (k,) of the same landmarks agree with a link.
+
+        They must lie on each other's epipolar lines, of both cameras where both saw the point, and
+        at the point of the line that the depth predicts where it is known.
+        """
         motion = link.motion.second_from_first
         limit = (LOOSER * VERIFY_PX / self._rig.focal_px(Camera.TOP)) ** 2
         good = sampson_squared(essential_of(motion), self._lead[a], self._lead[b]) < limit
-        down = self._rig.from_top(Camera.BOTTOM)
-        below = down @ motion @ np.linalg.inv(down)
+        bottom_from_top = self._rig.from_top(Camera.BOTTOM)
+        of_bottom = bottom_from_top @ motion @ np.linalg.inv(bottom_from_top)
         pair = self._both[a] & self._both[b]
-        error = sampson_squared(essential_of(below), self._other[a], self._other[b])
+        error = sampson_squared(essential_of(of_bottom), self._other[a], self._other[b])
         good &= ~pair | (np.nan_to_num(error) < limit)
         return good & (self._at_depth(link.motion, a, b) if link.scaled else True)
 
     def _at_depth(self, motion: Motion, a: Ints, b: Ints) -> Mask:
-        """Test observations against their depth. True where no depth is known."""
+        """Test whether b (k,) is where the link and the depth of a (k,) predict it.
+
+        True where no depth is known.
+        """
         depth = self._depth[a]
         spread = depth**2 * np.sqrt(2) * self._sigma / self._rig.baseline_m
         mean, covariance = transfer(motion, self._lead[a], depth, spread, self._sigma)
@@ -136,6 +156,7 @@ class _Observations:
 
 
 def _undistort(rig: Rig, camera: Camera, pixels: Array) -> Array:
+    """Convert pixels (m, 2) to ideal coordinates, NaN where not seen."""
     out = np.full(pixels.shape, np.nan)
     for some in _in_blocks(np.flatnonzero(np.isfinite(pixels[:, 0]))):
         out[some] = rig.model(camera).undistort(pixels[some])

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses, from_mount
-from hullrecon.vision.stereo.pose_conventions import fitting_readings
+from hullrecon.vision.stereo.pose_conventions import fitting_conventions
 
 LENS = CameraModel(800, 600, 820.0, 822.0, 405.0, 295.0, k1=-0.06)
 LENSES = (LENS, replace(LENS, fx=790.0, fy=792.0, cx=380.0))
@@ -48,17 +48,17 @@ WRITTEN = {
 
 @pytest.mark.parametrize("remedy", WRITTEN)
 def test_pose_of_another_convention_is_read_as_meant(remedy):
-    (reading,) = fitting_readings(LENSES, WRITTEN[remedy], *matches(), limit_px=0.2)
-    assert reading.remedy == remedy
-    assert reading.top_from_bottom.translation == pytest.approx(TRUE.translation)
-    assert (reading.top_from_bottom.rotation * TRUE.rotation.inv()).magnitude() < 1e-6
+    (convention,) = fitting_conventions(LENSES, WRITTEN[remedy], *matches(), limit_px=0.2)
+    assert convention.remedy == remedy
+    assert convention.top_from_bottom.translation == pytest.approx(TRUE.translation)
+    assert (convention.top_from_bottom.rotation * TRUE.rotation.inv()).magnitude() < 1e-6
 
 
 def test_exchanged_cameras_are_told_by_their_lenses():
-    (reading,) = fitting_readings(LENSES, TRUE, *matches()[::-1], limit_px=0.2)
-    assert reading.remedy.startswith("exchange the topics")
+    (convention,) = fitting_conventions(LENSES, TRUE, *matches()[::-1], limit_px=0.2)
+    assert convention.remedy.startswith("exchange the topics")
 
 
 def test_turned_camera_is_no_other_convention():
     turned = TRUE @ from_mount((0, 0, 0, 0, 1.0, 0))
-    assert fitting_readings(LENSES, turned, *matches(), limit_px=0.2) == []
+    assert fitting_conventions(LENSES, turned, *matches(), limit_px=0.2) == []
