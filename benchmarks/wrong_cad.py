@@ -26,7 +26,11 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.legs import in_sigmas, rigid_rms_mm
-from hullrecon.adjustment.bundle_adjustment import settle, solve_all_landmarks, solve_path
+from hullrecon.adjustment.bundle_adjustment import (
+    join_path_and_place,
+    solve_all_landmarks,
+    solve_path,
+)
 from hullrecon.adjustment.cad_acceptance import place_cad_model
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements
@@ -207,7 +211,7 @@ def outcome(
         row["form"] = asdict(form) | {"log_odds": form.log_odds}
     if not placed.verdict.accepted:
         return row | {"verdict": "refused", "why": placed.verdict.reason}
-    adjusted = solve_all_landmarks(settle(on_path, placed), solver)
+    adjusted = solve_all_landmarks(join_path_and_place(on_path, placed), solver)
     summary = summarise_adjustment(measured, adjusted, solver.options)
     solution = summary.solution
     sigmas = in_sigmas(solution, truth)

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Model-assisted bundle adjustment of a dive [Ozog2016 4.2] (docs/methods.md 6).
 
-First a path from images and navigation, then the CAD model's place on that path, then labels and
-ranges solved with the rest. A phase that explains the previous phase's data worse is refused, and
-the previous phase's result is delivered.
+First a path from images and navigation, then the pose of the CAD model relative to that path, then
+labels and ranges solved with the rest. A phase that explains the previous phase's measurements
+worse is refused, and the previous phase's result is delivered.
 """
 
 from __future__ import annotations
@@ -42,7 +42,8 @@ from hullrecon.typing import Array
 # Outlier limit of the first round: dead-reckoned poses err by centimetres across legs, which is
 # some tens of pixels at a metre
 FIRST_MAX_PX = 40.0
-# Outlier limit of landmarks after the last solve: those behind their cameras have none
+# Reprojection error beyond which a landmark of the last solve is lost. One behind its cameras has
+# no reprojection error, and is lost as well.
 LOST_PX = 1e3
 log = logging.getLogger(__name__)
 
@@ -54,13 +55,13 @@ class Adjusted:
     state: State
     weights: Weights
     chosen: Selection  # the measurements of the last round
-    plan: Plan  # of the parts in which it was solved
-    start: native.Problem  # of the first round, as it began
-    problem: native.Problem  # of the last round, at its solution
-    result: native.Result
-    rounds: tuple[iteration_history.Round, ...]
-    rig: Rig  # with the intrinsics and priors found
-    lenses: Array  # (2, 2 LENS_MODES) px, the displacements found
+    plan: Plan  # how the last round was divided into parts
+    start: native.Problem  # the first round's problem, at its start values
+    problem: native.Problem  # the last round's problem, at its solution
+    result: native.Result  # of the last round
+    rounds: tuple[iteration_history.Round, ...]  # the solver's record of each round
+    rig: Rig  # with the intrinsics that were estimated, and the priors that were widened
+    lenses: Array  # (2, 2 LENS_MODES) px, estimated displacements of the top and bottom lens
     verdict: Verdict  # on the CAD model, and what of the dive package was contradicted
     placement: Placement | None  # of the CAD model; None without one
     strategy: Strategy
@@ -79,11 +80,11 @@ def adjust(
     Parameters
     ----------
     measured
-        All that enters.
+        Measurements, rig and CAD model of the dive.
     options
         The section [adjust] of dive.toml.
     report
-        Told a line after each round and decision.
+        Called with one line of text after each round and decision.
     strategy
         What is solved for. The sources' variants are in hullrecon/studies.
     keep
@@ -106,7 +107,7 @@ def adjust(
 
 
 def solve_path_and_place(measured: Measurements, solver: RoundSolver) -> Phase:
-    """Solve the path, and the CAD model's place on it. Raises as `adjust`."""
+    """Solve the path, then register the CAD model to it and judge it. Raises as `adjust`."""
     # First the path, from images and navigation.
     path = solver.once(lambda: solve_path(measured, solver), "path")
 
@@ -115,10 +116,11 @@ def solve_path_and_place(measured: Measurements, solver: RoundSolver) -> Phase:
     if measured.cad_model is not None:
         placed = place_cad_model(path, measured.cad_model, solver)
         if not placed.verdict.accepted:
-            if lying_side(measured.cad_model) is None:  # else its own form says what is wrong
+            # A model that lies on its side is wrong whatever the sensors say.
+            if lying_side(measured.cad_model) is None:
                 placed = explain_refusal(path, placed, solver)
             solver.report(f"the CAD model is left out: {placed.verdict.reason}")
-    return settle(path, placed)
+    return join_path_and_place(path, placed)
 
 
 def solve_path(measured: Measurements, solver: RoundSolver) -> Phase:
@@ -143,10 +145,17 @@ def solve_path(measured: Measurements, solver: RoundSolver) -> Phase:
     return hold_within_belief(path, corrected, solver)
 
 
-def settle(path: Phase, placed: Phase | None) -> Phase:
-    """Join a path and the CAD model's place on it, done with the measurements of their rounds.
+def join_path_and_place(path: Phase, placed: Phase | None) -> Phase:
+    """Join the phases of path and CAD model, and drop their rounds, which hold much memory.
 
-    Where the CAD model is refused, the last round goes on from the path alone.
+    Where the CAD model is refused, the last round starts from the path alone.
+
+    Parameters
+    ----------
+    path
+        The path, solved without the CAD model.
+    placed
+        The phase that registered the CAD model and judged it. None without a CAD model.
     """
     joined = path.then(placed)
     refused = placed is not None and not placed.verdict.accepted
@@ -158,8 +167,8 @@ def settle(path: Phase, placed: Phase | None) -> Phase:
 def solve_all_landmarks(settled: Phase, solver: RoundSolver) -> Adjusted:
     """Solve the last round, with all landmarks.
 
-    With an accepted CAD model landmarks have labels, on its surface or not, and the hull is held
-    where its pose was estimated. Else the path is solved without it.
+    With an accepted CAD model each landmark has a label, on the model's surface or off it, and the
+    hull's pose is held where it was estimated. Otherwise the path is solved without the CAD model.
     """
     placement = settled.placement
     estimated = placement is not None and placement.evidence is not None
@@ -170,7 +179,10 @@ def solve_all_landmarks(settled: Phase, solver: RoundSolver) -> Adjusted:
 
 
 def _start(measured: Measurements, strategy: Strategy) -> Estimate:
-    """Start from the path that links found, else from dead reckoning, without the CAD model."""
+    """Make the start values: the pose graph's path, or dead reckoning where there is none.
+
+    Landmarks are not triangulated yet (NaN), and there is no CAD model in them.
+    """
     path = measured.start or measured.trajectory.track().path
     mounts = measured.rig.mounts
     if measured.tracks is None:
@@ -191,9 +203,10 @@ def _start(measured: Measurements, strategy: Strategy) -> Estimate:
 
 
 def _adjusted(settled: Phase, last: RoundResult, solver: RoundSolver) -> Adjusted:
-    """Collect the adjusted dive, without landmarks that the last solve lost.
+    """Collect the adjusted dive, without the landmarks that the last solve lost.
 
-    Those were pushed behind their cameras or metres off the hull, and nothing determines them.
+    A lost landmark was pushed behind its cameras or metres off the hull, where no measurement
+    determines it. One of them is enough for the covariances not to exist.
     """
     state, chosen, problem, result = last.after.state, last.chosen, last.problem, last.result
     assert last.plan is not None  # of a last round

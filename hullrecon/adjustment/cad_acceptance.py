@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The CAD model registered to a path that was solved without it, and whether it is accepted.
 
-Images and navigation know the path to centimetres over the survey. Registered to a path that is
-still bent, a CAD model pulls it into a wrong basin. So the CAD model comes after the path, and is
-accepted only if what the path explained stays as well explained as it was.
+Images and navigation determine the path to centimetres over the survey. A CAD model that is
+registered to a path that is still bent pulls it into a wrong minimum. So the CAD model comes after
+the path. It is accepted only if the measurements that the path explained without it are explained
+as well with it.
 """
 
 from __future__ import annotations
@@ -46,25 +47,28 @@ from hullrecon.findings.finding import Finding
 from hullrecon.geometry.meshes.units import UNIT_NAMES
 from hullrecon.typing import Array
 
-MIN_POINTS = 30  # that are registered
-MAX_SIGMAS_OFF = 8.0  # of the package's guess of the hull pose
+MIN_POINTS = 30  # least number of points to register
+MAX_SIGMAS_OFF = 8.0  # largest distance from the package's guess of the hull pose, in its sigmas
 MAX_MISSED = 0.2  # share of the beams that miss the CAD model
 MIN_ON_HULL = 0.2  # share of the landmarks on its surface
-# The whitened residuals of what the path explained may grow by so much, root mean square, beyond
-# what freed unknowns explain.
+# With the CAD model, the RMS of a group's whitened residuals may be at most so many times the RMS
+# without it. Growth that follows from fewer unknowns is taken off before (`residual_growth`).
 MAX_GROWTH = {"images": 1.02, "odometry": 1.1, "attitude": 1.1, "positions": 1.1}
+# Groups of measurements that the path explains, and their factors in the native problem
 GROUPS = {
     "images": ("stereo", "mono"),
     "odometry": ("odometry",),
     "attitude": ("attitude", "tray"),
     "positions": ("position",),
 }
-# Quantile of the chi-square of unknowns that the CAD model determines instead of navigation
+# Quantile of a chi-square up to which residuals may grow. Its degrees of freedom are the unknowns
+# that the CAD model determines instead of navigation.
 FREED_QUANTILE = 0.999
-# Share of the points that fit the best, from which another explanation of a refusal is as good
+# An explanation of a refusal is named too if the points that fit with it are at least this share of
+# those that fit with the best explanation
 AS_WELL = 0.9
-# Who may be wrong where nothing that is tried makes the CAD model fit. Whether a tray was logged or
-# taken to stand still, its angles are a part of the path.
+# Possible causes, where the CAD model fits with no explanation that is tried. The tray's angles are
+# a part of the path, logged or taken to be constant.
 ANYBODY = (
     ": the model, its unit, hull.pose, the path, the tray's angles or the ranges from it are wrong"
 )
@@ -73,19 +77,19 @@ FREE_ITERATIONS = 15  # of the solve without the CAD model, which starts close t
 
 @dataclass(frozen=True, kw_only=True)
 class Placement:
-    """The CAD model's pose on the path, and how well its form fits."""
+    """The CAD model's pose relative to the path, and how well its shape fits the survey."""
 
     registration: registration.Registration
-    segments: Segments | None = None  # of a path that outages cut; None: it holds together
+    segments: Segments | None = None  # of a path that outages cut; None: the path is not cut
     evidence: estimate.HullPoseEvidence | None = None  # points that the hull's pose is fitted to
-    form: Form | None = None  # of these points, compared with the CAD model's
+    form: Form | None = None  # the shape of these points, compared with the CAD model's
 
 
 def place_cad_model(path: Phase, cad_model: CadModel, solver: RoundSolver) -> Phase:
     """Register the CAD model to a path, solve a round with it, and judge it.
 
-    The hull's pose of the resulting estimate is the mean of its profile along the hull. With one
-    round (`rounds = 1`) only the registration is judged.
+    The hull's pose in the resulting estimate is the mean of the profile likelihood along the hull.
+    With `adjust.rounds = 1` no round is solved here, and only the registration is judged.
     """
     segments = None if path.last is None else segments_of_path(path.last, solver)
     placed = register(path.estimate, cad_model, solver, segments)
@@ -104,9 +108,23 @@ def place_cad_model(path: Phase, cad_model: CadModel, solver: RoundSolver) -> Ph
 def register(
     solved: Estimate, cad_model: CadModel, solver: RoundSolver, segments: Segments | None = None
 ) -> Phase:
-    """Register the CAD model to a solved path.
+    """Register the CAD model to a solved path, and judge the registration.
 
-    Raises StageError where there is nothing to register.
+    Parameters
+    ----------
+    solved
+        The path, solved without the CAD model.
+    cad_model
+        With the package's guess of its pose.
+    solver
+        Reports the result.
+    segments
+        Segments into which outages cut the path. None: the path is not cut.
+
+    Raises
+    ------
+    StageError
+        Where there is nothing to register.
     """
     measured, state = solved.measured, solved.state
     if segments is None:
@@ -123,7 +141,7 @@ def register(
     if on_its_side is not None:
         verdict = Verdict(accepted=False, reason=on_its_side.sentence)
     else:
-        verdict = _name_what_fits(
+        verdict = _add_fitting_unit_and_heading(
             _accept_registration(found, segments),
             found,
             points if segments is None else None,
@@ -138,14 +156,19 @@ def register(
 
 
 def lying_side(cad_model: CadModel) -> Finding | None:
-    """Find that a CAD model lies on its side where the package's guess has it."""
+    """Say which side a CAD model lies on at the package's guess. None where it is upright."""
     return find_lying_side(cad_model.mesh, cad_model.chart.ship_axes)
 
 
 def _accept_registration(found: registration.Registration, segments: Segments | None) -> Verdict:
-    """Accept a registration that most points fit, not much farther from the guess than stated.
+    """Accept a registration that most points fit and that is not much too far from the guess.
 
-    `segments`: of the path, as far as outages cut it; they are named in the refusal.
+    Parameters
+    ----------
+    found
+        The registration.
+    segments
+        Segments into which outages cut the path, which a refusal mentions. None: it is not cut.
     """
     if found.fitness < registration.GOOD_FITNESS:
         what = "it is placed"
@@ -171,13 +194,25 @@ def _accept_registration(found: registration.Registration, segments: Segments | 
     return ACCEPTED
 
 
-def _name_what_fits(
+def _add_fitting_unit_and_heading(
     verdict: Verdict,
     found: registration.Registration,
     points: Array | None,
     range_sigma_m: float,
 ) -> Verdict:
-    """Add to a refusal the unit and the heading in which the CAD model fits points (n, 3) in g."""
+    """Add to a refusal in which other unit, or at which heading, the CAD model would fit.
+
+    Parameters
+    ----------
+    verdict
+        On the registration. Returned unchanged where it is accepted.
+    found
+        The registration.
+    points
+        (n, 3) m in g, on the hull. None: nothing is tried, as for a path that outages cut.
+    range_sigma_m
+        Sigma of a DVL range.
+    """
     if verdict.accepted or points is None:
         return verdict
     fitting: list[tuple[float, str]] = []
@@ -205,7 +240,7 @@ def _name_what_fits(
 def segments_of_path(solved: RoundResult, solver: RoundSolver) -> Segments | None:
     """Find the segments into which outages cut a path that was solved without the CAD model.
 
-    None where it holds together, or carries no ranges.
+    None where the path is not cut, or where there are no DVL ranges.
     """
     measured = solved.after.measured
     if measured.returns is None or not solver.strategy.deviation_field:
@@ -217,9 +252,10 @@ def segments_of_path(solved: RoundResult, solver: RoundSolver) -> Segments | Non
 def _register_segments(
     solved: Estimate, cad_model: CadModel, segments: Segments
 ) -> tuple[registration.Registration, State]:
-    """Register the CAD model to the longest segment, and move the others onto it.
+    """Register the CAD model to the longest segment, and move the other segments onto the model.
 
-    The fitness of the registration is that of all points afterwards.
+    The fitness of the returned registration is the share of the points of all segments that fit
+    after the move. The returned state holds the moved path.
     """
     measured, state = solved.measured, solved.state
     assert measured.returns is not None
@@ -234,25 +270,29 @@ def _register_segments(
 
 
 def nothing_on_cad_model(measured: Measurements, solver: RoundSolver) -> bool:
-    """Tell whether no measurement can lie on a CAD model."""
+    """Tell whether no measurement would have a residual from the CAD model.
+
+    The method "naive" has no surface factors, so that only DVL ranges would.
+    """
     ranges = 0 if measured.returns is None else int((~measured.returns.flagged).sum())
     return solver.strategy.method == "naive" and not ranges
 
 
 def accept(found: RoundResult, solver: RoundSolver) -> Verdict:
-    """Judge a round with the CAD model.
+    """Judge a round that was solved with the CAD model.
 
-    It is refused where it misses the hull, or explains images and navigation worse than the same
-    measurements without it do.
+    The CAD model is refused where beams or landmarks miss it, or where images and navigation are
+    explained worse with it than without it.
     """
-    reason = next(_reasons_against(found, solver), None)
+    reason = next(_reasons_to_refuse(found, solver), None)
     return ACCEPTED if reason is None else Verdict(accepted=False, reason=reason)
 
 
-def _reasons_against(found: RoundResult, solver: RoundSolver) -> Iterator[str]:
-    """Give the reasons to refuse the CAD model after a round with it.
+def _reasons_to_refuse(found: RoundResult, solver: RoundSolver) -> Iterator[str]:
+    """Yield the reasons to refuse the CAD model after a round with it, most important first.
 
-    Its beams miss it, few landmarks lie on it, or residuals of images and navigation grow.
+    The DVL's beams miss it, few landmarks lie on it, or residuals of images and navigation grow.
+    The caller takes the first reason alone, and what comes after it is not computed.
     """
     ray_hit, label, settings = found.result.ray_hit, found.result.label, solver.settings
     missed = float(np.mean(~ray_hit)) if len(ray_hit) else 0.0
@@ -260,11 +300,11 @@ def _reasons_against(found: RoundResult, solver: RoundSolver) -> Iterator[str]:
         yield f"{100 * missed:.0f} % of the DVL's beams miss it"
     on_hull = float(np.mean(label == 1)) if len(label) else 1.0
     if settings.method == "maxmix" and on_hull < MIN_ON_HULL:
-        because = _contradicting_ranges(found.after)
+        because = _describe_contradicting_ranges(found.after)
         yield f"only {100 * on_hull:.0f} % of the landmarks lie on its surface{because}"
     if not len(found.problem.stereo.node) + len(found.problem.mono.node):
-        # without images the path is navigation's own: its residuals are nil, and whatever bends it
-        # makes them grow
+        # Without images the path follows navigation exactly. Its residuals are about zero, and grow
+        # with any CAD model.
         return
     growth = residual_growth(found.problem, settings)
     worse = [name for name, ratio in growth.items() if ratio > MAX_GROWTH[name]]
@@ -275,8 +315,12 @@ def _reasons_against(found: RoundResult, solver: RoundSolver) -> Iterator[str]:
         yield f"with it, the residuals grow: {parts}"
 
 
-def _contradicting_ranges(solved: Estimate) -> str:
-    """Word that the DVL's ranges, which place the CAD model, contradict the cameras' landmarks."""
+def _describe_contradicting_ranges(solved: Estimate) -> str:
+    """Describe how the DVL's ranges end before or behind the landmarks. Empty where they agree.
+
+    The registration rests on the ranges. So where they are wrong, landmarks are off the CAD model
+    though it is right.
+    """
     measured, state = solved.measured, solved.state
     if measured.returns is None:
         return ""
@@ -299,9 +343,9 @@ def _contradicting_ranges(solved: Estimate) -> str:
 def stated_attitude_rms(found: RoundResult, settings: native.Options) -> float:
     """Compute the RMS residual of depth, roll, pitch and tray in the sigmas that dive.toml states.
 
-    The tray's sigma that the solve estimates is not used here. With one camera the tray's angle is
-    hardly told from the pitch: its residuals follow the noise, the estimated sigma comes out too
-    small, and even a right CAD model then seems to make the residuals grow.
+    The sigma of the tray's angle that the solve estimated is not used here. With one camera the
+    solve hardly separates the tray's angle from the pitch, and follows the noise of both. The
+    estimated sigma is then too small, and even a right CAD model seems to make the residuals grow.
     """
     stated = found.after.measured.rig.priors.tray_sigma_rad / found.weights.tray
     tray = replace(found.problem.tray, sigma=found.problem.tray.sigma * stated)
@@ -313,19 +357,23 @@ def stated_attitude_rms(found: RoundResult, settings: native.Options) -> float:
 
 
 def residual_growth(problem: native.Problem, settings: native.Options) -> dict[str, float]:
-    """Divide the RMS of whitened residuals with the CAD model by that without it, per group.
+    """Divide the RMS of each group's whitened residuals with the CAD model by that without it.
 
-    Unknowns that the CAD model determines no longer follow navigation's noise, and its residuals
-    grow even with a right CAD model: one camera hardly tells the tray's angle from the pitch. Where
-    a ratio is beyond MAX_GROWTH, the residuals without the CAD model are therefore counted with the
-    squares that such unknowns absorbed.
+    Unknowns that the CAD model determines no longer follow the noise of navigation, so that its
+    residuals grow even with a right CAD model. Where a ratio is beyond MAX_GROWTH, the chi-square
+    without the CAD model is therefore increased by what such unknowns absorbed.
 
     Parameters
     ----------
     problem
         The round with the CAD model, at its solution.
     settings
-        Of the solve that found it.
+        The options with which it was solved.
+
+    Returns
+    -------
+    dict
+        Ratio of each of GROUPS that has residuals.
     """
     without = replace(problem, ranges=native.RangeTable(), surface=native.SurfaceTable()).hold(
         "T_g_M", "deviation"
@@ -333,39 +381,61 @@ def residual_growth(problem: native.Problem, settings: native.Options) -> dict[s
     naive = replace(settings, method="naive")
     free = native.solve(without, replace(naive, max_iterations=FREE_ITERATIONS))
     without_cad = without.started_from(free.unknowns)
-    here, there = (_squares(p, naive) for p in (without, without_cad))
-    growth = {name: float(np.sqrt(here[name] / there[name])) for name in GROUPS if there[name] > 0}
+    # The same measurements, at the solution with the CAD model and at that without it
+    chi2_with, chi2_without = (_chi2_by_group(p, naive) for p in (without, without_cad))
+    growth = {
+        name: float(np.sqrt(chi2_with[name] / chi2_without[name]))
+        for name in GROUPS
+        if chi2_without[name] > 0
+    }
     if all(ratio <= MAX_GROWTH[name] for name, ratio in growth.items()):
         return growth
     try:
-        freed = _freed_squares(
+        absorbed = _absorbed_chi2(
             native.covariance(without_cad, naive, of_landmarks=False),
             native.covariance(problem, settings, of_landmarks=False),
         )
     except StageError:
-        return growth  # something is not determined at all: nothing to count
-    return {name: float(np.sqrt(here[name] / (there[name] + freed[name]))) for name in growth}
+        return growth  # an unknown is not determined at all, and there is no leverage
+    return {
+        name: float(np.sqrt(chi2_with[name] / (chi2_without[name] + absorbed[name])))
+        for name in growth
+    }
 
 
-def _squares(problem: native.Problem, settings: native.Options) -> dict[str, float]:
-    """Sum the robust squares of each group's whitened residuals."""
+def _chi2_by_group(problem: native.Problem, settings: native.Options) -> dict[str, float]:
+    """Compute the robust chi-square of each of GROUPS: twice the cost of its factors."""
     cost = native.evaluate(problem, settings, jacobian=False).cost_by_factor
     return {name: 2 * sum(cost[factor] for factor in factors) for name, factors in GROUPS.items()}
 
 
-def _freed_squares(free: native.Covariance, tied: native.Covariance) -> dict[str, float]:
-    """Compute by how much a group's squares may grow because it determines fewer unknowns.
+def _absorbed_chi2(without_cad: native.Covariance, with_cad: native.Covariance) -> dict[str, float]:
+    """Compute by how much each group's chi-square may grow as it determines fewer unknowns.
 
-    That is a chi-square with as many degrees of freedom. Images determine all landmarks either way,
-    so nothing is added for them.
+    The leverage of a group is the number of unknowns that it determines, and these absorb as many
+    degrees of freedom of its noise. Unknowns that the CAD model determines absorb no more of it:
+    the allowed growth is the quantile FREED_QUANTILE of a chi-square with as many degrees of
+    freedom as the leverage falls by, or zero where it does not fall. Images determine all landmarks
+    either way, so nothing is added for them.
+
+    Parameters
+    ----------
+    without_cad, with_cad
+        Covariances with the leverage of each factor, at the solutions without and with the CAD
+        model.
+
+    Returns
+    -------
+    dict
+        Allowed growth of chi-square by the names of GROUPS.
     """
     from scipy.special import chdtri  # not scipy.stats, which takes a quarter of a second to load
 
-    def determined(marginals: native.Covariance, factors: tuple[str, ...]) -> float:
+    def leverage(marginals: native.Covariance, factors: tuple[str, ...]) -> float:
         return sum(marginals.leverage_by_factor[factor] for factor in factors)
 
     fewer = {
-        name: determined(free, factors) - determined(tied, factors)
+        name: leverage(without_cad, factors) - leverage(with_cad, factors)
         for name, factors in GROUPS.items()
     }
     return {
@@ -377,7 +447,17 @@ def _freed_squares(free: native.Covariance, tied: native.Covariance) -> dict[str
 def _hull_state(
     found: registration.Registration, points: Array, deviation_field: bool
 ) -> HullState:
-    """Start the hull where it was registered, with a deviation field of zeros around the points."""
+    """Make the hull's start values: the registered pose, and a deviation field of zeros.
+
+    Parameters
+    ----------
+    found
+        The registration.
+    points
+        (n, 3) m in g, on the hull, which the field's grid covers.
+    deviation_field
+        Make a field. Otherwise the hull is the CAD model exactly.
+    """
     hull = HullState(
         cad_model=found.cad_model,
         global_from_hull=found.global_from_hull,
@@ -393,7 +473,10 @@ def _hull_state(
 
 
 def _points_to_register(measured: Measurements, state: State) -> Array:
-    """Collect DVL returns in g, or stereo landmarks where no ranges were carried."""
+    """Collect points on the hull (n, 3) m in g: DVL returns, or landmarks where they are few.
+
+    Raises StageError where there are fewer than MIN_POINTS of either.
+    """
     if measured.returns is not None and (~measured.returns.flagged).sum() >= MIN_POINTS:
         return _returns_in_global(measured, state)
     if measured.returns is None and measured.tracks is None:
@@ -413,17 +496,26 @@ def _points_to_register(measured: Measurements, state: State) -> Array:
 
 
 def _returns_in_global(measured: Measurements, state: State) -> Array:
-    """Compute the ends of the DVL's beams in g, without flagged returns."""
+    """Compute the ends (n, 3) m in g of the DVL's beams, without flagged returns."""
     assert measured.returns is not None
     ends = state.mounted(measured.rig).dvl_points(measured.returns, state.path)
     return ends.points[~measured.returns.flagged]
 
 
 def estimate_hull_pose(last: RoundResult, placed: Phase, solver: RoundSolver) -> Phase:
-    """Estimate the hull's pose and form from the points of the last round that lie on it.
+    """Estimate the hull's pose and judge its shape by the points that lie on it.
 
     Where the hull deviates from the CAD model by more than the package states, the stated error is
     widened to what the points show.
+
+    Parameters
+    ----------
+    last
+        The last round with the CAD model, whose landmarks have labels.
+    placed
+        The phase of the CAD model so far. Its verdict, placement and estimate are replaced.
+    solver
+        Whose strategy says whether there is a deviation field. Without one nothing is estimated.
     """
     ready, placement = last.after, placed.placement
     hull = ready.state.hull
@@ -451,23 +543,25 @@ def estimate_hull_pose(last: RoundResult, placed: Phase, solver: RoundSolver) ->
 
 
 def accept_form(form: Form, sigmas_off: float) -> Verdict:
-    """Judge whether points near the CAD model are of its hull.
+    """Judge by its shape whether the surveyed hull is that of the CAD model.
 
     Parameters
     ----------
     form
-        The surveyed form, compared with the CAD model's.
+        The surveyed shape, compared with the CAD model's.
     sigmas_off
-        How far from the package's guess it was found, in the guess's sigmas.
+        How far the hull was found from the package's guess of its pose, in the guess's sigmas.
     """
-    reason = next(_reasons_against_form(form, sigmas_off), None)
+    reason = next(_reasons_against_shape(form, sigmas_off), None)
     return ACCEPTED if reason is None else Verdict(accepted=False, reason=reason)
 
 
-def _reasons_against_form(form: Form, sigmas_off: float) -> Iterator[str]:
-    """Give the reasons why the surveyed points are not of the CAD model's hull.
+def _reasons_against_shape(form: Form, sigmas_off: float) -> Iterator[str]:
+    """Yield reasons why the surveyed hull is not that of the CAD model, most important first.
 
-    Parameters are those of `accept_form`.
+    The caller takes the first alone. A hull that was found far from the package's guess has to
+    pass more: its shape must confirm the CAD model, and deviate by no more than stated. Parameters
+    are those of `accept_form`.
     """
     times = f"{np.sqrt(form.deviation):.1f} times hull.deviation_sigma over metres"
     if form.is_of_another_hull:

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Corrections held within what a sensor can be wrong by, and contradictions refused.
+"""Limit corrections to what a sensor can be wrong by, and refuse dives that contradict themselves.
 
-The adjustment takes errors of sensors and mounts out. A correction that no sensor needs, or that
-another sensor's error explains better, is no correction: the dive is contradictory
-(docs/methods.md 6).
+The adjustment estimates errors of sensors and mounts, and corrects them. A correction larger than
+any sensor needs, or one that another sensor's error explains better, is no correction: the
+measurements contradict each other, and the dive is refused (docs/methods.md 6).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from hullrecon.adjustment.hull_pose.other_beams import find_fitting_beams
 from hullrecon.adjustment.hull_pose.other_tray import find_fitting_tray, find_tray_offset
 from hullrecon.adjustment.readout import RowMotion, motion_by_row
 from hullrecon.adjustment.rounds import Estimate, Phase, RoundResult, RoundSolver
-from hullrecon.adjustment.suspects import Trial, best_explanations, least_gain, try_suspects
+from hullrecon.adjustment.suspects import Trial, best_explanations, least_readout_gain, try_suspects
 from hullrecon.errors import ContradictionError
 from hullrecon.findings.finding import Finding
 from hullrecon.records.trajectory import Returns
@@ -34,16 +34,18 @@ LARGEST_ERRORS = np.array(
         # Sound goes at 1402 m/s in fresh water of 0 degrees and at 1560 in salt water of 36
         # [ChenMillero1977]: a DVL that was set to the one in the other is off by a ninth.
         0.115,
-        # Zero-rate offsets of MEMS gyros that nothing calibrates are a tenth of a degree a second
-        # after their filter has settled.
+        # rad/s. Zero-rate offsets of MEMS gyros that nothing calibrates are a tenth of a degree a
+        # second after their filter has settled.
         np.radians(0.1),
-        # An attitude sensor is levelled by hand to a degree or two, as is its mount.
+        # rad, roll and pitch. An attitude sensor is levelled by hand to a degree or two, as is its
+        # mount.
         np.radians(5.0),
         np.radians(5.0),
-        # A gauge that was not zeroed: weather makes 0.4 m of water, trim and draught a metre
+        # m. A gauge that was not zeroed: weather makes 0.4 m of water, trim and draught a metre.
         2.0,
     ]
 )
+# Key of dive.toml that states each one's sigma
 ERRORS = (
     "dvl.scale_sigma", "imu.heading_drift_deg_per_hour", "imu.bias_sigma_deg",
     "imu.bias_sigma_deg", "pressure.bias_sigma_m",
@@ -51,40 +53,48 @@ ERRORS = (
 # Mounts are measured with a protractor to a degree or two; a bracket is made at 0, 45 or 90.
 LARGEST_TURN_RAD = np.radians(5.0)
 MOUNT_KEYS = {"tray_from_top": "camera.top.mount", "tray_from_dvl": "dvl.mount"}
-# A bracket that was bent, or a baseline that was measured with a ruler. Air in place of water
-# makes a third.
+# Largest believable error of a stereo rig, as a share of the baseline's length and as a turn: a
+# bracket that was bent, or a baseline that was measured with a ruler. A calibration in air instead
+# of water is off by a third.
 LARGEST_BASELINE_SHARE = 0.1
 LARGEST_STEREO_TURN_RAD = np.radians(3.0)
-# Of the focal length: a calibration in water knows focal lengths and principal point to half a per
-# cent, another medium's is a third off
+# Largest believable error of focal length and principal point, as a share of the focal length: a
+# calibration in water finds both to half a per cent, one in another medium is a third off
 LARGEST_LENS_SHARE = 0.03
-# What is left out contradicts the rest grossly: by so many squares of its sigma a row
+# A measurement that is left out contradicts the rest grossly if chi-square falls by more than this
+# for each of its rows
 GROSS = 4.0
-# Chance that a suspect without error is named in place of the CAD model, of a path that agrees with
-# itself: five sigmas, as in navigation/suspects. A distortion explained 12 squares on a faultless
-# dive, 3,400 landmarks, whose CAD model had another unit.
+# Chance that a suspect without error is named in place of the CAD model, on a path that does not
+# contradict itself: five sigmas, as in navigation/suspects. On a faultless dive with 3,400
+# landmarks, whose CAD model had another unit, a distortion lowered chi-square by 12.
 CHANCE = 6e-7
-LEAST_WEIGHT = 1e-3  # of depths, which a path without noise makes nil
-# Squares that shearing the images explains at least, beyond which sensors are suspected: 0.3 at
-# most where lenses are 0.3 px off, 4 and more with 20 px of principal point or 20 ms of readout
+LEAST_WEIGHT = 1e-3  # of depths, whose estimated weight is zero on a path without noise
+# Chi-square that a shear of the images explains at least, beyond which sensors are suspected: 0.3
+# at most where lenses are 0.3 px off, 4 and more with 20 px of principal point or 20 ms of readout
 SHEARED = 2.0
 
 
 def hold_within_belief(path: Phase, corrected: Phase, solver: RoundSolver) -> Phase:
-    """Accept corrections that a sensor may need, with the suspects that were tried.
+    """Accept the corrections of a path unless they are unbelievable or explained better otherwise.
 
     Parameters
     ----------
     path, corrected
-        The path with the package's priors, and with those that it contradicts widened.
+        The path solved with the package's priors, and the path solved with the contradicted priors
+        widened.
     solver
-        Of both.
+        Solves the trials.
+
+    Returns
+    -------
+    Phase
+        `corrected`, with the trials of all suspects in its verdict.
 
     Raises
     ------
     ContradictionError
-        Where a correction is larger than its sensor can be wrong by, or an error that cannot be
-        taken out explains more.
+        Where a correction is larger than its sensor can be wrong by, or where an error that the
+        adjustment cannot correct explains more.
     """
     beyond = list(_beyond_belief(path.estimate.measured.rig, corrected))
     trials = _try_all(path, solver)
@@ -93,18 +103,21 @@ def hold_within_belief(path: Phase, corrected: Phase, solver: RoundSolver) -> Ph
 
 
 def is_sheared(path: Phase, solver: RoundSolver) -> bool:
-    """Tell whether a solved path would fit better if its images were sheared by the motion.
+    """Tell whether a solved path would fit better if image rows were exposed one after another.
 
-    Legs beside each other show that before any prior is exceeded.
+    Each leg's motion shears its images then (`readout`). Legs that lie beside each other show this
+    before any prior is exceeded.
     """
     if path.first is None:
         return False
     problem, by_row = _suspected(path.first)
-    return least_gain(problem, solver.settings, by_row) > SHEARED
+    return least_readout_gain(problem, solver.settings, by_row) > SHEARED
 
 
 def explain_refusal(path: Phase, placed: Phase, solver: RoundSolver) -> Phase:
-    """Ask whether a sensor is wrong before the CAD model is blamed.
+    """Look for a sensor whose error explains why the CAD model was refused.
+
+    Returns the phase of the refused CAD model, with the suspects that were tried in its verdict.
 
     Raises
     ------
@@ -120,25 +133,32 @@ def explain_refusal(path: Phase, placed: Phase, solver: RoundSolver) -> Phase:
         if not any(_is_beyond_chance(trial) for trial in trials):
             trials = ()
     _refuse(trials, [], solver)
-    _refuse_other_readings(path.estimate, placed)
+    _refuse_misread_ranges(path.estimate, placed)
     return replace(placed, verdict=replace(placed.verdict, suspects=trials))
 
 
 def _is_beyond_chance(trial: Trial) -> bool:
-    """Tell whether a suspect explains more squares than rows without error take with them."""
+    """Tell whether chi-square falls by more than leaving out rows without error explains."""
     return bool(trial.gain + trial.rows > chdtri(trial.rows, CHANCE))
 
 
-def _refuse_other_readings(solved: Estimate, placed: Phase) -> None:
-    """Raise ContradictionError where the CAD model fits the DVL's ranges read otherwise.
+def _refuse_misread_ranges(solved: Estimate, placed: Phase) -> None:
+    """Raise ContradictionError where the CAD model fits the DVL's ranges interpreted otherwise.
 
-    With its beams in another order, or, without images, which show how the tray turns, with the
-    tray's angles of the other sign, unit or zero.
+    Tried are the beams in another order. Without images, which would show how the tray turns, the
+    tray's angles are tried with the other sign, in another unit, and with another zero.
+
+    Parameters
+    ----------
+    solved
+        The path, solved without the CAD model.
+    placed
+        The phase of the CAD model, which was refused.
     """
     measured, state = solved.measured, solved.state
     returns, cad_model, hull = measured.returns, measured.cad_model, placed.estimate.state.hull
     if returns is None or cad_model is None or (hull is not None and hull.segments is not None):
-        return  # the parts of a path that outages cut fit anything
+        return  # the segments of a path that outages cut move freely, and fit any interpretation
     rig = state.mounted(measured.rig)
 
     def ends(of: Returns) -> Array:
@@ -160,28 +180,30 @@ def _refuse_other_readings(solved: Estimate, placed: Phase) -> None:
         values = {"offset_deg": float(np.degrees(off[0])), "after_mm": 1e3 * off[1]}
         raise ContradictionError(Finding("tray-offset", values).sentence)
     if tray is not None:
-        reading, before_m, after_m = tray
-        values = {"reading": reading, "before_mm": 1e3 * before_m, "after_mm": 1e3 * after_m}
+        convention, before_m, after_m = tray
+        values = {"reading": convention, "before_mm": 1e3 * before_m, "after_mm": 1e3 * after_m}
         raise ContradictionError(Finding("other-tray", values).sentence)
 
 
 def _try_all(path: Phase, solver: RoundSolver) -> tuple[Trial, ...]:
+    """Solve the first round of a path without each suspect in turn."""
     assert path.first is not None
     problem, by_row = _suspected(path.first)
     return try_suspects(problem, solver.settings, by_row)
 
 
 def _suspected(first: RoundResult) -> tuple[native.Problem, RowMotion]:
+    """Prepare a round for trials: its problem, and how its features move with a readout time."""
     measured, state = first.after.measured, first.after.state
-    return _as_stated(first), motion_by_row(first.problem, measured, state)
+    return _with_stated_sigmas(first), motion_by_row(first.problem, measured, state)
 
 
-def _as_stated(solved: RoundResult) -> native.Problem:
-    """Return a round's problem with the sigmas of depths and of the tray that the package states.
+def _with_stated_sigmas(solved: RoundResult) -> native.Problem:
+    """Give a round's problem the sigmas of depths and tray that the package states.
 
-    Those estimated from residuals are too small where the solution follows a sensor's noise, and
-    whatever is left out then seems to explain much. Lenses have no displacement: theirs would take
-    a part of any other error.
+    Sigmas that were estimated from residuals are too small where the solution follows a sensor's
+    noise, and then any sensor that is left out seems to explain much. The displacements of the
+    lenses are dropped: they would absorb a part of any other error.
     """
     problem, weights = solved.problem, solved.weights
     stated = solved.after.measured.rig.priors.tray_sigma_rad / weights.tray
@@ -201,7 +223,17 @@ def _as_stated(solved: RoundResult) -> native.Problem:
 
 
 def _refuse(trials: Sequence[Trial], beyond: Sequence[str], solver: RoundSolver) -> None:
-    """Raise ContradictionError unless a correction explains what the trials show."""
+    """Raise ContradictionError unless a correction explains what the trials show.
+
+    Parameters
+    ----------
+    trials
+        Of all suspects.
+    beyond
+        Descriptions of corrections that are too large to be believed. Empty: none is.
+    solver
+        Reports each trial. Its calibration gives the focal length.
+    """
     best = best_explanations(trials)
     top = solver.calibrated.top
     focal_px = 1.0 if top is None else top.fx
@@ -216,7 +248,10 @@ def _refuse(trials: Sequence[Trial], beyond: Sequence[str], solver: RoundSolver)
 
 
 def _is_believable(trial: Trial, focal_px: float) -> bool:
-    """Tell whether a suspect's own error is of a size that it may have."""
+    """Tell whether the error that a trial found is of a size that the suspect may have.
+
+    focal_px: focal length of the top camera.
+    """
     largest = {
         "dvl-scale": LARGEST_ERRORS[0],
         "dvl-mount": LARGEST_TURN_RAD,
@@ -234,14 +269,21 @@ def _is_believable(trial: Trial, focal_px: float) -> bool:
 
 
 def _is_gross(trial: Trial, focal_px: float) -> bool:
-    """Tell whether a suspect contradicts the rest by more than small errors do."""
+    """Tell whether a suspect contradicts the rest by more than small errors explain."""
     return not _is_believable(trial, focal_px) and trial.gain > GROSS * trial.rows
 
 
 def _beyond_belief(stated: Rig, corrected: Phase) -> Iterator[str]:
     """Describe each correction that is larger than its sensor can be wrong by.
 
-    A package that allows more than that itself is believed.
+    Where the package itself allows more, that is the limit.
+
+    Parameters
+    ----------
+    stated
+        The rig with the priors of the package.
+    corrected
+        The path with the contradicted priors widened.
     """
     state, stereo = corrected.estimate.state, corrected.verdict.stereo
     found = np.abs(state.navigation[: len(LARGEST_ERRORS)])
@@ -264,5 +306,8 @@ def _beyond_belief(stated: Rig, corrected: Phase) -> Iterator[str]:
 
 
 def _largest_sigma(rows: Array) -> float:
-    """Compute the largest sigma of a mount's rotation, rad, from its square root of information."""
+    """Compute the largest sigma of a mount's rotation, rad.
+
+    rows (6, 6): square root of the mount's information.
+    """
     return float(np.linalg.norm(np.linalg.inv(rows), axis=1)[ROTATION].max())

@@ -1,13 +1,15 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Priors of sensors and mounts that a dive contradicts, widened to what it shows.
+"""Priors of sensors and mounts that a dive contradicts, widened to the error that it shows.
 
 See docs/methods.md 6.
 
-Where a package says that its DVL is right to half a per cent and it is not, by three, the solve
-ends somewhere between, with a sigma that the prior made small. Of an estimate x with prior sigma p
-and posterior variance P the dive alone gives x / g, with the variance P / g, where g = 1 - P / p^2.
-If the prior is right, x / g has the variance p^2 + P / g.
+Where a package states that its DVL is right to half a per cent and it is off by three per cent, the
+estimate ends between the prior and the truth, with a sigma that the prior made too small. So the
+prior is taken off again. Let x be the estimate's distance from the prior's mean, p the prior's
+sigma and P the posterior variance. Without the prior the dive gives x / g with the variance P / g,
+where g = 1 - P / p^2 is the share of the prior's variance that the dive takes away. If the prior is
+right, x / g has the variance p^2 + P / g.
 """
 
 from __future__ import annotations
@@ -25,57 +27,63 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
-MANY_SIGMAS = 4.0  # of what the package allows
-# A prior is widened only beyond so many of the sigmas with which the dive alone knows the unknown,
-# and only if the dive takes away that share of the prior's variance: what a dive hardly knows, as a
-# lever arm along a straight leg, small errors of other sensors may seem to contradict.
+MANY_SIGMAS = 4.0  # a prior is contradicted beyond so many of its sigmas
+# A prior is widened only where the estimate without it is off by more than so many sigmas of its
+# own, and only if the dive takes away at least this share of the prior's variance. An unknown that
+# a dive hardly determines, as a lever arm along a straight leg, seems contradicted by small errors
+# of other sensors.
 MANY_OF_ITS_OWN = 8.0
 LEAST_GAINED = 0.25
 ROTATION = slice(3, 6)  # rows of a mount's prior
-# errors of navigation: the tray's backlash, the sixth, is a prior of each swing as well
+# Errors of navigation whose priors may be widened. The sixth, the tray's backlash, is left out: its
+# prior is also that of each swing of the tray.
 CONSTANT_ERRORS = 5
 MOUNTS = ("tray_from_top", "tray_from_dvl")
-# blocks of the native problem by the priors that may be widened
+# Blocks of the native problem by the priors that may be widened
 BLOCKS = {"navigation": "navigation", "tray_from_top": "T_s_ct", "tray_from_dvl": "T_s_d"}
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Prior:
-    """How far the estimate of an unknown lies from its prior."""
+class _PriorDeviation:
+    """How far the estimate of an unknown lies from the mean of its prior."""
 
     deviation: Array  # (k,) in the prior's sigmas
     to_sigmas: Array  # (k, m) from the unknown's tangent to those sigmas
 
     def may_be_exceeded(self) -> bool:
-        """Tell whether any covariance would let `widening` widen the prior."""
+        """Tell whether `widening` could widen the prior, whatever the covariance is.
+
+        The covariance is dear, so it is computed only then.
+        """
         return bool(
             np.abs(self.deviation).max()
             > MANY_OF_ITS_OWN * np.sqrt(LEAST_GAINED * (1 - LEAST_GAINED))
         )
 
     def widening(self, covariance: Array) -> Array:
-        """Compute by how much each sigma is to grow (k,), 1 where the prior holds.
+        """Compute the factors (k,) by which the prior's sigmas have to grow, 1 where it holds.
 
         covariance (m, m): of the estimate, in the unknown's tangent.
         """
-        left = np.diag(self.to_sigmas @ covariance @ self.to_sigmas.T)
-        gained = np.maximum(1 - left, 1e-9)
-        of_the_dive = np.abs(self.deviation) / gained  # as it would be without the prior
-        sigma = np.sqrt(np.maximum(left, 0) / gained)
-        surprising = (of_the_dive > MANY_SIGMAS * np.hypot(1, sigma)) & (
-            of_the_dive > MANY_OF_ITS_OWN * sigma
+        # P / p^2, g, x / g and its sigma of the module's docstring, in the prior's sigmas
+        posterior = np.diag(self.to_sigmas @ covariance @ self.to_sigmas.T)
+        gained = np.maximum(1 - posterior, 1e-9)
+        without_prior = np.abs(self.deviation) / gained
+        sigma = np.sqrt(np.maximum(posterior, 0) / gained)
+        is_contradicted = (without_prior > MANY_SIGMAS * np.hypot(1, sigma)) & (
+            without_prior > MANY_OF_ITS_OWN * sigma
         )
-        return np.where(surprising & (gained > LEAST_GAINED), of_the_dive, 1.0)
+        return np.where(is_contradicted & (gained > LEAST_GAINED), without_prior, 1.0)
 
 
 def widen_exceeded_priors(path: Phase, solver: RoundSolver) -> Phase | None:
     """Widen the priors that a solved path contradicts, and solve a round with them.
 
-    None where it contradicts none.
+    None where the path contradicts no prior, or has no solved round.
     """
     solved = path.estimate
     rig, state = solved.measured.rig, solved.state
-    priors = _priors(rig, state)
+    priors = _prior_deviations(rig, state)
     if not any(prior.may_be_exceeded() for prior in priors.values()):
         return None
     if path.last is None:
@@ -85,7 +93,7 @@ def widen_exceeded_priors(path: Phase, solver: RoundSolver) -> Phase | None:
             path.last.problem, replace(solver.settings, method="naive"), of_landmarks=False
         )
     except StageError:
-        return None  # something is not determined at all; the last round says what
+        return None  # an unknown is not determined at all; the last round reports which
     widening = {
         name: prior.widening(getattr(covariance, BLOCKS[name])) for name, prior in priors.items()
     }
@@ -105,34 +113,44 @@ def widen_exceeded_priors(path: Phase, solver: RoundSolver) -> Phase | None:
 
 
 def contradicts_priors(path: Phase) -> bool:
-    """Tell whether an estimate lies beyond what the package allows, widened or not."""
+    """Tell whether an estimate lies beyond MANY_SIGMAS of its prior, widened or not."""
     solved = path.estimate
-    priors = _priors(solved.measured.rig, solved.state).values()
+    priors = _prior_deviations(solved.measured.rig, solved.state).values()
     return any(bool(np.abs(prior.deviation).max() > MANY_SIGMAS) for prior in priors)
 
 
-def _priors(rig: Rig, state: State) -> dict[str, _Prior]:
-    """Collect the priors of navigation and of the mounts' rotations by name.
+def _prior_deviations(rig: Rig, state: State) -> dict[str, _PriorDeviation]:
+    """Compute how far navigation errors and rotations of mounts lie from their priors, by name.
 
-    A mount's position is left out: a focal length that is off looks like a camera that stands
-    nearer or farther.
+    Positions of mounts are left out: a wrong focal length looks like a camera that stands nearer or
+    farther.
     """
     rows = np.diag(1 / rig.priors.navigation_sigma)[:CONSTANT_ERRORS]
-    out = {"navigation": _Prior(deviation=rows @ state.navigation, to_sigmas=rows)}
+    out = {"navigation": _PriorDeviation(deviation=rows @ state.navigation, to_sigmas=rows)}
     for name in MOUNTS:
         nominal, rows, found = (getattr(of, name) for of in (rig, rig.priors, state.mounts))
         if nominal is not None and rows is not None and found is not None:
             by, to_child = displacement(nominal, found)
             rows = rows[ROTATION]
-            out[name] = _Prior(deviation=rows @ by, to_sigmas=rows @ to_child)
+            out[name] = _PriorDeviation(deviation=rows @ by, to_sigmas=rows @ to_child)
     return out
 
 
 def displacement(nominal: Poses, found: Poses) -> tuple[Array, Array]:
-    """Compute how far a mount was found from its nominal pose (6,), in the child's axes.
+    """Compute how far an estimated mount lies from its nominal pose.
 
-    The second value (6, 6) turns the unknown's tangent, whose translation is in the parent's axes,
-    into those axes.
+    Parameters
+    ----------
+    nominal, found
+        Poses parent_from_child, as calibrated and as estimated.
+
+    Returns
+    -------
+    displacement
+        (6,) translation m and rotation rad, in the child's axes.
+    to_child
+        (6, 6) from the unknown's tangent, whose translation is in the parent's axes, to the
+        child's axes.
     """
     to_child = np.eye(6)
     to_child[:3, :3] = nominal.rotation.inv().as_matrix()[0]
@@ -142,7 +160,7 @@ def displacement(nominal: Poses, found: Poses) -> tuple[Array, Array]:
 
 
 def _widen(rig: Rig, widening: dict[str, Array]) -> Rig:
-    """Widen the rig's priors by factors (k,) of the sigmas, by name."""
+    """Multiply the sigmas of the rig's priors by the factors (k,) of each name."""
     navigation = rig.priors.navigation_sigma.copy()
     navigation[:CONSTANT_ERRORS] *= widening["navigation"]
     mounts = {

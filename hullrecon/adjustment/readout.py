@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """How the features of a solved path move if the rows of images were exposed one after another.
 
-Each leg then shears its images its own way, by what the vehicle moves within an exposure, and legs
-that lie beside each other contradict each other. No calibration explains that, one time from the
-first row to the last does (docs/methods.md 6).
+The vehicle moves between the first row and the last, so that each leg shears its images in another
+way, and legs that lie beside each other contradict each other. No calibration explains that. One
+readout time, from the first row to the last, does (docs/methods.md 6).
 """
 
 from __future__ import annotations
@@ -22,21 +22,31 @@ from hullrecon.geometry.poses import Poses, exp
 from hullrecon.records.clock import seconds
 from hullrecon.typing import Array, Ints32
 
-STEP_S = 1e-3  # for derivatives
-LONGEST_S = 5.0  # between two nodes from which a node's motion is known
+STEP_S = 1e-3  # of the numeric derivatives
+LONGEST_S = 5.0  # longest time between the neighbours of a node that give its motion
 
 
 @dataclass(frozen=True, kw_only=True)
 class RowMotion:
-    """By how much features move for each second from an image's first row to its last, px/s."""
+    """Shift of features to their node's time for each second of readout time, px/s."""
 
-    stereo: Array  # (m, 4) of a problem's table
-    mono: Array  # (m, 2)
+    stereo: Array  # (m, 4) of the rows of a problem's stereo table
+    mono: Array  # (m, 2) of the rows of its mono table
 
     def moved(
         self, problem: native.Problem, readout_s: float, cameras: Sequence[Camera] = tuple(Camera)
     ) -> native.Problem:
-        """Move features of some cameras to where they were at their node's time."""
+        """Move features to where they were at their node's time, given a readout time.
+
+        Parameters
+        ----------
+        problem
+            Of whose features the motion is.
+        readout_s
+            Time from the first row to the last.
+        cameras
+            Whose features are moved. The others stay.
+        """
         stereo, mono = problem.stereo, problem.mono
         of = [camera.column for camera in cameras]
         in_stereo = np.isin(np.arange(4) // 2, of)
@@ -49,14 +59,14 @@ class RowMotion:
 
 
 def motion_by_row(problem: native.Problem, measured: Measurements, state: State) -> RowMotion:
-    """Compute how a readout time moves the features of a problem at its solution.
+    """Compute how a readout time shifts the features of a problem at its solution.
 
     Parameters
     ----------
     problem
-        Without the CAD model.
+        Without the CAD model, at its solution.
     measured, state
-        What it is of, and its solution.
+        The measurements of which the problem was made, and its solution as a state.
     """
     rig = state.mounted(measured.rig)
     t_ns = measured.trajectory.t_ns
@@ -64,10 +74,10 @@ def motion_by_row(problem: native.Problem, measured: Measurements, state: State)
     twist = _twists(seconds(t_ns, int(t_ns[0])), tray)
 
     def moved(camera: Camera, node: Ints32, landmark: Ints32, pixel: Array) -> Array:
-        """Compute the motion of features, px for each second from the first row to the last.
+        """Compute the shift (n, 2) of features to their node's time, px/s of readout time.
 
-        A feature in the last row moves as much as the tray does in that second, one in the first
-        not at all.
+        The node's time is that of the first row. A feature in the last row was exposed the whole
+        readout time later, one in the first row at that time.
         """
         mount, model = rig.tray_from(camera), rig.model(camera)
         seen = (tray @ mount).inverse().apply_rows(node, problem.unknowns.landmark[landmark])
@@ -90,9 +100,10 @@ def motion_by_row(problem: native.Problem, measured: Measurements, state: State)
 
 
 def _twists(t_s: Array, tray: Poses) -> Array:
-    """Compute the tray's motion (n, 6) around each node in its own axes, m/s and rad/s.
+    """Compute the tray's velocity (n, 6) at each node in its own axes, m/s and rad/s.
 
-    Zero where nodes beside it are far away.
+    By the difference of the poses of the neighbouring nodes. Zero where these are more than
+    LONGEST_S apart.
     """
     first = np.maximum(np.arange(len(t_s)) - 1, 0)
     last = np.minimum(np.arange(len(t_s)) + 1, len(t_s) - 1)

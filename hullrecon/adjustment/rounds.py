@@ -37,18 +37,18 @@ Made = TypeVar("Made")
 
 
 class Keep(Protocol):
-    """Makes something that takes long, or finds it by its label where it was made before."""
+    """Make something that takes long, or load it by its label where an earlier run has made it."""
 
     def __call__(self, make: Callable[[], Made], label: str, /) -> Made: ...
 
 
 def make_anew(make: Callable[[], Made], label: str) -> Made:
-    """Keep nothing. A `Keep`."""
+    """Make it without keeping anything. This is a `Keep`."""
     return make()
 
 
 OUTLIER_SIGMAS = 5.0  # observations with larger residuals are left out
-LEAST_MAX_PX = 2.0  # outlier limit of rounds before the last, whose path may still be off
+LEAST_MAX_PX = 2.0  # smallest outlier threshold of rounds before the last, as the path may be off
 # Damping holds what many measurements share, a single camera's scale and the bends of a long path,
 # far more than it holds the steps: with Ceres' 1e4 such a mode hardly moves while each iteration's
 # gain falls below the tolerance.
@@ -56,8 +56,9 @@ INITIAL_RADIUS = 1e8
 # Relative change of cost that ends the last solve, and the ones before it
 FUNCTION_TOLERANCE = 1e-6
 COARSE_TOLERANCE = 10 * FUNCTION_TOLERANCE
-ANCHORS = 20_000  # landmarks of the rounds before the last, about; at least one of each image
-MIN_LANDMARKS = 20
+# About so many landmarks enter the rounds before the last, at least one of each image
+ANCHORS = 20_000
+MIN_LANDMARKS = 20  # with fewer, a round is refused
 log = logging.getLogger(__name__)
 
 
@@ -68,7 +69,9 @@ class Estimate:
     measured: Measurements  # with the intrinsics and priors found so far
     state: State
     weights: Weights
-    max_px: float  # reprojection errors beyond are outliers, where the sigma is the pixel sigma
+    # Threshold of reprojection errors for an observation with the pixel sigma. Those of others
+    # scale with their sigmas.
+    max_px: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,26 +79,27 @@ class RoundResult:
     """The result of one solve."""
 
     chosen: Selection  # the measurements that entered
-    weights: Weights  # that it used
-    plan: Plan | None  # of the parts in which the last round was solved; None: before it
-    start: native.Problem  # at its start values
-    problem: native.Problem  # at its solution
+    weights: Weights  # sigmas and weights that were used
+    plan: Plan | None  # how the last round was divided into parts; None: not the last round
+    start: native.Problem  # the problem at its start values
+    problem: native.Problem  # the problem at its solution
     result: native.Result
-    history: iteration_history.Round
-    after: Estimate
+    history: iteration_history.Round  # the solver's record
+    after: Estimate  # with the solution, and with sigmas estimated from its residuals
 
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """The acceptance of a phase, and its contradictions of the dive package."""
+    """Whether a phase is accepted, and where it contradicts the dive package."""
 
     accepted: bool = True
     reason: str | None = None  # why it is not accepted, in words without a full stop
     stereo: StereoContradiction | None = None  # of the stereo rig's calibration
-    # Share by which the DVL's velocities contradict all else about lengths, where one camera
-    # cannot tell which is right
+    # Share by which lengths by the DVL's velocities differ from lengths by all other measurements,
+    # where a single camera cannot tell which are right
     length_conflict: float | None = None
-    suspects: tuple[Trial, ...] = ()  # tried where something contradicts the package, best first
+    # Suspects that were tried where something contradicts the package, best explanation first
+    suspects: tuple[Trial, ...] = ()
 
 
 ACCEPTED = Verdict()
@@ -103,18 +107,18 @@ ACCEPTED = Verdict()
 
 @dataclass(frozen=True, kw_only=True)
 class Phase:
-    """A phase of the adjustment: its rounds, what it leaves to the next, and the verdict on it.
+    """A phase of the adjustment: its rounds, its resulting estimate, and the verdict on it.
 
-    Of its rounds only the first and the last keep their measurements, which are most of the memory.
+    Only the first and the last round are kept with their measurements, which take most memory.
     """
 
     history: tuple[iteration_history.Round, ...]
     start: native.Problem | None  # of the first round, as it began; None without rounds
-    first: RoundResult | None  # None without rounds, or where they are done with
-    last: RoundResult | None
-    estimate: Estimate
+    first: RoundResult | None  # None without rounds, or where they are not needed any more
+    last: RoundResult | None  # None as `first`
+    estimate: Estimate  # which the next phase starts from
     verdict: Verdict = ACCEPTED
-    placement: Placement | None = None  # of the CAD model on the path
+    placement: Placement | None = None  # of the CAD model relative to the path
 
     @staticmethod
     def of(
@@ -123,7 +127,7 @@ class Phase:
         verdict: Verdict = ACCEPTED,
         placement: Placement | None = None,
     ) -> Phase:
-        """Make a phase of rounds, which may be none."""
+        """Make a phase from its rounds, of which there may be none."""
         first, last = (rounds[0], rounds[-1]) if rounds else (None, None)
         return Phase(
             history=tuple(done.history for done in rounds),
@@ -136,7 +140,7 @@ class Phase:
         )
 
     def then(self, later: Phase | None) -> Phase:
-        """Join a phase that continues from this one. None leaves it as it is."""
+        """Join this phase with a later one that continues from it. None: return this phase."""
         if later is None:
             return self
         here, there = self.verdict, later.verdict
@@ -160,26 +164,29 @@ class Phase:
 
 @dataclass(frozen=True, kw_only=True)
 class RoundSolver:
-    """Solve rounds, count and report them."""
+    """Solve rounds, and keep and report their history."""
 
-    calibrated: Rig  # with the intrinsics of the calibration, about which their prior stands
+    calibrated: Rig  # with the calibrated intrinsics, which are the mean of their prior
     options: AdjustOptions
     strategy: Strategy
-    report: Report
-    anchors: int = ANCHORS
-    history: list[iteration_history.Round] = field(default_factory=list)
-    begun_s: float = field(default_factory=time.perf_counter)
-    keep: Keep = make_anew  # finds the phases of a run that did not end
+    report: Report  # called with a line of text after each round
+    anchors: int = ANCHORS  # landmarks of the rounds before the last, about
+    history: list[iteration_history.Round] = field(default_factory=list)  # of all rounds so far
+    begun_s: float = field(default_factory=time.perf_counter)  # start of the adjustment
+    keep: Keep = make_anew  # loads the phases that an interrupted run has finished
 
     def once(self, solve: Callable[[], Phase], label: str) -> Phase:
-        """Solve a phase, unless a run that did not end has left it."""
+        """Solve a phase, or load it where an interrupted run has finished it.
+
+        label: the name under which it is kept. The history of rounds is restored with the phase.
+        """
         phase, rounds = self.keep(lambda: (solve(), tuple(self.history)), label)
         self.history[:] = rounds
         return phase
 
     @property
     def settings(self) -> native.Options:
-        """The solver's options. A solve has its own number of iterations and tolerance."""
+        """The solver's options, but for the iterations and tolerance that each solve sets."""
         return self.strategy.native_options(self.options)
 
     def coarse_rounds(self, start: Estimate, count: int) -> tuple[RoundResult, ...]:
@@ -225,7 +232,7 @@ class RoundSolver:
         problem = lens.free_lenses(problem, measured, weights.lens)
         began_s = time.perf_counter() - self.begun_s
         plan = self._plan(problem, state) if final else None
-        return_free_memory()  # the solver's own comes from elsewhere
+        return_free_memory()  # the solver's tables come on top of what the allocator keeps
         result = self._solve(problem, plan)
         history = self._record(measured, result, weights, chosen, began_s)
 
@@ -256,7 +263,11 @@ class RoundSolver:
     def _choose(
         self, measured: Measurements, state: State, chosen: Selection, final: bool
     ) -> Selection:
-        """Choose anchors for a coarse round, all landmarks but isolated ones for the last."""
+        """Choose the landmarks of a round: anchors for a coarse one, nearly all for the last.
+
+        The last round leaves out landmarks off the hull that stand alone. A strategy may leave out
+        those that are far off the hull. Raises StageError with fewer than MIN_LANDMARKS.
+        """
         settings, strategy = self.settings, self.strategy
         if final and state.hull is not None and strategy.deviation_field:
             off = np.abs(state.hull.deviation(state.landmark[chosen.landmarks]))
@@ -284,6 +295,7 @@ class RoundSolver:
         return plan
 
     def _solve(self, problem: native.Problem, plan: Plan | None) -> native.Result:
+        """Solve a problem, in the parts of the plan where it has several. None: a coarse round."""
         settings = replace(
             self.settings,
             max_iterations=self.options.max_iterations,
@@ -321,7 +333,10 @@ class RoundSolver:
 
 
 def _outlier_limit(before: Estimate, final: bool) -> Callable[[Array], Array]:
-    """Limit the reprojection errors, px, of the observations that enter a round, by response."""
+    """Make the threshold (m,) px of reprojection errors, by the detector's response (m,).
+
+    A feature with a weak response is located less well, and its threshold is larger.
+    """
 
     def limit_px(response: Array) -> Array:
         max_px = before.max_px * before.weights.by_response.ratio(response)

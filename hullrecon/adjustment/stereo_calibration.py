@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Test whether a dive contradicts the calibration of its stereo rig (docs/methods.md 6).
 
-Where it does, the rig becomes an unknown. The images of a dive determine the bottom camera's
-rotation and the direction of the baseline better than a calibration does, but not the baseline's
-length. The length follows from DVL and depths, and the DVL may be as wrong as the calibration.
+Where it does, the relative pose of the two cameras becomes an unknown. The images of a dive
+determine the bottom camera's rotation and the direction of the baseline better than a calibration
+does, but not the baseline's length. The length follows from DVL and depths, and the DVL may be as
+wrong as the calibration.
 """
 
 from __future__ import annotations
@@ -21,25 +22,29 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
-TRIAL_ANCHORS = 5000  # landmarks: enough for six unknowns that all images share
+TRIAL_ANCHORS = 5000  # landmarks of a trial: enough for six unknowns that all images share
+# Prior sigmas of the stereo mount in a trial: of its rotation, and of its position as a share of
+# the baseline's length
 TRIAL_TURN_RAD = np.radians(1.0)
-TRIAL_SHARE = 0.1  # of the baseline's length, of each coordinate of the bottom camera
-MAX_CHI2 = 125.0  # of rotation and direction, five degrees of freedom: five sigmas in each
+TRIAL_SHARE = 0.1
+# Beyond these the calibration is contradicted: by rotation and direction of the baseline together,
+# with five degrees of freedom (five sigmas in each), and by the baseline's length
+MAX_CHI2 = 125.0
 MAX_LENGTH_SIGMAS = 3.5
-HELD = 1e-6  # m and rad
+HELD = 1e-6  # prior sigma, m and rad, of what is held
 # A turn, and a shift as a share of the baseline, that a good calibration may be off by: no warning
 REPORTED_TURN_RAD = np.radians(0.03)
 REPORTED_SHARE = 0.005
-LEAST_SHOWN_MM, LEAST_SHOWN_DEG = 0.05, 0.005  # less does not show in a sentence's digits
-DVL_SCALE = 0  # its place among the errors of navigation
+LEAST_SHOWN_MM, LEAST_SHOWN_DEG = 0.05, 0.005  # smaller ones round to zero in a sentence
+DVL_SCALE = 0  # index of the DVL's scale among the errors of navigation
 
 
 @dataclass(frozen=True, kw_only=True)
 class StereoContradiction:
     """The difference between a dive's stereo rig and its calibration."""
 
-    # Rotation or direction of the baseline are not as calibrated; if not, only lengths by stereo
-    # and by the DVL disagree
+    # True: by the images, the rotation or the direction of the baseline is not as calibrated.
+    # False: only lengths by stereo and by the DVL disagree
     by_images: bool
     turn_rad: float  # of the bottom camera
     shift_m: float  # of the bottom camera
@@ -50,8 +55,8 @@ class StereoContradiction:
 def free_contradicted_rig(path: Phase, solver: RoundSolver) -> Phase | None:
     """Make the stereo rig an unknown where the dive contradicts its calibration.
 
-    A trial round solves the path with the rig free. None where the result is as calibrated to five
-    sigmas (MAX_CHI2; the baseline's length to MAX_LENGTH_SIGMAS), where it cannot be determined, or
+    A trial round solves the path with a wide prior of the stereo mount. None where the estimate
+    agrees with the calibration (MAX_CHI2, MAX_LENGTH_SIGMAS), where it cannot be determined, or
     without a second camera.
     """
     solved = path.estimate
@@ -62,7 +67,7 @@ def free_contradicted_rig(path: Phase, solver: RoundSolver) -> Phase | None:
     loose = np.r_[np.full(3, TRIAL_SHARE * rig.baseline_m), np.full(3, TRIAL_TURN_RAD)]
     quiet = replace(solver, anchors=TRIAL_ANCHORS, report=lambda _: None, history=[])
     trial = quiet.solve_round(
-        _with_rig(solved, rig.with_priors(top_from_bottom=_prior(calibrated, loose)))
+        _with_rig(solved, rig.with_priors(top_from_bottom=_sqrt_information(calibrated, loose)))
     )
     found = trial.after.state.mounts.top_from_bottom
     if found is None or not len(trial.problem.stereo.node):
@@ -72,22 +77,27 @@ def free_contradicted_rig(path: Phase, solver: RoundSolver) -> Phase | None:
             trial.problem, replace(solver.settings, method="naive"), of_landmarks=False
         )
     except StageError:
-        return None  # something is not determined at all; the last round says what
+        return None  # an unknown is not determined at all; the last round reports which
     contradiction = compare_rigs(calibrated, found, marginals.T_ct_cb + _prior_covariance(rig))
     if contradiction is None:
         return None
     solver.report(f"the stereo rig is an unknown: {describe_contradiction(contradiction)}")
     solver.history.append(trial.history)
     return Phase.of(
-        (trial,), _adopt(trial.after, rig, contradiction), Verdict(stereo=contradiction)
+        (trial,), _free_contradicted(trial.after, rig, contradiction), Verdict(stereo=contradiction)
     )
 
 
 def compare_rigs(calibrated: Poses, found: Poses, covariance: Array) -> StereoContradiction | None:
     """Compare an estimated stereo mount with the calibrated mount. None where they agree.
 
-    covariance (6, 6): of how far they may lie apart, (translation in the top camera's axes,
-    rotation perturbed on the right).
+    Parameters
+    ----------
+    calibrated, found
+        Poses top_from_bottom, as calibrated and as estimated.
+    covariance
+        (6, 6) of their difference (translation in the top camera's axes, rotation perturbed on the
+        right), from both the estimate and the calibration.
     """
     shift = (found.translation - calibrated.translation)[0]
     turn = (calibrated.rotation.inv() * found.rotation).as_rotvec()[0]
@@ -112,7 +122,7 @@ def compare_rigs(calibrated: Poses, found: Poses, covariance: Array) -> StereoCo
 
 
 def describe_contradiction(found: StereoContradiction) -> str:
-    """Describe the contradiction, without a full stop."""
+    """Describe the contradiction in words without a full stop."""
     if found.by_images:
         turned = f"{np.degrees(found.turn_rad):.2f} degrees"
         if 1e3 * found.shift_m < LEAST_SHOWN_MM:
@@ -135,7 +145,14 @@ def stereo_warning(
 ) -> str | None:
     """Write the warning for the report. None where the contradiction is too small to matter.
 
-    calibrated, adjusted: top_from_bottom, the latter with its covariance (6, 6).
+    Parameters
+    ----------
+    found
+        The contradiction.
+    calibrated, adjusted
+        Poses top_from_bottom, as calibrated and at the solution.
+    covariance
+        (6, 6) of `adjusted`, translation in the top camera's axes first.
     """
     axes, length_m = _axes(calibrated)
     sigma = float(np.sqrt(axes[0] @ covariance[:3, :3] @ axes[0])) / length_m
@@ -157,9 +174,18 @@ def stereo_warning(
 
 
 def _who_is_wrong(found: StereoContradiction, longer: float, sigma: float) -> str:
-    """Say whether stereo or DVL is wrong about lengths, judged by the other measurements (depths).
+    """Say whether stereo or DVL is wrong about lengths, judged by all measurements together.
 
-    longer: share by which the baseline came out longer than calibrated. sigma: of that share.
+    The baseline's prior was widened, so that the other measurements (depths) decide its length.
+
+    Parameters
+    ----------
+    found
+        The contradiction, with the length at which the DVL alone would have the baseline.
+    longer
+        Share by which the adjusted baseline is longer than calibrated.
+    sigma
+        Of `longer`.
     """
     by_stereo, by_dvl = abs(longer) / sigma, abs(longer - found.length) / sigma
     if by_stereo > MAX_LENGTH_SIGMAS and by_dvl < MAX_LENGTH_SIGMAS:
@@ -175,9 +201,9 @@ def _longer(share: float) -> str:
 
 
 def _axes(rig: Poses) -> tuple[Array, float]:
-    """Compute the axes along the baseline and twice across it, and its length.
+    """Compute the axes of a baseline (3, 3) and its length, m.
 
-    The axes are rows (3, 3) in the top camera's axes.
+    The rows are unit vectors in the top camera's axes: along the baseline, then two across it.
     """
     length_m = float(np.linalg.norm(rig.translation))
     along = rig.translation[0] / length_m
@@ -185,8 +211,8 @@ def _axes(rig: Poses) -> tuple[Array, float]:
     return np.vstack([along, across]), length_m
 
 
-def _prior(calibrated: Poses, sigma: Array) -> Array:
-    """Compute the square root of information (6, 6) of a stereo mount.
+def _sqrt_information(calibrated: Poses, sigma: Array) -> Array:
+    """Compute the square root of information (6, 6) of a prior of the stereo mount.
 
     sigma (6,): along the baseline and twice across it, m, and of the rotation, rad.
     """
@@ -197,9 +223,9 @@ def _prior(calibrated: Poses, sigma: Array) -> Array:
 
 
 def _prior_covariance(rig: Rig) -> Array:
-    """Compute the prior covariance (6, 6) of the stereo mount. Zeros where it is held.
+    """Compute the prior covariance (6, 6) of the stereo mount. Zeros where the mount is held.
 
-    Of (translation in the top camera's axes, rotation perturbed on the right).
+    Its order is translation in the top camera's axes, then rotation perturbed on the right.
     """
     rows = rig.priors.top_from_bottom
     if rows is None or rig.top_from_bottom is None:
@@ -213,11 +239,21 @@ def _with_rig(estimate: Estimate, rig: Rig) -> Estimate:
     return replace(estimate, measured=replace(estimate.measured, rig=rig))
 
 
-def _adopt(after: Estimate, calibrated: Rig, found: StereoContradiction) -> Estimate:
-    """Make the contradicted quantity an unknown.
+def _free_contradicted(after: Estimate, calibrated: Rig, found: StereoContradiction) -> Estimate:
+    """Widen the priors of what the dive contradicts, by the size of the contradiction.
 
-    A baseline whose direction is wrong may be as wrong in length. Where lengths disagree and the
-    images do not blame the calibration, the DVL may be as wrong as the rig.
+    Where the images contradict the calibration, the whole stereo mount is freed: a baseline whose
+    direction is wrong may be as wrong in length. Where only lengths disagree, the DVL may be as
+    wrong as the rig. Then the baseline's length, the DVL's scale and the ranges are freed.
+
+    Parameters
+    ----------
+    after
+        The estimate after the trial.
+    calibrated
+        The rig with the priors of the package.
+    found
+        The contradiction.
     """
     mount, length_m = calibrated.top_from_bottom, calibrated.baseline_m
     assert mount is not None
@@ -229,12 +265,14 @@ def _adopt(after: Estimate, calibrated: Rig, found: StereoContradiction) -> Esti
         loose = np.r_[
             length_sigma * length_m, np.full(2, TRIAL_SHARE * length_m), np.full(3, TRIAL_TURN_RAD)
         ]
-        rows = _prior(mount, np.maximum(loose, least))
+        rows = _sqrt_information(mount, np.maximum(loose, least))
         return _with_rig(after, calibrated.with_priors(top_from_bottom=rows))
     length_sigma = abs(found.length)
     navigation_sigma = calibrated.priors.navigation_sigma.copy()
     navigation_sigma[DVL_SCALE] = max(navigation_sigma[DVL_SCALE], length_sigma)
-    only_length = _prior(mount, np.maximum(np.r_[length_sigma * length_m, np.zeros(5)], least))
+    only_length = _sqrt_information(
+        mount, np.maximum(np.r_[length_sigma * length_m, np.zeros(5)], least)
+    )
     widened = _with_rig(
         after,
         calibrated.with_priors(top_from_bottom=only_length, navigation_sigma=navigation_sigma),
@@ -243,10 +281,10 @@ def _adopt(after: Estimate, calibrated: Rig, found: StereoContradiction) -> Esti
 
 
 def widen_ranges(after: Estimate, share: float) -> Weights:
-    """Widen the sigma of ranges so that together they determine lengths no better than `share`.
+    """Widen the sigma of DVL ranges so that together they determine lengths no better than `share`.
 
-    A wrong speed of sound scales them as it does the velocities, and n readings do not determine it
-    better.
+    A wrong speed of sound scales all ranges alike, as it does the velocities, so that n ranges do
+    not determine a length better than one.
     """
     returns = after.measured.returns
     if returns is None or not len(returns.range_m):

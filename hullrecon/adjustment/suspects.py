@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whose error explains that the measurements of a dive contradict each other (docs/methods.md 6).
+"""Find the sensor whose error explains that measurements contradict each other (docs/methods.md 6).
 
-Each sensor in turn is left out of the solved path, or what it may be wrong in becomes unknown, and
-the path is solved again: who, left out, makes the rest agree?
+Each sensor in turn is a suspect. The path is solved again without it, or with the error that it may
+have as an unknown. The suspect without which chi-square falls most explains the contradiction best.
 """
 
 from __future__ import annotations
@@ -20,26 +20,27 @@ from hullrecon.findings.adjustment import CORRECTED
 from hullrecon.geometry.frames import Camera
 from hullrecon.typing import Array
 
-LEFT_OUT = 1e3  # by which the sigmas of a measurement that is left out grow
-FREE_SHARE, FREE_RAD, FREE_M = 1.0, 1.0, 1.0  # prior sigmas of what becomes unknown
+LEFT_OUT = 1e3  # factor of the sigmas of a measurement that is left out
+# Prior sigmas of errors that become unknowns: a share of a length, rad, m
+FREE_SHARE, FREE_RAD, FREE_M = 1.0, 1.0, 1.0
 FREE_DRIFT_RAD_S, FREE_DEPTH_M = 0.01, 10.0
-LEAST_SLOPE = 1e-3  # of depths by the path's; less stand still
-LOOSE_TRAY_RAD = np.radians(10.0)  # of each reading of the tray: its angles are not forgotten
-ITERATIONS = 50  # of a trial, which starts at the solved path
-TOLERANCE = 1e-5
-HELD, HELD_PX = 1e-6, 1e-3  # prior sigmas of intrinsics that stay
-READOUT_S = 0.01  # of a trial on either side of none; cameras have 5 to 50 ms
-SLOPE_S = 0.002  # for derivatives by the readout time
-# A suspect explains as much as the best if so large a share of the contradiction is gone without it
+LEAST_SLOPE = 1e-3  # of measured depths by those of the path; below it the sensor is stuck
+LOOSE_TRAY_RAD = np.radians(10.0)  # sigma of a tray angle under suspicion, which is not left out
+ITERATIONS = 50  # at most, of a trial, which starts at the solved path
+TOLERANCE = 1e-5  # relative change of cost that ends a trial
+HELD, HELD_PX = 1e-6, 1e-3  # prior sigmas of intrinsics that are held
+READOUT_S = 0.01  # a trial has this readout time and its negative; cameras have 5 to 50 ms
+SLOPE_S = 0.002  # step of the derivatives by the readout time
+# A suspect explains as much as the best one if its trial lowers chi-square by this share of it
 EXPLAINS = 0.9
-CERTAIN = 3.0  # sigmas of the squares that rows without error take with them when they are left out
+CERTAIN = 3.0  # sigmas of what chi-square loses where rows without error are left out
 FOCAL, CENTER, RADIAL = slice(0, 2), slice(2, 4), slice(4, 6)  # of a camera's intrinsics
-SCALE, DRIFT, ROLL, PITCH, DEPTH = range(5)  # places among the errors of navigation
-# Truth over what a DVL measured, beyond which its scale explains nothing: feet are 3.28 to a metre
+SCALE, DRIFT, ROLL, PITCH, DEPTH = range(5)  # indices of the errors of navigation
+# True length over that by the DVL, beyond which its scale explains nothing: a metre is 3.28 feet
 LEAST_SCALE, MOST_SCALE = 0.25, 4.0
-# Readout times that cameras have [s]; less moves features by less than calibrations are wrong
+# Readout times that cameras have. A shorter one moves features by less than calibrations are wrong
 LEAST_READOUT_S, MOST_READOUT_S = 0.005, 0.2
-# Suspects as a whole, by their own errors
+# Suspects that stand for a whole sensor, and the suspects that are single errors of it
 WHOLES = {
     "pressure": {"pressure-scale"},
     "dvl-velocities": {"dvl-scale", "dvl-mount"},
@@ -50,35 +51,39 @@ WHOLES = {
 
 @dataclass(frozen=True, kw_only=True)
 class Trial:
-    """A suspect, and what of a contradiction is gone without it."""
+    """A suspect, and by how much chi-square falls without it or with its error estimated."""
 
     suspect: str  # a key of SUSPECTS of hullrecon/findings/adjustment.py
-    gain: float  # squares of residuals that are gone, beyond those of the rows left out
-    rows: int  # measurements that are left out, or unknowns that are freed
-    found: float | None  # its own error by the rest: share, rad; None where it was left out
+    gain: float  # fall of chi-square, less what is expected of the rows left out
+    rows: int  # number of measurements that are left out, or of unknowns that are freed
+    # Estimated error of the suspect, in the unit of its key (share, rad, px, s). None where it was
+    # left out
+    found: float | None
 
     @property
     def is_certain(self) -> bool:
-        """Tell whether more is gone than noise explains."""
+        """Tell whether chi-square falls by more than noise explains."""
         return self.gain > self.spread
 
     @property
     def spread(self) -> float:
-        """Compute the spread of `gain` where the rows left out have no error."""
+        """Compute the largest `gain` that noise explains where the rows have no error."""
         return float(CERTAIN * np.sqrt(2 * self.rows))
 
     @property
     def corrects(self) -> bool:
-        """Tell whether the adjustment can take this suspect's error out."""
+        """Tell whether the adjustment can estimate and correct this suspect's error."""
         return self.suspect in CORRECTED
 
 
 @dataclass(frozen=True)
 class _Suspect:
-    name: str
-    doubt: Callable[[native.Problem], native.Problem]  # leaves it out, or frees its own unknowns
-    rows: int  # of measurements that are left out, or unknowns that are freed
-    # its own error (problem, solution), where that was freed
+    """A sensor that may be wrong, or one error of it, and how to solve a path without it."""
+
+    name: str  # a key of SUSPECTS of hullrecon/findings/adjustment.py
+    doubt: Callable[[native.Problem], native.Problem]  # leave the sensor out, or free its error
+    rows: int  # number of measurements that are left out, or of unknowns that are freed
+    # Reads the estimated error from problem and solution. None where the sensor is left out
     found: Callable[[native.Problem, native.Unknowns], float] | None = None
 
 
@@ -92,12 +97,17 @@ def try_suspects(
     problem
         A round without the CAD model at its solution, its priors as the package states them.
     settings
-        Of its solve.
+        The options with which it was solved.
     by_row
         How its features move if images are read out row by row.
+
+    Returns
+    -------
+    tuple of Trial
+        One for each suspect, in the order of falling `gain`.
     """
     before = _solved(problem, settings)[0]
-    trials = [_try(suspect, problem, settings, before) for suspect in _suspects(problem)]
+    trials = [_try_without(suspect, problem, settings, before) for suspect in _suspects(problem)]
     trials += _try_depths(problem, settings, before)
     trials += [
         _try_readout(name, cameras, problem, settings, before, by_row)
@@ -107,17 +117,17 @@ def try_suspects(
 
 
 def least_gain(problem: native.Problem, settings: native.Options, by_row: RowMotion) -> float:
-    """Bound from below how many squares a readout time explains, without a solve.
+    """Bound from below by how much a readout time would lower chi-square, without a solve.
 
-    The sum of squares is taken as a parabola of the readout time, with all other unknowns held. At
-    the solution its slope is right. Its curvature is too large, since other unknowns would follow:
-    some twenty times on two legs. So its minimum is not as low as the true one.
+    Chi-square is taken as a parabola of the readout time, with all other unknowns held. At the
+    solution its slope is right. Its curvature is too large, since the other unknowns would follow:
+    some twenty times too large on two legs. So chi-square falls at least to the parabola's minimum.
     """
     naive = replace(settings, method="naive")
-    gains, here = [0.0], _squares(problem, naive)
+    gains, here = [0.0], _chi2(problem, naive)
     for cameras in _readouts(problem).values():
         less, more = (
-            _squares(by_row.moved(problem, readout_s, cameras), naive)
+            _chi2(by_row.moved(problem, readout_s, cameras), naive)
             for readout_s in (-SLOPE_S, SLOPE_S)
         )
         curvature = more + less - 2 * here
@@ -127,7 +137,7 @@ def least_gain(problem: native.Problem, settings: native.Options, by_row: RowMot
 
 
 def _readouts(problem: native.Problem) -> dict[str, Sequence[Camera]]:
-    """List whose rows may have been exposed one after another: all cameras', or one's of two."""
+    """List the suspects with a readout time, and the cameras of each: both alike, or one of two."""
     if len(problem.stereo.node):
         return {
             "readout": tuple(Camera),
@@ -145,46 +155,67 @@ def _try_readout(
     before: float,
     by_row: RowMotion,
 ) -> Trial:
-    """Solve with features moved for some readout times; the squares are a parabola of it.
+    """Estimate a readout time as the minimum of a parabola through three solves.
 
-    Where its minimum lies beyond the times that are tried, these are laid around it once more.
+    Chi-square is about a parabola of the readout time. It is solved for no readout time and for
+    one on either side. Where the minimum lies outside of these, three solves around it follow.
+
+    Parameters
+    ----------
+    name, cameras
+        The suspect, and the cameras whose features are moved.
+    problem, settings
+        The path at its solution, and the options with which it was solved.
+    before
+        Chi-square without a readout time.
+    by_row
+        How features move with the readout time.
     """
 
-    def squares(readout_s: float) -> float:
+    def chi2(readout_s: float) -> float:
         return _solved(by_row.moved(problem, readout_s, cameras), settings)[0]
 
     middle_s, here = 0.0, before
     while True:
-        less, more = squares(middle_s - READOUT_S), squares(middle_s + READOUT_S)
+        less, more = chi2(middle_s - READOUT_S), chi2(middle_s + READOUT_S)
         slope, curvature = (more - less) / 2, more + less - 2 * here
         step = -slope / curvature if curvature > 0 else 0.0
         found_s = middle_s + READOUT_S * step
         if middle_s or abs(step) < 1 or not LEAST_READOUT_S < found_s < MOST_READOUT_S:
             break
-        middle_s, here = found_s, squares(found_s)
-    left = here + slope * step + curvature * step**2 / 2
-    return Trial(suspect=name, gain=before - left - 1, rows=1, found=found_s)
+        middle_s, here = found_s, chi2(found_s)
+    lowest = here + slope * step + curvature * step**2 / 2
+    return Trial(suspect=name, gain=before - lowest - 1, rows=1, found=found_s)
 
 
 def _try_depths(problem: native.Problem, settings: native.Options, before: float) -> list[Trial]:
-    """Solve without depths, and with depths that a line makes of them. Nothing without any.
+    """Solve without depths, then with depths multiplied by a factor and shifted by a constant.
 
-    Readings that follow no depth stand still but for their noise, which costs them as much.
+    A pressure sensor that is stuck reads a constant but for its noise. Its readings fit a constant
+    then, and what they cost against it is the most that they may cost against the path. Empty
+    without depths.
+
+    Parameters
+    ----------
+    problem, settings
+        The path at its solution, and the options with which it was solved.
+    before
+        Chi-square of it.
     """
     depth, sigma_m = problem.attitude.measured[:, 0], problem.attitude.sigma[:, 0]
     if not np.isfinite(sigma_m).any():
         return []
-    squares, unknowns = _solved(_without_attitude(problem, [0]), settings)
+    chi2, unknowns = _solved(_without_attitude(problem, [0]), settings)
     weight = 1 / sigma_m**2
-    still = float(weight @ (depth - np.average(depth, weights=weight)) ** 2) + 1
+    about_constant = float(weight @ (depth - np.average(depth, weights=weight)) ** 2) + 1
     left_out = Trial(
         suspect="pressure",
-        gain=before - squares - min(still, len(depth)),
+        gain=before - chi2 - min(about_constant, len(depth)),
         rows=len(depth),
         found=None,
     )
     path_m = _depths_of_path(problem.started_from(unknowns), settings)
-    slope = _slope(path_m, depth, weight)
+    slope = _fit_slope(path_m, depth, weight)
     if abs(slope) < LEAST_SLOPE:
         return [left_out]
     scaled, _ = _solved(_with_depths(problem, 1 / slope), settings)
@@ -193,22 +224,22 @@ def _try_depths(problem: native.Problem, settings: native.Options, before: float
 
 
 def _depths_of_path(problem: native.Problem, settings: native.Options) -> Array:
-    """Compute the depths (m,) that a path has where the pressure sensor was read."""
+    """Compute the depths (n,) m of a path at the readings of the pressure sensor."""
     rows = problem.attitude
     at = native.evaluate(problem, replace(settings, method="naive"), jacobian=False)
     whitened = at.residual[at.factor == native.FACTORS.index("attitude")].reshape(-1, 3)[:, 0]
     return np.asarray(whitened * rows.sigma[:, 0] + rows.measured[:, 0])
 
 
-def _slope(x: Array, y: Array, weight: Array) -> float:
-    """Fit y (n,) = slope * x + constant by weighted least squares; 0 where x stands still."""
+def _fit_slope(x: Array, y: Array, weight: Array) -> float:
+    """Fit y (n,) = slope * x + constant by weighted least squares. Zero where x is constant."""
     from_mean = x - np.average(x, weights=weight)
     spread = weight @ from_mean**2
     return float((weight * from_mean) @ y / spread) if spread > 0 else 0.0
 
 
 def _with_depths(problem: native.Problem, factor: float) -> native.Problem:
-    """Multiply the depths and their sigmas, with a constant that is unknown."""
+    """Multiply the depths and their sigmas by a factor, and make their bias an unknown."""
     measured, sigma = problem.attitude.measured.copy(), problem.attitude.sigma.copy()
     measured[:, 0] *= factor
     sigma[:, 0] *= abs(factor)
@@ -216,25 +247,27 @@ def _with_depths(problem: native.Problem, factor: float) -> native.Problem:
     return _free_navigation({DEPTH: FREE_DEPTH_M})(replace(problem, attitude=rows))
 
 
-def _try(
+def _try_without(
     suspect: _Suspect, problem: native.Problem, settings: native.Options, before: float
 ) -> Trial:
-    """Solve without a suspect. before: squares of the residuals with it."""
-    squares, unknowns = _solved(suspect.doubt(problem), settings)
+    """Solve without a suspect. before: chi-square with it."""
+    chi2, unknowns = _solved(suspect.doubt(problem), settings)
     return Trial(
         suspect=suspect.name,
-        gain=before - squares - suspect.rows,
+        gain=before - chi2 - suspect.rows,
         rows=suspect.rows,
         found=None if suspect.found is None else suspect.found(problem, unknowns),
     )
 
 
 def best_explanations(trials: Sequence[Trial]) -> tuple[Trial, ...]:
-    """Choose the trial that explains most, and those that explain as much.
+    """Choose the trial that explains most, and those that explain nearly as much (EXPLAINS).
 
-    A sensor as a whole is not named where one of its own errors explains as much.
+    A whole sensor is not named where one of its own errors (WHOLES) explains as much.
+
+    trials: in the order of falling gain, as of `try_suspects`.
     """
-    certain = [trial for trial in trials if trial.is_certain and not _is_absurd(trial)]
+    certain = [trial for trial in trials if trial.is_certain and not _is_impossible(trial)]
     if not certain:
         return ()
     enough = EXPLAINS * certain[0].gain - certain[0].spread
@@ -244,8 +277,8 @@ def best_explanations(trials: Sequence[Trial]) -> tuple[Trial, ...]:
     return tuple(trial for trial in best if trial.suspect not in wholes)
 
 
-def _is_absurd(trial: Trial) -> bool:
-    """Tell whether a suspect's own error is one that no sensor has."""
+def _is_impossible(trial: Trial) -> bool:
+    """Tell whether the estimated error is of a size that no such sensor has."""
     if trial.suspect == "dvl-scale" and trial.found is not None:
         return not LEAST_SCALE < 1 + trial.found < MOST_SCALE
     if trial.suspect.startswith("readout") and trial.found is not None:
@@ -254,30 +287,31 @@ def _is_absurd(trial: Trial) -> bool:
 
 
 def _solved(problem: native.Problem, settings: native.Options) -> tuple[float, native.Unknowns]:
-    """Solve, and sum the robust squares of all whitened residuals."""
+    """Solve, and compute the robust chi-square at the solution."""
     naive = replace(settings, method="naive")
     result = native.solve(
         problem, replace(naive, max_iterations=ITERATIONS, function_tolerance=TOLERANCE)
     )
-    return _squares(problem.started_from(result.unknowns), naive), result.unknowns
+    return _chi2(problem.started_from(result.unknowns), naive), result.unknowns
 
 
-def _squares(problem: native.Problem, settings: native.Options) -> float:
+def _chi2(problem: native.Problem, settings: native.Options) -> float:
+    """Compute the robust chi-square of a problem at its start values: twice the cost."""
     return 2 * sum(native.evaluate(problem, settings, jacobian=False).cost_by_factor.values())
 
 
 def _suspects(problem: native.Problem) -> list[_Suspect]:
-    """List the suspects that a problem has."""
+    """List the suspects of a problem: those whose measurements it holds."""
     has_images = len(problem.stereo.node) + len(problem.mono.node) > 0
     steps = len(problem.odometry.first)
     found = [
-        _Suspect("dvl-scale", _free_navigation({SCALE: FREE_SHARE}), 1, _scale),
+        _Suspect("dvl-scale", _free_navigation({SCALE: FREE_SHARE}), 1, _found_scale),
         _Suspect("tray", _loosen_tray, len(problem.tray.node)),
     ]
     if problem.priors.T_s_d is not None:
         found.append(_Suspect("dvl-mount", _free_mount("T_s_d"), 3, _turn("T_s_d")))
     biases = _free_navigation({DRIFT: FREE_DRIFT_RAD_S, ROLL: FREE_RAD, PITCH: FREE_RAD})
-    found.append(_Suspect("imu", biases, 3, _tilt))
+    found.append(_Suspect("imu", biases, 3, _found_tilt))
     if len(problem.plane_ranges.plane):
         found.append(_Suspect("dvl-ranges", _without_planes, len(problem.plane_ranges.plane)))
     if len(problem.positions.node):
@@ -289,12 +323,12 @@ def _suspects(problem: native.Problem) -> list[_Suspect]:
     if problem.priors.T_s_ct is not None:
         found.append(_Suspect("camera-mount", _free_mount("T_s_ct"), 6, _turn("T_s_ct")))
     if len(problem.stereo.node):
-        found.append(_Suspect("stereo-rig", _free_stereo_rig, 6, _baseline))
+        found.append(_Suspect("stereo-rig", _free_stereo_rig, 6, _baseline_change))
     return found
 
 
 def _lenses(problem: native.Problem) -> list[_Suspect]:
-    """List what may be wrong in both calibrations, or in one of the two."""
+    """List the suspected errors of the lens calibrations, of both cameras or of one of the two."""
     cameras = ["intrinsics_top"]
     if len(problem.stereo.node) or (problem.mono.camera == 1).any():
         cameras.append("intrinsics_bottom")
@@ -311,7 +345,8 @@ def _lenses(problem: native.Problem) -> list[_Suspect]:
     for name, key in (("top", "intrinsics_top"), ("bottom", "intrinsics_bottom")):
         own = _free_intrinsics(FOCAL, (key,))
         found.append(_Suspect(f"focal-length-{name}", own, 2, _focal_ratio((key,))))
-    # That of the top camera is told from the bottom one's by the mount alone.
+    # A wrong principal point of the top camera is left out: only the mount's prior would tell it
+    # from one of the bottom camera.
     own = _free_intrinsics(CENTER, ("intrinsics_bottom",))
     shift = _center_shift(("intrinsics_bottom",))
     return [*found, _Suspect("principal-point-bottom", own, 2, shift)]
@@ -320,7 +355,10 @@ def _lenses(problem: native.Problem) -> list[_Suspect]:
 def _free_navigation(
     sigma: Mapping[int, float],
 ) -> Callable[[native.Problem], native.Problem]:
-    """Prepare to widen the sigmas of some errors of navigation to these, by place."""
+    """Make a function that widens the prior sigmas of errors of navigation.
+
+    sigma: the least sigma of an error, by its index.
+    """
 
     def free(problem: native.Problem) -> native.Problem:
         wide = problem.priors.navigation_sigma.copy()
@@ -332,12 +370,12 @@ def _free_navigation(
 
 
 def _free_mount(block: str) -> Callable[[native.Problem], native.Problem]:
-    """Prepare to widen the prior of a mount, by its block of the problem."""
+    """Make a function that widens the prior of the mount in a block of the problem."""
 
     def free(problem: native.Problem) -> native.Problem:
         prior = getattr(problem.priors, block)
         loose = np.diag(np.r_[np.full(3, 1 / FREE_M), np.full(3, 1 / FREE_RAD)])
-        if block == "T_s_d":  # its position is held: nothing sees it
+        if block == "T_s_d":  # the DVL's position is held, as no measurement determines it
             loose[:3] = prior.sqrt_information[:3]
         wide = replace(prior, sqrt_information=loose)
         return replace(problem, priors=replace(problem.priors, **{block: wide}))
@@ -359,9 +397,14 @@ def _free_stereo_rig(problem: native.Problem) -> native.Problem:
 def _free_intrinsics(
     places: slice, cameras: Sequence[str]
 ) -> Callable[[native.Problem], native.Problem]:
-    """Prepare to make some intrinsics of cameras unknown (focal lengths, centre or distortion).
+    """Make a function that makes some intrinsics of cameras unknowns, and holds the others.
 
-    The others are held, by very small sigmas.
+    Parameters
+    ----------
+    places
+        FOCAL, CENTER or RADIAL. The others are held by very small prior sigmas.
+    cameras
+        Blocks of the problem, as "intrinsics_top".
     """
 
     def free(problem: native.Problem) -> native.Problem:
@@ -402,16 +445,16 @@ def _without_velocities(problem: native.Problem) -> native.Problem:
     return replace(problem, odometry=replace(problem.odometry, sqrt_information=rows))
 
 
-def _scale(_: native.Problem, unknowns: native.Unknowns) -> float:
+def _found_scale(_: native.Problem, unknowns: native.Unknowns) -> float:
     return float(unknowns.navigation[SCALE])
 
 
-def _tilt(_: native.Problem, unknowns: native.Unknowns) -> float:
+def _found_tilt(_: native.Problem, unknowns: native.Unknowns) -> float:
     return float(np.hypot(unknowns.navigation[ROLL], unknowns.navigation[PITCH]))
 
 
 def _turn(block: str) -> Callable[[native.Problem, native.Unknowns], float]:
-    """Prepare to tell by which angle, rad, a solve turned a mount from its prior."""
+    """Make a function that computes by which angle, rad, a solve turned a mount from its prior."""
 
     def turn(problem: native.Problem, unknowns: native.Unknowns) -> float:
         nominal = Rotation.from_quat(getattr(problem.priors, block).value[3:])
@@ -422,7 +465,10 @@ def _turn(block: str) -> Callable[[native.Problem, native.Unknowns], float]:
 
 
 def _focal_ratio(cameras: Sequence[str]) -> Callable[[native.Problem, native.Unknowns], float]:
-    """Take the ratio of focal lengths, of cameras and axes, that is farthest from one."""
+    """Make a function that computes the ratio of estimated to calibrated focal lengths.
+
+    Of all cameras and both axes, it takes the ratio that is farthest from one.
+    """
 
     def ratio(problem: native.Problem, unknowns: native.Unknowns) -> float:
         ratios = np.concatenate(
@@ -434,7 +480,7 @@ def _focal_ratio(cameras: Sequence[str]) -> Callable[[native.Problem, native.Unk
 
 
 def _center_shift(cameras: Sequence[str]) -> Callable[[native.Problem, native.Unknowns], float]:
-    """Prepare to tell by how many pixels a solve moved the principal points of cameras."""
+    """Make a function that computes by how many pixels a solve moved a principal point at most."""
 
     def shift_px(problem: native.Problem, unknowns: native.Unknowns) -> float:
         shifts = [
@@ -445,6 +491,7 @@ def _center_shift(cameras: Sequence[str]) -> Callable[[native.Problem, native.Un
     return shift_px
 
 
-def _baseline(problem: native.Problem, unknowns: native.Unknowns) -> float:
+def _baseline_change(problem: native.Problem, unknowns: native.Unknowns) -> float:
+    """Compute the share by which a solve made the stereo baseline longer."""
     before, after = (np.linalg.norm(of.T_ct_cb[:3]) for of in (problem.unknowns, unknowns))
     return float(after / before - 1)

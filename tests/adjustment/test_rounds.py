@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import replace
 from types import SimpleNamespace
 
-from hullrecon.adjustment.bundle_adjustment import settle
+from hullrecon.adjustment.bundle_adjustment import join_path_and_place
 from hullrecon.adjustment.rounds import Estimate, Phase, Verdict
 
 PATH, PLACE = (
@@ -34,13 +34,13 @@ def test_a_stage_without_rounds_leaves_those_before_it():
 
 
 def test_settled_stages_let_go_of_measurements_and_keep_the_history():
-    settled = settle(Phase.of(rounds("a", "b"), PATH), Phase.of(rounds("c"), PLACE))
+    settled = join_path_and_place(Phase.of(rounds("a", "b"), PATH), Phase.of(rounds("c"), PLACE))
     assert (settled.first, settled.last, settled.start) == (None, None, "start of a")
     assert (settled.history, settled.estimate) == (("a", "b", "c"), PLACE)
 
 
 def test_a_refused_cad_model_leaves_the_path_for_the_last_round():
     placed = replace(Phase.of(rounds("c"), PLACE), verdict=REFUSED)
-    settled = settle(Phase.of(rounds("a"), PATH), placed)
+    settled = join_path_and_place(Phase.of(rounds("a"), PATH), placed)
     assert (settled.estimate, settled.verdict) == (PATH, REFUSED)
-    assert settle(Phase.of(rounds("a"), PATH), None).estimate is PATH
+    assert join_path_and_place(Phase.of(rounds("a"), PATH), None).estimate is PATH
