@@ -202,7 +202,7 @@ def outcome(
     except StageError as error:
         return {"verdict": "refused", "why": str(error)}
     assert placed.placement is not None
-    registered, form = placed.placement.registration, placed.placement.form
+    registered, form = placed.placement.registration, placed.placement.shape
     row: dict[str, object] = {
         "fitness": registered.fitness,
         "guess_in_sigmas": registered.sigmas_off,

@@ -18,7 +18,6 @@ import numpy as np
 from hullrecon import native
 from hullrecon.adjustment.hull_pose import estimate, registration
 from hullrecon.adjustment.hull_pose.beam_gap import gap_beyond_beams
-from hullrecon.adjustment.hull_pose.form import Form, compare_form
 from hullrecon.adjustment.hull_pose.other_headings import (
     describe_height,
     describe_turn,
@@ -29,6 +28,7 @@ from hullrecon.adjustment.hull_pose.other_headings import (
 )
 from hullrecon.adjustment.hull_pose.other_units import find_fitting_unit
 from hullrecon.adjustment.hull_pose.segments import Segments, find_segments, register_segments
+from hullrecon.adjustment.hull_pose.shape_comparison import ShapeComparison, compare_shape
 from hullrecon.adjustment.problem import selection
 from hullrecon.adjustment.problem.deviation_field import grid_over
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements
@@ -82,7 +82,7 @@ class Placement:
     registration: registration.Registration
     segments: Segments | None = None  # of a path that outages cut; None: the path is not cut
     evidence: estimate.HullPoseEvidence | None = None  # points that the hull's pose is fitted to
-    form: Form | None = None  # the shape of these points, compared with the CAD model's
+    shape: ShapeComparison | None = None  # the shape of these points, compared with the CAD model's
 
 
 def place_cad_model(path: Phase, cad_model: CadModel, solver: RoundSolver) -> Phase:
@@ -527,9 +527,9 @@ def estimate_hull_pose(last: RoundResult, placed: Phase, solver: RoundSolver) ->
     evidence, best = estimate.fit_hull_pose(
         points, hull.global_from_hull, hull.cad_model, hull.survey_center
     )
-    form = compare_form(evidence, best)
-    if form.contradicts:
-        sigma = hull.cad_model.deviation_sigma * float(np.sqrt(form.deviation))
+    shape = compare_shape(evidence, best)
+    if shape.needs_wider_sigma:
+        sigma = hull.cad_model.deviation_sigma * float(np.sqrt(shape.deviation))
         wider = replace(hull.cad_model, deviation_sigma=sigma, contradicted=True)
         hull = replace(hull, cad_model=wider)
         evidence, best = estimate.fit_hull_pose(points, best, wider, hull.survey_center)
@@ -537,48 +537,48 @@ def estimate_hull_pose(last: RoundResult, placed: Phase, solver: RoundSolver) ->
     return replace(
         placed,
         estimate=replace(ready, state=replace(ready.state, hull=hull)),
-        verdict=accept_form(form, placement.registration.sigmas_off),
-        placement=replace(placement, evidence=evidence, form=form),
+        verdict=accept_shape(shape, placement.registration.sigmas_off),
+        placement=replace(placement, evidence=evidence, shape=shape),
     )
 
 
-def accept_form(form: Form, sigmas_off: float) -> Verdict:
+def accept_shape(shape: ShapeComparison, sigmas_off: float) -> Verdict:
     """Judge by its shape whether the surveyed hull is that of the CAD model.
 
     Parameters
     ----------
-    form
+    shape
         The surveyed shape, compared with the CAD model's.
     sigmas_off
         How far the hull was found from the package's guess of its pose, in the guess's sigmas.
     """
-    reason = next(_reasons_against_shape(form, sigmas_off), None)
+    reason = next(_reasons_against_shape(shape, sigmas_off), None)
     return ACCEPTED if reason is None else Verdict(accepted=False, reason=reason)
 
 
-def _reasons_against_shape(form: Form, sigmas_off: float) -> Iterator[str]:
+def _reasons_against_shape(shape: ShapeComparison, sigmas_off: float) -> Iterator[str]:
     """Yield reasons why the surveyed hull is not that of the CAD model, most important first.
 
     The caller takes the first alone. A hull that was found far from the package's guess has to
     pass more: its shape must confirm the CAD model, and deviate by no more than stated. Parameters
-    are those of `accept_form`.
+    are those of `accept_shape`.
     """
-    times = f"{np.sqrt(form.deviation):.1f} times hull.deviation_sigma over metres"
-    if form.is_of_another_hull:
+    times = f"{np.sqrt(shape.deviation):.1f} times hull.deviation_sigma over metres"
+    if shape.is_of_another_hull:
         yield (
             f"the hull leaves it by {times}: the model, that sigma, the path, the tray's angles "
             "or the DVL's ranges are wrong"
         )
-    if form.fits_better_scaled:
+    if shape.fits_better_scaled:
         yield (
             "stretched along its axes it fits the surveyed part better, by a chi-square of "
-            f"{form.scale_chi2:.0f} with three degrees of freedom: its proportions, its scale, the "
-            "path, the tray's angles or the DVL's ranges are wrong"
+            f"{shape.scale_chi2:.0f} with three degrees of freedom: its proportions, its scale, "
+            "the path, the tray's angles or the DVL's ranges are wrong"
         )
     if sigmas_off <= registration.GUESS_SIGMAS:
         return
     far = f"it fits {sigmas_off:.1f} times farther from hull.pose than hull.pose_sigma says"
-    if not form.confirms:
+    if not shape.fits_better_than_plane:
         yield f"{far}, and the surveyed part of the hull is too plain to tell that it is this one"
-    if form.is_worse_than_stated:
+    if shape.exceeds_stated_error:
         yield f"{far}, and there the hull leaves it by {times}"

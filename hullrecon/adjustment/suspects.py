@@ -116,7 +116,9 @@ def try_suspects(
     return tuple(sorted(trials, key=lambda trial: -trial.gain))
 
 
-def least_gain(problem: native.Problem, settings: native.Options, by_row: RowMotion) -> float:
+def least_readout_gain(
+    problem: native.Problem, settings: native.Options, by_row: RowMotion
+) -> float:
     """Bound from below by how much a readout time would lower chi-square, without a solve.
 
     Chi-square is taken as a parabola of the readout time, with all other unknowns held. At the

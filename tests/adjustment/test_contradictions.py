@@ -271,7 +271,7 @@ def test_a_wrong_cad_model_is_no_matter_of_a_lens_unless_that_is_certain(
     """A faultless lens explains some squares of any dive, and no reason why a model misses it."""
     lens = trial("distortion", squares, 2)
     monkeypatch.setattr(contradictions, "_try_all", lambda *_: (lens,))
-    monkeypatch.setattr(contradictions, "_refuse_other_readings", lambda *_: None)
+    monkeypatch.setattr(contradictions, "_refuse_misread_ranges", lambda *_: None)
     solver = RoundSolver(
         calibrated=simulate(**STEREO).measured.rig,
         options=OPTIONS,

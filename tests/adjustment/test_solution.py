@@ -12,7 +12,7 @@ from adjustment.solved_dives import solved
 from scipy.spatial.transform import Rotation
 
 from hullrecon import native
-from hullrecon.adjustment.hull_pose.form import Form
+from hullrecon.adjustment.hull_pose.shape_comparison import ShapeComparison
 from hullrecon.adjustment.results.solution import marginal_covariances
 from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.records.serialisation import to_arrays
@@ -49,7 +49,7 @@ KEYS = {
 
 
 def with_form(adjusted, form):
-    return replace(adjusted, placement=replace(adjusted.placement, form=form))
+    return replace(adjusted, placement=replace(adjusted.placement, shape=form))
 
 
 @pytest.fixture(params=SCENES, ids=list(SCENES))
@@ -301,16 +301,21 @@ def test_the_last_problem_stands_at_the_solution():
     ("form", "said"),
     [
         (
-            Form(patterns=20, deviation=0.8, plane=90.0, scale_sigma=(0.35, 0.1, 0.2)),
+            ShapeComparison(patterns=20, deviation=0.8, plane=90.0, scale_sigma=(0.35, 0.1, 0.2)),
             "proportions and scale to 35 %",
         ),
-        (Form(patterns=20, deviation=0.8, plane=90.0, scale_sigma=(0.02, 0.01, 0.03)), None),
         (
-            Form(patterns=20, deviation=0.8, plane=1.0, scale_sigma=(0.5, 0.5, 0.5)),
+            ShapeComparison(patterns=20, deviation=0.8, plane=90.0, scale_sigma=(0.02, 0.01, 0.03)),
+            None,
+        ),
+        (
+            ShapeComparison(patterns=20, deviation=0.8, plane=1.0, scale_sigma=(0.5, 0.5, 0.5)),
             "too plain to tell",
         ),
         (
-            Form(patterns=40, deviation=3.0, plane=900.0, scale_sigma=(0.02, 0.01, 0.03)),
+            ShapeComparison(
+                patterns=40, deviation=3.0, plane=900.0, scale_sigma=(0.02, 0.01, 0.03)
+            ),
             "by 1.7 times hull.deviation_sigma",
         ),
     ],

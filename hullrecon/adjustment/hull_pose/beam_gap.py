@@ -9,33 +9,36 @@ import numpy as np
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.typing import Array
 
-BESIDE_M = 0.1  # between a beam and a landmark that is taken to lie on it
-FARTHEST = 0.5  # between a beam's end and that landmark, as a share of the range
-MOST_BEAMS, LEAST_BEAMS = 500, 20
-# A gap that mounts do not explain: two of them, measured by hand to a centimetre and a degree,
+BESIDE_M = 0.1  # largest distance from a beam's line of a landmark that is taken to lie on it
+FARTHEST = 0.5  # largest distance along the beam from its end to that landmark, share of the range
+MOST_BEAMS, LEAST_BEAMS = 500, 20  # that are looked at, and that must have a landmark
+# Largest gap that wrong mounts explain: two mounts, measured by hand to a centimetre and a degree,
 # with beams that meet the hull at 30 degrees
 LARGEST_GAP_M = 0.05
-MANY_SIGMAS = 5.0
+MANY_SIGMAS = 5.0  # of the median gap, below which it may be noise
 
 
 def gap_beyond_beams(
     ends: Array, directions: Array, range_m: Array, landmarks: Array
 ) -> tuple[float, float] | None:
-    """Measure how far beyond the ends of the DVL's beams the landmarks lie.
+    """Measure how far behind the ends of the DVL's beams the landmarks lie.
+
+    For each beam the landmark nearest to its line is taken, and the gap is measured along the beam.
 
     Parameters
     ----------
     ends, directions
-        Of the beams (n, 3), m and unit vectors.
+        Of the beams (n, 3): end points, m, and unit vectors.
     range_m
-        Along them (n,).
+        Ranges of the beams (n,).
     landmarks
-        Positions (m, 3) in the axes of the ends.
+        Positions (l, 3) m, in the same frame as `ends`.
 
     Returns
     -------
     gap_m, share
-        Median, m and of the range. None where the two agree, or nothing lies on enough beams.
+        Median gap in m, positive where landmarks lie behind the ends, and as a share of the range.
+        None where ends and landmarks agree, or where fewer than LEAST_BEAMS have a landmark.
     """
     gaps = []
     rows = np.unique(np.linspace(0, len(ends) - 1, MOST_BEAMS).astype(int))[: len(ends)]

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Expected error of the CAD model as the covariance of distances to it, and outliers under it.
 
-Sigma and lengths of the smooth error are the package's. Fitted by likelihood instead, they follow
-what the points have in common for other reasons (facets, smoothed landmarks): docs/adr/0010. An
-offset of the whole hull is always possible.
+The sigma and the correlation lengths of the smooth error are those that the package states. Fitted
+by likelihood instead, they would follow what neighbouring points have in common for other reasons
+(facets, smoothed landmarks): docs/adr/0010. An offset of the whole hull is always possible.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry.meshes.tessellation import tessellation_error
 from hullrecon.typing import Array, CholeskyFactor, Mask
 
-POINT_NOISE_M = 0.005  # of the mean of a voxel of landmarks and returns
-OFFSET_SHARE = 0.7  # sigma of the common offset in the CAD model's deviation_sigma
-OUTLIER_SIGMAS = 4.0
+POINT_NOISE_M = 0.005  # sigma of the mean of a voxel of landmarks and returns
+OFFSET_SHARE = 0.7  # sigma of the common offset, as a share of the CAD model's deviation_sigma
+OUTLIER_SIGMAS = 4.0  # of a leave-one-out residual
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +34,7 @@ class CadError:
 
 
 def expected_cad_error(cad_model: CadModel) -> CadError:
-    """State the expected error of the CAD model by the package's sigma and lengths."""
+    """Make the expected error of the CAD model from the package's sigma and correlation lengths."""
     sigma = cad_model.deviation_sigma
     return CadError(
         sigma=sigma,
@@ -47,10 +47,10 @@ def expected_cad_error(cad_model: CadModel) -> CadError:
 def distance_covariance(cad_error_model: CadError, cad_model: CadModel, at: Array) -> Array:
     """Compute the covariance (n, n) of signed distances of points (n, 3) in M to the CAD model.
 
-    It holds smooth error, offset, facets and noise. The facets' pattern repeats all over a survey,
-    which no stationary covariance says: the points on one facet share out the information of one
-    (docs/methods.md 9), with three of its sigmas, lest a slide by one facet look like a better
-    pose.
+    It is the sum of smooth error, offset, facets and noise. The facets make a pattern that repeats
+    over the survey, which no stationary covariance describes. So all points on one facet together
+    have the information of a single point (docs/methods.md 9). The facets' sigma is taken three
+    times, because otherwise a slide by one facet looks like a better pose.
     """
     along_girth = chart_coordinates(cad_model, at)
     return _covariance(cad_error_model, along_girth, facet_variance(cad_model, at, sigmas=3.0))
@@ -75,8 +75,17 @@ def chart_coordinates(cad_model: CadModel, at: Array) -> Array:
 def facet_variance(cad_model: CadModel, at: Array, sigmas: float) -> float:
     """Compute the variance (m2) of a point's distance to the CAD model due to its facets.
 
-    It is (sigmas * facet sigma)^2 times the mean number of points per facet, so that points on one
-    facet share its information. at (n, 3): points in M.
+    It is (sigmas * facet sigma)^2 times the mean number of points on a facet, so that they together
+    have the information of a single point.
+
+    Parameters
+    ----------
+    cad_model
+        Whose facets are measured near the points.
+    at
+        Points (n, 3) m in M.
+    sigmas
+        Factor of the facets' sigma.
     """
     facets = tessellation_error(cad_model.mesh, at)
     cells = len(
@@ -97,14 +106,21 @@ def _covariance(cad_error_model: CadError, along_girth: Array, facet_variance: f
 
 
 def find_outliers(factor: CholeskyFactor, distance: Array) -> Mask:
-    """Find points (n,) that contradict the prediction from the other points.
+    """Find points (n,) whose leave-one-out residual is beyond OUTLIER_SIGMAS.
 
-    Their leave-one-out residual is beyond OUTLIER_SIGMAS. The worst is removed first and the rest
-    judged without it, so that a point on a structure does not take its neighbours along.
+    The worst point is removed first, and the others are predicted without it. Otherwise a point on
+    a structure would make its neighbours outliers too.
 
-    factor: Cholesky factor of the distances' covariance.
+    Parameters
+    ----------
+    factor
+        Cholesky factor of the distances' covariance.
+    distance
+        (n,) m, signed, to the CAD model.
     """
     inverse = cho_solve(factor, np.eye(len(distance)))
+    # A leave-one-out residual in its sigma is (C^-1 d)_i / sqrt((C^-1)_ii). To remove a point is a
+    # rank-one update of the inverse.
     right, gone = inverse @ distance, np.zeros(len(distance), bool)
     while not gone.all():
         sigmas = np.where(gone, 0.0, np.abs(right)) / np.sqrt(np.where(gone, 1.0, np.diag(inverse)))

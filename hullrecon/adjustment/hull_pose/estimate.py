@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The hull's pose by its profile along the hull, and its covariance (docs/methods.md 9).
+"""The hull's pose by its profile likelihood along the hull, and its covariance (docs/methods.md 9).
 
-A solve slides along a flat valley and stops at a facet's edge or where its tolerance lets it. What
-is known is the posterior along the valley, with the CAD model's error as correlated noise. Its mean
-is the pose that the last round holds.
+Along the hull the cost is a flat valley, in which a solve stops at a facet's edge or where its
+tolerance is met. So the posterior along the valley is computed, with the CAD model's error as
+correlated noise. Its mean is the pose that the last round holds.
 """
 
 from __future__ import annotations
@@ -26,17 +26,18 @@ from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array, CholeskyFactor, Ints, Ints32, Mask
 
-MAX_PASSES = 3
+MAX_PASSES = 3  # of fitting and rejecting outliers
 CELL_M = 0.15  # least side of the surface cell that one point represents
-MAX_POINTS = 800
+MAX_POINTS = 800  # their covariance is dense
 
 
 @dataclass(frozen=True, kw_only=True)
 class LoosePoints:
-    """Points on a path in segments whose relative poses are poorly known."""
+    """To which segment of a path that outages cut each point belongs, and how loose that is."""
 
     segment: Ints  # (n,) of each point
-    # (s, 6, 6) covariance of a segment relative to the registered one, (translation, rotation) in g
+    # (s, 6, 6) covariance of each segment's pose relative to the reference segment, (translation,
+    # rotation) in g
     step: Array
 
 
@@ -45,8 +46,9 @@ class HullPoints:
     """Points that lie on the hull."""
 
     xyz: Array  # (n, 3) m in g
-    by_range: Array  # (n, 3) m in g, by which one sigma of the scale of all ranges moves them
-    loose: LoosePoints | None = None  # None where the path holds together
+    # (n, 3) m in g: how the points move by one sigma of the common scale of all DVL ranges
+    by_range: Array
+    loose: LoosePoints | None = None  # None where the path is not cut
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,13 +59,19 @@ class HullPoseEvidence:
     cad_model: CadModel
     center: Array  # (3,) m in M, of the survey
     cad_error_model: CadError  # how wrong the CAD model may be
-    by_range: Array  # (n, 3) m in g, by which one sigma of the scale of all ranges moves them
-    loose: LoosePoints | None = None  # None where the path holds together
+    # (n, 3) m in g: how the points move by one sigma of the common scale of all DVL ranges
+    by_range: Array
+    loose: LoosePoints | None = None  # None where the path is not cut
 
     def distances_by_segments(self, pose: Poses) -> Array:
-        """Compute how distances to the CAD model change by one sigma of each loose direction.
+        """Compute how distances to the CAD model change where segments move by one sigma.
 
-        (n, k), k = 6 for each segment, or 0 where the path holds together.
+        Each segment has six directions, the eigenvectors of its covariance.
+
+        Returns
+        -------
+        Array
+            (n, 6 s) for s segments, (n, 0) where the path is not cut.
         """
         if self.loose is None:
             return np.zeros((len(self.points), 0))
@@ -86,8 +94,20 @@ def collect_hull_points(
 ) -> HullPoints:
     """Collect landmarks labelled on the hull and DVL returns, thinned to some hundreds.
 
-    Of a path in segments, each segment is thinned by itself, and points of none are left out.
-    Raises ValueError without a CAD model in the state.
+    Where outages cut the path, each segment is thinned by itself, and points between segments are
+    left out.
+
+    Parameters
+    ----------
+    m, state, chosen
+        Measurements, solution, and which measurements entered.
+    label
+        (L_used,) of each landmark that entered, 1: on the hull.
+
+    Raises
+    ------
+    ValueError
+        Without a CAD model in the state.
     """
     hull = state.hull
     if hull is None:
@@ -97,7 +117,7 @@ def collect_hull_points(
         if len(chosen.landmarks) == len(label)
         else chosen.landmarks[:0]
     )
-    # Rows of a point and of how it moves by one sigma of the ranges' common scale.
+    # Columns: the point, and how it moves by one sigma of the ranges' common scale.
     parts = [np.c_[state.landmark[on_hull], np.zeros((len(on_hull), 3))]]
     if m.returns is not None:
         ends = state.mounted(m.rig).dvl_points(m.returns, state.path)
@@ -129,10 +149,10 @@ def collect_hull_points(
 
 
 def _range_scale_sigma(m: Measurements, seen: bool) -> float:
-    """Compute the sigma of the scale that all ranges have in common.
+    """Compute the sigma of the scale, a share, that all DVL ranges have in common.
 
-    The speed of sound that the DVL was set to scales them as it does its velocities. What else may
-    scale them is told where cameras have seen the hull.
+    A wrong speed of sound scales the ranges as it does the velocities. Other causes count only
+    where no camera has seen the hull (`seen` is False), as landmarks would show them.
     """
     assert m.returns is not None
     of_sound = float(m.rig.priors.navigation_sigma[0])
@@ -144,14 +164,25 @@ def thin_over_surface(
 ) -> Array:
     """Thin points (n, 3) in g to one for each cell of the CAD model's surface.
 
-    In each cell the quarter of points with the smallest and that with the largest distances from
-    the CAD model are left out, and the others averaged. The mean of points on a curved hull lies
-    inside of it, so it is moved along the normal to their mean distance. Cells grow until at most
-    `most` points are left. Further columns (n, 3 + k) are averaged with the points.
+    In each cell the quarter of points with the smallest distances from the CAD model and the
+    quarter with the largest are left out, and the others are averaged. The mean of points on a
+    curved hull lies inside of it, so it is moved along the normal to their mean distance.
 
-    Points belong to the cell of their foot on the surface. By their own place, a few points off the
-    surface would have cells to themselves, and as much weight as all right ones. Cells are squares
-    of g: in squares of M, which points share a cell would depend on where the first pose lies.
+    A point belongs to the cell of its foot on the surface. If cells were made by the points' own
+    positions, a few points off the surface would have cells to themselves, and as much weight as
+    all others. Cells are cubes of g: with cubes of M, the first pose of the path would decide which
+    points share a cell.
+
+    Parameters
+    ----------
+    points
+        (n, 3 + k): m in g, and further columns that are averaged with the points.
+    pose
+        global_from_hull.
+    cad_model
+        Whose surface it is.
+    most
+        Cells grow until at most so many points are left.
     """
     nearest = cad_model.mesh.index.closest(pose.inverse().apply(points[:, :3]))
     foot, cell_m = (
@@ -171,9 +202,23 @@ def thin_over_surface(
 
 
 def _middle_half_means(points: Array, distance: Array, owner: Ints, count: Ints) -> Array:
-    """Average the points of each cell (c, k) without its lowest and highest quarter of distances.
+    """Average the points of each cell whose distances are in the middle half.
 
-    The median point would change with the last digit of the path, with a noise of its own.
+    The median point alone would change with the last digit of the path, and with it its noise.
+
+    Parameters
+    ----------
+    points
+        (n, k) columns to average.
+    distance
+        (n,) from the CAD model, by which points of a cell are ordered.
+    owner, count
+        Cell (n,) of each point, and number of points (c,) of each cell.
+
+    Returns
+    -------
+    Array
+        (c, k).
     """
     order = np.lexsort((distance, owner))
     rank = np.arange(len(order)) - np.repeat(np.cumsum(count) - count, count)
@@ -204,8 +249,8 @@ def fit_hull_pose(
     Returns
     -------
     evidence, pose
-        The points that are left, and the pose fitted to them. Where no depth was measured, that is
-        the best of those found from several heights.
+        The points that are left, and the pose fitted to them. Where no depth was measured, fits
+        from several heights are compared, and the one of least cost is taken.
     """
     evidence = HullPoseEvidence(
         points=points.xyz,
@@ -226,11 +271,11 @@ def fit_hull_pose(
 def _fit_from_afar(
     evidence: HullPoseEvidence, start: Poses
 ) -> tuple[HullPoseEvidence, Poses, float]:
-    """Fit from a start at which few points lie on the CAD model.
+    """Fit from a start at which few points may lie on the CAD model.
 
-    Points that leave a robust fit are rejected before the least squares, which follow any point.
-    Returns the points that are left, the pose, and its cost, in which each rejected point counts as
-    one at the limit.
+    A robust fit comes first, and its outliers are rejected: a single point may pull a least-squares
+    fit anywhere. Returns the points that are left, the pose, and its cost. Each rejected point adds
+    the cost of a point at the outlier threshold, so that fits from several starts can be compared.
     """
     near = registration.fit_correlated(
         evidence.points,
@@ -250,7 +295,7 @@ def _fit_without_outliers(
 ) -> tuple[HullPoseEvidence, Poses, float]:
     """Fit the pose, and reject points that the others contradict, until none is left.
 
-    Returns the points that are left, the pose, and half the sum of squares there.
+    Returns the points that are left, the pose, and its cost (half the chi-square).
     """
     along, cost = evidence.cad_model.chart.ship_axes[0], np.inf
     for _ in range(MAX_PASSES):
@@ -264,7 +309,10 @@ def _fit_without_outliers(
 
 
 def _outliers(evidence: HullPoseEvidence, pose: Poses, factor: CholeskyFactor) -> Mask:
-    """Find points that the others contradict at a pose, with the factor of their covariance."""
+    """Find points (n,) that the others contradict at a pose.
+
+    factor: Cholesky factor of the distances' covariance.
+    """
     distance, _ = registration.signed_distances(
         evidence.points, pose, evidence.center, evidence.cad_model.mesh
     )
@@ -282,14 +330,14 @@ def _select(evidence: HullPoseEvidence, kept: Mask) -> HullPoseEvidence:
 
 
 def _at_heights(pose: Poses, cad_model: CadModel, center: Array) -> list[Poses]:
-    """List poses to start a fit from: turned as the guess is, at the hull's height and at others.
+    """List poses to start a fit from: with the guess's attitude, at this and at other heights.
 
-    Empty where the package knows the height. Where no depth was measured, a round that slides along
-    the height turns the hull with it, and a fit that starts so turned ends in a minimum beside the
-    right one.
+    Empty where the package knows the height well. Where no depth was measured, a solve that slides
+    along the height turns the hull with it, and a fit from that attitude ends in a minimum beside
+    the right one.
     """
     guess = cad_model.guess
-    # the survey's centre stays where it lies on the hull, the hull turns about it
+    # The hull turns about the survey's centre, which stays.
     back = guess.rotation.apply(center[None])
     as_guessed = Poses(guess.quaternion, pose.apply(center[None]) - back)
     heights = registration.at_other_heights(as_guessed, cad_model, center)
@@ -297,17 +345,18 @@ def _at_heights(pose: Poses, cad_model: CadModel, center: Array) -> list[Poses]:
 
 
 def profile_mean_pose(evidence: HullPoseEvidence, pose: Poses) -> Poses:
-    """Compute the hull's pose at the mean of its profile along the hull."""
+    """Compute the hull's pose at the posterior mean of its position along the hull."""
     return _profile(evidence, pose, evidence.cad_model.chart.ship_axes[0]).global_from_hull
 
 
 def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
     """Compute the covariance (6, 6) of the hull's pose about the centre, given the points.
 
-    It is what the CAD model's error, its facets and the package's prior leave open. The variances
-    along the hull and along weak directions come from their profiles, as the posterior's second
-    moment about the delivered pose. Where no depth was measured, so do that of the height, along
-    which minima are many and narrow, and other heights that fit.
+    It is what the CAD model's error, its facets and the package's prior leave open. Along the hull
+    and along weak directions the cost is not a parabola, and the variance comes from the profile
+    likelihood: the posterior's second moment about the delivered pose. Where no depth was measured,
+    the height is profiled too, and other heights at which the hull fits are counted: minima along
+    it are many and narrow.
     """
     cad_model = evidence.cad_model
     ship_axes = cad_model.chart.ship_axes
@@ -329,8 +378,17 @@ def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
 def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid) -> Array:
     """Compute the combinations (6, size) of a deviation field that the fit takes for a motion.
 
-    The field without them is the hull's form: what the fit makes of them is in the covariance of
-    the hull's pose already.
+    They move the fitted hull pose, and are part of that pose's covariance already. The field
+    without them is the hull's shape.
+
+    Parameters
+    ----------
+    evidence
+        Points of the fit.
+    pose
+        global_from_hull, fitted.
+    grid
+        Of the deviation field.
     """
     by_motion = registration.signed_distances(
         evidence.points, pose, evidence.center, evidence.cad_model.mesh
@@ -343,10 +401,10 @@ def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid
 
 
 def _by_range_scale(evidence: HullPoseEvidence, pose: Poses) -> Array:
-    """Compute the covariance (6, 6) by which a common scale of the ranges moves the hull.
+    """Compute the covariance (6, 6) of the hull pose due to an unknown scale of all ranges.
 
-    The scale is not estimated: what centimetres of the path bend would pass for one. So it is the
-    step of the fit where every range is longer by one sigma.
+    The scale is not estimated, as a path that is bent by centimetres would pass for one. So the
+    covariance is that of the step by which the fit moves where all ranges grow by one sigma.
     """
     valley = _valley(evidence, pose, evidence.cad_model.chart.ship_axes[0])
     _, jacobian = registration.signed_distances(
@@ -359,10 +417,9 @@ def _by_range_scale(evidence: HullPoseEvidence, pose: Poses) -> Array:
 
 
 def _contradiction(evidence: HullPoseEvidence, pose: Poses) -> Array:
-    """Compute the covariance (6, 6) that a contradicted guess or CAD model adds, else zero.
+    """Compute the covariance (6, 6) that a contradicted guess or CAD model adds. Otherwise zero.
 
-    Either of them may be wrong, so the sigma along the line between guess and fit is at least that
-    line's length (docs/methods.md 20).
+    Guess or fit may be wrong, so one sigma reaches from the fit to the guess (docs/methods.md 20).
     """
     if not evidence.cad_model.contradicted:
         return np.zeros((6, 6))
@@ -384,6 +441,10 @@ def _profile(
 
 
 def _valley(evidence: HullPoseEvidence, pose: Poses, direction: Array) -> profile_likelihood.Valley:
+    """Make the cost of the hull's pose, with the unit direction (3,) in M that is profiled.
+
+    pose: at which the covariance of the distances is computed.
+    """
     cost = registration.HullPoseCost(
         points=evidence.points,
         cad_model=evidence.cad_model,
@@ -401,7 +462,17 @@ def _factor(evidence: HullPoseEvidence, pose: Poses) -> CholeskyFactor:
 
 
 def _directions(hull_in_axes: Array, ship_axes: Array, always: Array) -> list[Array]:
-    """List directions (k, 3) of M, and weak directions of position that point elsewhere."""
+    """List the directions in M that are profiled: given ones, and weak ones that differ from them.
+
+    Parameters
+    ----------
+    hull_in_axes
+        Covariance (6, 6) of the hull's pose in M's axes.
+    ship_axes
+        Rows (3, 3) forward, port, up in M.
+    always
+        (k, 3) unit vectors in M that are listed anyway.
+    """
     weak = [
         np.array(w["direction"])
         for w in find_weak_directions(hull_in_axes, ship_axes)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Directions of the hull's pose that its form does not resolve, with a sentence each."""
+"""Directions of the hull's pose that its shape does not resolve, with a sentence for each."""
 
 from __future__ import annotations
 
@@ -18,14 +18,16 @@ def find_weak_directions(
     least_sigma_m: float = 0.05,
     least_sigma_deg: float = 0.5,
 ) -> list[dict[str, object]]:
-    """Find the directions of the hull's pose whose sigma is beyond a limit, worst first.
+    """Find the directions of the hull's pose whose sigma is above a limit.
+
+    They are eigenvectors of the covariance, positions before attitudes, each from the worst on.
 
     Parameters
     ----------
     covariance_in_hull
         Covariance (6, 6) of translation and rotation in M's axes.
     ship_axes
-        Rows (3, 3) forward, port, up in M, of which a model's file may have any order.
+        Rows (3, 3): unit vectors forward, port and up in M, whose axes a CAD file may order freely.
     least_sigma_m, least_sigma_deg
         The limits.
 
@@ -33,8 +35,8 @@ def find_weak_directions(
     -------
     list
         Each with `kind` (position or attitude), `direction` (unit eigenvector in M), `sigma` (m or
-        rad) and a `sentence` on the ship's axis nearest to it, another one for each, with that
-        axis's own sigma.
+        rad) along it, and a `sentence` with the sigma of the ship's axis that is assigned to it.
+        Each axis is assigned to one eigenvector of a kind.
     """
     from scipy.optimize import linear_sum_assignment  # a quarter of a second, for every command
 

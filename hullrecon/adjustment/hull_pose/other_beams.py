@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Test whether a CAD model that does not fit the survey would fit ranges of beams in another order.
+"""Test whether a CAD model that does not fit the survey would fit with the DVL's beams reordered.
 
-A DVL's beams that are numbered otherwise than dive.toml or the message says bend the surveyed hull,
-and nothing else of a dive without a camera tells of it but the CAD model.
+Where a DVL numbers its beams in another way than dive.toml or the message says, ranges are laid
+along wrong beams, and the surveyed hull is bent. Without a camera only the CAD model shows it.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Array
 
-CELL_M, POINTS = 0.1, 600  # of the ends that are registered
-MOST_BEAMS = 4  # of which each order is tried
+CELL_M, POINTS = 0.1, 600  # voxels and largest number of the beams' ends that are registered
+MOST_BEAMS = 4  # with more, there are too many orders to try
 
 
 def find_fitting_beams(
@@ -40,17 +40,18 @@ def find_fitting_beams(
     Parameters
     ----------
     returns
-        By ping and then by beam.
+        Of the DVL, ordered by ping and then by beam.
     ends
-        Of the beams in g (n, 3), without flagged ones, where their directions are given.
+        Computes the ends (n, 3) m in g of returns, flagged ones left out.
     cad_model, range_sigma_m
-        What they are registered to, and the sigma of a range.
+        The CAD model, and the sigma of a range.
 
     Returns
     -------
     order, rms before, rms after
-        The beams, from 1, whose ranges the first, second ... are, and the distances from the CAD
-        model, m. None where no other order fits far better.
+        Numbers of the beams, from 1, to which the first, second ... range belongs, and the RMS
+        distance from the CAD model, m, with the beams as logged and in that order. None where no
+        other order fits far better.
     """
     _, at, beam = np.unique(returns.beam, axis=0, return_index=True, return_inverse=True)
     if not 2 <= len(at) <= MOST_BEAMS:
@@ -71,6 +72,6 @@ def find_fitting_beams(
 
 
 def _first_whole(returns: Returns, beams: int) -> int:
-    """Find the row of the first ping of which all beams came back, else the first row."""
+    """Find the first row of a ping in which all beams returned, or row 0 if there is none."""
     _, first, count = np.unique(returns.t_ns, return_index=True, return_counts=True)
     return int(first[np.argmax(count >= beams)])

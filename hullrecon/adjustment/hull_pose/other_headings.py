@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Test whether a CAD model lies turned about the vertical, or higher, than the package has it.
+"""Test whether a CAD model fits at another heading or height than the package's guess.
 
-An IMU whose heading is off turns the whole path about where it began, and a wrong heading of the
-package's guess looks the same. Nothing of a dive without positions tells the two apart. Nor does
-anything tell depths that are all off from a wrong height of the guess.
+An IMU whose heading is off turns the whole path about its first pose, and a wrong heading of the
+package's guess looks the same. Without position fixes (USBL, GNSS) nothing distinguishes the two.
+Nor does anything distinguish a constant error of the depths from a wrong height of the guess.
 """
 
 from __future__ import annotations
@@ -26,23 +26,29 @@ from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
-STEP_DEG = 30  # of headings that are tried, each of which the registration finds within its basin
-CELL_M, POINTS = 0.1, 600
-AIR_M, NEAR_AIR_M = 10.1, 0.7  # the air's pressure in metres of sea water, with the weather's
+STEP_DEG = 30  # between the headings that are tried: a registration converges from half of it
+CELL_M, POINTS = 0.1, 600  # voxels and largest number of the points that are registered
+AIR_M, NEAR_AIR_M = 10.1, 0.7  # the air's pressure in metres of sea water, and how it varies
 
 
 def stated_model(found: Registration) -> CadModel:
-    """Give a CAD model the sigmas of its guess that the package states."""
+    """Return the registered CAD model with the guess's sigmas as the package states them."""
     return replace(found.cad_model, guess_sigma=found.cad_model.guess_sigma / found.sigmas_off)
 
 
 def turn_of(found: Registration) -> float | None:
-    """Compute the turn of the hull from the guess, rad, where that alone contradicts the guess."""
+    """Compute by which heading, rad, the hull is turned from the guess.
+
+    None where the guess is not contradicted, or not in its heading alone.
+    """
     return None if found.sigmas_off <= GUESS_SIGMAS else _turn_from(stated_model(found), found)
 
 
 def height_off(found: Registration) -> float | None:
-    """Compute how far below the guess the hull lies, m, where that alone contradicts the guess."""
+    """Compute how far below the guess the hull lies, m.
+
+    None where the guess is not contradicted, or not in its height alone.
+    """
     if found.sigmas_off <= GUESS_SIGMAS:
         return None
     model = stated_model(found)
@@ -54,15 +60,26 @@ def height_off(found: Registration) -> float | None:
 
 
 def _turn_from(cad_model: CadModel, found: Registration) -> float | None:
-    """Compute the turn from a guess to where a hull was found, rad.
+    """Compute the turn about the vertical from a guess to a registered pose, rad.
 
-    None where the rest of the way is farther than the guess's sigmas allow, with a turn about where
-    the path began and about the survey.
+    The turn may be about the first pose of the path, as with a wrong IMU, or about the survey, as
+    with a wrong guess. None where with neither the turned guess agrees with the registered pose to
+    GUESS_SIGMAS.
+
+    Parameters
+    ----------
+    cad_model
+        With the guess and its stated sigmas.
+    found
+        The registration.
     """
     at, center = found.global_from_hull, found.center
     turn = float((at.rotation * cad_model.guess.rotation.inv()).as_euler("ZYX")[0, 0])
-    began, there = (prior_step(pose, cad_model, center) for pose in (_turned(at, -turn), at))
-    steps = np.stack([began, np.r_[there[:3], began[3:]]])
+    # Steps from the guess that the turn leaves: turned back about the first pose, about the survey
+    turned_back, as_found = (
+        prior_step(pose, cad_model, center) for pose in (_turned(at, -turn), at)
+    )
+    steps = np.stack([turned_back, np.r_[as_found[:3], turned_back[3:]]])
     sigmas = np.abs(steps / cad_model.guess_sigma).max(axis=1)
     return turn if sigmas.min() <= GUESS_SIGMAS else None
 
@@ -70,10 +87,10 @@ def _turn_from(cad_model: CadModel, found: Registration) -> float | None:
 def find_fitting_heading(
     points: Array, cad_model: CadModel, range_sigma_m: float
 ) -> tuple[float, float] | None:
-    """Register the CAD model to points (n, 3) in g with the guess turned by steps of a circle.
+    """Register the CAD model to points (n, 3) in g with the guess turned by multiples of STEP_DEG.
 
-    Returns the turn, rad, at which it fits best, and the share of points that fit there. None if it
-    fits at none where a guess so turned has it.
+    Returns the turn, rad, of the best fit, and the share of points that fit. None if the CAD model
+    fits at no heading, or only far from the turned guess.
     """
     few = thin_points(points, CELL_M, POINTS)
     found: list[tuple[float, float]] = []
@@ -87,15 +104,15 @@ def find_fitting_heading(
 
 
 def _turned(global_from_hull: Poses, turn: float) -> Poses:
-    """Turn a hull about the vertical through where the path began, rad."""
+    """Turn a hull by an angle, rad, about the vertical through the path's first pose."""
     about = Rotation.from_euler("z", turn)
     return Poses(about.as_quat()[None], np.zeros((1, 3))) @ global_from_hull
 
 
 def describe_height(lower_m: float) -> str:
-    """Tell who may be wrong where a CAD model lies lower by so many metres than the package has it.
+    """Describe what may be wrong where a CAD model fits lower than the guess by `lower_m`.
 
-    Readings that hold the air's pressure and are taken for depths are too deep by that.
+    A sensor that reads absolute pressure, taken for a depth, is too deep by the air's pressure.
     """
     air = " (an absolute pressure that is read as a depth is too deep by 10.1 m: pressure.unit)"
     where = f"{abs(lower_m):.1f} m {'lower' if lower_m > 0 else 'higher'}"
@@ -107,7 +124,7 @@ def describe_height(lower_m: float) -> str:
 
 
 def describe_turn(turn: float) -> str:
-    """Tell who may be wrong where a CAD model lies turned, rad, from where the package has it."""
+    """Describe what may be wrong where a CAD model fits turned from the guess by `turn`, rad."""
     return (
         f"turned by {np.degrees(turn):+.0f} degrees about the vertical it fits where hull.pose "
         "says: the heading of the IMU (imu.mount_deg) or that of hull.pose is off by as much"

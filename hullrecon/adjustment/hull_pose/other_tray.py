@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Test whether a CAD model that does not fit the survey would fit tray angles read otherwise.
+"""Test whether a CAD model that does not fit would fit with other tray angles.
 
-Without a camera nothing else tells a wrong sign, unit or zero of them: the hull that the beams
-meet is as bent as the angles say, and depths change by their cosine alone.
+The angles may have another sign, unit or zero than dive.toml says. The surveyed hull is bent then.
+Without a camera only the CAD model shows it, as depths change with the cosine of the angle alone.
 """
 
 from __future__ import annotations
@@ -29,33 +29,36 @@ from hullrecon.records.trajectory import Odometry, Returns, VehiclePath
 from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
-# by what the angles have to be multiplied where they are read wrongly
+# Other conventions of the angles, and the factor that corrects each: the opposite sign, and rad or
+# deg where the other unit was taken
 READINGS = {"sign": -1.0, "rad": float(np.degrees(1)), "deg": float(np.radians(1))}
-CELL_M, POINTS = 0.1, 600  # of the ends that are registered
+CELL_M, POINTS = 0.1, 600  # voxels and largest number of the beams' ends that are registered
 
 
 def find_fitting_tray(
     rig: Rig, path: VehiclePath, odometry: Odometry, returns: Returns, cad_model: CadModel
 ) -> tuple[str, float, float] | None:
-    """Register the CAD model to the ends of a DVL's beams with the tray's angles read otherwise.
+    """Register the CAD model to the ends of the DVL's beams for each other convention of the tray.
 
     Parameters
     ----------
-    rig, path, odometry
-        As solved, in g, and what the DVL measured between the nodes.
+    rig, path
+        As solved, the path in g.
+    odometry
+        Motion between nodes by the DVL, from which the path is computed anew.
     returns
         Of the DVL.
     cad_model
-        What they are registered to.
+        To which the ends are registered.
 
     Returns
     -------
-    reading, rms before, rms after
-        A key of READINGS, and the distances from the CAD model, m. None where no other reading
-        fits far better.
+    convention, rms before, rms after
+        A key of READINGS, and the RMS distance from the CAD model, m, with the angles as read and
+        with that convention. None where no other convention fits far better.
     """
     if not np.ptp(path.tray):
-        return None  # it stands still: any reading but turns the hull
+        return None  # the tray does not move: every convention turns the hull as a whole
     as_is = _register(rig, path, returns, cad_model)
     found: dict[str, Registration] = {}
     for reading, factor in READINGS.items():
@@ -71,23 +74,24 @@ def find_fitting_tray(
 def find_tray_offset(
     rig: Rig, path: VehiclePath, odometry: Odometry, returns: Returns, found: Registration
 ) -> tuple[float, float] | None:
-    """Compute by how much the tray's angles are off where the CAD model lies turned about its axis.
+    """Compute an offset of the tray's angles from a hull that is turned about the tray's axis.
 
-    Ends of beams from a tray that is off turn with it, and a path that its odometry made does too.
-    The hull's pose was guessed apart from both.
+    An offset turns the ends of the beams, and the path by DVL odometry, about the tray's axis. The
+    package's guess of the hull's pose does not depend on the tray, so the registered hull lies
+    turned from it by the offset.
 
     Parameters
     ----------
     rig, path, odometry, returns
         As for `find_fitting_tray`.
     found
-        The CAD model registered to the ends as they are, farther from its guess than that allows.
+        Registration of the CAD model to the ends with the angles as read.
 
     Returns
     -------
     offset, rms after
-        rad, and the distances from the CAD model with the angles put right by it, m. None where it
-        does not lie as guessed then.
+        rad, to be subtracted from the angles, and the RMS distance from the CAD model, m, after
+        that. None where the registration agrees with the guess, or does not after the correction.
     """
     if found.sigmas_off <= GUESS_SIGMAS:
         return None
@@ -102,9 +106,16 @@ def find_tray_offset(
 
 
 def with_tray(path: VehiclePath, odometry: Odometry, tray: Array) -> VehiclePath:
-    """Reckon a path anew by its orientations and odometry, with the tray at other angles.
+    """Compute a path again from its orientations and odometry, with the tray at other angles.
 
-    tray: (n,) rad.
+    Parameters
+    ----------
+    path
+        The path with the tray's angles as they were.
+    odometry
+        Motion between consecutive nodes, measured by a DVL on the tray.
+    tray
+        (n,) rad, the other angles.
     """
     turn = 0.5 * (tray - path.tray)[np.stack([odometry.first, odometry.second])].sum(axis=0)
     way = turned_odometry(odometry, turn).translation
@@ -115,9 +126,10 @@ def with_tray(path: VehiclePath, odometry: Odometry, tray: Array) -> VehiclePath
 
 
 def turned_odometry(odometry: Odometry, turn: Array) -> Odometry:
-    """Turn the ways that a DVL measured by angles (m,) of its tray.
+    """Turn the translations that a DVL measured by angles (m,) rad of its tray.
 
-    Of a way across the tray's axis, the vehicle's y, `by_tray` is the cross product with it.
+    The tray's axis is the vehicle's y. The derivative of a translation by the tray's angle,
+    `by_tray`, is the cross product of that axis with it, and Rodrigues' formula follows from it.
     """
     sine, versine = np.sin(turn)[:, None], (1 - np.cos(turn))[:, None]
     by_tray = odometry.by_tray.copy()

@@ -24,10 +24,11 @@ from hullrecon.typing import Array
 def find_fitting_unit(
     points: Array, cad_model: CadModel, range_sigma_m: float
 ) -> tuple[str, Registration] | None:
-    """Register the CAD model in each other unit that makes it a ship's size, to points (n, 3) in g.
+    """Register the CAD model to points (n, 3) in g with its file read in each other unit.
 
-    Returns the unit in which it fits best, and that registration. None if in none it fits where the
-    package's guess of its pose says.
+    Units in which it would not have the size of a ship are left out. Returns the unit in which it
+    fits best, and that registration. None if it fits in no unit near the package's guess of its
+    pose.
     """
     length_m = float(np.ptp(cad_model.mesh.vertices, axis=0).max())
     found = []

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The weak direction profiled: how well the position along the hull is known (docs/methods.md 9).
+"""Profile likelihood along the weak direction of the hull's pose (docs/methods.md 9).
 
-The Hessian at the optimum sees the CAD model's curvature at one pose, but the valley is flat and
-not parabolic. Here the hull is held at steps along its weak direction while the remaining five
-degrees of freedom and the CAD model's error (as correlated noise) are fitted. The posterior over
-the steps gives mean and sigma.
+Along a parallel side the cost is a flat valley and no parabola, so that the Hessian at the optimum
+does not say how well the position is known. Here the hull is held at steps along its weak direction
+while the remaining five degrees of freedom are fitted, with the CAD model's error as correlated
+noise. The posterior over the steps gives mean and sigma.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from hullrecon.geometry.pose_solver import minimise_over_pose
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
-MAX_ITERATIONS = 40
-SAME_MINIMUM = 2.0  # sigmas, within which two fits are of one minimum
-MIN_DECREASE = 1e-3  # of half the sum of squares, in which one sigma costs 0.5
+MAX_ITERATIONS = 40  # of one fit
+SAME_MINIMUM = 2.0  # sigmas between two fits below which they are the same minimum
+MIN_DECREASE = 1e-3  # of the cost, half the chi-square, that goes on: one sigma costs 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,7 +31,7 @@ class Profile:
 
     direction: Array  # (3,) unit in M
     step: Array  # (k,) m along it
-    cost: Array  # (k,) lowest is zero
+    cost: Array  # (k,) half the chi-square, the lowest is zero
     mean: float  # m, of the posterior
     sigma: float  # m, of the posterior
     global_from_hull: Poses  # at the mean
@@ -48,19 +48,31 @@ class Valley:
 
 
 def profile(v: Valley, start: Poses, reach: float, count: int = 41) -> Profile:
-    """Compute the posterior of a shift along the valley within +-`reach` metres of `start`."""
+    """Compute the posterior of a shift along the valley.
+
+    Parameters
+    ----------
+    v
+        Cost and direction.
+    start
+        Pose global_from_hull in the middle.
+    reach
+        Largest shift to either side, m.
+    count
+        Number of steps, odd.
+    """
     steps = np.linspace(-reach, reach, count)
-    walked = _walk(v, start, steps)
-    cost = np.array([cost for _, cost in walked])
+    fits = _fit_steps(v, start, steps)
+    cost = np.array([cost for _, cost in fits])
     weight = np.exp(-(cost - cost.min()))
     weight /= weight.sum()
     mean = float(weight @ steps)
     sigma = float(np.sqrt(weight @ (steps - mean) ** 2))
     along = _in_global(v, start)
     here, _ = _fit(v, _shift(v, start, mean * along), held=along)
-    # By all steps as they weigh: a single fit ends a centimetre from its minimum in a flat valley,
-    # or at a facet's edge.
-    moved = np.array([_between(here, pose, v.cost.center) for pose, _ in walked])
+    # The tangent is a regression over all steps, weighted by the posterior: in a flat valley a
+    # single fit ends a centimetre from its minimum, or at a facet's edge.
+    moved = np.array([_between(here, pose, v.cost.center) for pose, _ in fits])
     tangent = (weight * (steps - mean)) @ moved / max(sigma**2, 1e-12)
     return Profile(
         direction=v.direction,
@@ -74,7 +86,10 @@ def profile(v: Valley, start: Poses, reach: float, count: int = 41) -> Profile:
 
 
 def inflate_covariance(covariance: Array, found: Profile, global_from_hull: Poses) -> Array:
-    """Raise the variance along the profiled direction to the profile's, along its valley.
+    """Raise the variance along the profiled direction to that of the profile.
+
+    What is added moves the pose along the valley (`Profile.tangent`), turns included. A covariance
+    whose variance is larger already is returned unchanged.
 
     Parameters
     ----------
@@ -94,7 +109,10 @@ def inflate_covariance(covariance: Array, found: Profile, global_from_hull: Pose
 
 
 def raise_to_moment(covariance: Array, moment: Array) -> Array:
-    """Raise a covariance (n, n) to a second moment (n, n) in the directions that exceed it."""
+    """Raise a covariance (n, n) to a second moment (n, n) where the moment exceeds it.
+
+    The directions are the eigenvectors of the moment, whitened by the covariance.
+    """
     root = np.linalg.cholesky(covariance)
     whitened = np.linalg.solve(root, np.linalg.solve(root, moment).T)
     value, vector = np.linalg.eigh((whitened + whitened.T) / 2)
@@ -103,10 +121,10 @@ def raise_to_moment(covariance: Array, moment: Array) -> Array:
 
 
 def moment_of_minima(v: Valley, pose: Poses, starts: Sequence[Poses]) -> Array:
-    """Compute the posterior's second moment (6, 6) about `pose` over the minima near `starts`.
+    """Compute the posterior's second moment (6, 6) about `pose` over several minima.
 
-    Each minimum counts with its likelihood times the volume around it (Laplace). Starts that end in
-    the same minimum count once.
+    The minima are those that fits from `pose` and from `starts` end in, each once. A minimum
+    weighs by its likelihood times the volume around it (Laplace's approximation).
     """
     found = sorted((minimise_cost(v, start) for start in (pose, *starts)), key=lambda f: f[1])
     steps: list[Array] = []
@@ -128,20 +146,22 @@ def moment_of_minima(v: Valley, pose: Poses, starts: Sequence[Poses]) -> Array:
 
 
 def minimise_cost(v: Valley, start: Poses) -> tuple[Poses, float]:
-    """Find the pose at the optimum over all six degrees of freedom, and half the sum of squares."""
+    """Find the pose of least cost over all six degrees of freedom, and that cost."""
     return _fit(v, start)
 
 
 def posterior_covariance(v: Valley, pose: Poses) -> Array:
-    """Compute the covariance (6, 6) of the pose about the centre, by points and prior alone."""
+    """Compute the covariance (6, 6) of the pose about the centre from the cost's information."""
     return np.asarray(np.linalg.inv(v.cost.linearise(pose).information))
 
 
-def _walk(v: Valley, start: Poses, steps: Array) -> list[tuple[Poses, float]]:
-    """Fit pose and cost at each step, started from the neighbour nearer to the middle.
+def _fit_steps(v: Valley, start: Poses, steps: Array) -> list[tuple[Poses, float]]:
+    """Fit the pose with the hull held at each step, and return it with its cost.
 
-    The direction is that of `start` in g: if it turned with the hull, a fit could leave its step by
-    turning.
+    Fits go outwards from the middle step, each from the pose of its neighbour. The direction is
+    that of `start` in g for all: if it turned with the hull, a fit could leave its step by turning.
+
+    steps (k,): shifts along the direction, m.
     """
     middle = len(steps) // 2
     along = _in_global(v, start)
@@ -167,9 +187,9 @@ def _shift(v: Valley, global_from_hull: Poses, step: Array) -> Poses:
 
 
 def _fit(v: Valley, start: Poses, held: Array | None = None) -> tuple[Poses, float]:
-    """Find the pose of least cost, and half the sum of squares there.
+    """Find the pose of least cost near a start, and its cost (half the chi-square).
 
-    held (3,): a direction of g along which the hull stays where it starts.
+    held (3,): a direction of g along which the hull is not moved. None: all six are free.
     """
     basis = np.eye(6) if held is None else _across(held)
     found = minimise_over_pose(

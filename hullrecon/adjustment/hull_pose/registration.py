@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Registration of DVL returns to the CAD model [Ozog2016 4.2.5] (docs/methods.md 5).
 
-Generalised ICP from a grid of starts finds the basin. Its information is that of independent
-points, which a CAD model wrong by centimetres over metres does not give. So the last step is a
-generalised least-squares fit whose noise holds the CAD model's error as a Matern 3/2 field over the
-chart, together with the package's prior. Its covariance says what the geometry resolves.
+Generalised ICP from a grid of starts finds the basin. It treats points as independent, though a CAD
+model that is wrong by centimetres over metres shifts neighbouring points alike. So the last step is
+a generalised least-squares fit, whose noise holds the CAD model's error as a Matern 3/2 field over
+the chart, together with the package's prior. Its covariance says what the geometry resolves.
 """
 
 from __future__ import annotations
@@ -31,27 +31,28 @@ from hullrecon.typing import Array, CholeskyFactor
 Key = TypeVar("Key")
 # Share of points within three sigma of the CAD model from which it is the hull that was surveyed
 GOOD_FITNESS = 0.6
-# Of the distances (rms) that another reading of the ranges has to leave: two that are right by
-# chance leave 0.9, wrong orders of one dive's beams 0.55 and more, the right one 0.17
+# Another interpretation of the ranges has to lower the RMS distance to this share. Two that fit
+# equally well by chance differ to 0.9, wrong orders of a dive's beams give 0.55 and more, the right
+# one 0.17.
 FITS_BETTER = 0.5
-# How far a guess may be off: m, rad in the ship's axes
+# Sigma of a guess that may be far off: m, rad in the ship's axes (forward, port, up)
 DISTANT_SIGMA = np.r_[5.0, 2.0, 0.5, np.radians([2.0, 2.0, 15.0])]
-DISTANT_STARTS = 8
+DISTANT_STARTS = 8  # of the coarse grid, from which ICP starts
 GUESS_SIGMAS = 3.5  # beyond which the package's guess is contradicted
-# m, of the guess's height from which a hull fits at several heights: without a measured depth it is
-# known to metres, and faces of a bilge lie so far apart
+# Sigma of the guess's height from which a hull may fit at several heights: without a measured depth
+# the height is known to metres, and the faces of a bilge lie this far apart
 OPEN_HEIGHT_M = 0.6
 FIT_ITERATIONS = 60  # of the last fit, at most
-SAMPLES = 20_000  # of the CAD model's faces
-NEAR_M = 3.0  # from the survey to faces that are sampled
-KEPT_M = 4.0  # from the survey to samples that are kept
+SAMPLES = 20_000  # points sampled on the CAD model's faces
+NEAR_M = 3.0  # largest distance from the survey of faces that are sampled
+KEPT_M = 4.0  # largest distance from the survey of samples that are kept
 
 
 @dataclass(frozen=True, kw_only=True)
 class Registration:
-    """Where the CAD model fits surveyed points."""
+    """The pose at which the CAD model fits surveyed points."""
 
-    cad_model: CadModel  # with the guess's sigmas widened `sigmas_off` times
+    cad_model: CadModel  # the guess's sigmas are multiplied by `sigmas_off`
     sigmas_off: float  # error of the guess in its sigmas, at least 1
     global_from_hull: Poses  # a batch of one
     covariance: Array  # (6, 6) of (translation in g, rotation in M) about `center`
@@ -64,18 +65,18 @@ def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int =
     """Register the CAD model to points (n, 3) in g.
 
     Starts are the package's guess and a grid around it within its sigma. Where none of them fits,
-    the starts are wherever within metres the points lie nearest to the CAD model.
+    a coarse grid metres wide is searched for poses at which the points lie near the CAD model.
 
     Parameters
     ----------
     points
-        On the hull, of DVL returns or landmarks.
+        On the hull, from DVL returns or landmarks.
     cad_model
         With the guess of its pose.
     sigma_range
-        Of a range, m.
+        Of a DVL range, m.
     seed
-        Of the samples that ICP takes from the CAD model.
+        Of the points that are sampled on the CAD model for ICP.
     """
     kept = thin_points(points, 0.10, 2500)
     found = register_near(kept, cad_model, sigma_range, seed)
@@ -108,7 +109,23 @@ def _register_from(
     sigma_range: float,
     seed: int,
 ) -> Registration:
-    """Run generalised ICP from each start, and fit the best of the results."""
+    """Run generalised ICP from each start, and refine the best of the results.
+
+    Parameters
+    ----------
+    starts
+        Poses global_from_hull. The first is a candidate itself.
+    points
+        (n, 3) m in g, on the hull.
+    cad_model
+        With its guess and stated error.
+    center
+        (3,) m in M, of the survey.
+    sigma_range
+        Of a DVL range, m.
+    seed
+        Of the points that are sampled on the CAD model.
+    """
     target = _target_cloud(
         cad_model.mesh, np.vstack([start.inverse().apply(points[::10]) for start in starts]), seed
     )
@@ -124,7 +141,10 @@ def _register_from(
 
 
 def _distant_starts(points: Array, cad_model: CadModel, center: Array) -> list[Poses]:
-    """Find the poses of a coarse grid, metres and degrees wide, at which points fit best."""
+    """Find the DISTANT_STARTS poses of a coarse grid at which points (n, 3) in g fit best.
+
+    The grid reaches 8 m along the hull, 2 m across and 25 degrees in yaw from the guess.
+    """
     hull_from_ship = cad_model.chart.ship_axes.T
     rotate = cad_model.guess.rotation.as_matrix()[0] @ hull_from_ship
     few = points[:: max(1, len(points) // 400)]
@@ -142,10 +162,22 @@ def _distant_starts(points: Array, cad_model: CadModel, center: Array) -> list[P
 def _with_wider_guess(
     found: Registration, points: Array, cad_model: CadModel, sigma_range: float
 ) -> Registration:
-    """Repeat the fit about the guess of `cad_model`, whatever guess it was found with.
+    """Repeat the fit with the guess of `cad_model` as prior, and widen its sigmas if contradicted.
 
-    Where the fit lies farther from the guess than its sigmas allow, these are scaled so that it
-    lies within one: a guess that is wrong in one direction is not to be believed in the others.
+    Where the fit lies farther from the guess than GUESS_SIGMAS, all sigmas of the guess are
+    multiplied so that it lies within one sigma: a guess that is wrong in one direction cannot be
+    trusted in the others.
+
+    Parameters
+    ----------
+    found
+        The registration, maybe found with other sigmas of the guess.
+    points
+        (n, 3) m in g, on the hull.
+    cad_model
+        With the guess as the package states it.
+    sigma_range
+        Of a DVL range, m.
     """
     step = prior_step(found.global_from_hull, cad_model, found.center)
     off = float(np.abs(step / cad_model.guess_sigma).max())
@@ -159,7 +191,7 @@ def _with_wider_guess(
 
 
 def thin_points(points: Array, voxel: float, most: int) -> Array:
-    """Average points in voxels (m), which grow until at most `most` are left."""
+    """Average points (n, 3) in voxels, whose side (m) grows until at most `most` points remain."""
     while True:
         cell = np.floor(points / voxel).astype(np.int64)
         _, owner = np.unique(cell, axis=0, return_inverse=True)
@@ -184,7 +216,7 @@ def perturb_pose(global_from_hull: Poses, center: Array, step: Array) -> Poses:
 
 
 def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
-    """Make starts: the guess, one sigma along the hull and in yaw around it, and other heights."""
+    """Make starts: the guess, poses one sigma off it along the hull and in yaw, other heights."""
     rotate = cad_model.guess.rotation.as_matrix()[0]
     forward, _, up = cad_model.chart.ship_axes
     starts = []
@@ -197,10 +229,20 @@ def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
 
 
 def at_other_heights(pose: Poses, cad_model: CadModel, center: Array) -> list[Poses]:
-    """Move a pose half a sigma and a sigma of the guess's height up and down, where that is open.
+    """Move a pose up and down by half a sigma and by one sigma of the guess's height.
 
-    A fit finds the nearest height at which the hull's faces fit. Where depth was measured its
-    height is known well enough for that.
+    A fit ends at the nearest height at which the hull's faces fit, so several are tried. Empty
+    where that sigma is below OPEN_HEIGHT_M, as where depth was measured: the height of the guess is
+    good enough then.
+
+    Parameters
+    ----------
+    pose
+        global_from_hull.
+    cad_model
+        With the guess's sigmas.
+    center
+        (3,) m in M, of the survey.
     """
     up = cad_model.chart.ship_axes[2]
     shift = pose.rotation.as_matrix()[0] @ (up * cad_model.guess_sigma[:3])
@@ -213,9 +255,18 @@ def at_other_heights(pose: Poses, cad_model: CadModel, center: Array) -> list[Po
 
 
 def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
-    """Sample points by area on the faces near the guessed survey, and keep those near it.
+    """Sample points (k, 3) m in M, uniform by area, on the CAD model's faces near the survey.
 
-    Of SAMPLES points those that lie within KEPT_M. Empty where no face lies within NEAR_M.
+    Empty where no face lies within NEAR_M of it.
+
+    Parameters
+    ----------
+    mesh
+        In M.
+    near
+        (n, 3) m in M, surveyed points at the starts. Samples within KEPT_M of them are kept.
+    seed
+        Of the sampling.
     """
     corner = mesh.vertices[mesh.faces]
     middle = corner.mean(1)
@@ -237,7 +288,10 @@ def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
 
 
 def _gicp(points: Array, target: Array, starts: list[Poses]) -> list[Poses]:
-    """Register points in g to samples in M by generalised ICP from each start."""
+    """Register points in g to samples in M by generalised ICP from each start.
+
+    Returns the pose global_from_hull for each start.
+    """
     o3d = import_open3d()
 
     def cloud(xyz: Array) -> Any:
@@ -258,7 +312,7 @@ def _gicp(points: Array, target: Array, starts: list[Poses]) -> list[Poses]:
         ).transformation
         for start in starts
     ]
-    # its sums differ in the last digit from call to call: rounding keeps what follows repeatable
+    # ICP's sums differ in the last digit from call to call. Rounding makes the result repeatable.
     return [poses.from_matrix(np.round(each, 6)).inverse() for each in found]
 
 
@@ -268,7 +322,15 @@ def rms_m(found: Registration) -> float:
 
 
 def fits_far_better(as_is: Registration, others: Mapping[Key, Registration]) -> Key | None:
-    """Choose the reading of ranges that fits the CAD model best. None if none is far better."""
+    """Choose the interpretation of ranges that fits the CAD model best. None if none is far better.
+
+    Parameters
+    ----------
+    as_is
+        Registration to the ranges as they were interpreted.
+    others
+        Registrations to other interpretations, by a key of each.
+    """
     fits = {key: rms_m(one) for key, one in others.items() if one.fitness >= GOOD_FITNESS}
     best = min(fits, key=lambda key: fits[key], default=None)
     return None if best is None or fits[best] > FITS_BETTER * rms_m(as_is) else best
@@ -287,9 +349,9 @@ def _share_within(distance: Array, cad_model: CadModel, sigma_range: float) -> f
 
 
 def prior_step(global_from_hull: Poses, cad_model: CadModel, center: Array) -> Array:
-    """Compute how far a pose lies from the guess (6,), in M's axes about the centre.
+    """Compute the step (6,) from the guess to a pose: m and rad in M's axes, about the centre.
 
-    The step is what `guess_sigma` whitens.
+    Divided by `guess_sigma` it is the whitened residual of the prior.
     """
     apart = cad_model.guess.inverse() @ global_from_hull
     return np.asarray(np.r_[apart.apply(center)[0] - center, apart.log()[0, 3:]])
@@ -298,9 +360,10 @@ def prior_step(global_from_hull: Poses, cad_model: CadModel, center: Array) -> A
 def trimmed_cost(
     distance: Array, global_from_hull: Poses, cad_model: CadModel, center: Array
 ) -> float:
-    """Compute the mean square of the best 80 % of distances, plus the prior's.
+    """Compute the cost by which starts are compared: robust distances and the prior.
 
-    distance (n,) m is whitened with the CAD model's sigma.
+    It is the mean square of the smallest 80 % of distances, in the CAD model's sigma, plus the mean
+    square of the prior's whitened step. distance (n,): to the CAD model, m, not negative.
     """
     trimmed = np.sort(distance)[: max(1, int(0.8 * len(distance)))]
     prior = prior_step(global_from_hull, cad_model, center) / cad_model.guess_sigma
@@ -319,8 +382,8 @@ def fit_correlated(
 ) -> Registration:
     """Fit the hull's pose by generalised least squares with a correlated error of the CAD model.
 
-    Outliers are weighted down by their distance at the start, so that the cost is one function and
-    its descent ends.
+    Outliers are weighted down once, by their distance at the start. Weights that changed with the
+    pose would change the cost from step to step, and the iterations might not end.
 
     Parameters
     ----------
@@ -333,11 +396,11 @@ def fit_correlated(
     center
         (3,) m in M, about which steps turn.
     sigma_range
-        Of a range, m.
+        Of a DVL range, m.
     """
     expected = replace(cad_error.expected_cad_error(cad_model), noise=0.0)
     field = cad_error.distance_covariance(expected, cad_model, start.inverse().apply(points))
-    noise = _robust_noise(
+    noise = _robust_sigmas(
         signed_distances(points, start, center, cad_model.mesh)[0],
         sigma_range,
         cad_model.deviation_sigma,
@@ -369,7 +432,7 @@ def fit_correlated(
 
 @dataclass(frozen=True, kw_only=True)
 class HullPoseCost:
-    """Generalised least-squares cost of the hull's pose, by distances and its prior."""
+    """Generalised least-squares cost of the hull's pose, from distances and its prior."""
 
     points: Array  # (n, 3) m in g
     cad_model: CadModel
@@ -377,7 +440,7 @@ class HullPoseCost:
     factor: CholeskyFactor  # Cholesky factor of the distances' covariance
 
     def linearise(self, pose: Poses) -> LinearisedCost:
-        """Compute the cost with gradient and information by the step of `perturb_pose`."""
+        """Compute the cost, its gradient and information with respect to `perturb_pose`'s step."""
         distance, jacobian = signed_distances(self.points, pose, self.center, self.cad_model.mesh)
         weighted = cho_solve(self.factor, np.c_[jacobian, distance])
         whitened = prior_rows(self.cad_model)
@@ -394,7 +457,7 @@ class HullPoseCost:
 
 
 def prior_rows(cad_model: CadModel) -> Array:
-    """Compute the whitened derivative of `prior_step` by the step of `perturb_pose`."""
+    """Compute the Jacobian (6, 6) of the whitened `prior_step` by the step of `perturb_pose`."""
     to_hull = cad_model.guess.rotation.as_matrix()[0].T
     rows = np.zeros((6, 6))
     rows[:3, :3], rows[3:, 3:] = to_hull, np.eye(3)
@@ -404,7 +467,24 @@ def prior_rows(cad_model: CadModel) -> Array:
 def signed_distances(
     points: Array, global_from_hull: Poses, center: Array, mesh: Mesh
 ) -> tuple[Array, Array]:
-    """Compute signed distances (n,) and their derivatives (n, 6) by the step of `perturb_pose`."""
+    """Compute signed distances of points to a mesh, and their Jacobian.
+
+    Parameters
+    ----------
+    points
+        (n, 3) m in g.
+    global_from_hull
+        Pose of the mesh.
+    center
+        (3,) m in M, about which steps turn.
+    mesh
+        In M.
+
+    Returns
+    -------
+    distance, jacobian
+        (n,) m, outward positive, and (n, 6) by the step of `perturb_pose`.
+    """
     local = global_from_hull.inverse().apply(points)
     nearest = mesh.index.closest(local)
     rotation = global_from_hull.rotation.as_matrix()[0]
@@ -413,10 +493,21 @@ def signed_distances(
     return nearest.distance, np.hstack([by_shift, by_turn])
 
 
-def _robust_noise(distance: Array, sigma_range: float, sigma_field: float) -> Array:
-    """Widen the sigma of ranges (n,) beyond 1.345 sigmas of their median by Huber's weight.
+def _robust_sigmas(distance: Array, sigma_range: float, sigma_field: float) -> Array:
+    """Compute a sigma for each point, m (n,): that of a range, larger for outliers.
 
-    Those beyond three times as much are widened by another factor of ten: they hardly count.
+    Distances are compared with their median. Beyond 1.345 sigmas the sigma grows so that the weight
+    is Huber's. Gross outliers, beyond three times that threshold, have a sigma ten times larger
+    still, and hardly count.
+
+    Parameters
+    ----------
+    distance
+        (n,) m, signed, of the points to the CAD model at the start.
+    sigma_range
+        Of a DVL range, m.
+    sigma_field
+        Of the CAD model's error, m.
     """
     ratio = np.abs(distance - np.median(distance)) / (1.345 * np.hypot(sigma_range, sigma_field))
     return np.asarray(

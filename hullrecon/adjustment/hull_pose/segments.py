@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Segments of a path that outages cut, each registered to the CAD model (docs/methods.md 5).
 
-Where the DVL was silent and no image joins what lies before with what lies after, the two are known
-to metres relative to each other, and no pose of the CAD model fits both. The longest segment is
-registered to the CAD model. The others are moved onto it, as far as the path leaves them free. Then
-all is moved so that the first one lies where it did: frame g is where the dive began.
+Where the DVL gave no velocity and no image joins the nodes before with those after, the two parts
+of the path are known to metres relative to each other, and no pose of the CAD model fits both. The
+segment with most returns, the reference, is registered to the CAD model. The other segments are
+moved onto it, within the covariance that the path leaves them. Then path and CAD model are moved so
+that the first segment lies where it did, as the first node defines the frame g.
 """
 
 from __future__ import annotations
@@ -24,27 +25,27 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.records.trajectory import Odometry
 from hullrecon.typing import Array, Ints, Mask
 
-# Sigma of the way from one node with returns to the next beyond which a path is cut: no pose of the
-# CAD model fits both sides
+# A path is cut where the motion from one node with returns to the next has a larger sigma: no pose
+# of the CAD model fits both sides
 LOOSE_M = 0.3
-MIN_POINTS = 30  # of a segment that is registered
-MOST_POINTS = 800
-# The search for a segment's place: reach in sigmas of its guess, step in m, wider where there would
-# be more steps than MOST_STEPS
+MIN_POINTS = 30  # returns of a segment, below which it is not registered
+MOST_POINTS = 800  # of a segment that are fitted
+# Grid search for a segment's position: reach in sigmas of its guess, and step in m, which is wider
+# where there would be more than MOST_STEPS steps
 SEARCH_SIGMAS, SEARCH_STEP_M, MOST_STEPS = 2.5, 0.5, 41
-SEARCH_POINTS = 150
-LEAST_SIGMA = np.r_[0.02, 0.02, 0.02, np.radians([0.1, 0.1, 0.1])]  # m, rad
-WRONG_SIDE_M = 1.0  # distance that counts for a point on a face that its beam met from within
+SEARCH_POINTS = 150  # of a segment that are compared at each step
+LEAST_SIGMA = np.r_[0.02, 0.02, 0.02, np.radians([0.1, 0.1, 0.1])]  # m, rad of a guess
+WRONG_SIDE_M = 1.0  # least distance counted for a point on a face that its beam met from inside
 
 
 @dataclass(frozen=True, kw_only=True)
 class Segments:
     """The segments of a path, in the order of time."""
 
-    of_node: Ints  # (n,) segment of each node; -1 in an outage, or with too few returns
-    reference: int  # segment with most returns
-    # (s, 6, 6) covariance of the middle of a segment relative to the end of its neighbour towards
-    # the reference, (translation, rotation) in g; zero of the reference
+    of_node: Ints  # (n,) segment of each node; -1 in an outage, or in a segment with few returns
+    reference: int  # the segment with most returns
+    # (s, 6, 6) covariance (translation, rotation) in g of the pose of each segment's middle node,
+    # relative to the near end of its neighbour towards the reference. Zero for the reference
     step: Array
 
     def __len__(self) -> int:
@@ -52,7 +53,7 @@ class Segments:
 
     @property
     def loosest_m(self) -> float:
-        """Largest sigma of a segment relative to its neighbour, along the axis known worst."""
+        """Largest sigma of a segment's position relative to its neighbour, along the worst axis."""
         return float(np.sqrt(np.linalg.eigvalsh(self.step[:, :3, :3])[:, -1].max()))
 
     def towards_reference(self, segment: int) -> int:
@@ -65,7 +66,7 @@ class Segments:
         return np.asarray(self.step[low : high + 1].sum(axis=0))
 
     def outwards(self) -> list[int]:
-        """List all segments but the reference, each after its neighbour towards it."""
+        """List all segments but the reference, from its neighbours outwards."""
         return sorted(
             set(range(len(self))) - {self.reference}, key=lambda k: abs(k - self.reference)
         )
@@ -74,28 +75,28 @@ class Segments:
 def find_segments(
     problem: native.Problem, settings: native.Options, odometry: Odometry, node: Ints
 ) -> Segments | None:
-    """Find the segments of a path that was solved without the CAD model.
+    """Find the segments into which outages cut a path that was solved without the CAD model.
 
     Parameters
     ----------
     problem, settings
-        The path at its solution, and the options it was solved with.
+        The path at its solution, and the options with which it was solved.
     odometry
-        Motion between its nodes: only gaps that it knows badly are looked into.
+        Motion between its nodes. Only where its sigma is large is the path's covariance computed.
     node
-        Node (m,) of each return that counts.
+        Node (m,) of each return that is not flagged.
 
     Returns
     -------
     Segments or None
-        None where the path holds together.
+        None where the path is not cut.
 
     Raises
     ------
     StageError
         Where nothing determines the path.
     """
-    # Gaps between nodes with returns that odometry, and then the solved path too, knows badly.
+    # Cuts: between two nodes with returns, the sigma is large by odometry and by the solved path.
     count = np.bincount(node, minlength=len(problem.unknowns.pose))
     at = np.flatnonzero(count)
     by_odometry = odometry.sigma_between(at[:-1], at[1:])
@@ -104,7 +105,7 @@ def find_segments(
         return None
     covariance = _relative_covariance(problem, settings, at[:-1][loose], at[1:][loose])
     loose[loose] = np.linalg.eigvalsh(covariance[:, :3, :3])[:, -1] > LOOSE_M**2
-    # They cut the nodes into segments, of which those with few returns do not count.
+    # The nodes between two cuts are a segment. Segments with few returns are left out.
     label = np.concatenate([[0], np.cumsum(loose)])
     enough = np.bincount(label, count[at]) >= MIN_POINTS
     if enough.sum() < 2:
@@ -115,7 +116,7 @@ def find_segments(
     found = Segments(
         of_node=of_node, reference=int(np.argmax(size)), step=np.zeros((len(size), 6, 6))
     )
-    # The longest is the reference. The others' steps go from their neighbour's end to their middle.
+    # Steps of the others: from the end of the neighbour towards the reference to their own middle.
     outer = np.array(found.outwards())
     ends = np.array([_end_towards(found, found.towards_reference(k), k) for k in outer])
     middle = np.array([int(np.median(np.flatnonzero(of_node == k))) for k in outer])
@@ -162,10 +163,10 @@ def register_segments(
     cad_model: CadModel,
     sigma_range: float,
 ) -> RegisteredPath:
-    """Register the CAD model to the reference segment, and move the others onto it.
+    """Register the CAD model to the reference segment, and move the other segments onto the model.
 
-    What lies between two segments is moved with both. A segment that does not fit is moved with its
-    neighbour. Where the reference does not fit, none is moved.
+    The motion of nodes between two segments is interpolated. A segment that does not fit is moved
+    as its neighbour towards the reference. Where the reference does not fit, none is moved.
 
     Parameters
     ----------
@@ -198,7 +199,7 @@ def register_segments(
         moved[k] = (
             _motion_onto(at, at - start, replace(in_place, guess_sigma=sigma), sigma_range) @ before
         )
-    # All back, so that the first segment lies where the dive began.
+    # Move everything so that the first segment lies where it did.
     back = moved[0].inverse()
     after = _move(nodes, segments.of_node, [back @ motion for motion in moved])
     return RegisteredPath(
@@ -207,7 +208,10 @@ def register_segments(
 
 
 def _guess_of_reference(cad_model: CadModel, segments: Segments) -> CadModel:
-    """Widen the guess's sigmas by how well the reference is known from where the dive began."""
+    """Widen the guess's sigmas by the covariance of the reference relative to the first segment.
+
+    The package's guess is relative to the first node.
+    """
     by_path = _sigma_in_hull(segments.from_reference(0), cad_model.guess)
     return (
         replace(cad_model, guess_sigma=np.hypot(cad_model.guess_sigma, by_path))
@@ -223,16 +227,26 @@ def _sigma_in_hull(covariance: Array, global_from_hull: Poses) -> Array:
 
 
 def _motion_onto(points: Array, beams: Array, cad_model: CadModel, sigma_range: float) -> Poses:
-    """Find the motion in g that moves points (n, 3) of g onto the CAD model at its guess.
+    """Find the motion in g that moves points onto the CAD model at its guess.
 
-    The identity where they do not fit within the guess's sigmas. beams (n, 3): from the vehicle to
-    the points.
+    The identity where they do not fit, or where most lie on the inside of the CAD model.
+
+    Parameters
+    ----------
+    points
+        (n, 3) m in g, of one segment.
+    beams
+        (n, 3) m in g, vectors from the vehicle to the points.
+    cad_model
+        At the pose of the reference, with sigmas of the segment relative to it.
+    sigma_range
+        Of a DVL range, m.
     """
     kept = registration.thin_points(points, 0.10, MOST_POINTS)
     center = cad_model.guess.inverse().apply(kept).mean(axis=0)
     few = np.linspace(0, len(points) - 1, min(SEARCH_POINTS, len(points))).astype(int)
     found = _search(points[few], beams[few], cad_model, center)
-    for _ in range(2):  # outliers are judged by distances at the start
+    for _ in range(2):  # twice, as a fit judges outliers by the distances at its start
         fitted = registration.fit_correlated(kept, found, cad_model, center, sigma_range)
         found = fitted.global_from_hull
     on_outside = ~_from_within(points[few], beams[few], found, cad_model.mesh)
@@ -242,9 +256,10 @@ def _motion_onto(points: Array, beams: Array, cad_model: CadModel, sigma_range: 
 
 
 def _search(points: Array, beams: Array, cad_model: CadModel, center: Array) -> Poses:
-    """Search a grid over the ship's horizontal plane for the pose that fits points best.
+    """Search a grid of shifts along and across the ship for the pose that fits points best.
 
-    Points must lie on the CAD model's outside.
+    A point that lies on the CAD model's inside counts as WRONG_SIDE_M away. Parameters are those of
+    `_motion_onto`, with the center (3,) m in M of the points.
     """
     rotate, level = cad_model.guess.rotation.as_matrix()[0], cad_model.chart.ship_axes[:2]
     sigma = np.abs(level) @ cad_model.guess_sigma[:3]
@@ -265,13 +280,13 @@ def _search(points: Array, beams: Array, cad_model: CadModel, center: Array) -> 
 
 
 def _grid(sigma_m: float) -> Array:
-    """Make offsets around zero, zero among them."""
+    """Make the shifts (k,) m of the grid search along one axis, symmetric about zero."""
     steps = min(int(np.ceil(SEARCH_SIGMAS * sigma_m / SEARCH_STEP_M)), MOST_STEPS // 2)
     return np.linspace(-SEARCH_SIGMAS * sigma_m, SEARCH_SIGMAS * sigma_m, 2 * steps + 1)
 
 
 def _from_within(points: Array, beams: Array, global_from_hull: Poses, mesh: Mesh) -> Mask:
-    """Select points (n, 3) in g on faces that their beams (n, 3) met from inside."""
+    """Tell which points (n, 3) in g lie on faces that their beams (n, 3) in g met from inside."""
     outward = mesh.index.closest(global_from_hull.inverse().apply(points)).gradient
     return np.asarray(np.sum(global_from_hull.rotation.apply(outward) * beams, axis=1) > 0)
 
@@ -290,7 +305,7 @@ def _move(nodes: Poses, of_node: Ints, moved: list[Poses]) -> Poses:
     )
     ends = motion[of_node[first]] @ nodes, motion[of_node[second]] @ nodes
     weight = np.stack([1 - share, share])[:, :, None]
-    # apart by less than a right angle, whatever sign either has
+    # q and -q are the same rotation: take the sign with which the two are nearer to each other
     same = np.where(np.sum(ends[0].quaternion * ends[1].quaternion, axis=1) < 0, -1.0, 1.0)[:, None]
     quaternion = weight[0] * ends[0].quaternion + weight[1] * same * ends[1].quaternion
     translation = weight[0] * ends[0].translation + weight[1] * ends[1].translation

@@ -267,7 +267,7 @@ def _registration(adjusted: Adjusted) -> dict[str, object]:
     placement = adjusted.placement
     if placement is None:
         return {}
-    found, compared = placement.registration, placement.form
+    found, compared = placement.registration, placement.shape
     rms_m = float(np.sqrt(np.mean(found.residual**2)))
     vector = pose_vector(found.global_from_hull).tolist()
     form = {} if compared is None else {"form": asdict(compared) | {"log_odds": compared.log_odds}}
@@ -308,7 +308,7 @@ def _placement_warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
     if adjusted.placement is None:
         return []
     found = adjusted.placement.registration
-    sentences = [*_form_warnings(adjusted.placement), *_segment_warnings(adjusted.placement)]
+    sentences = [*_shape_warnings(adjusted.placement), *_segment_warnings(adjusted.placement)]
     if found.sigmas_off <= 1:
         return sentences
     turn = turn_of(found)
@@ -339,29 +339,29 @@ def _segment_warnings(placement: Placement) -> list[str]:
     ]
 
 
-def _form_warnings(placement: Placement) -> list[str]:
+def _shape_warnings(placement: Placement) -> list[str]:
     """Warn of what the surveyed form says of the CAD model that was accepted."""
-    form = placement.form
-    if form is None:
+    shape = placement.shape
+    if shape is None:
         return []
-    if form.contradicts:
+    if shape.needs_wider_sigma:
         return [
-            f"The hull leaves its CAD model by {np.sqrt(form.deviation):.1f} times "
+            f"The hull leaves its CAD model by {np.sqrt(shape.deviation):.1f} times "
             "hull.deviation_sigma over metres; that sigma was widened as much. If that is not "
             "known of the hull, the CAD model may be another ship's: the sigmas of position reach "
             "to where hull.pose has it."
         ]
-    if not form.confirms:
+    if not shape.fits_better_than_plane:
         return [
             "The surveyed part of the hull is too plain to tell whether the CAD model is of this "
             "ship and scale: another hull's would fit as well, and where on the hull the dive was "
             "is what hull.pose says. The sigmas of the position hold for a model that is right "
             "and to scale."
         ]
-    if max(form.scale_sigma) > TRUSTED_SCALE:
+    if max(shape.scale_sigma) > TRUSTED_SCALE:
         return [
             "The surveyed part tells the CAD model's proportions and scale to "
-            f"{100 * max(form.scale_sigma):.0f} % (one sigma): the sigmas of the position on the "
+            f"{100 * max(shape.scale_sigma):.0f} % (one sigma): the sigmas of the position on the "
             "hull hold for a model that is to scale."
         ]
     return []

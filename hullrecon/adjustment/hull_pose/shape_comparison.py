@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Comparison of the surveyed hull's form with the CAD model's (docs/methods.md 20).
+"""Comparison of the surveyed hull's shape with the CAD model's (docs/methods.md 20).
 
 Any CAD model can be registered to a patch so that most points lie within centimetres of it, and the
 deviation field takes up what is left. What is left must then be no larger than the CAD model's
@@ -22,70 +22,95 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array, Mask
 
 MISTAKEN = 2.0  # factor by which the stated error may be exceeded (docs/adr/0010)
-CHANCE = 1e-3  # that a CAD model as good as its package says is refused
-# Chance that its sigmas are widened needlessly, which costs less than placing another ship
+CHANCE = 1e-3  # probability that a CAD model as good as its package states is refused
+# Probability that its sigmas are widened needlessly, which costs less than a wrong ship
 WIDENING = 1e-2
-OUTSIDE_SIGMAS = 3.0  # farther out stand structures and growth; nothing stands in the steel
-MIN_POINTS = 30
+# Points farther outside are structures and growth. Points inside are kept, as nothing can stand in
+# the steel.
+OUTSIDE_SIGMAS = 3.0
+MIN_POINTS = 30  # left after the points outside are dropped
 PASSES = 4  # of refitting without the points outside
-SCALE_PRIOR = 0.5  # one sigma of a CAD model's scale along an axis before anything is measured
+SCALE_PRIOR = 0.5  # prior sigma of a CAD model's scale along each axis
 
 
 @dataclass(frozen=True, kw_only=True)
-class Form:
-    """Comparison of points on the hull with the CAD model's form, after a fit of its pose."""
+class ShapeComparison:
+    """Comparison of points on the hull with the CAD model's shape, after a fit of its pose.
 
-    patterns: int  # of the CAD model's error that the points resolve
-    deviation: float = 0.0  # mean square along them, in the variance that the package allows
-    plane: float = 0.0  # the same for distances to a plane
-    scale_chi2: float = 0.0  # explained by scaling the CAD model along its three axes
+    The distances of the points to the CAD model are split into independent patterns of the model's
+    error, each with the variance that the package states.
+    """
+
+    patterns: int  # number of patterns that the points resolve
+    deviation: float = 0.0  # mean square of the patterns' amplitudes, in their stated variances
+    plane: float = 0.0  # the same for distances to the best plane instead of the CAD model
+    scale_chi2: float = 0.0  # chi-square that scaling the CAD model along its axes explains
     scale_sigma: tuple[float, ...] = ()  # (3,) sigma of these scales
 
     @property
-    def contradicts(self) -> bool:
-        """Whether the hull deviates from it by more than chance and the stated error explain."""
+    def needs_wider_sigma(self) -> bool:
+        """Whether the hull deviates beyond the stated error, at the level WIDENING."""
         return self._beyond(1.0, WIDENING)
 
     @property
-    def is_worse_than_stated(self) -> bool:
-        """Whether the hull deviates from it beyond the chance at which a CAD model is refused."""
+    def exceeds_stated_error(self) -> bool:
+        """Whether the hull deviates beyond the stated error, at the stricter level CHANCE."""
         return self._beyond(1.0, CHANCE)
 
     @property
     def is_of_another_hull(self) -> bool:
-        """Whether the hull deviates by more than a package may be mistaken.
+        """Whether the CAD model is of another hull.
 
-        Or beyond chance, and a plane fits no worse.
+        The hull deviates beyond MISTAKEN times the stated error, or beyond the stated error where
+        the CAD model does not fit better than a plane.
         """
-        return self.is_worse_than_stated and (self._beyond(MISTAKEN, CHANCE) or not self.confirms)
+        return self.exceeds_stated_error and (
+            self._beyond(MISTAKEN, CHANCE) or not self.fits_better_than_plane
+        )
 
     @property
     def fits_better_scaled(self) -> bool:
-        """Whether the CAD model's scale or proportions differ from the hull's beyond chance."""
+        """Whether other scales along the axes fit better, at the level CHANCE."""
         return self.scale_chi2 > float(chdtri(min(3, self.patterns) or 1, CHANCE))
 
     @property
     def log_odds(self) -> float:
-        """Log odds that the points have the CAD model's form rather than a plane's.
+        """Log odds that the points have the CAD model's shape rather than a plane's.
 
-        Each form has an error of its own size. Zero where the points cannot tell.
+        The size of the error is estimated for each of the two. Zero where the points cannot tell.
         """
         return 0.5 * self.patterns * float(np.log(max(self.plane, 1.0) / max(self.deviation, 1.0)))
 
     @property
-    def confirms(self) -> bool:
-        """Whether the log odds are beyond chance."""
+    def fits_better_than_plane(self) -> bool:
+        """Whether the CAD model explains the points better than a plane, at the level CHANCE."""
         return self.log_odds > -float(np.log(CHANCE))
 
     def _beyond(self, times: float, chance: float) -> bool:
-        """Test the deviation at a level of chance against a multiple of the stated error."""
+        """Test whether the deviation exceeds a multiple of the stated error.
+
+        Parameters
+        ----------
+        times
+            The multiple.
+        chance
+            Probability that a hull within that error fails the chi-square test.
+        """
         return self.patterns > 0 and self.deviation * self.patterns > times**2 * float(
             chdtri(self.patterns, chance)
         )
 
 
-def compare_form(evidence: HullPoseEvidence, pose: Poses) -> Form:
-    """Compare the form of points that lie on the hull with the CAD model's at a pose."""
+def compare_shape(evidence: HullPoseEvidence, pose: Poses) -> ShapeComparison:
+    """Compare the shape of points that lie on the hull with the CAD model's.
+
+    Parameters
+    ----------
+    evidence
+        Points and CAD model.
+    pose
+        global_from_hull, fitted to the points.
+    """
     cad_model, expected = evidence.cad_model, evidence.cad_error_model
     distance, jacobian = registration.signed_distances(
         evidence.points, pose, evidence.center, cad_model.mesh
@@ -105,15 +130,16 @@ def compare_form(evidence: HullPoseEvidence, pose: Poses) -> Form:
     )
     patterns, variance = _resolved_patterns(field, fitted[used], noise)
     if not len(variance):
-        return Form(patterns=0)
+        return ShapeComparison(patterns=0)
     whitened = patterns.T / np.sqrt(variance)[:, None]
     outward = -jacobian[:, :3] @ pose.rotation.as_matrix()[0]
-    # where the points lie themselves, their noise would correlate with the distances
+    # The scales' derivatives are taken at the feet of the points on the CAD model: at the points
+    # themselves, their noise would correlate with the distances.
     on_cad = at - distance[:, None] * outward
     by_ratio = -outward * (on_cad - evidence.center)
     chi2, sigma = scale_test(whitened @ distance[used], whitened @ by_ratio[used])
     deviation, flat = (float(np.mean((whitened @ h[used]) ** 2)) for h in (distance, plane))
-    return Form(
+    return ShapeComparison(
         patterns=len(variance),
         deviation=deviation,
         plane=flat,
@@ -131,19 +157,43 @@ def _distance_to_plane(at: Array) -> Array:
 def _open_directions(jacobian: Array, cad_model: CadModel, noise: float) -> Array:
     """Find how distances change (n, k) in directions that the pose's prior leaves open.
 
-    Open means to more than the noise. jacobian (n, 6): by the step of `perturb_pose`.
+    A direction is open if one sigma of the prior along it moves the distances beyond the noise.
+
+    Parameters
+    ----------
+    jacobian
+        (n, 6) of the distances by the step of `perturb_pose`.
+    cad_model
+        With the prior of its pose.
+    noise
+        Variance of the distances, m2.
     """
     return _beyond_noise(jacobian @ np.linalg.inv(registration.prior_rows(cad_model)), noise)
 
 
 def _beyond_noise(by_sigma: Array, noise: float) -> Array:
-    """Find the directions (n, k) in which one sigma (n, q) moves distances beyond the noise."""
+    """Find an orthonormal basis (n, k) of the motions of distances that exceed the noise.
+
+    by_sigma (n, q): how distances move by one sigma of each unknown. noise: variance, m2.
+    """
     left, size, _ = np.linalg.svd(by_sigma, full_matrices=False)
     return np.asarray(left[:, size > np.sqrt(noise)])
 
 
 def _within_structures(distance: Array, fitted: Array, most: float) -> Mask:
-    """Select distances (n,) that exceed a fit (n, k) to the selected ones by at most `most`."""
+    """Select points that do not stand out of the hull, as structures and growth do.
+
+    A linear fit to the selected distances and the selection by its residuals alternate.
+
+    Parameters
+    ----------
+    distance
+        (n,) m, outward positive.
+    fitted
+        (n, k) columns of the fit.
+    most
+        Largest residual, m, of a selected point.
+    """
     used = np.ones(len(distance), bool)
     for _ in range(PASSES):
         left = distance - fitted @ np.linalg.lstsq(fitted[used], distance[used])[0]
@@ -154,21 +204,21 @@ def _within_structures(distance: Array, fitted: Array, most: float) -> Mask:
 
 
 def _resolved_patterns(field: Array, fitted: Array, noise: float) -> tuple[Array, Array]:
-    """Find the independent patterns (n, m) of a field that stand out of the noise.
+    """Find the independent patterns of a field that stand out of the noise (Karhunen-Loeve).
 
     Parameters
     ----------
     field
         Covariance (n, n) of the field.
     fitted
-        What was fitted (n, k). Patterns are orthogonal to it.
+        Columns (n, k) that a fit has taken out. Patterns are orthogonal to them.
     noise
         Variance of the noise.
 
     Returns
     -------
     patterns, variances
-        Orthonormal (n, m), and their variances (m,) with the noise.
+        Orthonormal (n, p), and their variances (p,) m2, with the noise.
     """
     basis, size, _ = np.linalg.svd(fitted, full_matrices=True)
     free = basis[:, int((size > 1e-9 * size[0]).sum()) :]
@@ -180,15 +230,18 @@ def _resolved_patterns(field: Array, fitted: Array, noise: float) -> tuple[Array
 def scale_test(deviation: Array, by_ratio: Array) -> tuple[float, tuple[float, ...]]:
     """Test whether other scales of the CAD model explain how the hull deviates from it.
 
-    Returns the chi-square that three scales explain, with their sigmas. Where what they leave has a
-    variance above one, both are relative to that.
-
     Parameters
     ----------
     deviation
-        Whitened (m,).
+        Whitened amplitudes (p,) of the patterns.
     by_ratio
-        Derivatives (m, 3) by the scales along three axes.
+        Derivatives (p, 3) of these by the scales along three axes.
+
+    Returns
+    -------
+    chi2, sigmas
+        Chi-square that the three scales explain, and the sigma of each. Where the variance of the
+        residuals is above one, both are relative to it.
     """
     information = by_ratio.T @ by_ratio + np.eye(3) / SCALE_PRIOR**2
     gradient = by_ratio.T @ deviation

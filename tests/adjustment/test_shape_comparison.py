@@ -12,16 +12,21 @@ import pytest
 from adjustment.scenes import TRUTH, cad_model, side
 from scipy.stats import chi2
 
-from hullrecon.adjustment.cad_acceptance import accept_form
+from hullrecon.adjustment.cad_acceptance import accept_shape
 from hullrecon.adjustment.hull_pose import estimate
 from hullrecon.adjustment.hull_pose.cad_error import matern32
-from hullrecon.adjustment.hull_pose.form import CHANCE, WIDENING, Form, compare_form
 from hullrecon.adjustment.hull_pose.registration import thin_points
+from hullrecon.adjustment.hull_pose.shape_comparison import (
+    CHANCE,
+    WIDENING,
+    ShapeComparison,
+    compare_shape,
+)
 from hullrecon.geometry.meshes.mesh import Mesh
 
 CURVED = side(0.9)
 PLACE = np.array([7.0, 3.8, 2.5])  # of the survey, in M
-AGREES = Form(patterns=12, deviation=1.0, plane=40.0)
+AGREES = ShapeComparison(patterns=12, deviation=1.0, plane=40.0)
 
 
 @lru_cache
@@ -52,7 +57,7 @@ def compared(mesh, points):
         model,
         TRUTH.inverse().apply(kept).mean(0),
     )
-    return compare_form(evidence, best)
+    return compare_shape(evidence, best)
 
 
 def stretched(factors):
@@ -60,27 +65,27 @@ def stretched(factors):
 
 
 def refused(form, sigmas_off=1.0):
-    return accept_form(form, sigmas_off).reason
+    return accept_shape(form, sigmas_off).reason
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_model_as_good_as_its_package_says_is_believed(seed):
     form = compared(CURVED, surveyed(deviation_m=0.02, seed=seed))
     assert form.patterns > 5
-    assert not form.contradicts
-    assert form.confirms
+    assert not form.needs_wider_sigma
+    assert form.fits_better_than_plane
     assert refused(form, sigmas_off=6.0) is None  # and found far from a guess, too
 
 
 def test_hull_off_by_more_than_stated_is_no_other_ship():
     form = compared(CURVED, surveyed(deviation_m=0.045))
-    assert form.contradicts
+    assert form.needs_wider_sigma
     assert refused(form) is None
 
 
 def test_growth_of_fifteen_centimetres_is_no_other_form():
     form = compared(CURVED, surveyed(deviation_m=0.015, growth_m=0.15))
-    assert not form.contradicts
+    assert not form.needs_wider_sigma
     assert refused(form) is None
 
 
@@ -91,8 +96,8 @@ def test_a_plain_side_confirms_nothing_and_is_not_refused_for_it():
         plate.faces,
     )
     form = compared(plate, surveyed(deviation_m=0.01, flat=True))
-    assert not form.contradicts
-    assert not form.confirms
+    assert not form.needs_wider_sigma
+    assert not form.fits_better_than_plane
     assert min(form.scale_sigma) > 0.4  # the patch says nothing of the model's ratios
     assert refused(form) is None
 
@@ -105,7 +110,7 @@ def test_a_plain_side_far_from_the_guess_is_refused():
 
 def test_package_is_not_mistaken_in_place_and_error():
     worse = replace(AGREES, deviation=5.0)
-    assert worse.is_worse_than_stated
+    assert worse.exceeds_stated_error
     assert refused(worse, sigmas_off=3.0) is None
     assert refused(AGREES, sigmas_off=6.0) is None
     why = refused(worse, sigmas_off=6.0)
@@ -117,7 +122,7 @@ def test_another_ship_s_side_is_refused():
     x, y, z = CURVED.vertices.T
     other = Mesh(np.c_[x, y - 0.02 * (x - 7) ** 2 + 0.12 * (z - 2.5) ** 2, z], CURVED.faces)
     form = compared(other, surveyed(deviation_m=0.01))
-    assert form.contradicts or form.fits_better_scaled
+    assert form.needs_wider_sigma or form.fits_better_scaled
     assert refused(form) is not None
 
 
@@ -149,8 +154,10 @@ def test_right_model_is_refused_by_tail_of_chi_square():
     random = np.random.default_rng(5)
     draws = (random.standard_normal((20000, 12)) ** 2).mean(axis=1)
     # confirmed by nothing
-    plain = [Form(patterns=12, deviation=float(d), plane=1.0) for d in draws]
-    assert np.mean([form.contradicts for form in plain]) == pytest.approx(WIDENING, abs=2.5e-3)
+    plain = [ShapeComparison(patterns=12, deviation=float(d), plane=1.0) for d in draws]
+    assert np.mean([form.needs_wider_sigma for form in plain]) == pytest.approx(
+        WIDENING, abs=2.5e-3
+    )
     assert np.mean([form.is_of_another_hull for form in plain]) == pytest.approx(CHANCE, abs=8e-4)
 
 
@@ -161,18 +168,18 @@ def test_a_model_is_doubted_before_it_is_refused():
         return replace(AGREES, deviation=float(chi2.isf(chance, AGREES.patterns)) / AGREES.patterns)
 
     doubted, refusable = with_chance(5e-3), with_chance(5e-4)
-    assert doubted.contradicts
+    assert doubted.needs_wider_sigma
     assert refused(replace(doubted, plane=1.0)) is None
     assert refused(replace(refusable, plane=1.0)) is not None
-    assert not with_chance(0.02).contradicts
+    assert not with_chance(0.02).needs_wider_sigma
 
 
 def test_without_a_resolved_pattern_nothing_is_said():
-    nothing = Form(patterns=0)
+    nothing = ShapeComparison(patterns=0)
     assert (
-        nothing.contradicts,
+        nothing.needs_wider_sigma,
         nothing.fits_better_scaled,
-        nothing.confirms,
+        nothing.fits_better_than_plane,
         nothing.log_odds,
     ) == (
         False,
