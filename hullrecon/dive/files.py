@@ -13,8 +13,8 @@ import zlib
 from pathlib import Path
 from typing import BinaryIO
 
-GROWTH = 1 << 16  # bytes
-BLOCK = 1 << 20
+GROWTH = 1 << 16  # bytes read at a time of a file that is longer than its stated size
+BLOCK = 1 << 20  # bytes unpacked at a time
 MIB = 1 << 20
 KINDS = (
     (stat.S_ISFIFO, "a FIFO"),
@@ -34,8 +34,8 @@ def open_regular(path: Path) -> BinaryIO:
     Raises OSError, without waiting, for what cannot be opened and for a FIFO, a socket or a device.
     """
     _refuse_special(path, path.stat())
-    # A file may be replaced between the two looks: the second is at what was opened, which
-    # O_NONBLOCK never waits for.
+    # A file may be replaced between check and opening. So what was opened is checked again.
+    # With O_NONBLOCK opening does not wait, not even for a FIFO.
     stream = os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb")
     try:
         _refuse_special(path, os.fstat(stream.fileno()))
@@ -64,8 +64,8 @@ def read_regular(path: Path, largest_bytes: int) -> bytes:
         size = os.fstat(stream.fileno()).st_size
         if size > largest_bytes:
             raise too_large(path, largest_bytes)
-        data = stream.read(size)  # as many bytes are set aside as are asked for
-        # it has grown, or its size is not known
+        data = stream.read(size)  # read allocates all that is asked for, so not largest_bytes
+        # more bytes where the file has grown, or where its size was not known
         while len(data) <= largest_bytes and (more := stream.read(GROWTH)):
             data += more
     if len(data) > largest_bytes:
@@ -105,6 +105,7 @@ def gunzip(data: bytes, largest_bytes: int) -> bytes:
 
 
 def _refuse_special(path: Path, found: os.stat_result) -> None:
+    """Raise OSError where a file is a FIFO, a socket or a device."""
     kind = special_kind(found.st_mode)
     if kind:
         raise OSError(errno.EINVAL, f"it is {kind}, not a file", str(path))

@@ -64,11 +64,11 @@ from hullrecon.records.sensors import (
 )
 from hullrecon.typing import Array
 
-# without velocity: at a decimetre a second the vehicle may be anywhere in a harbour
+# without a velocity; at a decimetre a second the vehicle may then be anywhere in a harbour
 LONG_SILENCE_S = 3600.0
-LEAST_SINKING_S = 20.0  # of velocities by which depths are judged
+LEAST_SINKING_S = 20.0  # span of velocities by which the unit of depths can be judged
 JOINT_KEYS = {"tray": "tray.joint", "sonar_tray": "sonar.joint"}
-OpenFile = Callable[[str], BinaryIO]  # a file for the images of that camera
+OpenFile = Callable[[str], BinaryIO]  # opens the file for the images of the camera of that name
 Kind = TypeVar("Kind", bound=Sample)
 DEPTHS: tuple[type[PressureSample | DepthSample], ...] = (PressureSample, DepthSample)
 
@@ -87,7 +87,7 @@ class IngestRequest:
     beams: Array | None  # (b, 3) of the DVL, for messages without
     sigma_velocity: float  # m/s, where a message has none
     calibration: Mapping[str, str]  # file by camera ("camera_top", "camera_bottom")
-    added_ns: Mapping[str, int]  # by sensor, added to the stamps
+    added_ns: Mapping[str, int]  # by sensor, added to the stamps (positive where they are early)
     mesh: str | None  # the CAD model
     units: str  # of the CAD model
     uncalibrated: tuple[str, ...] = ()  # cameras whose calibration the logs have to hold
@@ -214,6 +214,7 @@ def ingest(
 
 
 def _open_logs(package: Path, request: IngestRequest, problems: Problems) -> list[Log]:
+    """Choose the reader of each log. Logs that cannot be opened are collected as problems."""
     logs = []
     for name in request.logs:
         with problems.collect():
@@ -222,6 +223,7 @@ def _open_logs(package: Path, request: IngestRequest, problems: Problems) -> lis
 
 
 def _sensors_by_topic(topics: Mapping[str, str]) -> dict[str, list[str]]:
+    """Turn topics by sensor into sensors by topic: a pose topic may serve several."""
     return {
         topic: [sensor for sensor, named in topics.items() if named == topic]
         for topic in topics.values()
@@ -245,6 +247,7 @@ def _image_sinks(
     cameras: Mapping[str, CameraModel],
     open_file: OpenFile,
 ) -> dict[str, ImageSink]:
+    """Make the sink of each calibrated camera, which indexes and stores its images."""
     return {
         name: ImageSink(
             name,
@@ -269,20 +272,29 @@ def _join_time_bases(
     bags: Sequence[int],
     added_ns: Mapping[str, int],
 ) -> list[Finding]:
-    """Put sensors of bags onto one time base, but those whose offset dive.toml gives.
+    """Put the stamps of sensors in bags onto one time base, and report what was moved.
 
-    bags: numbers of the logs in which messages have a time of logging of their own.
+    A sensor whose time offset dive.toml gives is left unchanged.
+
+    Parameters
+    ----------
+    found : samples, whose stamps are changed in place
+    sinks : of the cameras, whose stamps are changed too
+    bags : numbers of the logs in which messages have a time of logging of their own
+    added_ns : by sensor, what dive.toml has added to the stamps
     """
     rows: dict[str, tuple[Sequence[int], Sequence[int], Sequence[int]]] = {
         sensor: ([s.t_ns for s in samples], found.logged_ns[sensor], found.log[sensor])
         for sensor, samples in found.samples.items()
     }
     rows |= {camera: sink.stamps() for camera, sink in sinks.items()}
-    logged: dict[str, BagStamps] = {}
-    for sensor, (stamp, at, log) in rows.items():
-        if stamp and not added_ns.get(sensor) and np.isin(log, bags).all():
-            logged[sensor] = BagStamps(np.array(stamp, np.int64), np.array(at, np.int64))
-    shifts, notes = join_time_bases(logged)
+    by_sensor: dict[str, BagStamps] = {}
+    for sensor, (stamp_ns, logged_ns, log) in rows.items():
+        if stamp_ns and not added_ns.get(sensor) and np.isin(log, bags).all():
+            by_sensor[sensor] = BagStamps(
+                np.array(stamp_ns, np.int64), np.array(logged_ns, np.int64)
+            )
+    shifts, notes = join_time_bases(by_sensor)
     for sensor, shift_ns in shifts.items():
         if sensor in sinks:
             sinks[sensor].move(shift_ns)
@@ -295,7 +307,14 @@ def _join_time_bases(
 
 
 def _describe_contents(out: IngestResult, found: LogContents, chosen: set[str]) -> None:
-    """Note losses, the message count of each topic, and topics that no sensor uses."""
+    """Note losses, the message count of each topic, and topics that no sensor uses.
+
+    Parameters
+    ----------
+    out : where it is noted
+    found : what reading the logs gave
+    chosen : topics that a sensor or a calibration takes
+    """
     out.lost = describe_losses(found.losses)
     out.counts = {
         channel.topic: count
@@ -314,9 +333,15 @@ def _check_found(
     losses: Sequence[tuple[str, Loss]],
     problems: Problems,
 ) -> None:
-    """Refuse several dives in one, and a package of which nothing was read.
+    """Refuse several dives in one, clocks that are hours apart, and a package without any reading.
 
-    window: the time window that excluded all measurements, None where that is not the reason.
+    Parameters
+    ----------
+    out : what was read
+    request : what was asked for
+    window : the time window, where it excluded measurements, else None
+    losses : what of the logs could not be read, with the file's name
+    problems : collects or raises what is refused
     """
     with problems.collect():
         _check_silence(out)
@@ -331,7 +356,7 @@ def _check_found(
 def _nothing_read(
     request: IngestRequest, window: TimeWindow | None, losses: Sequence[Loss]
 ) -> InputError:
-    """Make the error that says why nothing could be read."""
+    """Make the error that says why no sensor gave a reading: damage, the time window or topics."""
     if losses:
         return InputError(
             f"no sensor could be read from the logs: {losses[0].why}",
@@ -353,7 +378,10 @@ def _nothing_read(
 
 
 def _check_silence(found: IngestResult) -> None:
-    """Raise InputError where the DVL is silent for so long that the package holds several dives."""
+    """Raise InputError where the DVL is silent for LONG_SILENCE_S, without images in between.
+
+    Nothing then tells how the vehicle moved, so the package holds several dives.
+    """
     dvl = found.records.dvl
     if dvl is None or found.images:
         return
@@ -372,9 +400,9 @@ def _check_silence(found: IngestResult) -> None:
 
 
 def _check_topics(topics: Mapping[str, str], found: LogContents, problems: Problems) -> None:
-    """Raise InputError for a topic that is named but absent.
+    """Raise InputError for a topic that dive.toml names but no log holds.
 
-    In a damaged log its messages may have been lost: that is noted.
+    Where logs are damaged its messages may have been lost. That is only noted.
     """
     held = {channel.topic for channel in found.counts}
     for sensor, topic in sorted(topics.items()):
@@ -394,22 +422,29 @@ def _check_topics(topics: Mapping[str, str], found: LogContents, problems: Probl
 
 @dataclass
 class _Source:
-    """The inputs from which the records are built."""
+    """The inputs from which the records are built, and the records so far."""
 
     request: IngestRequest
-    found: LogContents
-    notes: list[Finding]
-    spool: PingSpool
-    keep_images: KeepImages
-    attitude_is_dvls: bool = False
+    found: LogContents  # samples by sensor
+    notes: list[Finding]  # what is assumed or left out is added
+    spool: PingSpool  # the images of the sonar's samples
+    keep_images: KeepImages  # stores the images of the sonar's record
+    attitude_is_dvls: bool = False  # the attitude is by sensors inside the DVL
     built: dict[str, SensorRecord | None] = field(default_factory=dict)  # by sensor
 
     def samples(
         self, sensor: str, kind: type[Kind] | tuple[type[Kind], ...], joint: str | None = None
     ) -> list[Kind]:
-        """Collect the samples of a sensor, or of one joint, in order of time without duplicates.
+        """Collect the samples of a sensor in order of time, without duplicates.
 
-        Samples of the DVL's own sensors are ignored where other sensors were logged.
+        Attitudes and depths of the DVL's own sensors are ignored where another sensor was logged.
+        Clock jumps and bursts are corrected, and readings that a driver repeated are dropped.
+
+        Parameters
+        ----------
+        sensor : as in [topics] of dive.toml
+        kind : type of its samples
+        joint : name of one servo among those of "joints"
         """
         found = self.found
         rows = [
@@ -419,7 +454,7 @@ class _Source:
             )
             if isinstance(row[0], kind) and joint in (None, getattr(row[0], "name", None))
         ]
-        # before they are put in order: two sensors are two clocks
+        # done before sorting by time, as two sensors have two clocks
         own = [row for row in rows if not is_of_dvl(row[0])]
         if own and len(own) < len(rows):
             values = {"sensor": sensor, "count": len(rows) - len(own)}
@@ -453,6 +488,7 @@ def _build_dvl(source: _Source) -> DvlPings | None:
 
 
 def _build_imu(source: _Source) -> ImuSamples | None:
+    """Stack the attitudes, and note whether they are by the DVL's own sensors."""
     samples, request = source.samples("imu", ImuSample), source.request
     if not samples:
         return None
@@ -468,6 +504,7 @@ def _build_imu(source: _Source) -> ImuSamples | None:
 
 
 def _build_pressure(source: _Source) -> PressureSamples | None:
+    """Stack the depths."""
     samples = source.samples("pressure", DEPTHS)
     if not samples:
         return None
@@ -477,7 +514,11 @@ def _build_pressure(source: _Source) -> PressureSamples | None:
 
 
 def _tells_depth(source: _Source) -> bool:
-    """Tell whether DVL and IMU say for long enough how the vehicle sank."""
+    """Tell whether DVL and IMU give velocities for long enough to compare depths with.
+
+    A wrong unit of the pressure is then found by that comparison, so that depths above the water
+    need not be refused here.
+    """
     dvl, imu = source.built.get("dvl"), source.built.get("imu")
     if not isinstance(dvl, DvlPings) or imu is None:
         return False
@@ -493,7 +534,7 @@ def _build_sonar(source: _Source) -> SonarPings | None:
 
 
 def _build_position(source: _Source) -> PositionFixes | None:
-    """Stack the fixes of GPS or USBL. The pressure tells which antennas were under water."""
+    """Stack the position fixes (USBL, GNSS). The depth tells when an antenna was under water."""
     request, samples = source.request, source.samples("position", PositionSample)
     acoustic = is_acoustic(request.position_source, request.topics.get("position", ""))
     samples = [replace(s, by_satellite=s.by_satellite and not acoustic) for s in samples]
@@ -525,7 +566,7 @@ BUILDERS: dict[str, Callable[[_Source], SensorRecord | None]] = {
 
 
 def _build_records(source: _Source, problems: Problems) -> SensorRecords:
-    """Build the records of all sensors but the cameras."""
+    """Build the records of all sensors but the cameras, in the order of BUILDERS."""
     for name, build in BUILDERS.items():
         if name == next(iter(JOINT_KEYS)):  # once, in front of the joints
             with problems.collect():
@@ -536,10 +577,11 @@ def _build_records(source: _Source, problems: Problems) -> SensorRecords:
 
 
 def _check_joints(source: _Source) -> None:
-    """Raise InputError for a servo that is named but that no joint message holds.
+    """Raise InputError for a servo that dive.toml names but no joint message holds.
 
-    Without any joint message the tray is known to be taken as fixed. A missing servo of the sonar,
-    or one in a damaged log, is noted.
+    It is only noted for the sonar's servo where no joint was logged at all, and where a damaged log
+    may have held it. Nothing is said of the tray where no joint was logged: that it is taken as
+    fixed is reported elsewhere.
     """
     held = {s.name for s in source.found.samples["joints"] if isinstance(s, JointSample)}
     for record, joint in source.request.joints.items():
@@ -550,7 +592,7 @@ def _check_joints(source: _Source) -> None:
             if held or record != "tray":
                 source.notes.append(Finding("joint-absent", {"joint": joint}, where))
             continue
-        others = held - set(source.request.joints.values())  # of another servo, as is dive.toml's
+        others = held - set(source.request.joints.values())  # joints that dive.toml does not name
         near = difflib.get_close_matches(joint, others, 1, 0.6)
         remedy = f'name one of them, or set {where} = "" if nothing turns there'
         if near:

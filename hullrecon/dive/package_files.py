@@ -48,6 +48,10 @@ def check_log(path: Path, root: Path, *, allow_outside: bool = False) -> None:
 
 
 def _check_file(key: str, path: Path, package: Path, allow_outside: bool) -> None:
+    """Raise InputError for a special file, or one outside the package if that is not allowed.
+
+    key: what names the file, for the message.
+    """
     kind = special_file(path)
     if kind:
         raise InputError(
@@ -62,7 +66,7 @@ def _check_file(key: str, path: Path, package: Path, allow_outside: bool) -> Non
 def lies_inside(path: Path, package: Path) -> bool:
     """Tell whether a file, its links followed, lies in the package's folder.
 
-    So does a name that no file can have: its reader says what is wrong.
+    True also for a name that no file can have: its reader says what is wrong.
     """
     try:
         return path.resolve().is_relative_to(package.resolve())
@@ -74,8 +78,9 @@ def lies_inside(path: Path, package: Path) -> bool:
 def log_files(package: Path, name: str) -> list[Path]:
     """List the files that reading the log `name` opens.
 
-    A file with a database's write-ahead log, or the tables, images and bags of a folder. Paths are
-    relative to the package, absolute if outside. Raises InputError for a folder that holds no log.
+    Of a file these are itself and the write-ahead log beside a database, of a folder its tables
+    with the images that they name, or its bags. Paths are relative to the package, absolute if
+    outside. Raises InputError for a folder that holds no log.
     """
     folder = package / name
     try:
@@ -147,7 +152,16 @@ def _files_of_run(key: str, run: Path) -> Iterator[tuple[str, Path]]:
 
 
 def _files_of_log(key: str, log: Path, package: Path) -> Iterator[tuple[str, Path]]:
-    """Yield a log, what its folder holds, and what its tables name, each before it is read."""
+    """Yield a log, what its folder holds, and what its tables name, with what names each.
+
+    Each file is yielded before it is read, so that the caller can refuse it first.
+
+    Parameters
+    ----------
+    key : of dive.toml that names the log
+    log : file or folder
+    package : the folder that paths in tables may be relative to
+    """
     yield key, log
     if not _is_folder(log):
         yield key, write_ahead_log(log)

@@ -15,18 +15,18 @@ class Problems:
     """Raise the first InputError, or collect all of them for `check`."""
 
     def __init__(self, *, go_on: bool = False) -> None:
-        self._go_on = go_on
+        self._go_on = go_on  # collect, as `check` does, instead of raising
         self.found: list[Finding] = []  # what could not be used, in the order of reading
 
     def refuse(self, finding: Finding) -> None:
-        """Keep a finding against a run and go on, or raise it as InputError."""
+        """Collect a finding that no run could go on with, or raise it as InputError."""
         if not self._go_on:
             raise InputError(finding.sentence)
         self.found.append(finding)
 
     @contextmanager
     def collect(self) -> Iterator[None]:
-        """Keep an InputError of the block and go on behind it, or let it pass."""
+        """Catch an InputError of the block and collect it, or let it pass."""
         try:
             yield
         except InputError as error:

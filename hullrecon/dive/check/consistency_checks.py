@@ -26,14 +26,14 @@ from hullrecon.records.sensors import (
 )
 from hullrecon.typing import Ints
 
-# Findings that sensors which fit otherwise are held to
+# Findings that are not told where a sensor was found to be wrong, as they are its consequences
 COARSE = frozenset({"imu-upside-down", "imu-gravity-tilted", "ranges-above-water"})
 ABOVE_WATER_M = 0.5  # a return that far above the surface is not of the hull under water
-ABOVE_WATER_SHARE = 0.05  # of the returns, from which on it is told
+ABOVE_WATER_SHARE = 0.05  # of the returns; more are reported
 APART_DEG = 50.0  # between where a camera and the DVL look
 SAME_DEG = 5.0  # between two statements on how one sensor sits
-UNPLACED_SHARE = 0.01  # of the DVL's velocities without an attitude, from which on it is told
-UNPLACED_S = 10.0  # of readings under water without a velocity, from which on it is told
+UNPLACED_SHARE = 0.01  # of the DVL's velocities without an attitude; more are reported
+UNPLACED_S = 10.0  # of readings under water without a velocity; more are reported
 UNDER_WATER_M = 0.5  # a sensor deeper than that is no longer on deck
 BASELINE_M = (0.01, 2.0)  # of a stereo rig on a vehicle
 UPRIGHT, UPSIDE_DOWN = 0.9, -0.7  # cosine between gravity as measured and the vertical
@@ -42,7 +42,7 @@ UPRIGHT, UPSIDE_DOWN = 0.9, -0.7  # cosine between gravity as measured and the v
 def check_consistency(
     config: DiveConfig, records: SensorRecords, images: Mapping[str, ImageIndex]
 ) -> list[Finding]:
-    """Find contradictions between sensors, mounts and clocks."""
+    """Report contradictions between sensors, mounts and clocks. Severe ones are told by ingest."""
     streams = {**records.by_name(), **images}
     gaps = clock_gaps(streams)
     out = [finding for finding in gaps if finding.severity == "warning"]
@@ -78,7 +78,7 @@ def check_mount_of_attitude(config: DiveConfig, tray: JointSamples | None) -> li
 def _check_coverage(
     dvl: DvlPings, imu: ImuSamples, pressure: PressureSamples | None
 ) -> list[Finding]:
-    """Find parts of a dive without images in which DVL or IMU are missing: the path ends there."""
+    """Report parts of a dive without images in which DVL or IMU is missing: the path ends there."""
     heard_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
     if not len(heard_ns) or not len(imu.t_ns):
         return []
@@ -112,7 +112,11 @@ def seconds_beyond(t_ns: Ints, pressure: PressureSamples | None, span_ns: tuple[
 
 
 def _check_gravity(imu: ImuSamples, frame: str) -> list[Finding]:
-    """Compare the measured acceleration with gravity: at rest, -g along z of `global`."""
+    """Report an IMU whose measured acceleration is not opposite to gravity.
+
+    An accelerometer at rest measures -g along z of `global`, which points down. Gravity that points
+    up shows the other convention of `imu.frame`.
+    """
     felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
     felt = felt[np.isfinite(felt).all(axis=1)]
     if not len(felt) or np.linalg.norm(np.median(felt, axis=0)) < LEAST_FELT_M_S2:
@@ -129,7 +133,10 @@ def _check_gravity(imu: ImuSamples, frame: str) -> list[Finding]:
 def _check_returns_below_water(
     dvl: DvlPings, pressure: PressureSamples, global_from_dvl: Rotation
 ) -> list[Finding]:
-    """Find DVL returns that would lie above the water's surface."""
+    """Report DVL returns that would lie above the water's surface.
+
+    Their depth is that of the pressure sensor, plus the vertical part of the range along the beam.
+    """
     seen = np.isfinite(dvl.ranges)
     if not seen.any():
         return []

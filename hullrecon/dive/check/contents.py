@@ -33,7 +33,7 @@ def describe_streams(records: SensorRecords, images: Mapping[str, ImageIndex]) -
     """Describe each sensor's readings, rate and gaps, and the ranges of their values."""
     streams: Iterable[tuple[str, Stream]] = [*records.by_name().items(), *images.items()]
     logged = [(name, record.t_ns) for name, record in streams if len(record.t_ns)]
-    # a clock that is apart says nothing about when the others began
+    # a sensor on another clock says nothing about when the others began or ended
     apart = {finding.where for finding in clock_gaps(dict(streams))}
     start_ns = min((int(t[0]) for name, t in logged if name not in apart), default=0)
     stop_ns = max((int(t[-1]) for name, t in logged if name not in apart), default=0)
@@ -55,7 +55,7 @@ def describe_streams(records: SensorRecords, images: Mapping[str, ImageIndex]) -
 
 
 def _describe_lost_lock(dvl: DvlPings) -> list[Finding]:
-    """Describe when pings came, but no velocity over ground."""
+    """Describe spans in which the DVL sent pings without a velocity over ground."""
     heard_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
     silent = [finding.values for finding in describe_gaps("dvl", dvl.t_ns)]
     name, ends = "velocity of the DVL", (int(dvl.t_ns[0]), int(dvl.t_ns[-1]))

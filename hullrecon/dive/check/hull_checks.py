@@ -18,8 +18,8 @@ from hullrecon.geometry.charts.section_casting import AXES, first_station, hull_
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import from_mount, up_in
 
-FARTHEST_M = 1000.0  # from where a dive begins to the ship that it is of
-AFT_SHARE = 0.25  # of the length: farther from the aft end no aft perpendicular lies
+FARTHEST_M = 1000.0  # from where a dive begins to the ship that is inspected
+AFT_SHARE = 0.25  # of the length; no aft perpendicular lies farther from the aft end
 
 
 def refuse_far_hull(hull: Hull, mesh: Mesh) -> None:
@@ -39,9 +39,9 @@ def refuse_far_hull(hull: Hull, mesh: Mesh) -> None:
 
 
 def describe_bow(hull: Hull, mesh: Mesh) -> tuple[Finding, list[Finding]]:
-    """Name the end taken as the bow, and warn where stations do not start at the aft perpendicular.
+    """Name the end that is taken as the bow, and warn where stations do not start near the stern.
 
-    Raises InputError for a bow that the CAD model does not have.
+    Raises InputError where hull.bow names a direction that is not along the CAD model.
     """
     forward = hull_axes(mesh.vertices, up_in(from_mount(hull.pose)), hull.bow)[0]
     axis = AXES[int(np.argmax(np.abs(forward)))]

@@ -3,7 +3,8 @@
 """Find by how much the clock of DVL or pressure sensor is off, however far, from vertical motion.
 
 The DVL's velocity, turned by the attitude, is how fast the depth grows. Both are compared at all
-offsets at once, by correlations of their products (docs/methods.md, Clocks).
+time offsets at once, by correlations of their products (docs/methods.md, Clocks). Offsets here are
+what has to be added to the stamps: positive where these are early.
 """
 
 from __future__ import annotations
@@ -27,79 +28,97 @@ STEP_S = 0.1  # of the grid on which motions are compared
 SMOOTH_S = 2.0  # over which velocities are averaged, and depths differ
 PAUSE_S = 2.0  # between readings, across which nothing is interpolated
 LEAST_S = 15.0  # of motion that both measured
-LEAST_SHARE = 0.5  # of the shorter one, that both measured
-OTHER_S = 10.0  # between the best offset and another one
+LEAST_SHARE = 0.5  # of the shorter record, that both measured
+OTHER_S = 10.0  # between the best offset and the others that it has to be better than
 LEAST_CORRELATION = 0.7
 GAIN = 25.0  # by which chi-square is lower than at any other offset: five sigmas
-GAIN_OF_FEW = 9.0  # where it is one of few: three sigmas
-FAR_S = 60.0  # the step navigate finds what is less
-SAME_S = 30.0  # from whole hours; what is left of the offset is found by the step navigate
+GAIN_OF_FEW = 9.0  # the same where few offsets are possible: three sigmas
+FAR_S = 60.0  # the step navigate finds smaller offsets
+SAME_S = 30.0  # from whole hours; the rest of the offset is found by the step navigate
 SHIFTED_S = 2.0  # between what the ends of logs and motion tell; operators start logs by hand
-LONGEST_S = 12 * HOUR_S  # of a log: a dive is four hours at most, and a month is no grid
-INDEPENDENT_S = 2.0  # readings so far apart have errors and swell of their own
+LONGEST_S = 12 * HOUR_S  # of a log; a dive is four hours at most, and the grid has to fit in memory
+INDEPENDENT_S = 2.0  # readings so far apart have independent errors and swell
 
 
 def add_motion(
     findings: Sequence[Finding], config: DiveConfig, records: SensorRecords
 ) -> list[Finding]:
-    """Add to findings of clocks that are apart the offset that motion tells, where it does."""
+    """Add the offset that the vertical motion tells to findings of clocks that are apart.
+
+    Findings for which it tells nothing, and all others, are returned unchanged.
+    """
     tray, pressure = (np.array(numbers_of(s.origin)) for s in (config.tray, config.pressure))
     level = level_of(records, tray, pressure, from_mount(numbers_of(config.dvl.mount)))
     return [
-        _told_by_motion(finding, records, level) if finding.code == "clocks-apart" else finding
+        _with_offset_by_motion(finding, records, level)
+        if finding.code == "clocks-apart"
+        else finding
         for finding in findings
     ]
 
 
-def _told_by_motion(finding: Finding, records: SensorRecords, level: Level | None) -> Finding:
-    """Replace a finding's offset by what the motion tells, where the motion tells one.
+def _with_offset_by_motion(
+    finding: Finding, records: SensorRecords, level: Level | None
+) -> Finding:
+    """Replace a finding's offset by what the motion tells. Unchanged where it tells nothing.
 
-    Where that is near a whole number of hours, it is a time zone's and the hours are exact.
+    An offset near the hours that the finding suspects is that of a time zone: the hours are then
+    taken as exact.
     """
-    more_s = offset_by_motion(finding.where, records, level)
-    if more_s is None:
+    early_s = offset_by_motion(finding.where, records, level)
+    if early_s is None:
         return finding
     hours, given_s = finding.values["hours"], finding.values["given_s"]
     assert isinstance(given_s, float)
     assert isinstance(hours, float | None)
-    of_zone = hours is not None and abs(more_s - hours * HOUR_S) < SAME_S
-    whole_s = given_s + (hours * HOUR_S if hours is not None and of_zone else round(more_s, 2))
+    of_zone = hours is not None and abs(early_s - hours * HOUR_S) < SAME_S
+    whole_s = given_s + (hours * HOUR_S if hours is not None and of_zone else round(early_s, 2))
     told = {"offset_s": whole_s, "hours": hours if of_zone else None, "by_motion": True}
     return replace(finding, values={**finding.values, **told})
 
 
 def motions_apart(records: SensorRecords, level: Level | None) -> list[Finding]:
-    """Find DVL and pressure sensor that overlap, and whose motions agree over a minute apart."""
-    more_s = offset_by_motion("dvl", records, level)
-    gaps = clock_gaps(records.by_name())  # told elsewhere
-    if more_s is None or abs(more_s) < FAR_S or any(gap.severity == "error" for gap in gaps):
+    """Report that the motions of DVL and pressure sensor agree only at an offset of FAR_S or more.
+
+    Their spans overlap, so that nothing else tells. Clocks whose spans do not are reported
+    elsewhere.
+    """
+    dvl_early_s = offset_by_motion("dvl", records, level)
+    gaps = clock_gaps(records.by_name())
+    is_reported = any(gap.severity == "error" for gap in gaps)
+    if dvl_early_s is None or abs(dvl_early_s) < FAR_S or is_reported:
         return []
-    return [Finding("motions-apart", {"seconds": round(more_s, 2)})]
+    return [Finding("motions-apart", {"seconds": round(dvl_early_s, 2)})]
 
 
 def mend_shifted(
     records: SensorRecords, level: Level | None
 ) -> tuple[SensorRecords, list[Finding]]:
-    """Put right the stamps of a DVL or pressure sensor that is seconds late, or early, throughout.
+    """Correct the stamps of a DVL or pressure sensor that is seconds late, or early, throughout.
 
-    Its log begins and ends so much later than all others, and its motion agrees with theirs then.
+    Both ends of its log have to be late by the same time beside all others, and the motions of the
+    two sensors have to agree better at that offset than as stamped.
+
+    Returns
+    -------
+    the records, and what was corrected
     """
     for shifted in shifted_streams(records.by_name()):
         late_s = shifted.values["seconds"]
         assert isinstance(late_s, float)
-        more_s = offset_by_motion(shifted.where, records, level, (0.0, -late_s))
-        if more_s is None or abs(more_s + late_s) > SHIFTED_S:
+        early_s = offset_by_motion(shifted.where, records, level, (0.0, -late_s))
+        if early_s is None or abs(early_s + late_s) > SHIFTED_S:
             continue
         stream = getattr(records, shifted.where)
-        moved = replace(stream, t_ns=stream.t_ns + round(more_s * NS))
-        finding = Finding("stream-moved", {"seconds": -more_s}, shifted.where)
+        moved = replace(stream, t_ns=stream.t_ns + round(early_s * NS))
+        finding = Finding("stream-moved", {"seconds": -early_s}, shifted.where)
         return replace(records, **{shifted.where: moved}), [finding]
     return records, []
 
 
 @dataclass(frozen=True, kw_only=True)
 class Level:
-    """How DVL and pressure sensor lay, by attitude and tray."""
+    """How DVL and pressure sensor were oriented to the vertical, by attitude and tray."""
 
     t_ns: Ints  # (n,)
     down: Array  # (n, 3) unit vectors down, in the DVL's frame
@@ -109,7 +128,16 @@ class Level:
 def level_of(
     records: SensorRecords, tray_origin: Array, pressure_origin: Array, tray_from_dvl: Poses
 ) -> Level | None:
-    """Compute how DVL and pressure sensor lay. None where no attitude was read."""
+    """Compute the vertical in the DVL's frame, and how far the DVL was below the pressure sensor.
+
+    None where no attitude was read.
+
+    Parameters
+    ----------
+    records : of the IMU, and of the tray if it turned
+    tray_origin, pressure_origin : (3,) m, in the vehicle
+    tray_from_dvl : mount of the DVL
+    """
     imu, tray = records.imu, records.tray
     if imu is None or len(imu.t_ns) < 2:
         return None
@@ -132,11 +160,16 @@ def offset_by_motion(
 ) -> float | None:
     """Estimate what to add to the stamps of "dvl" or "pressure", s, by the motion of both.
 
-    It is the lag at which the DVL's vertical velocity agrees best with the rate of the depth. All
-    other sensors are on one time base, so the attitude that levels the DVL goes with the one of the
-    two whose clock is right. None where the vehicle hardly went up or down.
+    It is the time offset at which the DVL's vertical velocity agrees best with the rate of the
+    depth. All other sensors are taken to be on one time base, so that the attitude belongs to the
+    one of the two whose clock is right. None where the vehicle hardly went up or down.
 
-    among_s: if given, the time is near one of these, to SHIFTED_S.
+    Parameters
+    ----------
+    sensor : "dvl" or "pressure", whose clock is in doubt; None is returned for any other
+    records : of DVL and pressure sensor
+    level : attitude of the DVL
+    among_s : if given, only offsets within SHIFTED_S of one of these are possible
     """
     dvl, pressure = records.dvl, records.pressure
     if sensor not in ("dvl", "pressure") or dvl is None or pressure is None or level is None:
@@ -150,7 +183,7 @@ def offset_by_motion(
     begin = {"dvl": int(dvl.t_ns[heard][0]), "pressure": int(pressure.t_ns[0])}
     velocity, is_heard = _on_grid(dvl.t_ns[heard], dvl.velocity[heard], begin["dvl"])
     velocity = _running_mean(velocity)
-    # attitude goes with the sensor whose clock is right
+    # grid of the attitude: that of the sensor whose clock is right
     at = begin["pressure" if sensor == "dvl" else "dvl"]
     depth, is_read = _on_grid(pressure.t_ns, pressure.depth[:, None], begin["pressure"])
     count = len(depth) if sensor == "dvl" else len(velocity)
@@ -175,7 +208,20 @@ def offset_by_motion(
 def _on_grid(
     t_ns: Ints, values: Array, start_ns: int, count: int | None = None
 ) -> tuple[Array, Mask]:
-    """Interpolate readings (n, k) on a grid from a start on, with where they are known."""
+    """Interpolate readings on a grid of STEP_S, and tell where they are known.
+
+    Parameters
+    ----------
+    t_ns : (n,) stamps
+    values : (n, k)
+    start_ns : first point of the grid
+    count : of its points, None: up to the last reading
+
+    Returns
+    -------
+    values (count, k), and mask (count,), False outside the readings and in pauses longer than
+    PAUSE_S
+    """
     t_s = seconds(t_ns, start_ns)
     if count is None:
         count = max(1, int(t_s[-1] / STEP_S) + 1)
@@ -187,7 +233,8 @@ def _on_grid(
 
 
 def _running_mean(values: Array) -> Array:
-    # loaded here: it takes half a second, which no other command owes
+    """Average values (n, k) on the grid over SMOOTH_S, as differences of depths are."""
+    # imported here: it takes half a second, which other commands should not spend
     from scipy.signal import correlate
 
     width = round(SMOOTH_S / STEP_S)
@@ -197,7 +244,7 @@ def _running_mean(values: Array) -> Array:
 
 
 def _rate(depth: Array, known: Mask) -> tuple[Array, Mask]:
-    """Differentiate a depth (n, 1) over SMOOTH_S."""
+    """Differentiate a depth (n, 1) on the grid over SMOOTH_S: rate (n,), m/s, and where known."""
     half = round(SMOOTH_S / STEP_S / 2)
     rate = (np.roll(depth, -half) - np.roll(depth, half))[:, 0] / SMOOTH_S
     known = known & np.roll(known, half) & np.roll(known, -half)
@@ -213,13 +260,18 @@ def _best_lag(
     is_moving: Mask,
     among_s: Sequence[float],
 ) -> float | None:
-    """Find the lag, s, at which the sum over k of fixed times moving is the rate.
+    """Find the lag, s, at which the sum over k of fixed times moving correlates best with the rate.
+
+    The correlation coefficient is computed at all lags by FFT. None unless it is high at the best
+    lag, and chi-square is clearly lower there than at all lags OTHER_S or more away.
 
     Parameters
     ----------
-    fixed, rate, is_fixed : (n, k), (n,), (n,) on one grid
-    moving, is_moving : (m, k), (m,) on another grid. Its start is to be put at the lag
-    among_s : if given, the lags near which it is searched, so that less tells them apart
+    fixed : (n, k) vertical direction on one grid
+    rate, is_fixed : (n,) rate of the depth on that grid, and where it and `fixed` are known
+    moving, is_moving : (m, k) velocity on another grid, and where (m,) it is known. The lag is
+        where this grid begins on the first one
+    among_s : if given, only lags near these are possible, and less evidence is needed
     """
     from scipy.signal import correlate
 

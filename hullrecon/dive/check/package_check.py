@@ -64,10 +64,10 @@ VEHICLE_SECTIONS = (
     "sonar",
     "hull",
 )
-# looks at some of the images, by camera, and tells what contradicts the configuration
+# looks at some of the images, by camera, and reports what contradicts the configuration
 CheckImages = Callable[[LoadedConfig, IngestResult, Mapping[str, SampledImages]], list[Finding]]
-# holds the sensors against each other: the records with what was put right, what was found, and
-# what was tried, for `--json`
+# compares the sensors with each other. Returns the records with what was corrected, the findings,
+# and the hypotheses that were tried, for `--json`
 CheckSensors = Callable[
     [LoadedConfig, IngestResult, Mapping[str, SampledImages]],
     tuple[SensorRecords, list[Finding], list[dict[str, object]]],
@@ -97,7 +97,7 @@ class PackageCheck:
 
     @property
     def findings(self) -> list[Finding]:
-        """All findings, in the order in which they are told."""
+        """All findings, in the order in which they are printed."""
         found = self.found
         return [
             *(*found.spans, *self.start_offset, *found.hull_notes, *self.bow, *self.regions),
@@ -195,7 +195,7 @@ def check_package(
     request : what ingest needs of it
     watch : sees every message pass (progress)
     check_images : looks at some of the images
-    check_sensors : holds the sensors against each other
+    check_sensors : compares the sensors with each other
     """
     request, missing_files = _leave_out_missing(loaded.package, request)
     logo = logo_of(loaded)
@@ -219,23 +219,23 @@ def check_package(
     }
     named = {sensor for sensor, topic in request.topics.items() if topic in found.counts}
     logged = named | (TYPES.keys() & found.counts.keys())
-    # where something cannot be used, the reason is told elsewhere
+    # A sensor that was logged but cannot be used counts as known: its problem is reported already.
     known = present | logged if problems.found else present
     known |= set() if found.is_whole else configured_sensors(loaded)
-    bow, ill_laid = _bow(loaded.config.hull, found.hull, problems)
+    bow, wrong_pose = _check_hull_pose(loaded.config.hull, found.hull, problems)
     regions, empty_regions = describe_regions(loaded.config.hull, found.hull if bow else None)
-    # Hold the sensors against each other, then look for coarser contradictions.
+    # Compare the sensors with each other, then look for coarser contradictions.
     records, judged, suspects = found.records, list[Finding](), list[dict[str, object]]()
     if check_sensors is not None:
         records, judged, suspects = check_sensors(loaded, found, sampled)
-    wrong = any(finding.severity == "error" for finding in judged)
+    sensor_is_wrong = any(finding.severity == "error" for finding in judged)
     warnings = check_consistency(loaded.config, records, found.images)
-    # a sensor that is wrong shows in these as well, and would be told as a fault of others
-    warnings = [one for one in warnings if not (wrong and one.code in COARSE)]
+    # a sensor that is wrong causes these too, and they would blame others
+    warnings = [one for one in warnings if not (sensor_is_wrong and one.code in COARSE)]
     warnings += [finding for finding in judged if finding.severity == "warning"]
     if found.attitude_is_dvls:
         warnings += check_mount_of_attitude(loaded.config, found.records.tray)
-    if check_images is not None and not wrong:
+    if check_images is not None and not sensor_is_wrong:
         warnings += check_images(loaded, replace(found, records=records), sampled)
     defaults = defaults_of(loaded, with_positions="position" in logged | known)
     return PackageCheck(
@@ -252,7 +252,7 @@ def check_package(
         needs=[*needs(known, found.unread_dvls), *_images_not_logged(loaded.config, known)],
         missing=missing(known, hull=request.mesh is not None or loaded.config.hull is not None),
         to_fill_in=to_fill_in(loaded, logged, mounts.keys()),
-        warnings=[*warnings, *ill_laid, *empty_regions, *_no_earlier_dive(loaded)],
+        warnings=[*warnings, *wrong_pose, *empty_regions, *_no_earlier_dive(loaded)],
         start_offset=describe_start_offset(found.records, found.images),
         bow=bow,
         regions=regions,
@@ -265,9 +265,9 @@ def check_package(
 def _fill_mounts(
     loaded: LoadedConfig, found: IngestResult, problems: Problems
 ) -> tuple[LoadedConfig, Mapping[str, ChosenMount]]:
-    """Fill in the mounts that tf_static gives.
+    """Fill in the mounts that tf_static gives, and collect what is wrong with them as problems.
 
-    Returns the configuration and these mounts by key.
+    Returns the configuration, and the mounts that were filled in by key.
     """
     declared = {key: loaded.value(key) for key in DEFAULT_MOUNTS}
     tray = found.records.tray
@@ -278,12 +278,13 @@ def _fill_mounts(
     return filled_in(loaded, mounts), of_log
 
 
-def _bow(
+def _check_hull_pose(
     hull: Hull | None, mesh: Mesh | None, problems: Problems
 ) -> tuple[list[Finding], list[Finding]]:
-    """Describe the bow, or collect the problem where the model does not have the stated bow.
+    """Describe which end of the CAD model is the bow, and warn of how hull.pose lays it.
 
-    With warnings of how it lies. Empty without a CAD model.
+    A pose far off and a bow that the CAD model does not have are collected as problems. Both lists
+    are empty then, and without a CAD model.
     """
     if hull is not None and mesh is not None:
         with problems.collect():
@@ -303,13 +304,13 @@ def _no_earlier_dive(loaded: LoadedConfig) -> list[Finding]:
 
 
 def _images_not_logged(config: DiveConfig, known: Set[str]) -> list[Finding]:
-    """Refuse a leading camera of which the logs have no image."""
+    """Report an upper camera of which the logs have no image, as an error."""
     is_missing = config.camera.top is not None and Camera.TOP.key not in known
     return [Finding("images-not-logged")] if is_missing else []
 
 
 def _lost_velocities(dvl: DvlPings | None, images: Mapping[str, ImageIndex]) -> list[Finding]:
-    """Refuse a DVL without any velocity: nothing could be reckoned from it."""
+    """Report a DVL without any velocity, as an error: no path follows from it."""
     if dvl is None or np.isfinite(dvl.velocity).any():
         return []
     stereo = all(camera.key in images for camera in Camera)
@@ -317,7 +318,7 @@ def _lost_velocities(dvl: DvlPings | None, images: Mapping[str, ImageIndex]) -> 
 
 
 def _unmeasured_hull(dvl: DvlPings | None, images: Mapping[str, ImageIndex]) -> list[Finding]:
-    """Refuse a dive of which neither ranges nor images came back: there is no surface to map."""
+    """Report a dive with neither ranges nor images, as an error: there is no surface to map."""
     if dvl is None or images or np.isfinite(dvl.ranges).any():
         return []
     return [Finding("hull-unmeasured")]
@@ -330,7 +331,10 @@ def _file_missing(file: str, key: str) -> Finding:
 def _leave_out_missing(
     package: Path, request: IngestRequest
 ) -> tuple[IngestRequest, list[Finding]]:
-    """Remove missing files from a request."""
+    """Remove files that are not there from a request, and report each.
+
+    A single missing log stays in it: its reader says what is wrong.
+    """
     named = [("logs.files", name) for name in request.logs]
     named += [
         (f"{Camera(name.removeprefix('camera_')).section}.calibration", f)
@@ -338,7 +342,7 @@ def _leave_out_missing(
     ]
     named += [("hull.mesh", request.mesh)] if request.mesh is not None else []
     missing_files = [_file_missing(file, key) for key, file in named if not _exists(package / file)]
-    left = replace(
+    remaining = replace(
         request,
         logs=tuple(name for name in request.logs if _exists(package / name)),
         calibration={
@@ -349,9 +353,8 @@ def _leave_out_missing(
         else (),
         mesh=request.mesh if request.mesh is not None and _exists(package / request.mesh) else None,
     )
-    # of a single log its reader says what is wrong
-    lone = not left.logs and len(missing_files) == 1
-    return (request, []) if lone else (left, missing_files)
+    is_single_log = not remaining.logs and len(missing_files) == 1
+    return (request, []) if is_single_log else (remaining, missing_files)
 
 
 def _exists(path: Path) -> bool:
@@ -378,7 +381,7 @@ def _describe_stream(stream: Stream) -> dict[str, int | float]:
 def defaults_of(loaded: LoadedConfig, with_positions: bool = False) -> dict[str, object]:
     """List the keys of the vehicle's sections that dive.toml leaves to defaults, with their values.
 
-    with_positions: positions from outside were logged, so that [position] counts.
+    with_positions: position fixes (USBL, GNSS) were logged, so that [position] counts.
     """
     names = (*VEHICLE_SECTIONS, "position") if with_positions else VEHICLE_SECTIONS
     sections, hull = {name: loaded.sections[name] for name in names}, loaded.config.hull

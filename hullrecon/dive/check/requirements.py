@@ -19,7 +19,7 @@ from hullrecon.geometry.frames import Camera
 
 CAMERAS = frozenset(camera.key for camera in Camera)
 ON_TRAY = CAMERAS | {"dvl"}
-SENSORS = {  # those that a key is needed for
+SENSORS = {  # by key, the sensors for which it is needed
     "tray.origin": ON_TRAY,
     "pressure.origin": {"pressure"},
     "dvl.mount": {"dvl"},
@@ -49,7 +49,7 @@ def needs(sensors: Set[str], unread_dvls: Sequence[str] = ()) -> list[Finding]:
 def missing(sensors: Set[str], hull: bool | None = None) -> list[Finding]:
     """List the absent sensors with what their absence means for a run.
 
-    hull: whether there is a CAD model, None where that is not known yet.
+    sensors: that were logged. hull: whether there is a CAD model, None where not known yet.
     """
     absent = [name for name in EXPECTED if name not in sensors]
     if "camera_top" in absent and "camera_bottom" in absent:
@@ -69,7 +69,7 @@ def to_fill_in(
     ----------
     loaded : the configuration
     sensors : those that were logged
-    logged : keys that the log's tf_static fills in, None where it was not looked for
+    logged : keys that the log's tf_static fills in, None where tf_static was not read
     """
     out = []
     for key in MEANING:

@@ -16,23 +16,24 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.records.clock import NS
 from hullrecon.typing import Ints
 
-KEYS = {  # of dive.toml, that put a sensor's stamps right
+KEYS = {  # of dive.toml, by which a record's stamps are corrected
     **{name: f"{name}.time_offset" for name in ("dvl", "imu", "pressure", "sonar", "position")},
     **dict.fromkeys(("tray", "sonar_tray"), "tray.time_offset"),
     **{camera.key: f"{camera.section}.time_offset" for camera in Camera},
 }
 JOINTS = dict.fromkeys(("tray", "sonar_tray"), "joints")  # the sensor of a record
-# may be read before or after all others: a GPS at the surface, a servo that turned beforehand
+# records that may begin after all others or end before them: GPS at the surface, a servo that
+# turned before the dive
 ALONE = frozenset({"position", "tray", "sonar_tray"})
-LONG_ALONE_S = 3600.0  # from which on they are of another clock too
-HOUR_S, MOST_HOURS = 3600.0, 14  # between two time zones
+LONG_ALONE_S = 3600.0  # apart from all others; then they are of another clock too
+HOUR_S, MOST_HOURS = 3600.0, 14  # an hour, and how many lie between two time zones
 AGREE_S = 1.0  # between the starts, or the ends, of logs that one switch started and stopped
-ALIKE_S = 2.0  # between by how much one stream begins and ends late: two sensors' periods
-LEAST_SHIFT_S = 5.0  # of both ends, that is told
+ALIKE_S = 2.0  # between how late a stream begins and how late it ends, in one that is shifted
+LEAST_SHIFT_S = 5.0  # of both ends; smaller shifts are not reported
 TOGETHER_S = 300.0  # between starts, or ends, of logs that were started, or stopped, together
 FACTORS = (1000, 1_000_000)  # between s, ms, us
-MOST_UNLIKE = 2.0  # between the lengths of streams that one switch started and stopped
-Span = tuple[int, int]
+MOST_UNLIKE = 2.0  # ratio of the lengths of streams that one switch started and stopped
+Span = tuple[int, int]  # first and last stamp, ns
 
 
 class Stream(Protocol):
@@ -46,11 +47,16 @@ class Stream(Protocol):
 def clock_gaps(
     streams: Mapping[str, Stream], added_ns: Mapping[str, int] = MappingProxyType({})
 ) -> list[Finding]:
-    """Find streams that overlap none of the largest group of streams that overlap each other.
+    """Report streams that were never read at the same time as the others.
 
-    A single reading, as of a joint that stands still, says nothing about a clock.
+    Streams are gathered into groups that overlap. The largest group is taken as right, and those
+    outside are reported, with an offset where one is likely. A stream of one reading, as of a joint
+    that stands still, says nothing about a clock.
 
-    added_ns: by sensor, what dive.toml has already added to the stamps.
+    Parameters
+    ----------
+    streams : records by name
+    added_ns : by sensor, what dive.toml has already added to the stamps
     """
     spans = {
         name: (int(s.t_ns[0]), int(s.t_ns[-1])) for name, s in streams.items() if len(s.t_ns) > 1
@@ -73,9 +79,10 @@ def clock_gaps(
 
 
 def shifted_streams(streams: Mapping[str, Stream]) -> list[Finding]:
-    """Find the stream that begins and ends as late, or as early, beside others that agree.
+    """Report a stream that begins and ends late, or early, by the same time beside all others.
 
-    Logs that were started and stopped together show a clock that is off by both ends.
+    Where the others were started and stopped together, that shows a clock that is off. "seconds" is
+    positive where the stamps are late.
     """
     spans = {
         name: (int(s.t_ns[0]) / NS, int(s.t_ns[-1]) / NS)
@@ -100,7 +107,10 @@ def shifted_streams(streams: Mapping[str, Stream]) -> list[Finding]:
 
 
 def _in_other_unit(spans: Mapping[str, Span]) -> list[Finding]:
-    """Find the stream that lasts a thousand times longer or shorter than others that agree."""
+    """Report a stream that lasts a thousand, or a million, times longer or shorter than the others.
+
+    The others have to last about equally long.
+    """
     out = []
     for name, (begin, end) in spans.items():
         others = [other for other in spans if other != name]
@@ -116,7 +126,7 @@ def _in_other_unit(spans: Mapping[str, Span]) -> list[Finding]:
 
 
 def _groups(spans: Mapping[str, Span]) -> list[set[str]]:
-    """Gather streams that overlap, also by way of others."""
+    """Gather streams that overlap into groups, also where they overlap only by way of others."""
     groups: list[set[str]] = []
     end = 0
     for name in sorted(spans, key=lambda name: spans[name]):
@@ -129,7 +139,11 @@ def _groups(spans: Mapping[str, Span]) -> list[set[str]]:
 
 
 def _weight(names: set[str], spans: Mapping[str, Span]) -> tuple[int, int, bool, bool, int]:
-    """Rank groups: of two with as many sensors, clocks that were set, then the IMU's are right."""
+    """Rank a group of streams: the one with the highest rank is taken as right.
+
+    More sensors count first. Between equals it is the group whose clocks were set, then that with
+    the IMU, then the longer one.
+    """
     begin, end = _union(names, spans)
     return len(names - ALONE), len(names), begin >= UNSET_NS, "imu" in names, end - begin
 
@@ -139,10 +153,16 @@ def _union(names: set[str], spans: Mapping[str, Span]) -> Span:
 
 
 def _describe(name: str, span: Span, others: list[str], whole: Span, given_s: float) -> Finding:
-    """Describe a sensor that was read at other times than the others, with the likeliest cause.
+    """Report a sensor that was read at other times than the others, with the likeliest cause.
 
-    It ran alone, its stamps are in another unit, or its clock is off: by whole hours of a time
-    zone, or by as much as makes its span end with the others'.
+    It ran alone, its stamps are in another unit, or its clock is off: by the hours of a time zone,
+    or by what puts both of its ends onto those of the others.
+
+    Parameters
+    ----------
+    name, span : of the sensor
+    others, whole : names and common span of the others
+    given_s : what dive.toml has already added to the stamps
     """
     after = span[0] > whole[1]
     gap_s = (span[0] - whole[1] if after else whole[0] - span[1]) / NS
@@ -177,24 +197,24 @@ def stamp_factor(span: Span, whole: Span) -> int | None:
 
 
 def offset_by_ends(span: Span, whole: Span) -> float | None:
-    """Find what, added to its stamps, s, puts both ends of a stream where the others' are.
+    """Compute what to add to the stamps of a stream, s, so that both ends are those of the others.
 
-    None where it lasts longer or less long than they do: one end alone says nothing.
+    None where the stream is longer or shorter than theirs: one end alone says nothing.
     """
     early = np.subtract(whole, span) / NS
     return round(float(early.mean()), 2) if np.ptp(early) < AGREE_S else None
 
 
 def whole_hours(span: Span, whole: Span) -> float | None:
-    """Find the hours with which a stream begins or ends beside the others. None without any.
+    """Find the hours to add to a stream's stamps so that it begins or ends with the others.
 
-    Time zones are whole or half hours apart.
+    Time zones are whole or half hours apart, so only these are tried. None where none fits.
 
     span, whole: first and last stamp, ns, of the stream and of the others.
     """
     hours = 0.5 * np.arange(-2 * MOST_HOURS, 2 * MOST_HOURS + 1)
-    moved = np.round(hours * HOUR_S * NS).astype(np.int64)
-    begin, end = (span[k] + moved for k in (0, 1))
+    shift_ns = np.round(hours * HOUR_S * NS).astype(np.int64)
+    begin, end = (span[k] + shift_ns for k in (0, 1))
     shared = np.minimum(end, whole[1]) - np.maximum(begin, whole[0])
     apart = np.minimum(np.abs(begin - whole[0]), np.abs(end - whole[1]))
     least = 0.5 * min(span[1] - span[0], whole[1] - whole[0])

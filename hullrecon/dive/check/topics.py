@@ -49,9 +49,9 @@ BY_TYPE = {
 
 
 def describe_unused(channels: Iterable[Channel], chosen: Set[str]) -> list[Finding]:
-    """Tell which topics a run would not use, one finding for each reason.
+    """List the topics that a run would not use, one finding for each reason.
 
-    chosen: the topics of the sensors.
+    channels: of the log. chosen: the topics that are used.
     """
     by_code: dict[str, list[str]] = {
         code: [] for code in (RANGES, ECHOES, CLOUDS, DEPTHS, POSITIONS, COMMANDS, OTHERS)
@@ -84,9 +84,9 @@ def unread_dvls(channels: Iterable[Channel]) -> list[str]:
 
 
 def readable_as(channel: Channel) -> list[str]:
-    """List the sensors that a channel could be read as.
+    """List the sensors that a channel could be read as, by its type.
 
-    The list is position alone where the channel's name says so.
+    Only "position" is listed where the channel's name says so.
     """
     is_decoded = channel.encoding in ENCODINGS
     sensors = [
@@ -105,10 +105,10 @@ def words_of(topic: str) -> set[str]:
 
 
 def _unread_code(channel: Channel) -> str:
-    """Classify a topic that is of no use by its type, or by its name where its type is common.
+    """Classify a topic that a run cannot use, by its type, or by its name where the type is common.
 
-    Returns the code of the finding, "" for a topic that may be of use. A type that only one sensor
-    sends says more than a name.
+    A type that only one kind of sensor sends says more than a name. Returns the code of the
+    finding, "" for a topic that may be of use.
     """
     kind, words, sensors = type_name(channel), words_of(channel.topic), readable_as(channel)
     if kind in BY_TYPE:

@@ -38,20 +38,21 @@ NAMES = {
     "camera_matrix": ("k", "K", "cameraMatrix", "Camera_Matrix"),
     "distortion_coefficients": ("d", "D", "distCoeffs", "Distortion_Coefficients"),
 }
-LEAST_BENT_PX = 1.0
+LEAST_BENT_PX = 1.0  # at the corners of an image; calibrations are wrong by less
 REGION_KEYS = ("binning_x", "binning_y", "roi")
 
 
 def read_camera(path: Path, camera: Camera = Camera.TOP, topic: str = "") -> CameraModel:
     """Read a pinhole camera from a camera_info YAML or a camchain of Kalibr.
 
-    Raises InputError, with the key, for any other camera.
+    Raises InputError, with the key, for any other camera, and for one with distortion whose images
+    are rectified by the name of their topic.
 
     Parameters
     ----------
     path : of the YAML
-    camera : of the rig, for a camchain
-    topic : of its images, for a camchain, and by whose name they are rectified
+    camera : which of the rig, for a camchain
+    topic : of its images, "" where unknown. It also chooses the entry of a camchain
     """
     where = str(path)
     _refuse_foreign(path, where)
@@ -75,7 +76,7 @@ def is_rectified(topic: str) -> bool:
 
 
 def _bends(camera: CameraModel) -> bool:
-    """Tell whether a distortion moves the corners of an image by more than a calibration errs."""
+    """Tell whether the distortion moves a corner of the image by more than LEAST_BENT_PX."""
     corner = np.array([[0.0, 0.0], [camera.width - 1.0, camera.height - 1.0]])
     ideal = (corner - [camera.cx, camera.cy]) / [camera.fx, camera.fy]
     return bool(np.abs(camera.distort(ideal) - corner).max() > LEAST_BENT_PX)
@@ -86,7 +87,7 @@ def _refuse_foreign(path: Path, where: str) -> None:
     try:
         text = read_regular(path, LARGEST_YAML).decode("utf-8", "replace")
     except (OSError, ValueError):
-        return  # told by read_yaml
+        return  # read_yaml says so
     foreign = name_foreign(text)
     if foreign is not None:
         whose, remedy = foreign
@@ -117,7 +118,7 @@ def read_pose_in_top(path: Path, topics: Mapping[str, str]) -> tuple[float, ...]
 
 
 def camera_of(data: Mapping[str, object], where: str) -> CameraModel:
-    """Build the camera from the keys of such a YAML. where: their place, for errors."""
+    """Build the camera from the keys of a camera_info YAML. where: the file, for errors."""
     for name, others in NAMES.items():
         found = next((data[other] for other in others if other in data), None)
         data = data if name in data or found is None else {**data, name: found}
@@ -140,9 +141,10 @@ def has_region(data: Mapping[str, object]) -> bool:
 
 
 def _of_region(camera: CameraModel, data: Mapping[str, object], where: str) -> CameraModel:
-    """Crop and bin a camera of the whole sensor, as REP 104 defines roi and binning.
+    """Crop and bin the camera of a whole sensor, as REP 104 defines roi and binning.
 
-    Pixel centres have whole coordinates: the first of two binned pixels has its centre at 0.5.
+    Pixel centres have whole coordinates, hence the half pixels: the centre of the first binned
+    pixel is at 0.5 of the unbinned ones.
     """
     found = data.get("roi")
     region: Mapping[str, object] = found if isinstance(found, Mapping) else {}
@@ -172,7 +174,10 @@ def _of_region(camera: CameraModel, data: Mapping[str, object], where: str) -> C
 
 
 def _distorted(camera: CameraModel, data: Mapping[str, object], where: str) -> CameraModel:
-    """Give a pinhole its distortion."""
+    """Add the distortion to a pinhole. Raises InputError for a model that is not read.
+
+    More than five coefficients are OpenCV's rational model, which is converted to plumb_bob.
+    """
     model = data.get("distortion_model", "plumb_bob")
     if not isinstance(model, str) or model not in READ_MODELS:
         shown = shorten(model) if isinstance(model, str) else show_value(model)
@@ -191,9 +196,9 @@ def _distorted(camera: CameraModel, data: Mapping[str, object], where: str) -> C
 
 
 def _numbers(data: Mapping[str, object], key: str, count: int | None, where: str) -> list[float]:
-    """Read the `data` of a matrix, a list, or a list of rows.
+    """Read the numbers of a matrix with `data`, of a list, or of a list of rows.
 
-    Raises InputError unless it is `count` finite numbers.
+    Raises InputError unless these are `count` finite numbers, or any count where that is None.
     """
     found = data.get(key)
     found = found.get("data") if isinstance(found, Mapping) else found

@@ -19,7 +19,7 @@ from hullrecon.geometry.poses import Poses
 NAME = re.compile(r"cam\d{1,2}")
 DISTORTIONS = {"radtan": "plumb_bob", "none": "none"}
 POSE = "T_cn_cnm1"  # from the camera before to this one
-ROTATION = 1e-4  # by which R R^T of a pose may leave the identity, as rounded numbers do
+ROTATION = 1e-4  # by which R R^T may differ from the identity, as it does by rounded numbers
 REMEDY = "calibrate with pinhole-radtan"
 
 
@@ -36,10 +36,10 @@ def cameras_of(data: Mapping[str, object]) -> list[str]:
 
 
 def choose_camera(data: Mapping[str, object], camera: Camera, topic: str) -> str:
-    """Choose the entry of a camera.
+    """Choose the entry of a camera in a camchain.
 
-    It is the one whose rostopic is the camera's, else cam0 for the upper, the next for the lower
-    camera. A camchain of one camera has that for either.
+    It is the one with the camera's rostopic, else the first entry for the upper camera and the
+    second for the lower one. The only entry of a camchain is that of either camera.
 
     Parameters
     ----------

@@ -17,10 +17,12 @@ from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.typing import Array
 
-LEAST_SKEW = 1e-6  # of the focal length
+LEAST_SKEW = 1e-6  # of the focal length; a smaller skew is rounding
 LEAST_FOCAL = 0.13  # of the larger side: an image sees 150 degrees then, more than a pinhole does
-SQUARE, MIDDLE = 0.05, 0.05  # how far a usual camera is off square pixels and the image's middle
-UNUSUAL, OFF_MIDDLE = 0.25, 0.1  # from which on another order that is usual is asked for
+# How far a usual camera is off square pixels (log of fx / fy) and off the middle (share of size)
+SQUARE, MIDDLE = 0.05, 0.05
+# From here on the numbers are doubted, if another order of them makes a usual camera
+UNUSUAL, OFF_MIDDLE = 0.25, 0.1
 ROW_BY_ROW = "give fx 0 cx, 0 fy cy, 0 0 1, row by row"
 IN_PIXELS = "give fx, fy, cx, cy in pixels of the images, from the upper left one"
 
@@ -28,7 +30,7 @@ IN_PIXELS = "give fx, fy, cx, cy in pixels of the images, from the upper left on
 def read_pinhole(matrix: Sequence[float], size: tuple[int, int], where: str) -> CameraModel:
     """Read a camera without distortion.
 
-    Raises InputError for a matrix that is none, or none of a camera of this size.
+    Raises InputError for numbers that are no camera matrix, or that do not fit images of this size.
 
     Parameters
     ----------
@@ -56,7 +58,10 @@ def read_pinhole(matrix: Sequence[float], size: tuple[int, int], where: str) -> 
 
 
 def _doubt(lens: Array, size: Array) -> str:
-    """Say what shows that fx, fy, cx, cy (4,) are no pixels of images of this size. "" for none."""
+    """Say what shows that a camera's numbers are not in pixels of its images. "" for nothing.
+
+    lens: (4,) fx, fy, cx, cy. size: (2,) width and height, px.
+    """
     width, height = size
     fx, fy, cx, cy = lens
     images = f"images of {width:g} x {height:g} pixels"
@@ -86,7 +91,15 @@ def _doubt(lens: Array, size: Array) -> str:
 
 
 def _is_usual(lens: Array, size: Array, square: float, middle: float) -> bool:
-    """Tell whether pixels are square and the principal point is in the middle, to shares."""
+    """Tell whether pixels are nearly square and the principal point is near the middle.
+
+    Parameters
+    ----------
+    lens : (4,) fx, fy, cx, cy
+    size : (2,) width and height
+    square : largest log of fx / fy
+    middle : largest distance of the principal point from the middle, as a share of the size
+    """
     fx, fy, *centre = lens
     off = np.abs(np.array(centre) / size - 0.5)
     return bool(fx > 0 and fy > 0 and abs(np.log(fx / fy)) < square and (off < middle).all())

@@ -21,14 +21,14 @@ ONE_LINE = (
 )
 LONGEST_SHOWN = 60  # characters of a foreign value in a message
 LONGEST_REASON = 200  # characters of what a parser says
-TYPES = {  # of msgspec's messages, in words
+TYPES = {  # names of types in msgspec's messages, and the words for them
     "float": "a number",
     "int": "a whole number",
     "str": "text",
     "bool": "true or false",
     "array": "a list",
 }
-# Keys that went without a successor, and what is done instead
+# Keys that were removed without a successor, and what is done instead
 GONE = dict.fromkeys(
     ("matches.across", "matches.revisits"),
     "images are compared across legs for what each comparison would tell of the path",
@@ -39,16 +39,16 @@ DEEPEST = 30  # tables and lists within each other; the schema has five
 def explain_error(
     message: str, raw: object, kind: type, prefix: str, more: Sequence[str], file: str
 ) -> UsageError:
-    """Convert a message of msgspec to a UsageError.
+    """Convert msgspec's message about a wrong key or value to a UsageError in words.
 
     Parameters
     ----------
     message : of msgspec
-    raw : what was decoded
-    kind : as what
+    raw : the tables and values that could not be decoded
+    kind : the struct that they were to be
     prefix : dotted name of the table
     more : further known keys of the top level
-    file : where the keys are
+    file : that holds the keys
     """
     text, _, at = message.partition(" - at `")
     path = re.findall(r"[^.\[\]]+|\[\d+\]", at.rstrip("`").removeprefix("$").lstrip("."))
@@ -122,7 +122,10 @@ def known_keys(kind: type, prefix: str = "") -> Iterator[str]:
 
 
 def _values_of(kind: type, path: Sequence[str]) -> str:
-    """List the texts that a key may have, by the type of the table and the key's way in it."""
+    """List the texts that a key may have.
+
+    kind: the struct of the outermost table. path: names of the tables in it, and of the key.
+    """
     found: object = kind
     for name in path:
         hints = get_type_hints(_struct_of(found)) if not name.startswith("[") else {}
@@ -154,7 +157,15 @@ def _structs_in(kind: object) -> Iterator[type[Struct]]:
 def _unknown(
     key: str, section: str, kind: type, prefix: str, more: Sequence[str], file: str
 ) -> UsageError:
-    """Refuse a key that is gone or unknown, and name the nearest known one."""
+    """Make the error for a key that was removed or is unknown, with the nearest known one.
+
+    The nearest key is sought in the same section first, then by its last name in all sections.
+
+    Parameters
+    ----------
+    key, section : the unknown key, and the dotted name of its table
+    kind, prefix, more, file : as of explain_error
+    """
     dotted = _join([section, key])
     if dotted in GONE:
         return UsageError(
@@ -181,7 +192,7 @@ def _unknown(
 
 
 def _same_last_name(key: str, known: Sequence[str]) -> list[str]:
-    """Find a known key with the same last name in another section."""
+    """Find a known key with the same last name in any section."""
     return [name for name in known if name.rpartition(".")[2] == key][:1]
 
 
@@ -190,6 +201,7 @@ def _join(parts: Sequence[str]) -> str:
 
 
 def _look_up(raw: object, path: Sequence[str]) -> object:
+    """Look up a value by the names and [numbers] that lead to it. "?" where a name is missing."""
     for part in path:
         if part.startswith("[") and isinstance(raw, list):
             raw = raw[int(part[1:-1])]

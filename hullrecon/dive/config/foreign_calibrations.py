@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Name the calibrations of other programs, which are not read, and what of them to write."""
+"""Recognise calibrations of other programs, which are not read, and say how to rewrite them."""
 
 from __future__ import annotations
 
 import re
 
 CENTRE = "cx and cy less 0.5, as its first pixel has its centre at 0.5"
-# By what is found in the file: whose it is, and what its numbers are in a camera_info YAML
+# A pattern in the file, whose calibration it then is, and what of it to write as camera_info YAML
 FOREIGN = (
     (r"<opencv_storage>", "OpenCV's XML", "the same names and numbers as YAML"),
     (
@@ -30,7 +30,10 @@ FOREIGN = (
 
 
 def name_foreign(text: str) -> tuple[str, str] | None:
-    """Tell whose calibration a file is, and what to write in its place. None for any other."""
+    """Tell which program's calibration a file is, and what to write in its place.
+
+    None where no pattern of FOREIGN is found.
+    """
     for pattern, whose, how in FOREIGN:
         if re.search(pattern, text):
             return whose, f"write a camera_info YAML: {how}"

@@ -18,9 +18,10 @@ from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.typing import Array
 
-# px, at the worst place, mostly a corner: half of what boards leave under water
+# px, at the worst pixel, mostly in a corner: half the error of a calibration under water
 LARGEST_DIFFERENCE_PX = 0.05
-WIDEST_DEG, RINGS, SPOKES = 80.0, 160, 72  # of the rays on which both models are compared
+# both models are compared on rays up to so far off the axis, on so many rings and spokes
+WIDEST_DEG, RINGS, SPOKES = 80.0, 160, 72
 PLUMB_BOB_COUNT, THIN_PRISM_COUNT = 5, 12  # coefficients, in OpenCV's order
 Distort = Callable[[Array], Array]  # ideal to distorted coordinates x/z, y/z (n, 2)
 
@@ -28,7 +29,16 @@ Distort = Callable[[Array], Array]  # ideal to distorted coordinates x/z, y/z (n
 def convert_rational(
     pinhole: CameraModel, coefficients: Sequence[float], where: str
 ) -> CameraModel:
-    """Convert OpenCV's rational model with thin prisms: up to 14 coefficients, no tilted sensor."""
+    """Convert OpenCV's rational model with thin prisms to plumb_bob.
+
+    Raises InputError for a tilted sensor, and where plumb_bob does not describe the lens.
+
+    Parameters
+    ----------
+    pinhole : camera without distortion
+    coefficients : up to 14, in OpenCV's order
+    where : the calibration's file, for errors
+    """
     if any(coefficients[THIN_PRISM_COUNT:]):
         raise InputError(
             "the distortion has a tilted sensor, which is not modelled",
@@ -52,9 +62,10 @@ def convert_rational(
 
 @np.errstate(all="ignore")  # coefficients of any size
 def _as_plumb_bob(pinhole: CameraModel, distort: Distort, where: str) -> CameraModel:
-    """Fit the coefficients of plumb_bob to another lens model.
+    """Fit focal length and coefficients of plumb_bob to another lens model, by least squares.
 
-    Raises InputError if the fit is off by more than LARGEST_DIFFERENCE_PX.
+    Raises InputError if the fit is off by more than LARGEST_DIFFERENCE_PX, or if the other model
+    does not reach an edge of the image within WIDEST_DEG.
     """
     rays = _rays_in_image(pinhole, distort)
     worst = np.inf
@@ -91,7 +102,10 @@ def _as_plumb_bob(pinhole: CameraModel, distort: Distort, where: str) -> CameraM
 
 
 def _rays_in_image(pinhole: CameraModel, distort: Distort) -> Array:
-    """Spread rays (n, 2) over the image. None where the model does not reach an edge of it."""
+    """Spread rays x/z, y/z (n, 2) over the image.
+
+    Empty where along some spoke the model does not leave the image within WIDEST_DEG.
+    """
     angle = np.radians(np.linspace(0, WIDEST_DEG, RINGS + 1)[1:])
     azimuth = np.linspace(0, 2 * np.pi, SPOKES, endpoint=False)
     spokes = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)

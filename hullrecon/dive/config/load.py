@@ -29,12 +29,12 @@ from hullrecon.dive.files import MIB, read_text
 from hullrecon.errors import InputError, UsageError
 
 BYTE_ORDER_MARK = "\ufeff"  # with which some editors of Windows begin a file
-LEAST_AIR_PA = 50_000.0  # at 5 km above the sea; weather moves it by 5,000
+LEAST_AIR_PA = 50_000.0  # of the air at 5 km above the sea; weather changes it by 5,000
 FILE = "dive.toml"
 # of dive.toml; one with everything set and explained has some ten thousand
 LARGEST_BYTES = MIB // 4
-MOST_DOTS = 100  # in a line: tomllib takes the square of a dotted key's length
-NAVIGATION = frozenset(("dvl", "imu", "pressure"))  # what one topic may give together
+MOST_DOTS = 100  # in a line: tomllib's time grows with the square of the dots in a key
+NAVIGATION = frozenset(("dvl", "imu", "pressure"))  # sensors that may share a topic, as of poses
 Table = dict[str, object]  # of TOML, not yet decoded
 Kind = TypeVar("Kind")
 
@@ -139,7 +139,7 @@ def _line_of(error: str, text: str) -> str:
 
 
 def _apply(raw: Table, text: str) -> None:
-    """Put one `a.b=value` into the raw tables. The value is TOML, else a string."""
+    """Apply an override `a.b=value` to the raw tables. A value that is no TOML is a string."""
     key, equals, value = text.partition("=")
     parts = [part.strip() for part in key.split(".")]
     if not equals or not all(parts):
@@ -158,6 +158,7 @@ def _apply(raw: Table, text: str) -> None:
 
 
 def _decode(raw: object, kind: type[Kind], prefix: str, more: Sequence[str]) -> Kind:
+    """Decode a table to a struct. Raises UsageError in words (`explain_error`)."""
     try:
         return msgspec.convert(raw, kind)
     except msgspec.ValidationError as error:
@@ -165,6 +166,7 @@ def _decode(raw: object, kind: type[Kind], prefix: str, more: Sequence[str]) -> 
 
 
 def _leaves(raw: Mapping[str, object], prefix: str = "") -> Iterator[str]:
+    """Yield the dotted keys of all values in a table and the tables within it."""
     for key, value in raw.items():
         if isinstance(value, dict):
             yield from _leaves(value, f"{prefix}{key}.")
@@ -173,7 +175,7 @@ def _leaves(raw: Mapping[str, object], prefix: str = "") -> Iterator[str]:
 
 
 def _check_whole(config: DiveConfig) -> None:
-    """Check what involves several fields."""
+    """Raise UsageError for keys that are right by themselves but do not go together."""
     if config.camera.bottom is not None and config.camera.top is None:
         raise UsageError(
             "[camera.bottom] without [camera.top]",
@@ -241,7 +243,10 @@ def _check_regions(regions: Sequence[HullRegion]) -> None:
 
 
 def _check_units(config: DiveConfig) -> None:
-    """Check that lever arms can be metres, mounts' angles degrees and the air's pressure Pa."""
+    """Raise for lever arms that are no metres, angles no degrees, or an air pressure not in Pa.
+
+    They are told by their size: InputError for mounts, UsageError for the pressure.
+    """
     top, bottom, hull = config.camera.top, config.camera.bottom, config.hull
     mounts = {
         "dvl.mount": config.dvl.mount,

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from hullrecon.errors import InputError
 
 FARTHEST_M = 20.0  # of a sensor from the vehicle's origin: no vehicle at a hull is as long
-# angles of mounts that are right angles in radians, and how close: three digits
+# right angles in radians, and how close to one an angle has to be (three digits) to be in radians
 RIGHT_ANGLES_RAD, CLOSE_RAD = (0.5 * math.pi, math.pi, 1.5 * math.pi), 6e-4
 
 

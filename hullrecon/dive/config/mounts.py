@@ -22,7 +22,7 @@ from hullrecon.geometry.poses import Poses, from_mount, up_in
 from hullrecon.typing import Array
 
 Numbers = tuple[float, ...]
-ON_SERVO = {  # sensor and servo of each mount
+ON_SERVO = {  # of each mount on a servo: the sensor, and the key of the servo's axis
     "dvl.mount": ("dvl", "tray.origin"),
     "camera.top.mount": ("camera_top", "tray.origin"),
     "sonar.mount": ("sonar", "sonar.origin"),
@@ -32,8 +32,10 @@ KEY_OF = {sensor: key for key, (sensor, _) in ON_SERVO.items()} | {
     "pressure": "pressure.origin",
     "position": "position.origin",
 }
-LEVEL_M, VERTICAL_M = 1.0, 0.3  # the draught is known better than the berth
-# heel and trim are small and read off; the heading is that of a compass near steel
+# Default sigmas of hull.pose. Horizontally and vertically: the draught is known better than the
+# berth
+LEVEL_M, VERTICAL_M = 1.0, 0.3
+# Of heel and trim, which are small and read off, and of the heading, by a compass near steel
 TILT_DEG, HEADING_DEG = 1.0, 5.0
 
 
@@ -56,7 +58,7 @@ def choose_mounts(
     Parameters
     ----------
     values : by dotted key, as in dive.toml
-    sensors : the place of each in tf_static ("dvl", "camera_top", ...)
+    sensors : the pose of each by tf_static ("dvl", "camera_top", ...)
     """
     sensors = {name: sensor for name, sensor in sensors.items() if not sensor.doubt}
     chosen: dict[str, ChosenMount] = {}
@@ -118,9 +120,10 @@ def choose_mounts(
 
 
 def parted_on_tray(sensors: Mapping[str, FixedSensor]) -> tuple[FixedSensor, FixedSensor] | None:
-    """Find a DVL and an upper camera of which tf_static has only one on the tray's servo.
+    """Tell whether tf_static has only one of DVL and upper camera on the tray's servo.
 
-    Returns the sensor on the servo and the fixed sensor. None where both or neither turn.
+    Returns the sensor on the servo, and the one fixed to the vehicle. None where both or neither
+    are on the servo.
     """
     both = [
         sensors[sensor]
@@ -139,9 +142,12 @@ def refuse_mounts(
 ) -> None:
     """Raise InputError where tf_static cannot give a mount that dive.toml leaves to it.
 
-    Mounts given by dive.toml are trusted. Parameters as in choose_mounts.
+    Mounts given by dive.toml are trusted.
 
-    has_tray: the angles of a tray were logged.
+    Parameters
+    ----------
+    values, sensors : as in choose_mounts
+    has_tray : the angles of a tray were logged
     """
     for sensor, key in KEY_OF.items():
         if values.get(key) == FROM_LOG and sensor in sensors and sensors[sensor].doubt:
@@ -185,7 +191,7 @@ def describe_mounts(mounts: Mapping[str, ChosenMount]) -> list[Finding]:
 
 
 def filled_in(loaded: LoadedConfig, mounts: Mapping[str, ChosenMount]) -> LoadedConfig:
-    """Put mounts into a configuration."""
+    """Replace the mounts in a configuration by those that were chosen, by their dotted keys."""
     sections = dict(loaded.sections)
     for key, mount in mounts.items():
         section, _, name = key.rpartition(".")
@@ -199,7 +205,7 @@ def filled_in(loaded: LoadedConfig, mounts: Mapping[str, ChosenMount]) -> Loaded
 
 
 def with_value(section: object, name: str, value: Numbers) -> object:
-    """Change one value of a section."""
+    """Copy a section with one value changed. Anything but a section is returned unchanged."""
     return structs.replace(section, **{name: value}) if isinstance(section, Struct) else section
 
 
@@ -228,7 +234,7 @@ def _on_servo(sensor: FixedSensor, origin: Numbers) -> Numbers:
 def guess_sigma(pose: Sequence[float], given: Sequence[float] | None) -> Array:
     """Choose the sigma (6,) of `hull.pose`, m and deg, in the CAD model's axes.
 
-    As given, else by the axis of the file that the pose turns up.
+    It is the given one, else a default by which axis of the CAD model the pose turns upward.
     """
     if given is not None:
         return np.array(given, float)

@@ -18,9 +18,9 @@ from hullrecon.errors import InputError
 
 # bytes; a calibration has a thousand, the metadata of a long recording some hundred thousand
 LARGEST_YAML = 4 * MIB
-ROOM = 10_000  # values beyond one a character, which no file without aliases has
+ROOM = 10_000  # values that a document may hold beyond one for each character of its text
 MOST_VALUES = 20_000  # the parser takes some 60 us for each: more than a second in all
-DEEPEST = 100  # it looks through all open brackets at every value
+DEEPEST = 100  # brackets within each other: the parser looks through all of them at every value
 OPENCV_MATRIX = "tag:yaml.org,2002:opencv-matrix"  # a table of rows, cols, dt and data
 BRACKETS = re.compile(r"[\[{\]}]")
 
@@ -48,8 +48,8 @@ def read_yaml(path: Path) -> Mapping[str, object]:
 def parse_yaml(text: str) -> object:
     """Parse YAML text, also with the head that OpenCV writes.
 
-    Raises ValueError for text that is no YAML, nests too deeply, holds too many values or names its
-    aliases too often.
+    Raises ValueError for text that is no YAML, nests too deeply, holds too many values, or whose
+    aliases stand for too many.
     """
     refuse_floods(text)
     yaml = YAML(typ="safe", pure=True)
@@ -78,9 +78,9 @@ def refuse_floods(text: str) -> None:
 
 
 class _BoundedConstructor(SafeConstructor):
-    """Count the values of a document before they are made."""
+    """Refuses documents whose aliases stand for too many values, before these are made."""
 
-    largest_count = ROOM
+    largest_count = ROOM  # set anew for each document
 
     def construct_document(self, node: Node) -> object:
         if count_values(node, {}) > self.largest_count:
@@ -92,10 +92,11 @@ _BoundedConstructor.add_constructor(OPENCV_MATRIX, SafeConstructor.construct_yam
 
 
 def count_values(node: Node, known: dict[int, int]) -> int:
-    """Count the values at and below a node, those of an alias at each place that names it.
+    """Count the values at and below a node, with those of an alias wherever it is used.
 
-    known: counts of nodes already met, 0 for those still being counted. Raises ValueError for an
-    alias of a node that contains it.
+    Raises ValueError for an alias of a node that contains it.
+
+    known: counts by the id of nodes that were counted already, 0 while they are being counted.
     """
     if id(node) in known:
         count = known[id(node)]

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Leave out faces that nothing outside the hull sees: inner sides of plates, tanks, structure.
 
-A beam meets the outer skin. The closest face to a point near it may be one behind: the other side
-of a plate, or a frame. A face is seen if rays from it leave the mesh. One ray in a thousand slips
-through the gaps between plates that share no corners, so one ray alone proves nothing.
+A beam of the DVL meets the outer skin, but the face closest to where it ends may lie behind that:
+the inner side of the plate, or a frame. A face counts as seen if rays from it leave the mesh. One
+ray in a thousand slips through the gaps between plates that share no corners, so one ray alone
+proves nothing.
 """
 
 from __future__ import annotations
@@ -22,23 +23,25 @@ from hullrecon.typing import Array, Ints, Mask
 
 LIFT = 1e-6  # of the largest extent: how far from its face a ray starts, 0.3 mm at 300 m
 INNER = 0.8  # of a face, about its middle, from which rays start: edges may stick through a plate
-# rays to each side of a face, and how many of them have to leave the mesh: FIRST of all faces, NEXT
-# of some not yet seen, NEXT and LAST of those beside a seen one. LAST finds a face that 2 % of
-# directions see with 88 %, and takes one of 500 for seen into which one ray in a thousand slips
+# Rays to each side of a face, and how many of them have to leave the mesh. FIRST is for all faces,
+# NEXT for some that are not seen yet, NEXT and LAST for those beside a seen face. LAST finds a face
+# that is open to 2 % of the directions with a probability of 88 %. It takes one hidden face in 500
+# for seen where one ray in a thousand slips through.
 FIRST, NEXT, LAST = (2, 2), (16, 2), (256, 3)
 MOST_RINGS = 100  # of faces, from one into its neighbours, that a recess is followed inward
 AT_ONCE = 2_000_000  # rays: 0.1 GB
-# of the area: a crevice with less is left as it is, as in the hubs of propellers
+# of the area; hidden faces of less, as in the hubs of propellers, are not left out
 LEAST_SHARE = 1e-5
 THICKEST_M = 0.1  # of a plate; shells of ships have 6 to 40 mm
-GOLDEN = 1.1673039782614187  # the root of x**5 = x + 1
+GOLDEN = 1.1673039782614187  # root of x**5 = x + 1: the golden ratio of a sequence in 4 dimensions
 
 
 def leave_out_hidden(mesh: Mesh, notes: list[Finding]) -> Mesh:
     """Keep the faces that are seen from outside. How many were left out is added to notes.
 
-    What is seen only where the mesh ends open (a half hull, a hull without deck) is kept too,
-    except for the inner side of a plate whose outer side is seen from elsewhere.
+    Faces that are seen only through an open end of the mesh (a half hull, a hull without deck) are
+    kept too, except where they are the inner side of a plate whose outer side is seen when that end
+    is closed by reflection.
     """
     seen = find_seen(mesh, mesh)
     openings = find_openings(mesh)
@@ -56,11 +59,16 @@ def leave_out_hidden(mesh: Mesh, notes: list[Finding]) -> Mesh:
 
 
 def find_seen(mesh: Mesh, whole: Mesh) -> Mask:
-    """Find the faces (m,) of a mesh from which rays leave the whole, which begins with its faces.
+    """Find the faces (m,) of a mesh that are seen from outside, by casting rays from them.
 
-    Of each connected patch of faces not seen at first, some are looked at more closely. Then the
-    faces beside seen ones are, and those beside them, so that recesses are followed inward. A face
-    left between seen ones is taken as seen.
+    All faces are tested with few rays. Of each connected patch of unseen faces some are tested with
+    more. Then the neighbours of seen faces are tested, ring by ring, so that recesses are followed
+    inward. A face with three seen neighbours counts as seen.
+
+    Parameters
+    ----------
+    mesh : whose faces are tested
+    whole : what stops the rays; its first faces are those of the mesh
     """
     seen = _leave(mesh, whole, np.arange(len(mesh.faces)), *FIRST)
     if seen.all():
@@ -84,7 +92,7 @@ def find_seen(mesh: Mesh, whole: Mesh) -> Mask:
 
 
 def _sample_unseen(mesh: Mesh, shared: SharedEdges, seen: Mask) -> Ints:
-    """Pick unseen faces (k,) evenly over the area of each connected patch of them."""
+    """Pick rows (k,) of unseen faces, evenly over the area of each connected patch of them."""
     both = ~seen[shared.first] & ~seen[shared.second]
     pairs = (np.ones(int(both.sum())), (shared.first[both], shared.second[both]))
     patch = connected_components(coo_matrix(pairs, shape=(len(seen), len(seen))), directed=False)[1]
@@ -92,7 +100,19 @@ def _sample_unseen(mesh: Mesh, shared: SharedEdges, seen: Mask) -> Ints:
 
 
 def _leave(mesh: Mesh, whole: Mesh, rows: Ints, rays: int, enough: int) -> Mask:
-    """Test whether enough rays leave the whole to one side of each face (k,)."""
+    """Tell of which faces enough rays leave the mesh, on one side or the other.
+
+    Parameters
+    ----------
+    mesh, whole : as of find_seen
+    rows : (k,) faces to test
+    rays : from each side of a face
+    enough : of these rays that have to hit nothing
+
+    Returns
+    -------
+    mask (k,)
+    """
     out = np.zeros(len(rows), bool)
     block = AT_ONCE // rays
     for start in range(0, len(rows), block):
@@ -107,11 +127,21 @@ def _leave(mesh: Mesh, whole: Mesh, rows: Ints, rays: int, enough: int) -> Mask:
 
 
 def _rays(mesh: Mesh, rows: Ints, normal: Array, rays: int) -> tuple[Array, Array]:
-    """Start rays from faces (k,) to the side of the normals (k, 3).
+    """Spread rays over faces and over the directions on the side of their normals.
 
-    Each begins elsewhere on the face and goes another way, by the cosine about the normal, in one
-    pattern for all faces: an additive recurrence of low discrepancy [Roberts2018]. Returns origins
-    and directions (k * rays, 3).
+    Origins are spread over each face, directions about its normal with cosine weight. The pattern
+    is the same for all faces, an additive recurrence of low discrepancy [Roberts2018].
+
+    Parameters
+    ----------
+    mesh : of the faces
+    rows : (k,) faces
+    normal : (k, 3) unit normals, of either side
+    rays : from each face
+
+    Returns
+    -------
+    origins and directions (k * rays, 3)
     """
     u, v, w, turn = (np.mod(0.5 + np.arange(rays) / GOLDEN**k, 1.0) for k in range(1, 5))
     u, v = np.where(u + v > 1, [1 - u, 1 - v], [u, v])
@@ -126,7 +156,7 @@ def _rays(mesh: Mesh, rows: Ints, normal: Array, rays: int) -> tuple[Array, Arra
 
 
 def _find_close_faces(mesh: Mesh) -> Ints:
-    """Find the faces (m, 2) in front of and behind each face within THICKEST_M, or -1."""
+    """Find the faces (m, 2) in front of and behind each face's middle within THICKEST_M, or -1."""
     middle, normal = mesh.vertices[mesh.faces].mean(axis=1), face_normals(mesh)
     lift = LIFT * float(np.ptp(mesh.vertices, axis=0).max()) * normal
     hits = [mesh.index.cast(middle + way * lift, way * normal) for way in (1.0, -1.0)]

@@ -34,16 +34,17 @@ if TYPE_CHECKING:
 
 FORMATS = ("stl", "ply", "obj", "off", "glb")
 LARGEST_BYTES = 2048 * MIB  # of a file, unpacked: 40 million triangles of a binary STL
-# what any small file may unpack to, and how tightly; hulls pack by 2 to 15
+# bytes that any file may unpack to, and how many times its size; hulls pack by 2 to 15
 FREE_BYTES, PACKED_BY = 64 * MIB, 50
-STRAY_PERCENT = 1.0  # of the corners at either end of an axis, which may be no part of the ship
+STRAY_PERCENT = 1.0  # of the corners, at either end of an axis, that may not be of the ship
 NARROWEST = 0.01  # second largest extent over the largest; plates of a hull have 0.05 and more
 MERGE = 2e-7  # of the largest extent: two steps of single precision, in which STL stores corners
-# of the whole, that parts two bodies; of the larger, from which on the smaller may be a ship
+# gap between two bodies, as a share of the whole length; size of the smaller body, as a share of
+# the larger one's, from which on it may be a ship
 LEAST_GAP, LEAST_BODY = 0.01, 0.3
 FINEST_M = 1e-6  # no CAD model is finer
-# in which coordinates are stored: an error of 3 mm (step / sqrt(12)), beside the 20 mm by which
-# hulls leave their CAD model, and one that no deviation shows
+# Steps in which coordinates are stored. The first makes an error of 3 mm (step / sqrt(12)), beside
+# the 20 mm by which hulls deviate from their CAD model. The second is not seen in any deviation
 COARSEST_STEP_M, FINE_STEP_M = 0.01, 0.001
 # magic, version, length; length and type of the first chunk, which is JSON
 GLB_HEAD = struct.Struct("<4sIIII")
@@ -53,7 +54,7 @@ IN_ONE_FILE = "save it as GLB, which is glTF in one file"
 COPY_AGAIN = "copy or export it again"
 TAIL = 1 << 10  # bytes, in which an STL of text ends
 _SAY_SO = "name it by what it is"
-# what a file begins with: what it is, and what to do
+# by the first bytes of a file: what it is, and what to do
 OTHER_KINDS = (
     (re.compile(re.escape(LFS_POINTER)), LFS_WORDS),
     (
@@ -68,10 +69,11 @@ OTHER_KINDS = (
     (re.compile(rb"glTF"), ("a glb file", _SAY_SO)),
 )
 DECIMAL_COMMA = re.compile(rb"^\s*(?:vertex|v)\s+[-+]?\d+,\d", re.MULTILINE)
-ROOM = 1_000_000  # values or faces beyond one a byte
-MOST_PROPERTIES = 200  # and elements of a PLY; its parser takes the square of their number
+ROOM = 1_000_000  # values or faces that a file may claim beyond one for each of its bytes
+MOST_PROPERTIES = 200  # and elements of a PLY: its parser's time grows with their square
 PROPERTY = re.compile(rb"^[ \t]*(?:property|element)\b", re.MULTILINE)
-# of an OBJ, solids of an STL; each becomes a mesh of its own, at the square of their number
+# groups of an OBJ or solids of an STL: each becomes a mesh of its own, in time that grows with the
+# square of their number
 MOST_GROUPS = 1000
 GROUPS = {
     "obj": re.compile(rb"^[ \t]*(?:o|g|usemtl)\b[^\n]*", re.MULTILINE),
@@ -82,8 +84,10 @@ GROUPS = {
 def read_hull(path: Path, units: str, notes: list[Finding]) -> Mesh:
     """Read an STL, PLY, OBJ, OFF or GLB file, gzipped or not, in metres with outward normals.
 
-    Defects and repairs are added to notes. Raises InputError for a file that is no mesh or of a
-    wrong size.
+    Defects and repairs are added to notes. Raises InputError for a file that is no mesh, or one
+    whose size is no ship's.
+
+    units: of the file, a key of METRES_PER_UNIT.
     """
     stored, faces, is_single = _load(path)
     vertices = stored * METRES_PER_UNIT[units]
@@ -153,7 +157,10 @@ def _load(path: Path) -> tuple[Array, Ints32, bool]:
 
 
 def _refuse_other_kind(data: bytes, kind: str, path: Path) -> None:
-    """Raise InputError for a file that is not what its name says, or cut off."""
+    """Raise InputError for a file that is not what its name says, or that is cut off.
+
+    data: its bytes. kind: one of FORMATS, by its name.
+    """
     if not data:
         raise InputError(
             f"the CAD model {path.name} is empty", where=str(path.parent), remedy=COPY_AGAIN
@@ -208,7 +215,16 @@ def _parse(data: bytes, kind: str, path: Path) -> tuple[Array, Ints]:
 
 
 def _check_extent(corners: Array, units: str, path: Path, notes: list[Finding]) -> None:
-    """Refuse a CAD model whose size is no ship's, and name the units in which it would be one."""
+    """Raise InputError for a CAD model whose size is no ship's, with the units in which it is.
+
+    One that is a ship in no unit is only noted: it may be a model of a ship.
+
+    Parameters
+    ----------
+    corners : (3 m, 3) of all faces, m
+    units : by which they were converted
+    path, notes : of the file, and where remarks are added
+    """
     if not np.isfinite(corners).all():
         raise InputError(
             f"the CAD model {path.name} has coordinates that are not finite", where=str(path.parent)
@@ -253,7 +269,7 @@ def _check_extent(corners: Array, units: str, path: Path, notes: list[Finding]) 
 def _refuse_stray(corners: Array, length: float, path: Path) -> None:
     """Raise InputError where a few faces lie more than the ship's length away from all others.
 
-    corners: (3 m, 3) of the m faces.
+    corners: (3 m, 3) of the m faces, metres. length: of the whole, with those faces, metres.
     """
     low, high = np.percentile(corners, [STRAY_PERCENT, 100 - STRAY_PERCENT], axis=0)
     size = float((high - low).max())
@@ -271,7 +287,10 @@ def _refuse_stray(corners: Array, length: float, path: Path) -> None:
 
 
 def _check_step(step_m: float, vertices: Array, path: Path, notes: list[Finding]) -> None:
-    """Refuse coordinates stored in steps too coarse for a hull, and remark less coarse ones."""
+    """Refuse coordinates that are stored in steps too coarse for a hull, and note less coarse ones.
+
+    Far from the origin, single precision has coarse steps.
+    """
     farthest_m = float(np.abs(vertices).max())
     if step_m > COARSEST_STEP_M:
         raise InputError(
@@ -303,7 +322,10 @@ def clean_mesh(mesh: Mesh, notes: list[Finding]) -> Mesh:
 
 
 def find_bodies_apart(mesh: Mesh) -> list[Finding]:
-    """Find bodies beside each other with nothing between, each large enough to be a ship."""
+    """Report two bodies beside each other with a gap between, each large enough to be a ship.
+
+    Gaps are sought along each axis.
+    """
     corners = mesh.vertices[mesh.faces]
     low, high = corners.min(axis=1), corners.max(axis=1)
     length = float(np.ptp(mesh.vertices, axis=0).max())
@@ -321,7 +343,10 @@ def find_bodies_apart(mesh: Mesh) -> list[Finding]:
 
 
 def merge_corners(vertices: Array, faces: Ints32, tolerance: float) -> tuple[Array, Ints32]:
-    """Merge corners that lie in one cell of the tolerance's size, m, into the first of them."""
+    """Merge corners that lie in one cell of a grid of the tolerance, m, into the first of them.
+
+    Returns the corners that stay, in the order of the file, and the faces (m, 3) renumbered.
+    """
     cells = np.round((vertices - vertices.min(axis=0)) / tolerance).astype(np.int64)
     _, first, number = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first, kind="stable")  # corners keep the order of the file
@@ -340,8 +365,10 @@ def find_degenerate(mesh: Mesh, tolerance: float) -> Mask:
 def prepare(data: bytes, kind: str) -> bytes:
     """Check a mesh file's claims before it is parsed, and join very many groups or solids into one.
 
-    Raises ValueError for a file that claims far more than it holds, and whatever damaged JSON of a
-    GLB leads to.
+    Raises ValueError for a file that claims far more than it holds. Damaged JSON in a GLB may raise
+    anything.
+
+    kind: one of FORMATS.
     """
     if kind == "glb":
         _check_accessors(data)
@@ -363,7 +390,10 @@ def check_instances(scene: Scene, size: int) -> None:
 
 
 def _check_accessors(data: bytes) -> None:
-    """Raise ValueError where accessors without bytes (they are zeros) exceed the file's size."""
+    """Raise ValueError for a GLB that claims far more values than it holds bytes.
+
+    An accessor without a buffer stands for zeros, as many as it states.
+    """
     if len(data) < GLB_HEAD.size:
         raise ValueError("it ends in its header")
     length = GLB_HEAD.unpack_from(data)[3]
@@ -374,7 +404,7 @@ def _check_accessors(data: bytes) -> None:
 
 
 def _join_groups(data: bytes, kind: str) -> bytes:
-    """Drop the marks of groups, or of solids of an STL, where there are very many."""
+    """Drop the lines that begin groups of an OBJ or solids of an STL, where there are very many."""
     groups = GROUPS[kind]
     if sum(1 for _ in groups.finditer(data)) <= MOST_GROUPS:
         return data

@@ -13,16 +13,17 @@ from hullrecon.geometry.meshes.topology import find_edges
 from hullrecon.typing import Ints, Ints32
 
 Plane = tuple[int, float]  # axis and coordinate of a side of the bounding box
-ON_PLANE = 1e-3  # of the largest extent
-OPEN_SHARE = 0.05  # of the open boundary's length that must lie on a plane of symmetry
-# of the area; a plane that holds more is plating (a flat bottom, a deck), not a cut
+ON_PLANE = 1e-3  # of the largest extent; what is nearer to a plane lies on it
+OPEN_SHARE = 0.05  # of the open boundary's length that lies on a plane where the hull was cut
+# of the mesh's area; a plane with more faces in it is plating (a flat bottom, a deck), not a cut
 PLATED_SHARE = 0.01
 
 
 def reflect_mesh(mesh: Mesh, planes: Sequence[Plane]) -> Mesh:
-    """Append the reflections of a mesh in each plane in turn to its own faces.
+    """Complete a mesh by its reflections in planes, one plane after the other.
 
-    Reflected faces keep their winding: only what rays hit matters.
+    Reflected faces come behind the mesh's own. They keep their order of corners and so face inward:
+    the result is only for casting rays at.
     """
     vertices, faces = mesh.vertices, mesh.faces
     for axis, level in planes:
@@ -34,7 +35,10 @@ def reflect_mesh(mesh: Mesh, planes: Sequence[Plane]) -> Mesh:
 
 
 def find_possible_cuts(mesh: Mesh) -> list[Plane]:
-    """Find the sides of the bounding box with open boundary and no plating: it may be cut there."""
+    """Find the sides of the bounding box at which the mesh may have been cut, as a half hull is.
+
+    They hold a share of the open boundary and no plating.
+    """
     edges = find_boundary(mesh.faces)
     if not len(edges):
         return []
@@ -50,9 +54,11 @@ def find_possible_cuts(mesh: Mesh) -> list[Plane]:
 
 
 def find_openings(mesh: Mesh) -> list[Plane]:
-    """Find the sides of the bounding box without plating that the mesh reaches across its size.
+    """Find the sides of the bounding box at which the mesh ends open, as a half hull does.
 
-    Unlike `find_possible_cuts`, also of plates with thickness, whose rims there are closed.
+    They hold no plating, and the vertices on them span more than half of the mesh in both other
+    directions. Other than `find_possible_cuts`, this also finds openings of hulls whose plates have
+    a thickness: their rims are closed, so that they have no open boundary.
     """
     extent = np.ptp(mesh.vertices, axis=0)
     tolerance = ON_PLANE * float(extent.max())
@@ -65,7 +71,10 @@ def find_openings(mesh: Mesh) -> list[Plane]:
 
 
 def _find_unplated_sides(mesh: Mesh, tolerance: float) -> list[Plane]:
-    """Find the sides of the bounding box in which hardly any face lies, to the tolerance, m."""
+    """Find the sides of the bounding box in which hardly any face lies.
+
+    tolerance: m, from a side to what lies in it.
+    """
     corners, area = mesh.vertices[mesh.faces], face_areas(mesh)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     found = []
@@ -77,9 +86,10 @@ def _find_unplated_sides(mesh: Mesh, tolerance: float) -> list[Plane]:
 
 
 def ends_at_a_plane(mesh: Mesh) -> bool:
-    """Tell whether the mesh was cut at a plane across most of its size, as a half hull is.
+    """Tell whether the mesh was cut at a plane, as a half hull is.
 
-    A seam at the bow lies in such a plane too, but is narrow.
+    Its open boundary there has to span more than half of the mesh in both directions. A seam at the
+    bow lies in such a plane too, but is narrow.
     """
     edges, extent = find_boundary(mesh.faces), np.ptp(mesh.vertices, axis=0)
     for axis, level in find_possible_cuts(mesh):
@@ -91,6 +101,6 @@ def ends_at_a_plane(mesh: Mesh) -> bool:
 
 
 def find_boundary(faces: Ints32) -> Ints:
-    """Find the edges (k, 2) of one face alone, in ascending order of their vertices."""
+    """Find the edges (k, 2) that belong to one face only, in ascending order of their vertices."""
     edges = find_edges(faces)
     return np.asarray(edges.vertices[edges.face_count == 1])

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Turn normals outward: one winding within each connected piece, then each piece to its open side.
 
-A closed piece has a signed volume. An open one (a half hull, a hull without deck, a patch of bottom
-plate) has not. But rays from its outer side escape in more directions than rays from its inner
-side, which the rest of the hull stops.
+The signed volume of a closed piece tells which side is outside. An open piece (a half hull, a hull
+without deck, a patch of bottom plate) has none. Rays decide there: from its outer side more of
+them escape than from its inner side, where the rest of the hull stops them.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from hullrecon.geometry.meshes.topology import SharedEdges, find_edges, find_sha
 from hullrecon.typing import Array, Ints, Ints32, Mask
 
 SAMPLES = 200  # faces of a piece from which rays start
-# open ones from which rays start, the largest first; smaller ones have no clear outer side
+# open pieces that are judged by rays, the largest first; smaller ones have no clear outer side
 MOST_PIECES = 20_000
 RAYS = 32  # directions over the hemisphere of each side
 LIFT = 1e-5  # of the largest extent: how far from its face a ray starts
@@ -49,7 +49,20 @@ def orient_outward(mesh: Mesh, notes: list[Finding]) -> Mesh:
 
 
 def _unify_winding(count: int, shared: SharedEdges) -> tuple[Ints32, Ints]:
-    """Label the connected piece of each face, and the sign that winds it like its first face."""
+    """Label the connected piece of each face, and tell which faces are wound against the others.
+
+    The sign is passed on from face to face by a breadth-first search from the first face of each
+    piece.
+
+    Parameters
+    ----------
+    count : of faces
+    shared : edges of two faces each, with whether both wind alike
+
+    Returns
+    -------
+    piece (count,), and sign (count,): 1 where a face winds as the first of its piece, else -1
+    """
     pairs = np.stack([shared.first, shared.second], axis=1)
     agree = np.where(shared.same_winding, 1, -1)
     graph = coo_matrix(
@@ -71,7 +84,10 @@ def _unify_winding(count: int, shared: SharedEdges) -> tuple[Ints32, Ints]:
 
 
 def _find_outer_sides(mesh: Mesh, piece: Ints32) -> Array:
-    """Rate each piece from -1 (normals point inward) to 1 (outward)."""
+    """Rate each piece (p,) from -1 (normals point inward) to 1 (outward), near 0 where unclear.
+
+    Closed pieces are rated by the sign of their volume, open ones by rays.
+    """
     corners = mesh.vertices[mesh.faces] - 0.5 * (
         mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0)
     )
@@ -94,8 +110,18 @@ def _find_outer_sides(mesh: Mesh, piece: Ints32) -> Array:
 def _measure_sides(mesh: Mesh, piece: Ints32, picked: Ints) -> Array:
     """Compare the shares of rays that escape in front of and behind each piece's picked faces.
 
-    A hull that was cut at a plane is completed there by reflection, if that makes the difference
-    clearer.
+    A hull that may have been cut at a plane is completed there by reflection. That is kept for the
+    planes that make the difference between the two sides clearer, one plane after the other.
+
+    Parameters
+    ----------
+    mesh : whole CAD model
+    piece : (m,) piece of each face
+    picked : (k,) faces from which rays start
+
+    Returns
+    -------
+    (p,) share in front minus share behind, 0 for pieces without a picked face
     """
     count = np.maximum(1, np.bincount(piece[picked], minlength=int(piece.max()) + 1))
     weight = np.bincount(piece, face_areas(mesh)) * (
@@ -103,34 +129,46 @@ def _measure_sides(mesh: Mesh, piece: Ints32, picked: Ints) -> Array:
     )
 
     def measure(planes: list[Plane]) -> tuple[float, Array]:
+        """Measure how clear the sides are, averaged by area, and the difference of each piece."""
         whole = reflect_mesh(mesh, planes)
         share = _share_escaping(whole, picked, 1.0) - _share_escaping(whole, picked, -1.0)
         mean = np.bincount(piece[picked], share, len(count)) / count
         return float(weight @ np.abs(mean) / weight.sum()), mean
 
     planes: list[Plane] = []
-    best, seen = measure(planes)
+    clearest, difference = measure(planes)
     cuts = find_possible_cuts(mesh)
     while cuts:
         tried = [(*measure([*planes, cut]), cut) for cut in cuts]
         score, mean, cut = max(tried, key=lambda t: t[0])
-        if score < best + CLEAR:
+        if score < clearest + CLEAR:
             break
-        best, seen, planes = score, mean, [*planes, cut]
+        clearest, difference, planes = score, mean, [*planes, cut]
         cuts = [c for c in cuts if c[0] != cut[0]]
-    return seen
+    return difference
 
 
 def sample_faces(mesh: Mesh, piece: Ints32, wanted: Ints) -> Ints:
-    """Pick up to SAMPLES faces of each wanted piece, evenly over its area."""
+    """Pick up to SAMPLES faces of each wanted piece, evenly over its area.
+
+    Parameters
+    ----------
+    mesh : of all pieces
+    piece : (m,) piece of each face
+    wanted : (w,) pieces
+
+    Returns
+    -------
+    rows of faces (k,)
+    """
     area = face_areas(mesh)
     order = np.argsort(piece, kind="stable")
     start = np.searchsorted(piece[order], np.arange(int(piece.max()) + 2))
     out = [np.zeros(0, np.int64)]
     for number in wanted:
-        mine = order[start[number] : start[number + 1]]
-        share = np.cumsum(area[mine]) / area[mine].sum()
-        out.append(mine[np.unique(np.searchsorted(share, (np.arange(SAMPLES) + 0.5) / SAMPLES))])
+        rows = order[start[number] : start[number + 1]]
+        share = np.cumsum(area[rows]) / area[rows].sum()
+        out.append(rows[np.unique(np.searchsorted(share, (np.arange(SAMPLES) + 0.5) / SAMPLES))])
     return np.concatenate(out)
 
 

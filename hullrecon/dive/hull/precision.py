@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tell in which steps a mesh's coordinates were stored: single precision, or few decimals.
 
-An STL stores single precision. In map coordinates its steps are centimetres to half a metre.
+An STL stores single precision. Far from the origin, as in map coordinates, its steps are
+centimetres to half a metre.
 """
 
 from __future__ import annotations
@@ -11,10 +12,10 @@ import numpy as np
 
 from hullrecon.typing import Array
 
-FAR = 20.0  # of the largest extent: nearer to the origin single precision suits the mesh
-ENOUGH_CORNERS = 20  # that fewer lie on a lattice may be the ship's form
-NEAR_SINGLE = 0.1  # of a step of single precision: written as text, a number is rounded again
-DECIMALS = 10.0 ** np.arange(2, -4, -1)  # m or whatever the unit is: steps of rounded text
+FAR = 20.0  # times the largest extent, from the origin; nearer single precision is fine enough
+ENOUGH_CORNERS = 20  # fewer may lie in steps because the ship's shape is so simple
+NEAR_SINGLE = 0.1  # of a step of single precision: a number written as text is rounded once more
+DECIMALS = 10.0 ** np.arange(2, -4, -1)  # in the mesh's unit: steps of numbers rounded as text
 
 
 def stored_step(vertices: Array, is_single: bool = False) -> float:

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tell by its symmetry whether a CAD model lies on its side, as one exported with y up does.
 
-A ship is symmetric from port to starboard, and her deck is not her bottom. Registered on her side
-she may fit a survey all the same: a patch of a deck is as plain as one of a ship's side.
+A ship is symmetric from port to starboard, and her deck is not her bottom. A CAD model on its side
+may still fit a survey: a patch of its deck is as plain as one of a ship's side.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from hullrecon.geometry.charts.section_casting import AXES
 from hullrecon.geometry.meshes.mesh import Mesh, face_areas
 from hullrecon.typing import Array, Ints
 
-PLACES = 2000  # on the skin, that are reflected
-NEAR = 1e-3  # of the largest extent, within which a reflected place lies on the skin
+PLACES = 2000  # points on the skin that are reflected
+NEAR = 1e-3  # of the largest extent: a reflected point that is nearer lies on the skin
 # Shares of the skin that lie on it when it is reflected. Hulls of yards and of the simulation have
 # 1.00 from port to starboard (triangulated alike or not), and 0.17 to 0.53 from deck to bottom.
 SYMMETRIC, ASYMMETRIC = 0.98, 0.8
 
 
 def find_lying_side(mesh: Mesh, ship_axes: Array) -> Finding | None:
-    """Find that a CAD model is symmetric about a level plane, and not from port to starboard.
+    """Report a CAD model that is symmetric about a level plane, and not from port to starboard.
 
-    None where it is not, and where it may be a half of something that is symmetric in all
-    directions: a mesh that ends open at its side.
+    None where that is not so, and for a mesh that ends open at its side: it may be half of a body
+    that is symmetric in both directions.
 
     Parameters
     ----------

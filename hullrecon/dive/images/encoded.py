@@ -88,10 +88,10 @@ def fits(size: Size) -> bool:
 
 
 def check_image(encoded: bytes, wanted: Size | None = None) -> CheckedImage:
-    """Check that an image is whole.
+    """Check that an image is whole, by decoding it.
 
-    An image that is too large to be decoded, or whose header differs from the wanted size, is not
-    decoded. Its header's size is returned.
+    An image that is too large, or whose header states another size than the wanted one, is not
+    decoded. The size that its header states is returned.
     """
     size = header_size(encoded)
     if size is None or not fits(size) or wanted not in (None, size):
@@ -152,7 +152,10 @@ def significant_bits(largest: int | None) -> int:
 
 
 def jpeg_is_whole(encoded: bytes) -> bool:
-    """Tell whether a JPEG reaches its end marker, its scans holding ordered restarts alone."""
+    """Tell whether a JPEG reaches its end marker, and restart markers in its scans are in order.
+
+    A decoder fills what is missing with gray.
+    """
     at = 2
     while at + 4 <= len(encoded) and encoded[at] == 0xFF:
         code = encoded[at + 1]
@@ -187,7 +190,7 @@ def _behind_scan(encoded: bytes, at: int) -> int | None:
 
 
 def _png_size(encoded: bytes) -> Size | None:
-    """Read the size of a PNG whose chunks are complete: OpenCV allocates what each claims."""
+    """Read the size of a PNG. None where a chunk is cut off: OpenCV allocates what each claims."""
     at = len(PNG)
     while at + 12 <= len(encoded) and encoded[at + 4 : at + 8] != b"IEND":
         at += 12 + int.from_bytes(encoded[at : at + 4], "big")
@@ -209,6 +212,7 @@ def _webp_size(encoded: bytes) -> Size | None:
 
 
 def _pillow_size(encoded: bytes) -> Size | None:
+    """Read the size of an image of BY_PILLOW. None for any other."""
     from PIL import Image
 
     with warnings.catch_warnings():
@@ -254,7 +258,10 @@ def _decode(encoded: bytes, flags: int) -> NDArray[np.integer] | None:
 
 
 def _upper_eight(image: NDArray[np.uint16], bits: int) -> Pixels:
-    """Reduce samples of `bits` bits to their upper 8 as (h, w, 3) RGB. Overwrites `image`."""
+    """Reduce samples of `bits` bits to their upper 8 as (h, w, 3) RGB. Overwrites `image`.
+
+    image: (h, w), or (h, w, 3) blue, green, red.
+    """
     import cv2
 
     np.right_shift(image, bits - 8, out=image)  # in place, for large images

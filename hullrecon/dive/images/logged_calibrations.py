@@ -35,17 +35,17 @@ class LoggedCalibrations:
     def __init__(self, image_topics: Mapping[str, str | None]) -> None:
         """Take the image topics by camera ("camera_top"), None for a camera without a topic."""
         self._image_topics = image_topics
-        self._keys: dict[str, Keys] = {}
+        self._keys: dict[str, Keys] = {}  # the calibration by camera, as in a camera_info YAML
         self._sizes: dict[str, Size | None] = {}  # of the first image by camera
-        # by camera, the topic of a CameraInfo that says something else
+        # by camera, the topic of a CameraInfo that differs from the first one
         self._changes: dict[str, str] = {}
-        self.topics: dict[str, str] = {}  # of the CameraInfo by camera, once found
+        self.topics: dict[str, str] = {}  # by camera, the topic of the first CameraInfo
 
     def find(self, logs: Sequence[Log], problems: Problems) -> dict[str, CameraModel]:
-        """Find the first CameraInfo of each camera. Logs are read as far as the last of these.
+        """Build each camera from its first CameraInfo.
 
-        Raises InputError for a camera that has none, or one that is not filled in, unless
-        `problems` takes it.
+        Logs are read until each camera has one. InputErrors for a camera that has none, or one
+        that cannot be used, are raised or collected in `problems`.
         """
         for log in logs:
             if self._is_complete():
@@ -59,7 +59,7 @@ class LoggedCalibrations:
         return found
 
     def watch(self, messages: Iterable[Message]) -> Iterator[Message]:
-        """Pass messages on, noting a CameraInfo that differs from the first."""
+        """Pass messages on, and note a CameraInfo that differs from the camera's first one."""
         for message in messages:
             for camera, keys in self._read(message):
                 if repr(keys) != repr(self._keys.get(camera, keys)):  # NaN is unlike itself
@@ -67,7 +67,7 @@ class LoggedCalibrations:
             yield message
 
     def check_constant(self, problems: Problems) -> None:
-        """Raise InputError where a calibration changed, unless `problems` takes it."""
+        """Raise InputError where a calibration changed, or collect it in `problems`."""
         for camera, topic in self._changes.items():
             first = self.topics[camera]
             what = (
@@ -79,7 +79,7 @@ class LoggedCalibrations:
                 )
 
     def notes(self, cameras: Mapping[str, CameraModel]) -> list[Finding]:
-        """Name each camera that is calibrated by the log."""
+        """Report each camera whose calibration is the logged one."""
         return [
             Finding("calibration-of-log", {"topic": topic}, camera)
             for camera, topic in self.topics.items()
@@ -87,6 +87,7 @@ class LoggedCalibrations:
         ]
 
     def _look_for_first(self, messages: Iterable[Message]) -> None:
+        """Keep the first CameraInfo and the size of the first image of each camera."""
         for message in messages:
             for camera, keys in self._read(message):
                 if camera not in self._keys:
@@ -98,7 +99,10 @@ class LoggedCalibrations:
                 return
 
     def _is_complete(self) -> bool:
-        """Tell whether the logs need not be read on. An image judges a region that is given."""
+        """Tell whether each camera has a CameraInfo, and an image size where that is needed.
+
+        It is needed to interpret a region of interest.
+        """
         return len(self._keys) == len(self._image_topics) and all(
             camera in self._sizes or not has_region(keys) for camera, keys in self._keys.items()
         )
@@ -169,7 +173,8 @@ class LoggedCalibrations:
             )
         where = f"{topic}, for {_key(camera)}"
         whole = {name: value for name, value in keys.items() if name not in REGION_KEYS}
-        # a driver that tells how it reads the sensor beside a calibration at its images' size
+        # Some drivers state the region of the sensor that they read beside a calibration that is
+        # already for images of that size: the region is then not applied.
         is_whole = self._sizes.get(camera) == (keys["image_width"], keys["image_height"])
         if has_region(keys) and is_whole and not _is_shifted(keys):
             return camera_of(whole, where)
@@ -177,7 +182,10 @@ class LoggedCalibrations:
 
 
 def _is_shifted(keys: Keys) -> bool:
-    """Tell whether a region begins elsewhere than its sensor: its principal point is unclear."""
+    """Tell whether a region of interest does not begin at the sensor's corner.
+
+    It is then unclear which of the two the principal point counts from.
+    """
     region = keys["roi"]
     return isinstance(region, Mapping) and bool(region["x_offset"] or region["y_offset"])
 

@@ -24,9 +24,9 @@ from hullrecon.findings.finding import Finding
 from hullrecon.records.sensors import ImageIndex
 from hullrecon.typing import Ints
 
-PATIENCE = 5  # images of another size than the calibration's, with none right, before giving up
+PATIENCE = 5  # images after which one of the calibration's size must have come
 RUN = 8  # neighbouring images that are sampled together, so that both cameras keep the same ones
-MOST = 128  # sampled images: some tens of megabytes
+MOST = 128  # images that are kept as samples: some tens of megabytes
 
 
 class ImageSink:
@@ -49,13 +49,15 @@ class ImageSink:
         open_file : called once, when the first bytes are to be kept
         """
         self._camera, self._size, self._package = camera, size, package
-        self._open_file, self._at = open_file, 0
+        self._open_file, self._at = open_file, 0  # byte of the file at which the next image goes
         self._file: BinaryIO | None = None
+        # of each image: stamp and logging time, ns, number of the log, file in the package or "",
+        # offset and size in the file of kept bytes, and whether it can be used
         self._rows: list[tuple[int, int, int, str, int, int, bool]] = []
-        self._last, self._again = b"", list[bool]()  # the last picture; which are that once more
-        self._sizes: Counter[tuple[int, int]] = Counter()
-        self._largest: int | None = None  # value of the images of 16 bits
-        self._turn = ""  # that the first picture's EXIF has
+        self._last, self._again = b"", list[bool]()  # the last image; which rows repeat it
+        self._sizes: Counter[tuple[int, int]] = Counter()  # images by width and height
+        self._largest: int | None = None  # value in the images of 16 bits
+        self._turn = ""  # that EXIF asks for in the first image, in words
 
     def take(self, sample: ImageSample, logged_ns: int, log: int) -> None:
         """Check one image and keep its bytes, unless they lie in a file of the package.
@@ -86,7 +88,7 @@ class ImageSink:
         return stamp, logged, log  # type: ignore[return-value]
 
     def move(self, shift_ns: Ints) -> None:
-        """Add to the stamp of each image."""
+        """Add shifts (n,) to the stamps of the images, in the order in which they came."""
         self._rows = [
             (row[0] + int(more), *row[1:]) for row, more in zip(self._rows, shift_ns, strict=True)
         ]
@@ -94,7 +96,9 @@ class ImageSink:
     def finish(self, notes: list[Finding]) -> ImageIndex | None:
         """Index the images in order of time. None without any.
 
-        Raises InputError when none can be read or has the calibration's size.
+        Raises InputError where none can be read, or where none has the calibration's size.
+
+        notes: what was assumed or left out is added.
         """
         if not self._rows:
             return None
@@ -131,7 +135,7 @@ class ImageSink:
     def _without_copies(
         self, notes: list[Finding]
     ) -> list[tuple[int, int, int, str, int, int, bool]]:
-        """Leave out pictures that a driver published again, and rows that a table holds twice."""
+        """Leave out images that a driver published again, and rows that a table holds twice."""
         rows, again = self._rows, np.array(self._again)
         if is_even(again):
             counts = {"repeated": int(again.sum()), "count": len(rows)}
@@ -159,6 +163,7 @@ class ImageSink:
         return self._at - len(encoded)
 
     def _check_size(self) -> None:
+        """Raise InputError where images could be read, but none has the calibration's size."""
         if self._sizes and not self._sizes[self._size]:
             logged = self._sizes.most_common(1)[0][0]
             turn = f" as stored, to be shown {self._turn}" if self._turn else ""
@@ -169,7 +174,10 @@ class ImageSink:
             )
 
     def _describe(self, usable: list[bool], bits: int) -> list[Finding]:
-        """Describe images that are left out, and how 16-bit images are read."""
+        """Describe images that are left out, and how 16-bit images are read.
+
+        usable: of each image. bits: significant bits of the samples.
+        """
         count, others = len(usable), sum(self._sizes.values()) - self._sizes[self._size]
         bad = usable.count(False) - others
         out = []
@@ -187,11 +195,15 @@ class ImageSink:
 
 
 class SampledImages(BytesIO):
-    """Keep some images in memory by their offset, in runs of RUN spread over the dive."""
+    """Keeps some images in memory by their offset, in runs of RUN spread over the dive.
+
+    It stands in for the file of an ImageSink.
+    """
 
     def __init__(self) -> None:
         super().__init__()
-        self._kept: dict[int, tuple[int, bytes]] = {}
+        self._kept: dict[int, tuple[int, bytes]] = {}  # number and bytes, by offset
+        # images and bytes written so far, and which runs are kept: every _stride-th
         self._count, self._at, self._stride = 0, 0, 1
 
     def write(self, data: object, /) -> int:

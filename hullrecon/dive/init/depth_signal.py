@@ -15,9 +15,10 @@ from hullrecon.records.clock import NS
 from hullrecon.typing import Array
 
 MOST_READINGS = 512  # of a topic, evenly over the log
-LOWEST_AIR_PA, AIR_PA = 80e3, 101325.0  # at any sea 87 kPa at least
-PASCALS_A_METRE = 1025 * 9.81
-FOLLOWS = 3.0  # times as much has the depth of the same dive changed at least
+LOWEST_AIR_PA, AIR_PA = 80e3, 101325.0  # the lowest ever measured at sea is 87 kPa
+PASCALS_A_METRE = 1025 * 9.81  # of sea water
+# A still topic is no depth if another one of the dive changes by at least so many times STILL_M
+FOLLOWS = 3.0
 
 
 @dataclass(kw_only=True)
@@ -27,15 +28,15 @@ class DepthSignal:
     values: list[float] = field(default_factory=list)  # as logged: a pressure, or m
     is_pressure: bool = False
     is_number: bool = False  # a depth without a convention which way it grows
-    _every_ns: int = NS
-    _next_ns: int = 0
+    _every_ns: int = NS  # between two readings that are kept
+    _next_ns: int = 0  # when the next one is
 
     def is_due(self, t_ns: int) -> bool:
         """Tell whether a message logged at t_ns is to be read."""
         return t_ns >= self._next_ns
 
     def take(self, t_ns: int, samples: Sequence[Sample]) -> None:
-        """Keep the readings of a message. Where they become many, every second one is dropped."""
+        """Keep the readings of a message. Beyond MOST_READINGS every second one is dropped."""
         self._next_ns = t_ns + self._every_ns
         for sample in samples:
             if isinstance(sample, PressureSample):
@@ -49,9 +50,9 @@ class DepthSignal:
 
     @property
     def unit(self) -> str | None:
-        """Largest unit that puts all readings between the surface and the deepest hull.
+        """The largest unit in which all readings lie between the surface and the deepest hull.
 
-        None for depths, and if no unit does.
+        None for depths, and where no unit fits.
         """
         known = self._known()
         if not self.is_pressure or not len(known):

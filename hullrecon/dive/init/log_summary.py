@@ -27,7 +27,7 @@ from hullrecon.findings.finding import Finding, sentences
 from hullrecon.findings.logs import count_noun
 from hullrecon.records.clock import NS, format_time
 
-NAMED = {
+NAMED = {  # parts of topics' names, by the sensor that they suggest
     "dvl": ("dvl",),
     "imu": ("imu", "ahrs", "attitude"),
     "pressure": ("pressure", "depth", "bar30", "vfr_hud", "rel_alt"),
@@ -36,7 +36,7 @@ NAMED = {
     "position": ("usbl", "gps", "gnss"),
 }
 UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "cam1")
-DIFFERENTIAL = ("diff", "gauge", "relative")
+DIFFERENTIAL = ("diff", "gauge", "relative")  # parts of names of pressures that are not absolute
 NO_DEPTH = COMMAND_WORDS | {"temp", "temperature", "target", "desired", "reference", "variance"}
 IMU = "sensor_msgs/msg/Imu"
 MOST_NOTES = 2  # of a reader in one line
@@ -129,7 +129,11 @@ class LogSummary:
 
 
 def summarise_log(log: Log) -> LogSummary:
-    """Read the log once, decoding the first message of each topic, and some that tell depths."""
+    """Read the log once: count messages by topic, and decode the first of each.
+
+    Further messages are decoded where a sensor is guessed by them: of depths, of IMUs and of
+    tf_static.
+    """
     notes: dict[Channel, TopicNote] = {}
     for message in log.messages():
         note = notes.get(message.channel)
@@ -199,9 +203,13 @@ def summarise_logs(logs: Sequence[Log]) -> LogSummary:
 def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
     """Guess each sensor's topic by type, then by name.
 
-    The name decides among several topics of one type, and alone says what a type that many sensors
-    share (COMMON_TYPES) is. A channel of samples is named by its sensor and goes first, but a DVL's
-    own attitude and depth yield to those of other sensors.
+    The name decides among several topics of one type. It alone decides for types that many kinds of
+    sensors use (COMMON_TYPES). A channel of samples is named by its sensor and preferred to topics,
+    but for attitude and depth by sensors inside the DVL.
+
+    Returns
+    -------
+    topic by sensor, without the sensors for which none was found
     """
     found: dict[str, str] = {}
     for sensor, parts in NAMED.items():
@@ -227,9 +235,9 @@ def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
 
 
 def _has_no_attitude(topic: TopicNote) -> bool:
-    """Tell whether an IMU's messages have rates and acceleration alone, as raw ones do.
+    """Tell whether an IMU's messages have rates and acceleration but no orientation.
 
-    Some leave the type's default in place of the orientation throughout.
+    Some drivers of raw IMUs leave the message's default there.
     """
     if type_name(topic.channel) != IMU or topic.first is None:
         return False
@@ -251,12 +259,12 @@ def _never(topic: TopicNote) -> bool:
 
 
 def _is_of_dvl(topic: TopicNote) -> bool:
-    """Tell whether attitude or depth is from a DVL's own sensors. Other sensors are preferred."""
+    """Tell whether a channel's attitude or depth is by sensors inside the DVL."""
     return isinstance(topic.first, ImuSample | DepthSample) and topic.first.of_dvl
 
 
 def _is_no_depth(topic: TopicNote) -> bool:
-    """Tell whether a topic is no depth by its name, or a pressure by values below the air's."""
+    """Tell whether a topic is not the depth, by its name or by pressures that fit no unit."""
     name = topic.channel.topic.lower()
     if any(part in name for part in DIFFERENTIAL) or words_of(name) & NO_DEPTH:
         return True
@@ -266,9 +274,15 @@ def _is_no_depth(topic: TopicNote) -> bool:
 def _moving(
     signals: Mapping[str, DepthSignal], *candidates: Sequence[str]
 ) -> tuple[list[str], ...]:
-    """Drop from lists of topics those that stay still while another one shows a depth.
+    """Drop from each list the topics that stay still while another topic shows a depth.
 
-    Pressures in pascal come first: others need a key.
+    Each list is sorted so that pressures in pascal come first: those of another unit need a key in
+    dive.toml.
+
+    Parameters
+    ----------
+    signals : readings by topic
+    candidates : lists of topics
     """
     topics = list(dict.fromkeys(topic for listed in candidates for topic in listed))
     kept = {topics[row] for row in drop_still([signals[topic] for topic in topics])}
@@ -294,9 +308,10 @@ def _note_depth(note: TopicNote, message: Message) -> None:
 
 
 def _guess_cameras(topics: Sequence[str]) -> dict[str, str]:
-    """Guess upper and lower camera by name.
+    """Guess upper and lower camera among topics of images, by name.
 
-    Compressed topics are preferred. A single camera is taken as the upper one.
+    Compressed images are preferred to raw ones of the same camera. A single camera is taken as the
+    upper one.
     """
     topics = [t for t in topics if t + COMPRESSED not in topics and "depth" not in t.lower()]
     lower = _with_part(topics, LOWER)
@@ -325,7 +340,10 @@ def _decode(channel: Channel, data: bytes) -> list[Fields]:
 
 
 def _first(message: Message) -> object:
-    """Decode a message of a type that is read. None where it does not hold what its type says."""
+    """Decode a message, if it is of a type that is read. A sample is returned as it is.
+
+    None for other types, and where the message does not hold what its type says.
+    """
     if not isinstance(message.data, bytes):
         return message.data
     kind = type_name(message.channel)
@@ -348,5 +366,5 @@ def _first(message: Message) -> object:
     return fields
 
 
-# what no sensor can be, whatever its type
+# by sensor, the test for topics that cannot be its although their type fits
 UNFIT = {"pressure": _is_no_depth, "imu": _has_no_attitude}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Find the frames, calibrations and mounts that a log gives, and those that it leaves open."""
+"""Propose conventions, calibrations and mounts from a log, and list what it leaves open."""
 
 from __future__ import annotations
 
@@ -59,7 +59,11 @@ def has_attitude_of_dvl(summary: LogSummary) -> bool:
 
 
 def imu_frame(summary: LogSummary) -> tuple[str, str]:
-    """Guess the convention of the logged attitude, by gravity where it was logged, and say why."""
+    """Guess the convention of the logged attitude, "enu" or "ned", and say why.
+
+    Where the acceleration was logged, it tells: an accelerometer at rest feels -g, so turned by the
+    orientation it points along +z in "enu" and along -z in "ned".
+    """
     note = _note_of(summary, "imu")
     first = None if note is None else note.first
     is_message = note is not None and note.channel.encoding != "sample"
@@ -104,7 +108,10 @@ def azimuths_to_ask_for(summary: LogSummary) -> int:
 
 
 def missing_calibrations(summary: LogSummary, folder: Path) -> dict[str, str]:
-    """Write the YAML, by path in the package, of cameras that have a CameraInfo but no file yet."""
+    """Write a camera_info YAML for each camera that has a logged CameraInfo but no file yet.
+
+    Returns its text by path in the package.
+    """
     out = {}
     for camera in ("camera_top", "camera_bottom"):
         topic = guess_topics(summary.topics).get(camera)
@@ -140,8 +147,8 @@ def proposed_mounts(
     messages = [message for note in summary.topics for message in note.frames]
     sensors = fixed_sensors(frame_tree(messages), frames, joints, frame_doubts(messages))
     found = choose_mounts(dict.fromkeys(DEFAULT_MOUNTS, FROM_LOG), sensors)
-    # Proposed, they would be taken for what somebody has looked at; left to the log, `check` says
-    # what is wrong with them.
+    # Doubtful mounts are not proposed: written into dive.toml they would pass for confirmed ones.
+    # Left to the log, `check` says what is wrong with them.
     doubtful = (
         () if parted_on_tray(sensors) is None else ("tray.origin", "dvl.mount", "camera.top.mount")
     )

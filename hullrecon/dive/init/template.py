@@ -156,7 +156,7 @@ MOUNTS = {  # the lines of mounts that no log tells
 
 
 def _depth_lines(unit: str | None, grows_up: bool) -> str:
-    """Write the keys for a depth that is in another unit than its type has, or grows upwards."""
+    """Write the keys of [pressure] for values in another unit than Pa, or that grow upwards."""
     lines = [] if unit is None else [f"{f'unit = {_quote(unit)}'.ljust(33)}{BY_VALUES}\n"]
     lines += ['z_axis = "up"'.ljust(33) + BY_SIGN + "\n"] if grows_up else []
     return "".join(lines)
@@ -165,7 +165,13 @@ def _depth_lines(unit: str | None, grows_up: bool) -> str:
 def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> str:
     """Write a dive.toml for a folder, with comments for what no log tells.
 
-    load_config accepts it.
+    load_config accepts the text.
+
+    Parameters
+    ----------
+    summary : what the logs hold
+    logs : their paths
+    folder : of the package, in which calibrations and a CAD model are looked for
     """
     guessed = guess_topics(summary.topics)
     names = joint_names(summary)
@@ -207,7 +213,10 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
 
 
 def _mount_lines(summary: LogSummary, tray: str, folder: Path) -> dict[str, str]:
-    """Write the lines of all mounts, by the name of their place in the template."""
+    """Write the lines of all mounts, by the names of their fields in the template.
+
+    tray: name of the tray's joint.
+    """
     lines = dict(MOUNTS)
     for key, mount in proposed_mounts(summary, {"tray": tray}).items():
         values, name = ", ".join(f"{v:g}" for v in mount.value), key.rpartition(".")[2]
