@@ -9,7 +9,7 @@ from hullrecon.adjustment.problem.deviation_field import (
     DeviationGrid,
     as_rows,
     grid_over,
-    know_combinations,
+    hold_combinations,
     prior_rows,
 )
 
@@ -76,7 +76,7 @@ def test_combinations_that_are_known_condition_the_field():
     prior = prior_rows(grid, 0.02, LENGTH)
     known = np.random.default_rng(0).normal(size=(5, grid.size))
     known[3:] = 10 * known[0] - known[1], np.zeros(grid.size)
-    rows, added = know_combinations(as_rows(prior), grid, known, 0.02)
+    rows, added = hold_combinations(as_rows(prior), grid, known, 0.02)
     assert added == 3 * 8
     dense = csr_array((rows.value, rows.index, rows.start)).toarray()
     found = np.linalg.inv(dense.T @ dense)[: grid.size, : grid.size]

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tables of a native problem from records and the present state, and back.
+"""Assemble the tables of a native problem from measurements and state, and read a solution back.
 
-The native problem's hull frame is M moved to the middle of the survey, so that a small rotation of
-T_g_M moves the hull by millimetres there and not by metres (docs/methods.md 6).
+The hull frame of the native problem has the axes of M and its origin in the middle of the survey.
+So a small rotation of T_g_M moves the surveyed part by millimetres and not by metres
+(docs/methods.md 6).
 """
 
 from __future__ import annotations
@@ -36,18 +37,18 @@ from hullrecon.records.solution import Mounts
 from hullrecon.records.trajectory import Odometry, Returns
 from hullrecon.typing import Array, Ints, Ints32, Mask
 
-MIN_SHARED = 12  # landmarks seen by two nodes that determine their relative pose well
+MIN_SHARED = 12  # landmarks that two nodes share, from which these determine their relative pose
 
 
 @dataclass(frozen=True)
 class Selection:
     """Which measurements enter a round."""
 
-    top: Mask  # (m,) observations of the tracks' rows in the top camera
-    bottom: Mask  # (m,) and in the bottom camera
-    returns: Mask  # (r,)
-    landmarks: Ints  # (L_used,) of the problem, in the tracks' numbering
-    rays: Ints32  # (L,) observations of each landmark in `top` and `bottom`
+    top: Mask  # (m,) rows of the tracks whose observation in the top camera enters
+    bottom: Mask  # (m,) rows whose observation in the bottom camera enters
+    returns: Mask  # (r,) DVL returns that enter
+    landmarks: Ints  # (L_used,) landmarks that enter, in the tracks' numbering, ascending
+    rays: Ints32  # (L,) number of observations of each landmark that enter, both cameras
 
 
 def assemble(
@@ -58,16 +59,22 @@ def assemble(
     systematic_errors: bool,
     hold_hull_pose: bool = False,
 ) -> native.Problem:
-    """Assemble the problem of one round, its intrinsics held.
+    """Assemble the problem of one round, with the cameras' intrinsics held.
 
     Parameters
     ----------
-    m, state, weights, chosen
-        What was measured, the present unknowns, sigmas, and which measurements enter.
+    m
+        Measurements, rig and CAD model.
+    state
+        Start values of the unknowns.
+    weights
+        Sigmas and weights of the measurements.
+    chosen
+        Which measurements enter.
     systematic_errors
-        Errors of navigation and the DVL's mount are unknowns. Else they are held.
+        Errors of navigation and the DVL's mount are unknowns. Otherwise they are held.
     hold_hull_pose
-        Hold the hull's pose too.
+        Hold the hull's pose.
     """
     priors = _priors(m, state)
     problem = native.Problem(
@@ -81,7 +88,7 @@ def assemble(
         ),
         velocities=velocity_table(m.odometry, m.trajectory.t_ns),
         odometry=odometry_table(
-            _unseen_motions(m, chosen), m.trajectory.tray, m.rig.tray_from_dvl, state.nodes
+            _without_tracked_motions(m, chosen), m.trajectory.tray, m.rig.tray_from_dvl, state.nodes
         ),
     )
     problem = with_positions(problem, m.positions)
@@ -89,7 +96,7 @@ def assemble(
         stereo, mono = _image_tables(m, weights, chosen)
         problem = replace(problem, stereo=stereo, mono=mono, sigma_px=weights.pixel)
     if state.hull is None:
-        return with_planes(problem, m.planes)  # with a CAD model, the same returns measure that
+        return with_planes(problem, m.planes)  # with a CAD model these returns are ranges to it
     mesh = _centred_mesh(state.hull)
     problem = replace(
         problem,
@@ -101,10 +108,10 @@ def assemble(
     return replace(problem, ranges=_range_table(m, m.returns, state.hull, state, weights, chosen))
 
 
-def _unseen_motions(m: Measurements, chosen: Selection) -> Odometry:
-    """Drop image-based odometry between nodes that share MIN_SHARED landmarks or more.
+def _without_tracked_motions(m: Measurements, chosen: Selection) -> Odometry:
+    """Drop odometry from images between nodes that share MIN_SHARED landmarks or more.
 
-    So no image is used twice.
+    The landmarks' observations come from the same images, which would count twice.
     """
     if m.tracks is None or not m.odometry.from_images.any():
         return m.odometry
@@ -120,14 +127,14 @@ def _unseen_motions(m: Measurements, chosen: Selection) -> Odometry:
 
 
 def _is_chosen(m: Measurements, chosen: Selection) -> Mask:
-    """Tell which of the tracks' landmarks (L,) are of the problem."""
+    """Tell which of the tracks' landmarks (L,) enter the problem."""
     out = np.zeros(landmark_count(m), bool)
     out[chosen.landmarks] = True
     return out
 
 
 def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selection) -> State:
-    """Update the state from a solve. Landmarks that did not enter become NaN."""
+    """Update the state from the unknowns of a solve. Landmarks that did not enter become NaN."""
     pose, mounts = unknowns.pose, state.mounts
     landmark = np.full_like(state.landmark, np.nan)
     landmark[chosen.landmarks] = unknowns.landmark
@@ -159,7 +166,7 @@ def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selecti
 def _unknowns(m: Measurements, state: State, chosen: Selection) -> native.Unknowns:
     """Collect the start values of all unknowns.
 
-    Those of sensors that were not carried stay default.
+    Unknowns of sensors that the vehicle does not carry keep the defaults of `native.Unknowns`.
     """
     unknowns = native.Unknowns(
         pose=np.hstack([state.nodes.vectors(), state.tray[:, None]]),
@@ -191,7 +198,7 @@ def _unknowns(m: Measurements, state: State, chosen: Selection) -> native.Unknow
 def _held_blocks(
     priors: native.Priors, state: State, systematic_errors: bool, hold_hull_pose: bool
 ) -> tuple[str, ...]:
-    """List the blocks that are not unknown, mounts without a prior among them."""
+    """List the blocks of the problem that are held, as mounts without a prior are."""
     held = {"intrinsics_top", "intrinsics_bottom"}
     if not systematic_errors:
         held |= {"navigation", "T_s_d"}
@@ -205,9 +212,9 @@ def _held_blocks(
 
 
 def _priors(m: Measurements, state: State) -> native.Priors:
-    """Build the priors of mounts, navigation, hull pose and deviation field.
+    """Build the priors of mounts, navigation, first pose, hull pose and deviation field.
 
-    And the prior that fixes g by the first pose.
+    The prior of the first pose fixes the frame g.
     """
     priors = native.Priors(
         T_s_d=mount_prior_table(
@@ -239,7 +246,11 @@ def _priors(m: Measurements, state: State) -> native.Priors:
 def _image_tables(
     m: Measurements, weights: Weights, chosen: Selection
 ) -> tuple[native.StereoTable, native.MonoTable]:
-    """Split the chosen observations of a node into those by both cameras, and by one."""
+    """Build the stereo table and the mono table from the chosen observations.
+
+    An observation of a landmark by both cameras at a node is a stereo row, one by a single camera
+    is a mono row. Observations are read in blocks twice: to count the rows, and to fill them in.
+    """
     known = _is_chosen(m, chosen)
     number = np.cumsum(known, dtype=np.int32) - 1
     kinds = (
@@ -247,11 +258,12 @@ def _image_tables(
         (chosen.top & ~chosen.bottom, slice(0, 2)),
         (~chosen.top & chosen.bottom, slice(2, 4)),
     )
-    count = np.zeros(3, np.int64)
+    count = np.zeros(3, np.int64)  # rows of each kind: both cameras, top alone, bottom alone
     for block in read_blocks(m, known):
         count += [np.count_nonzero(rows[block.rows]) for rows, _ in kinds]
     tables = [_ImageRows(int(count[0]), 4), _ImageRows(int(count[1] + count[2]), 2)]
-    filled = np.array([0, 0, count[1]])  # rows of one camera stand behind those of the other
+    # Next row of each kind. In the mono table the rows of the bottom camera follow the top one's.
+    filled = np.array([0, 0, count[1]])
     for block in read_blocks(m, known):
         tracks = block.tracks
         pixel = np.hstack([tracks.top, tracks.bottom])
@@ -275,7 +287,7 @@ def _image_tables(
 
 
 class _ImageRows:
-    """Columns of a table of observations, to be filled: those of a long dive stand in files."""
+    """Columns of a table of observations, still to be filled. Large ones are backed by files."""
 
     def __init__(self, count: int, pixels: int) -> None:
         self.node = empty_array((count,), np.int32)
@@ -297,7 +309,10 @@ def _centred_mesh(hull: HullState) -> Mesh:
 def _surface_table(
     hull: HullState, state: State, weights: Weights, chosen: Selection
 ) -> native.SurfaceTable:
-    """Build the table of the landmarks' distances to the hull, with the deviation field's nodes."""
+    """Build the surface table: one row for each landmark, its distance to the hull.
+
+    Each row has the nodes of the deviation field around the landmark, and their weights.
+    """
     landmark = np.arange(len(chosen.landmarks), dtype=np.int32)
     table = native.SurfaceTable(landmark=landmark, weight=weights.surface[chosen.landmarks])
     if hull.grid is None:
@@ -315,7 +330,11 @@ def _range_table(
     weights: Weights,
     chosen: Selection,
 ) -> native.RangeTable:
-    """Build the table of DVL ranges, with the deviation field's nodes where each beam ends."""
+    """Build the table of DVL ranges.
+
+    Each row has the nodes of the deviation field around the point at which the beam meets the CAD
+    model at the present state.
+    """
     keep = chosen.returns
     table = native.RangeTable(
         node=returns.node[keep].astype(np.int32),
@@ -327,21 +346,24 @@ def _range_table(
     )
     if hull.grid is None:
         return table
-    at = hull.cad_model.chart.to_chart(_hits(m, returns, hull, state, chosen) + hull.survey_center)
+    at = hull.cad_model.chart.to_chart(
+        _beam_hits(m, returns, hull, state, chosen) + hull.survey_center
+    )
     return replace(table, field=_field_nodes(hull.grid, at[:, :2]))
 
 
 def _field_nodes(grid: DeviationGrid, along_girth: Array) -> native.FieldNodes:
+    """Find the field's nodes around chart points (n, 2) m, with their bilinear weights."""
     index, weight = grid.basis(along_girth)
     return native.FieldNodes(index=index, weight=weight)
 
 
-def _hits(
+def _beam_hits(
     m: Measurements, returns: Returns, hull: HullState, state: State, chosen: Selection
 ) -> Array:
-    """Find where the beams meet the CAD model, (r, 3) in the problem's hull frame.
+    """Find where the chosen beams meet the CAD model, (n, 3) m in the problem's hull frame.
 
-    The measured end where they miss.
+    For a beam that misses, it is the end of the measured range.
     """
     used = returns.take(chosen.returns)
     ends = state.mounted(m.rig).dvl_points(used, state.path)
@@ -356,18 +378,18 @@ def _hits(
 def share_weight_by_cell(
     hull: HullState, landmark: Array, chosen: Ints, cell: tuple[float, float]
 ) -> Array:
-    """Weight surface factors (L,) so that those of one chart cell weigh as one observation.
+    """Compute weights (L,) of surface factors, so that those in one chart cell count as one.
 
     Parameters
     ----------
     hull
-        Of whose chart the cells are.
+        On whose chart the cells are.
     landmark
         (L, 3) m in g.
     chosen
-        Those that have a surface factor.
+        Landmarks with a surface factor. The others have weight one.
     cell
-        Size along and in girth, m.
+        Size of a cell along and in girth, m.
     """
     at = hull.to_chart(landmark[chosen])
     _, owner = np.unique(

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The smooth field of normal offsets between the CAD model and the hull (docs/methods.md 8).
 
-The field stands on a regular grid of the hull chart, bilinear between nodes. Its prior is the
-Gauss-Markov field that solves (1 - Laplace) b = noise in coordinates scaled by the correlation
-lengths: a Matern field of smoothness 1. Matern 3/2 has no sparse precision in two dimensions. The
-lengths are matched so that both fall to 14 % at the same distance, and the sparse form costs the
-same per metre on a patch and on a 180 m hull.
+The field has a value at each node of a regular grid on the hull chart, and is bilinear between
+nodes. Its prior is the Gauss-Markov field that solves (1 - Laplace) b = noise in coordinates scaled
+by the correlation lengths: a Matern field of smoothness 1, whose precision is sparse. That of the
+Matern 3/2 field of `cad_error` is not in two dimensions. The lengths are matched so that both
+covariances fall to 14 % at the same distance.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from scipy.sparse.linalg import splu
 from hullrecon import native
 from hullrecon.typing import Array, Ints32
 
-KNOWN_SHARE = 1e-3  # of the field's sigma, to which a combination that is known is known
-NODES_A_LENGTH = 4.0  # of a field's correlation length
-DEPENDENT_SHARE = 1e-6  # least singular value, of the largest, of combinations that count
+KNOWN_SHARE = 1e-3  # sigma of a combination that is held, as a share of the field's sigma
+NODES_A_LENGTH = 4.0  # grid nodes in a correlation length
+DEPENDENT_SHARE = 1e-6  # of the largest singular value, below which combinations are dependent
 
 
 @dataclass(frozen=True)
@@ -38,9 +38,9 @@ class DeviationGrid:
         return self.shape[0] * self.shape[1]
 
     def basis(self, along_girth: Array) -> tuple[Ints32, Array]:
-        """Find the four nodes around each point (n, 2) and their bilinear weights, both (n, 4).
+        """Find the four nodes around each point (n, 2) m and their bilinear weights, both (n, 4).
 
-        Outside the grid, a point has the edge's value.
+        A point outside the grid has the value of the nearest edge.
         """
         cell = (along_girth - self.origin) / self.step
         cell = np.clip(np.nan_to_num(cell), 0.0, np.array(self.shape) - 1.0 - 1e-9)
@@ -52,15 +52,17 @@ class DeviationGrid:
         return index.astype(np.int32), weight
 
     def value(self, field: Array, along_girth: Array) -> Array:
-        """Interpolate the field (size,) or (a, g) at points (n, 2)."""
+        """Interpolate the field, of shape (size,) or `shape`, at chart points (n, 2) m."""
         index, weight = self.basis(along_girth)
         return np.asarray(np.einsum("nk,nk->n", field.reshape(-1)[index], weight))
 
 
 def grid_over(along_girth: Array, length: tuple[float, float]) -> DeviationGrid:
-    """Make a grid over points (n, 2) and one correlation length beyond them.
+    """Make a grid over chart points (n, 2) m that reaches one correlation length beyond them.
 
-    So its edge does not bias what is seen.
+    So the mirror condition at the grid's edge does not affect the field at the points.
+
+    length: correlation length along and in girth, m.
     """
     scale = np.array(length)
     step = scale / NODES_A_LENGTH
@@ -70,43 +72,52 @@ def grid_over(along_girth: Array, length: tuple[float, float]) -> DeviationGrid:
 
 
 def prior_rows(grid: DeviationGrid, sigma: float, length: tuple[float, float]) -> sparse.csr_array:
-    """Build whitening rows A (size, size) of a field: A b has unit covariance.
+    """Build the square root A (size, size) of a field's precision: A b has unit covariance.
 
-    The field has that sigma and those correlation lengths.
+    Parameters
+    ----------
+    grid
+        On which the field b stands.
+    sigma
+        Of the field, m.
+    length
+        Correlation length along and in girth, m.
     """
     scaled = grid.step * np.sqrt(2.0) / np.array(length)
     return sparse.csr_array(_operator(grid.shape, scaled) * (_interior_sigma(scaled) / sigma))
 
 
-def know_combinations(
-    prior: native.SparseRows, grid: DeviationGrid, known: Array, sigma: float
+def hold_combinations(
+    prior: native.SparseRows, grid: DeviationGrid, held: Array, sigma: float
 ) -> tuple[native.SparseRows, int]:
-    """Add to a field's prior that combinations (k, size) of its nodes are known.
+    """Add prior rows that hold linear combinations of a field's nodes at their present values.
 
-    A residual of all nodes would make the information dense. So each sum goes along the grid, and
-    what is summed up to each of its rows is an unknown of its own.
+    One residual that meets all nodes would make the information matrix dense. So a combination is
+    summed row by row of the grid, and each partial sum is an additional unknown. A prior row then
+    meets one row of nodes, the partial sum before it and the one after it.
 
     Parameters
     ----------
     prior
         Rows over the nodes.
     grid
-        Where the nodes stand.
-    known
-        Those that depend on the others are left out.
+        Of the nodes.
+    held
+        Combinations (k, size). Those that depend linearly on others are left out.
     sigma
         Of the field, m.
 
     Returns
     -------
     prior, added
-        With rows for the sums, and how many unknowns these are, behind the nodes.
+        The prior with the additional rows, and the number of additional unknowns, whose columns
+        follow those of the nodes.
     """
-    # independent combinations, of unit length
-    length = np.linalg.norm(known, axis=1, keepdims=True)
-    _, share, unit = np.linalg.svd(known / np.where(length > 0, length, 1), full_matrices=False)
+    # Independent combinations, of unit length
+    length = np.linalg.norm(held, axis=1, keepdims=True)
+    _, share, unit = np.linalg.svd(held / np.where(length > 0, length, 1), full_matrices=False)
     unit = unit[share > DEPENDENT_SHARE * share[0]]
-    # of each, one row for each row of the grid: its nodes, and the sums up to it and its neighbour
+    # For each combination one prior row for each row of the grid: its nodes, and two partial sums
     rows, across = grid.shape
     start = np.arange(0, grid.size + 1, across)
     by_node = sparse.vstack(
@@ -130,7 +141,10 @@ def as_rows(matrix: sparse.csr_array) -> native.SparseRows:
 
 
 def _operator(shape: tuple[int, int], step: Array) -> sparse.csr_array:
-    """Build 1 - Laplace on the grid, five points, mirrored at the edges."""
+    """Build the matrix of 1 - Laplace on the grid: five-point stencil, mirrored at the edges.
+
+    step (2,): distance of nodes in scaled coordinates.
+    """
     along, girth = (_second_difference(n, float(h)) for n, h in zip(shape, step, strict=True))
     laplace = sparse.kron(along, sparse.eye_array(shape[1])) + sparse.kron(
         sparse.eye_array(shape[0]), girth
@@ -139,7 +153,7 @@ def _operator(shape: tuple[int, int], step: Array) -> sparse.csr_array:
 
 
 def _second_difference(n: int, step: float) -> sparse.csr_array:
-    """Build the second derivative on a line of n nodes, mirrored at both ends."""
+    """Build the matrix (n, n) of the second derivative on a line, mirrored at both ends."""
     main = np.full(n, -2.0)
     main[[0, -1]] += 1.0
     neighbours = sparse.eye_array(n, k=1) + sparse.eye_array(n, k=-1)
@@ -147,7 +161,11 @@ def _second_difference(n: int, step: float) -> sparse.csr_array:
 
 
 def _interior_sigma(step: Array) -> float:
-    """Compute the sigma that unit rows give in the middle of a grid too wide to feel its edges."""
+    """Compute the sigma of the field that the unscaled operator gives, far from any edge.
+
+    The operator is divided by the wanted sigma times this one. It is computed in the middle of a
+    grid so wide that its edges have no effect. step (2,): as of `_operator`.
+    """
     shape = tuple(int(2 * np.ceil(8.0 / h)) + 1 for h in step)
     a = _operator((shape[0], shape[1]), step)
     unit = np.zeros(shape[0] * shape[1])

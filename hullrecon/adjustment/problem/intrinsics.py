@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The cameras' intrinsics as unknowns with priors (docs/methods.md 6), where asked for.
+"""The cameras' intrinsics as unknowns with priors (docs/methods.md 6), where they are refined.
 
-Every round starts from the calibration, not from what the round before found: the solver's prior
-stands about its start.
+Every round starts from the calibration and not from the previous round's result, because the
+solver takes the start values as the mean of the prior.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
 NAMES = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3")
-_FAR_SIGMAS = 3.0
+_FAR_SIGMAS = 3.0  # of its prior, beyond which a parameter is warned of
 
 
 def prior_sigma(camera: CameraModel, options: AdjustOptions) -> Array:
-    """Compute the prior sigmas (9,) of `NAMES`: pixels, then coefficients.
+    """Compute the prior sigmas (9,) in the order of NAMES: four in px, then five coefficients.
 
-    The tangential coefficients are a tenth as free as the radial ones.
+    The sigma of tangential coefficients is a tenth of that of radial ones.
     """
     radial, center = options.distortion_sigma, options.center_sigma_px
     focal = options.focal_sigma * np.array([camera.fx, camera.fy])
@@ -40,7 +40,10 @@ def prior_sigma(camera: CameraModel, options: AdjustOptions) -> Array:
 def free_intrinsics(
     problem: native.Problem, calibrated: Rig, options: AdjustOptions
 ) -> native.Problem:
-    """Make unknowns of the intrinsics of cameras that saw something, started at calibration."""
+    """Make the intrinsics of cameras that have observations unknowns, started at the calibration.
+
+    Returns the problem unchanged without `refine_intrinsics`.
+    """
     if not options.refine_intrinsics or calibrated.top is None:
         return problem
     seen = {"top": _saw(problem, 0), "bottom": calibrated.bottom is not None and _saw(problem, 1)}
@@ -56,7 +59,7 @@ def free_intrinsics(
 def apply_intrinsics(
     m: Measurements, problem: native.Problem, result: native.Result
 ) -> Measurements:
-    """Replace the calibrations by those that the solve found, where they were unknowns."""
+    """Replace the intrinsics that were unknowns in a problem by those of its solution."""
     rig = m.rig
     if "intrinsics_top" not in problem.constant and rig.top is not None:
         rig = _with_camera(rig, Camera.TOP, result.unknowns.intrinsics_top)
@@ -68,9 +71,22 @@ def apply_intrinsics(
 def summarise_intrinsics(
     calibrated: Rig, found: Rig, marginals: native.Covariance, options: AdjustOptions
 ) -> dict[str, Any]:
-    """Tabulate by camera and parameter: calibrated, found, its sigma, and how far it moved.
+    """Tabulate the intrinsics that were estimated, for adjust.json.
 
-    The last is in sigmas of the prior.
+    Parameters
+    ----------
+    calibrated, found
+        Rigs before and after the adjustment.
+    marginals
+        Covariances. Those of intrinsics that were held are zero, and these are left out.
+    options
+        With the prior sigmas.
+
+    Returns
+    -------
+    dict
+        By camera and parameter: the calibrated value, the estimate, its sigma, and the difference
+        in sigmas of the prior.
     """
     out: dict[str, Any] = {}
     for name, covariance in (
@@ -102,7 +118,10 @@ def summarise_intrinsics(
 
 
 def intrinsics_warnings(figures: dict[str, Any]) -> list[str]:
-    """Warn of each camera with a parameter that moved farther than its prior allows."""
+    """Warn of each camera with a parameter that moved beyond _FAR_SIGMAS of its prior.
+
+    figures: as of `summarise_intrinsics`.
+    """
     warnings = []
     for name, values in figures.items():
         far = {key: v for key, v in values.items() if abs(v["moved_in_prior_sigma"]) > _FAR_SIGMAS}

@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The solver's record over all rounds: columns of iterations.npz, lines of the log.
 
-As in [Ozog2016 4.4.1]. Costs of two rounds do not compare: each round has the sigmas and the
-landmarks that the previous round left. So every row carries its round, and what the round's cost is
-whitened with.
+As in [Ozog2016 4.4.1]. Costs of two rounds cannot be compared, as each round has its own sigmas and
+landmarks. So every row also has the number of its round and the sigmas by which it was whitened.
 """
 
 from __future__ import annotations
@@ -20,6 +19,7 @@ from hullrecon import native
 from hullrecon.records.iterations import reached_cost
 from hullrecon.typing import Array
 
+# Columns of native.IterationRecord that are copied, and sigmas of a round
 STEP = ("cost", "cost_change", "step_norm", "gradient_norm", "radius", "accepted")
 COUNTS = ("on_surface", "label_changes", "rays_missed")
 SIGMAS = ("pixel_sigma_px", "tray_sigma_rad", "range_sigma_m", "depth_sigma_m")
@@ -29,16 +29,16 @@ SIGMAS = ("pixel_sigma_px", "tray_sigma_rad", "range_sigma_m", "depth_sigma_m")
 class Round:
     """What is recorded of one solve."""
 
-    record: native.IterationRecord
-    # that whiten its cost
+    record: native.IterationRecord  # of each iteration
+    # Sigmas by which the residuals were whitened
     pixel_sigma_px: float
     tray_sigma_rad: float
     range_sigma_m: float
     depth_sigma_m: float  # NaN without depths
-    landmarks: int  # that entered
+    landmarks: int  # number of landmarks that entered
     converged: bool
-    message: str
-    began_s: float  # begin, seconds since the adjustment began
+    message: str  # of the solver: why it ended
+    began_s: float  # start of the solve, seconds since the start of the adjustment
 
 
 def columns(rounds: Sequence[Round]) -> dict[str, NDArray[Any]]:
@@ -65,7 +65,7 @@ def columns(rounds: Sequence[Round]) -> dict[str, NDArray[Any]]:
 
 
 def seconds(rounds: Sequence[Round]) -> Array:
-    """Compute seconds (k,) since the adjustment began, at the rows of `columns`."""
+    """Compute when each row of `columns` was done, (k,) seconds since the adjustment began."""
     return np.concatenate([r.began_s + r.record.seconds for r in rounds])
 
 
@@ -93,9 +93,11 @@ def _sigmas(done: Round) -> dict[str, float]:
 
 
 def lines(number: int, done: Round) -> Iterator[str]:
-    """Format the round as a table for the log, a line an iteration.
+    """Format a round as a table for the log: heads, one line for each iteration, the end.
 
-    Its columns are the factors that cost anything.
+    Only factors with any cost have a column.
+
+    number: of the round, from 1.
     """
     record = done.record
     names = [name for name in native.FACTORS if np.any(record.cost_by_factor[name] > 0)]

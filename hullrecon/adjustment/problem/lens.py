@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The lenses' smooth displacements of pixels as unknowns (docs/methods.md 6).
+"""Smooth errors of the lens calibrations as unknowns (docs/methods.md 6).
 
-A calibration leaves some tenth of a pixel, the same in every image: all landmarks share it and it
-does not average out as their noise does. Pixel p sees what the calibration puts at p plus that.
+A calibration is off by some tenths of a pixel, in the same way in every image. All landmarks share
+this error, and it does not average out as their noise does. It is estimated as a displacement: the
+pixel p shows what the calibrated camera model would show at p plus the displacement. A displacement
+is a sum of products of Legendre polynomials along the image's axes, the modes.
 """
 
 from __future__ import annotations
@@ -22,21 +24,25 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
-# Displacement that features themselves have, px: the mean residual in 8 x 8 cells of lenses that
-# are exact is 0.003 (docs/methods.md 4)
+# Least rms of a displacement: with exact lenses, the mean residual of features in 8 x 8 cells is
+# 0.003 px (docs/methods.md 4)
 LEAST_PX = 0.005
-MOST_CALIBRATIONS = 3.0
-LENGTH = 1 / 4  # correlation length of a displacement along either axis, in the image's side
+MOST_CALIBRATIONS = 3.0  # largest prior rms, as a multiple of the calibration's stated sigma
+LENGTH = 1 / 4  # correlation length of a displacement, as a share of the image's width or height
+# Degrees of the modes along u and v, in the order of the modes. Constant and linear modes are left
+# out, as every calibration finds them.
 _DEGREES = [
     (n, degree - n) for degree in range(2, native.LENS_DEGREE + 1) for n in range(degree + 1)
-]  # along u and v, of the modes in their order
+]
 _BLOCKS = ("lens_top", "lens_bottom")
 
 
 def displacement(pixels: Array, camera: CameraModel, lens: Array) -> Array:
-    """Compute the displacement (n, 2) px of a lens (2 LENS_MODES,) at pixels (n, 2).
+    """Compute the displacement (n, 2) px of a lens at pixels (n, 2).
 
-    Summed along u first: a fifth of the time that the modes and their sum take.
+    Polynomials are summed along u first. That takes a fifth of the time of a sum over all modes.
+
+    lens (2 LENS_MODES,): amplitudes of the modes in px, for u and then for v.
     """
     at = (2 * pixels + 1) / [camera.width, camera.height] - 1
     degrees = native.LENS_DEGREE + 1
@@ -50,7 +56,7 @@ def displacement(pixels: Array, camera: CameraModel, lens: Array) -> Array:
 
 
 def _legendre_polynomials(at: Array) -> Array:
-    """Compute Legendre polynomials (LENS_DEGREE + 1, n) at `at` (n,) in -1 to 1."""
+    """Compute the Legendre polynomials (LENS_DEGREE + 1, n) at positions (n,) in -1 to 1."""
     values = np.empty((native.LENS_DEGREE + 1, len(at)))
     values[0], values[1] = 1.0, at
     for k in range(2, len(values)):
@@ -60,13 +66,13 @@ def _legendre_polynomials(at: Array) -> Array:
 
 @cache
 def mode_shares() -> Array:
-    """Compute the sigma (2 LENS_MODES,) of each mode's number where the displacement's rms is 1 px.
+    """Compute the prior sigma (2 LENS_MODES,) of each mode for a displacement of 1 px rms.
 
-    The modes' share in a Gaussian field of `LENGTH`; what is finer is left out, and constant and
-    linear parts, which any calibration finds.
+    The displacement is a Gaussian field of correlation length LENGTH, projected onto the modes.
+    Finer parts of the field, and its constant and linear parts, are left out.
     """
     at, weight = np.polynomial.legendre.leggauss(40)
-    by_mode = _legendre(at) * weight[:, None] / 2
+    by_mode = _unit_legendre(at) * weight[:, None] / 2
     field = np.exp(-0.5 * ((at[:, None] - at) / (2 * LENGTH)) ** 2)
     variance = np.diag(by_mode.T @ field @ by_mode)
     along_u, along_v = np.array(_DEGREES).T
@@ -75,17 +81,18 @@ def mode_shares() -> Array:
 
 
 def free_lenses(problem: native.Problem, m: Measurements, sigma_px: Array) -> native.Problem:
-    """Make unknowns of the displacements of lenses.
+    """Make the displacements of the lenses unknowns of a problem.
 
-    Pixels are read moved by what was found so far, about the negative of which the prior of the
-    rest stands.
+    Pixels are read with the displacements of earlier rounds applied, so the unknown is what is
+    missing to the true displacement. The prior is on the whole displacement, so its mean is minus
+    what was applied.
 
     Parameters
     ----------
     problem, m
-        A round's problem, and what it was made of.
+        A round's problem, and the measurements of which it was made.
     sigma_px
-        (2,) rms of the displacement of top and bottom lens; 0: none.
+        (2,) prior rms of the displacement of top and bottom lens. 0: the lens is exact.
     """
     models = m.rig.camera_models
     if m.tracks is None or not any(sigma_px[camera.column] > 0 for camera in models):
@@ -101,7 +108,7 @@ def free_lenses(problem: native.Problem, m: Measurements, sigma_px: Array) -> na
 
 
 def apply_lenses(m: Measurements, problem: native.Problem, result: native.Result) -> Measurements:
-    """Move the pixels by the displacements that the solve found, from when they are read on."""
+    """Add the displacements of a solve to those by which pixels are moved when they are read."""
     if not len(problem.lenses.image_size) or m.tracks is None:
         return m
     found = np.stack([result.unknowns.lens_top, result.unknowns.lens_bottom])
@@ -109,11 +116,18 @@ def apply_lenses(m: Measurements, problem: native.Problem, result: native.Result
 
 
 def estimate_lens_sigma(found: Array, calibration_sigma_px: Array) -> Array:
-    """Estimate the rms (2,) px of the lenses' displacements from the modes (2, 2 LENS_MODES) found.
+    """Estimate the rms (2,) px of the lenses' displacements, as prior of the next round.
 
-    The images determine most modes to thousandths of a pixel. A few look like a bend of the path.
-    Their prior is the rms of all modes, which gets smaller from round to round as the others are
-    found. At most `MOST_CALIBRATIONS` times the calibration's sigma; 0 of a lens without one.
+    The images determine most modes to thousandths of a pixel, but a few modes look like a bend of
+    the path. These keep to the prior, whose rms follows from the well determined modes.
+
+    Parameters
+    ----------
+    found
+        Estimated modes (2, 2 LENS_MODES) px of top and bottom lens.
+    calibration_sigma_px
+        (2,) stated sigma of the calibrations. The result is at most MOST_CALIBRATIONS times it, and
+        0 where it is 0.
     """
     rms_px = np.sqrt(np.mean((found / mode_shares()) ** 2, axis=1))
     least, most = np.minimum(LEAST_PX, calibration_sigma_px), MOST_CALIBRATIONS
@@ -121,7 +135,7 @@ def estimate_lens_sigma(found: Array, calibration_sigma_px: Array) -> Array:
 
 
 def summarise_lenses(rig: Rig, found: Array, marginals: native.Covariance) -> dict[str, Any]:
-    """Tabulate by camera the displacement found, its sigma and its calibration's, px rms."""
+    """Tabulate by camera: estimated displacement, its sigma and the calibration's sigma, px rms."""
     out: dict[str, Any] = {}
     for camera in rig.camera_models:
         variance_px2 = float(np.trace(getattr(marginals, _BLOCKS[camera.column])))
@@ -135,7 +149,7 @@ def summarise_lenses(rig: Rig, found: Array, marginals: native.Covariance) -> di
 
 
 def lens_warnings(lenses: Mapping[str, Mapping[str, float]]) -> list[str]:
-    """Warn of each lens that the images show farther off its calibration than a prior follows.
+    """Warn of each lens whose displacement is larger than the widest prior expects.
 
     lenses: as of `summarise_lenses`.
     """
@@ -151,8 +165,8 @@ def lens_warnings(lenses: Mapping[str, Mapping[str, float]]) -> list[str]:
     ]
 
 
-def _legendre(at: Array) -> Array:
-    """Compute Legendre polynomials (n, LENS_DEGREE + 1) of unit rms at `at` (n,) in -1 to 1."""
+def _unit_legendre(at: Array) -> Array:
+    """Compute Legendre polynomials (n, LENS_DEGREE + 1) of unit rms at points (n,) in [-1, 1]."""
     degree = native.LENS_DEGREE
     values = np.polynomial.legendre.legvander(at, degree)
     return np.asarray(values * np.sqrt(2 * np.arange(degree + 1) + 1), float)

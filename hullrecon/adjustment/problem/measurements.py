@@ -36,8 +36,8 @@ class CadModel:
     guess_sigma: Array  # (6,) in M's axes, m and rad
     deviation_sigma: float  # m, of the hull's deviation from the CAD model
     deviation_length: tuple[float, float]  # m, correlation length of that along and in girth
-    units: str = "m"  # in which the file was read, for what is said where it does not fit
-    # sigmas were widened: the hull lies farther from the guess, or leaves the model by more
+    units: str = "m"  # in which the file was read; a refusal may name another unit that would fit
+    # Sigmas were widened, as the hull lies farther from the guess, or deviates more, than stated
     contradicted: bool = False
 
 
@@ -53,13 +53,13 @@ class Measurements:
     rig: Rig
     cad_model: CadModel | None  # None without a CAD model
     start: VehiclePath | None = None  # path to begin with; None: dead reckoning
-    planes: TiedPlanes | None = None  # tie passes where there is no CAD model
-    positions: PositionTies | None = None  # from outside (GPS, USBL)
-    # (k, 2, 2 LENS_MODES) px, displacements of top and bottom lens that k rounds found: pixels are
-    # read moved by them, one after the other
+    planes: TiedPlanes | None = None  # patches of hull, which tie passes without a CAD model
+    positions: PositionTies | None = None  # position fixes (USBL, GNSS)
+    # (k, 2, 2 LENS_MODES) px, displacements of top and bottom lens that k rounds estimated. Pixels
+    # are moved by one after the other when they are read.
     lens_steps: Array = field(default_factory=lambda: np.zeros((0, 2, 2 * LENS_MODES)))
 
     @property
     def lenses(self) -> Array:
-        """The displacements (2, 2 LENS_MODES) px that all rounds found."""
+        """The displacements (2, 2 LENS_MODES) px of all rounds together."""
         return np.asarray(self.lens_steps.sum(axis=0))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Observations of landmarks, read in blocks: those of a long dive do not fit into memory."""
+"""Read the observations of landmarks in blocks, as those of a long dive do not fit into memory."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from hullrecon.records.tracks import Tracks
 from hullrecon.rows import read_rows
 from hullrecon.typing import Array, Ints, Mask
 
-ROWS = 1 << 16  # of a block: triangulation takes some 300 bytes each, and fits into a cache
+ROWS = 1 << 16  # of a block: with some 300 bytes each, triangulation works within the cache
 
 
 @dataclass(frozen=True, kw_only=True)
 class Block:
-    """Observations of some landmarks, all that each has."""
+    """All observations of some landmarks."""
 
-    rows: Ints | slice  # of the dive's tracks
-    tracks: Tracks  # these rows, with the colours of all
+    rows: Ints | slice  # rows of the dive's tracks that the block holds
+    tracks: Tracks  # these rows. Its colours are those of all landmarks of the dive
 
     @property
     def landmarks(self) -> slice:
-        """The numbers of the landmarks, from the first to the last."""
+        """The range of landmark numbers from the block's first to its last."""
         number = self.tracks.landmark
         return slice(int(number.min()), int(number.max()) + 1)
 
     @property
     def numbered_from_0(self) -> Tracks:
-        """The rows with `landmarks` numbered from 0 on."""
+        """The rows, with landmarks numbered from 0 on at the start of `landmarks`."""
         return replace(self.tracks, landmark=self.tracks.landmark - self.landmarks.start)
 
 
@@ -44,12 +44,12 @@ def landmark_count(m: Measurements) -> int:
 
 
 def read_blocks(m: Measurements, of: Mask | None = None) -> Iterator[Block]:
-    """Read the observations in blocks of whole landmarks, pixels moved by what lenses displace.
+    """Read observations in blocks of whole landmarks, with the lenses' displacements applied.
 
     Parameters
     ----------
     m
-        Whose tracks may be mapped from a file.
+        With the tracks, which may be mapped from a file, and the displacements found so far.
     of
         (L,) landmarks whose observations are read. None: all.
     """
@@ -60,7 +60,7 @@ def read_blocks(m: Measurements, of: Mask | None = None) -> Iterator[Block]:
 
 
 def read_tracks(tracks: Tracks, of: Mask | None = None) -> Iterator[Block]:
-    """Read tracks in blocks as `read_blocks`, at the pixels where features were found."""
+    """Read tracks in blocks as `read_blocks` does, but with the pixels as they were detected."""
     for rows, landmark in _whole_landmarks(tracks.landmark):
         if of is None:
             yield Block(rows=rows, tracks=_read(tracks, landmark, rows))
@@ -72,7 +72,7 @@ def read_tracks(tracks: Tracks, of: Mask | None = None) -> Iterator[Block]:
 
 
 def first_nodes(m: Measurements) -> Ints:
-    """Find the first node (L,) that saw each landmark, int64's maximum for an unseen one."""
+    """Find the first node (L,) that observed each landmark. Without one, the maximum of int64."""
     first = np.full(landmark_count(m), np.iinfo(np.int64).max)
     if m.tracks is not None:
         for rows, landmark in _whole_landmarks(m.tracks.landmark):
@@ -81,12 +81,15 @@ def first_nodes(m: Measurements) -> Ints:
 
 
 def _whole_landmarks(landmark: Ints) -> Iterator[tuple[slice, Ints]]:
-    """Split rows, sorted by landmark (m,), where a landmark ends."""
+    """Yield slices of about ROWS rows that end where a landmark ends, with their landmarks.
+
+    landmark (m,): of each row, ascending. It may be mapped from a file, and is read by slices.
+    """
     first, size = 0, ROWS
     while first < len(landmark):
         own = read_rows(landmark, slice(first, first + size))
         if first + len(own) < len(landmark):
-            # the last landmark may go on
+            # The last landmark may go on in the next rows
             own = own[: np.searchsorted(own, own[-1])]
         if not len(own):
             size *= 2  # one landmark has more rows than a block
@@ -107,7 +110,7 @@ def _read(tracks: Tracks, landmark: Ints, rows: slice) -> Tracks:
 
 
 def _moved(m: Measurements, tracks: Tracks) -> Tracks:
-    """Move pixels by the displacements that the solves found, one after the other."""
+    """Move pixels by the lens displacements that each round found, one after the other."""
     return replace(
         tracks,
         top=_moved_pixels(m, Camera.TOP, tracks.top),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Selection of observations, landmarks and returns for a round, and of landmarks after it."""
+"""Select the observations, landmarks and returns of a round, and drop lost landmarks after it."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ from hullrecon.native import MonoTable, Problem, Result, StereoTable, SurfaceTab
 from hullrecon.typing import Array, Mask
 
 Table = TypeVar("Table", StereoTable, MonoTable, SurfaceTable)
-NEIGHBOURS_M = 0.15  # between landmarks off the hull that show one structure
-# From the CAD model, or without one from the vehicle: farther off is a mismatch.
+NEIGHBOURS_M = 0.15  # largest distance between landmarks off the hull that show one structure
+# A landmark farther from the CAD model, or without one from the path, is a mismatch
 NEAR_HULL_M, NEAR_PATH_M = 2.0, 30.0
 # Largest reprojection error, px: of all observations, or of each by the detector's response (m,)
 Limit = float | Callable[[Array], Array]
 
 
 def triangulate_landmarks(m: Measurements, state: State) -> Array:
-    """Triangulate landmarks (L, 3) in g from the present poses. NaN where it cannot be done."""
+    """Triangulate landmarks (L, 3) m in g from the present poses. NaN with too few rays."""
     if m.tracks is None or state.mounts.tray_from_top is None:
         return np.zeros((0, 3))
     poses = camera_poses(m.rig, state)
@@ -48,27 +48,28 @@ def triangulate_landmarks(m: Measurements, state: State) -> Array:
 
 
 def find_landmarks(m: Measurements, state: State, max_px: Limit) -> tuple[State, Selection]:
-    """Triangulate landmarks from the present poses, and select what agrees with these.
+    """Triangulate landmarks from the present poses, and select measurements that agree with them.
 
-    As `select_measurements`, but the landmarks of `state` are found anew.
+    As `select_measurements`, but the landmarks of `state` are replaced by triangulated ones.
     """
     return _find(m, state, max_px, triangulate_first=True)
 
 
 def select_measurements(m: Measurements, state: State, max_px: Limit) -> Selection:
-    """Select observations that agree with the present poses, their landmarks, and returns.
+    """Select observations with small reprojection errors, their landmarks, and DVL returns.
 
     Parameters
     ----------
     m, state
-        What was measured, and the present poses and landmarks.
+        Measurements, and the present poses and landmarks.
     max_px
         Largest reprojection error, of all observations or of each by the detector's response.
 
     Returns
     -------
     Selection
-        Landmarks keep at least two rays and lie near the hull. Flagged returns are left out.
+        Its landmarks have at least two observations and lie near the hull (NEAR_HULL_M,
+        NEAR_PATH_M). Flagged returns are left out.
     """
     return _find(m, state, max_px, triangulate_first=False)[1]
 
@@ -78,7 +79,8 @@ def _find(
 ) -> tuple[State, Selection]:
     """Select measurements as `select_measurements` does, in blocks of landmarks.
 
-    `triangulate_first`: find the landmarks anew instead of taking those of `state`.
+    `triangulate_first`: triangulate the landmarks instead of taking those of `state`. The returned
+    state holds them.
     """
     returns = ~m.returns.flagged if m.returns is not None else np.zeros(0, bool)
     if m.tracks is None or state.mounts.tray_from_top is None:
@@ -111,10 +113,11 @@ def _triangulated(block: Block, poses: tuple[Poses, Poses | None], m: Measuremen
 
 
 def choose_anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
-    """Choose about `most` of the landmarks seen best, spread evenly over nodes.
+    """Choose about `most` landmarks with many observations, spread evenly over the nodes.
 
-    At least one of each node that first saw some: enough to find poses and sigmas in the rounds
-    before the last, at a fraction of its cost.
+    Landmarks are grouped by the node that observed them first, and each group keeps the same
+    number, at least one. They are enough to find poses and sigmas in the rounds before the last, at
+    a fraction of its cost.
     """
     if m.tracks is None or len(chosen.landmarks) <= most:
         return chosen
@@ -128,15 +131,15 @@ def choose_anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
 def drop_isolated_landmarks(state: State, chosen: Selection, off: Mask) -> Selection:
     """Drop landmarks off the hull that stand alone.
 
-    A mismatch along the epipolar line looks like structure, but has no two neighbours off the hull
-    within NEIGHBOURS_M, and at most three rays.
+    A mismatch along the epipolar line looks like a landmark on a structure. But it has at most
+    three rays, and fewer than two neighbours off the hull within NEIGHBOURS_M.
 
     Parameters
     ----------
     state, chosen
-        The landmarks, and those chosen.
+        Positions of the landmarks, and which landmarks enter.
     off
-        Which chosen landmarks lie off the hull.
+        (L_used,) whether a landmark that enters lies off the hull.
     """
     from scipy.spatial import cKDTree
 
@@ -158,7 +161,10 @@ def label_boundary(sigma_on: float, sigma_off: float) -> float:
 
 
 def _near_hull(state: State) -> Callable[[Array], Mask]:
-    """Tell which points (n, 3) lie within reach of the CAD model, or of the path without one."""
+    """Make a function that tells which points (n, 3) in g are near the hull.
+
+    Near means NEAR_HULL_M from the CAD model, or NEAR_PATH_M from the path without one.
+    """
     from scipy.spatial import cKDTree
 
     hull = state.hull
@@ -173,12 +179,12 @@ def _finite(points: Array) -> Array:
 
 
 def drop_landmarks(problem: Problem, keep: Mask) -> Problem:
-    """Keep landmarks `keep` (L,) of a problem alone, and renumber their factors.
+    """Drop all landmarks but `keep` (L_used,) from a problem, with their rows, and renumber them.
 
     A solve may push a landmark behind its cameras or metres off the hull: a mismatch along an
-    epipolar line, when every landmark is pulled to the hull, or when one solve starts from dead
-    reckoning. Nothing determines it there, and one of them is enough for the covariances not to
-    exist.
+    epipolar line, or any landmark where all are pulled to the hull (method "geva") or where a
+    single solve starts from dead reckoning. No measurement determines it there, and then the
+    covariances do not exist.
     """
     number = (np.cumsum(keep) - 1).astype(np.int32)
 
@@ -196,7 +202,11 @@ def drop_landmarks(problem: Problem, keep: Mask) -> Problem:
 
 
 def drop_label_rows(result: Result, surface_rows: Mask) -> Result:
-    """Keep rows (m,) of the surface table in the result of a problem with fewer landmarks."""
+    """Drop labels and distances of landmarks that were dropped from the problem.
+
+    surface_rows (m,): whether a row of the surface table stays. A result without labels is returned
+    unchanged.
+    """
     if len(result.label) != len(surface_rows):
         return result
     return replace(result, label=result.label[surface_rows], distance=result.distance[surface_rows])

@@ -27,7 +27,7 @@ class HullState:
     survey_center: Array  # (3,) m in M
     grid: DeviationGrid | None  # of the deviation field; None: no field
     field: Array  # (size,) m, deviation from the CAD model on the grid
-    segments: Segments | None = None  # of a path that outages cut; None: it holds together
+    segments: Segments | None = None  # of a path that outages cut; None: the path is not cut
 
     def to_hull(self, points: Array) -> Array:
         """Transform points (n, 3) of g to M."""
@@ -42,9 +42,9 @@ class HullState:
         return self.cad_model.mesh.index.closest(self.to_hull(points)).distance
 
     def deviation(self, points: Array) -> Array:
-        """Compute signed distances (n,) m of points (n, 3) in g to the hull as it is.
+        """Compute signed distances (n,) m of points (n, 3) in g to the hull, + outside.
 
-        That is the CAD model moved by the field.
+        The hull is the CAD model moved along its normals by the deviation field.
         """
         distance = self.cad_distance(points)
         return (
@@ -77,19 +77,22 @@ class State:
 
 @dataclass(frozen=True, kw_only=True)
 class ResponseSigmas:
-    """Sigma of an observation's coordinate by the detector's response to its feature, px.
+    """Sigma of an observed image coordinate, px, as a function of the detector's response.
 
-    Between the responses known it is linear in the logarithms.
+    It is interpolated linearly in the logarithms of response and sigma.
     """
 
-    pixel: float  # of all, where nothing else is known
-    least: float  # no feature is found better
-    corner: float | None = None  # of corners, which have no response; None: not known
-    response: Array = field(default_factory=lambda: np.zeros(0))  # (k,) ascending
-    sigma: Array = field(default_factory=lambda: np.zeros(0))  # (k,) at these
+    pixel: float  # of all observations, taken where the response says nothing
+    least: float  # lower limit: no feature is located better
+    corner: float | None = None  # of corners, which have no response; None: not estimated
+    response: Array = field(default_factory=lambda: np.zeros(0))  # (k,) sample points, ascending
+    sigma: Array = field(default_factory=lambda: np.zeros(0))  # (k,) px at these responses
 
     def ratio(self, response: Array) -> Array:
-        """Compute the sigma of observations of these responses (m,) in `pixel`."""
+        """Compute the ratio (m,) of observations' sigmas to `pixel`, by their responses (m,).
+
+        response: NaN for corners.
+        """
         sigma = np.full(len(response), self.pixel)
         if self.corner is not None:
             sigma[np.isnan(response)] = self.corner
@@ -104,9 +107,9 @@ class ResponseSigmas:
 class Weights:
     """Sigmas and weights of the measurements in a round."""
 
-    pixel: float  # px
-    by_response: ResponseSigmas  # of an observation, in `pixel`
-    depth: float  # ratio of the sigma of depths to navigation's
+    pixel: float  # px, sigma of an image coordinate
+    by_response: ResponseSigmas  # sigma of each observation
+    depth: float  # ratio of the sigma of depths to that which navigation states
     tray: float  # rad
     range_sigma: float  # m
     surface: Array  # (L,) weight of each landmark's surface factor

@@ -38,13 +38,24 @@ def camera_poses(rig: Rig, state: State) -> tuple[Poses, Poses | None]:
 def triangulate(
     tracks: Tracks, n_landmarks: int, top: Poses, bottom: Poses | None, rig: Rig
 ) -> tuple[Array, Array]:
-    """Triangulate landmarks as the points nearest to all rays that saw them.
+    """Triangulate landmarks as the points with least squared distance to their rays.
+
+    Parameters
+    ----------
+    tracks
+        Observations, landmarks numbered from 0 on.
+    n_landmarks
+        Number of landmarks L.
+    top, bottom
+        Poses of the cameras in g at the nodes. None without a bottom camera.
+    rig
+        With the camera models.
 
     Returns
     -------
     position, spread
-        (L, 3) m in g, NaN with fewer than two rays or no parallax, and the widest angle of the
-        rays, (L,) rad.
+        (L, 3) m in g, NaN with fewer than two rays or a spread below 0.3 degrees, and the angle
+        over which the rays are spread, (L,) rad.
     """
     seen = [
         (tracks.landmark[rows], *rays_in_global(pixels[rows], tracks.node[rows], camera, pose))
@@ -76,17 +87,34 @@ def triangulate(
 def rays_in_global(
     pixels: Array, node: Ints, camera: CameraModel, pose: Poses
 ) -> tuple[Array, Array]:
-    """Compute origins and unit directions (n, 3) in g of pixels (n, 2).
+    """Compute origins (n, 3) m and unit directions (n, 3) in g of the rays through pixels.
 
-    pose: of the camera at the nodes, in g.
+    Parameters
+    ----------
+    pixels
+        (n, 2) px.
+    node
+        (n,) node of each.
+    camera
+        Camera model.
+    pose
+        Poses of the camera in g at the nodes.
     """
     return pose.translation[node], pose.turn_rows(node, camera.rays(pixels))
 
 
 def _ray_spread(mean_ray: Array, count: Array) -> Array:
-    """Compute twice the angle whose cosine is the length of the mean ray (L,).
+    """Compute the angle over which the unit rays of each landmark are spread, (L,) rad.
 
-    The full angle for two rays, its scale for more.
+    It is twice the angle whose cosine is the length of the rays' mean: exactly the angle between
+    two rays, and of its size for more.
+
+    Parameters
+    ----------
+    mean_ray
+        Sum (L, 3) of the unit rays.
+    count
+        Their number (L,).
     """
     length = np.linalg.norm(mean_ray, axis=1) / np.maximum(count, 1)
     return np.asarray(2 * np.arccos(np.clip(length, -1, 1)))
@@ -95,9 +123,20 @@ def _ray_spread(mean_ray: Array, count: Array) -> Array:
 def reprojection_errors(
     tracks: Tracks, landmark: Array, top: Poses, bottom: Poses | None, rig: Cameras
 ) -> tuple[Array, Array]:
-    """Compute reprojection errors (m,) in the top and the bottom camera, px.
+    """Compute the lengths of reprojection errors in the top and the bottom camera, each (m,) px.
 
-    NaN where an observation has none.
+    NaN where the camera has no observation, or where the landmark is not in front of it.
+
+    Parameters
+    ----------
+    tracks
+        Observations (m,).
+    landmark
+        Positions (L, 3) m, in the frame of the poses.
+    top, bottom
+        Poses of the cameras at the nodes.
+    rig
+        With the camera models.
     """
     errors = np.full((2, len(tracks.node)), np.nan)
     cameras = ((tracks.top, rig.top, top), (tracks.bottom, rig.bottom, bottom))

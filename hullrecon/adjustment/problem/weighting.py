@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sigmas of each kind of measurement: as the package states them, then from a round's residuals."""
+"""Sigmas of the measurements: first as the package states them, then from a round's residuals."""
 
 from __future__ import annotations
 
@@ -18,17 +18,20 @@ from hullrecon.adjustment.problem.triangulation import camera_poses, reprojectio
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.typing import Array, Ints
 
-MIN_RESIDUALS = 100  # from which a sigma is estimated
-RESPONSE_GROUPS = 12
-MIN_SIGMA_PX = 0.03  # of an estimated pixel sigma: no feature is found better
-MIN_TRAY_SIGMA_DEG = 0.02
-MIN_RAYS = 6  # of a well-seen landmark
-FLIP_COST = 4.0  # of a change of the tray's side, in half squares of the excess's sigma
+MIN_RESIDUALS = 100  # with fewer, no sigma is estimated
+RESPONSE_GROUPS = 12  # of features, by the detector's response
+MIN_SIGMA_PX = 0.03  # lower limit of an estimated pixel sigma: no feature is located better
+MIN_TRAY_SIGMA_DEG = 0.02  # lower limit of the estimated sigma of a tray angle
+MIN_RAYS = 6  # observations of a landmark whose residuals are used
+FLIP_COST = 4.0  # of a change of the tray's side, as a cost (half a squared whitened residual)
 CELL_SHARE = 0.1  # side of a cell whose landmarks share a weight, in the field's correlation length
 
 
 def initial_weights(m: Measurements, strategy: Strategy) -> Weights:
-    """Start from the sigmas that the package states."""
+    """Make the weights of the first round, from the sigmas that the package states.
+
+    Without systematic errors in the strategy, tray and lenses have none.
+    """
     return Weights(
         pixel=m.rig.priors.pixel_sigma_px,
         by_response=ResponseSigmas(pixel=m.rig.priors.pixel_sigma_px, least=0.0),
@@ -44,11 +47,11 @@ def initial_weights(m: Measurements, strategy: Strategy) -> Weights:
 
 
 def surface_weights(state: State, chosen: Selection, strategy: Strategy) -> Array:
-    """Weight each landmark's surface factor (L,).
+    """Compute the weight (L,) of each landmark's surface factor.
 
-    With the deviation field, landmarks of one cell a tenth of its length wide share one
-    observation's weight: what the field does not follow within a cell (plate edges, weld seams) is
-    common to them. Without it all have full weight.
+    With the deviation field, the landmarks in a cell of a tenth of its correlation length have
+    together the weight of one observation. What the field cannot follow within a cell (plate edges,
+    weld seams) moves them all alike. Without the field all have weight one.
     """
     if state.hull is None or not strategy.deviation_field or not len(chosen.landmarks):
         return np.ones(len(state.landmark))
@@ -61,7 +64,18 @@ def surface_weights(state: State, chosen: Selection, strategy: Strategy) -> Arra
 def estimate_weights(
     m: Measurements, state: State, chosen: Selection, weights: Weights, strategy: Strategy
 ) -> Weights:
-    """Estimate sigmas from the residuals of a round, and the sides of the tray's backlash."""
+    """Estimate the sigmas of the next round from residuals, and the sides of the tray's backlash.
+
+    Parameters
+    ----------
+    m, state, chosen
+        Measurements, solution of the round, and which measurements entered.
+    weights
+        That the round used. Returned unchanged without images, or where the strategy estimates no
+        sigmas.
+    strategy
+        Says whether sigmas are estimated.
+    """
     if not strategy.estimate_sigmas or m.tracks is None:
         return weights
     by_response = estimate_pixel_sigmas(m, state, chosen, weights)
@@ -85,12 +99,12 @@ def estimate_weights(
 def estimate_pixel_sigmas(
     m: Measurements, state: State, chosen: Selection, weights: Weights
 ) -> ResponseSigmas:
-    """Estimate the pixel sigma, and that of each observation, from residuals.
+    """Estimate the pixel sigma of all observations, and its dependence on the detector's response.
 
-    A feature is found the better the stronger the detector's response to it is: noise moves the
-    extremum of a flat bump farther (docs/methods.md 6). So residuals are grouped by response.
-    Corners, which have none, are one group. Residuals are those of well-seen landmarks, freed of
-    the three coordinates that each landmark takes from them.
+    A feature with a stronger response is located better, as noise moves the extremum of a flat
+    response farther (docs/methods.md 6). So residuals are grouped by response. Corners, which have
+    no response, are one group. Residuals of landmarks with many observations are used. Each
+    landmark absorbs three coordinates of its residuals, which their redundancy takes into account.
     """
     if m.tracks is None or state.mounts.tray_from_top is None:
         return replace(weights.by_response, pixel=MIN_SIGMA_PX)
@@ -99,57 +113,82 @@ def estimate_pixel_sigmas(
     well_seen[chosen.landmarks] = rays >= min(MIN_RAYS, np.percentile(rays, 75))
     poses = camera_poses(m.rig, state)
     blocks = [
-        _residuals(
+        _residuals_of_block(
             block, reprojection_errors(block.tracks, state.landmark, *poses, m.rig), chosen, weights
         )
         for block in read_blocks(m, well_seen)
     ]
-    # of the top camera, then of the bottom one
-    length, freedom, response = (
+    # Of the top camera, then of the bottom one
+    length, redundancy, response = (
         np.concatenate([of_block[name][k] for k in range(2) for of_block in blocks])
         if blocks
         else np.zeros(0)
-        for name in ("length", "freedom", "response")
+        for name in ("length", "redundancy", "response")
     )
     if len(length) < MIN_RESIDUALS:
         stated = max(MIN_SIGMA_PX, m.rig.priors.pixel_sigma_px)
         return ResponseSigmas(pixel=stated, least=MIN_SIGMA_PX)
-    pixel = max(MIN_SIGMA_PX, _sigma_of_lengths(length, freedom))
-    return _sigma_by_response(response, length, freedom, pixel)
+    pixel = max(MIN_SIGMA_PX, _sigma_of_lengths(length, redundancy))
+    return _sigma_by_response(response, length, redundancy, pixel)
 
 
-def _residuals(
+def _residuals_of_block(
     block: Block, errors: tuple[Array, Array], chosen: Selection, weights: Weights
 ) -> dict[str, list[Array]]:
-    """Collect by camera the lengths of residuals, their freedom and the responses of a block."""
+    """Collect the residuals of a block that entered, with their redundancies and responses.
+
+    Parameters
+    ----------
+    block
+        Observations (m,) of some landmarks.
+    errors
+        Lengths (m,) px of the reprojection errors in the top and the bottom camera.
+    chosen
+        Which observations entered.
+    weights
+        That the round used.
+
+    Returns
+    -------
+    dict
+        "length" px, "redundancy" of a coordinate, and "response" of the detector: each a list with
+        an array (k,) for the top camera and one for the bottom camera.
+    """
     tracks, sides = block.tracks, (chosen.top[block.rows], chosen.bottom[block.rows])
     weight = weights.by_response.ratio(tracks.response) ** -2
     owner = block.numbered_from_0.landmark
     whole = np.bincount(owner, weight * np.add(*sides, dtype=np.int8))[owner]
-    # of the two coordinates of a ray
-    freedom = 1 - 1.5 * (weight / np.maximum(whole, weight))
+    # A landmark's three coordinates take up 3 of the 2 n coordinates of its n observations, from
+    # each by the share of its weight: a redundancy of 1 - (3 / 2) share for each coordinate.
+    redundancy = 1 - 1.5 * (weight / np.maximum(whole, weight))
     return {
         name: [values[k][side] for k, side in enumerate(sides)]
         for name, values in (
             ("length", errors),
-            ("freedom", (freedom, freedom)),
+            ("redundancy", (redundancy, redundancy)),
             ("response", (tracks.response, tracks.response)),
         )
     }
 
 
 def _sigma_by_response(
-    response: Array, length: Array, freedom: Array, pixel: float
+    response: Array, length: Array, redundancy: Array, pixel: float
 ) -> ResponseSigmas:
-    """Estimate sigmas from groups of residuals whose features responded alike.
+    """Estimate the sigma of each of RESPONSE_GROUPS groups of features with similar responses.
 
-    response (n,): of the detector, NaN for corners, which are a group of their own.
-    length, freedom (n,): of each residual, as of `_residuals`. pixel: sigma of all.
+    Parameters
+    ----------
+    response
+        (n,) of the detector, NaN for corners, which are a group of their own.
+    length, redundancy
+        (n,) of each residual, as of `_residuals_of_block`.
+    pixel
+        Sigma of all observations, px.
     """
     corner = np.isnan(response)
     of_corners = None
     if corner.sum() >= MIN_RESIDUALS:
-        of_corners = _sigma_of_lengths(length[corner], freedom[corner])
+        of_corners = _sigma_of_lengths(length[corner], redundancy[corner])
     responds = np.flatnonzero(response > 0)
     edges = np.unique(
         np.quantile(response[responds], np.arange(1, RESPONSE_GROUPS) / RESPONSE_GROUPS)
@@ -162,7 +201,7 @@ def _sigma_by_response(
         rows = responds[group == k]
         if len(rows) >= MIN_RESIDUALS:
             center.append(float(np.median(response[rows])))
-            found.append(_sigma_of_lengths(length[rows], freedom[rows]))
+            found.append(_sigma_of_lengths(length[rows], redundancy[rows]))
     return ResponseSigmas(
         pixel=pixel,
         least=MIN_SIGMA_PX,
@@ -172,13 +211,14 @@ def _sigma_by_response(
     )
 
 
-def _sigma_of_lengths(length: Array, freedom: Array) -> float:
-    """Estimate the sigma of a coordinate from lengths of residuals.
+def _sigma_of_lengths(length: Array, redundancy: Array) -> float:
+    """Estimate the sigma of an image coordinate, px, from the median length of residuals.
 
-    The median length of a 2-D normal error is 1.177 sigma. freedom: share of each residual that its
-    landmark leaves.
+    The median length of a 2-D normal error is sqrt(2 ln 2) = 1.177 sigma. A residual's variance is
+    that of the observation times its redundancy.
     """
-    return float(np.median(length) / np.sqrt(2 * np.log(2)) / np.sqrt(max(freedom.mean(), 0.2)))
+    mean_redundancy = max(redundancy.mean(), 0.2)
+    return float(np.median(length) / np.sqrt(2 * np.log(2)) / np.sqrt(mean_redundancy))
 
 
 def depth_sigma(m: Measurements, weights: Weights) -> float:
@@ -191,10 +231,11 @@ def depth_sigma(m: Measurements, weights: Weights) -> float:
 
 
 def _depth_weight(m: Measurements, state: State) -> float:
-    """Estimate the sigma of a pressure reading in the sigma that navigation gave it.
+    """Estimate the sigma of a pressure reading, as a share of the sigma that navigation gave it.
 
-    Nodes that share a reading do not make it more certain. The water's density scales all depths: n
-    readings do not tell the dive's scale better than it is known.
+    Several nodes may share one reading, which does not make it more certain. The sigma is at least
+    so large that all depths together do not determine a length better than the water's density is
+    known, as an error of the density scales them all.
     """
     rows = _measured_depths(m)
     if not m.attitude.has_depth.any():
@@ -217,16 +258,17 @@ def estimate_sides(excess: Array, prior_direction: Array) -> Array:
     """Estimate on which side of its backlash the tray hangs at each node, +1 or -1 (n,).
 
     Backlash is a bias of the angle that flips with the direction of motion [Ozog2016 4.2.6]:
-    measured - adjusted = backlash * side. After a solve with a loose tray the sides show as two
-    levels of that. A two-state Viterbi path over time finds them better than the noisy logged
-    motion does.
+    measured - adjusted = backlash * side. After a solve with a wide prior of the tray's angles,
+    this difference has two levels. A two-state Viterbi path over time assigns nodes to them more
+    reliably than the noisy direction of the logged motion does.
 
     Parameters
     ----------
     excess
-        Measured minus adjusted angle (n,), rad.
+        Measured minus adjusted angle (n,), rad, in the order of time.
     prior_direction
-        Kept where no backlash shows (levels closer than their spread).
+        Sides (n,) by the logged motion. Returned where the two levels are closer than three times
+        their spread, or with fewer than ten nodes.
     """
     low, high = _two_levels(excess)
     sigma = max(
@@ -240,7 +282,7 @@ def estimate_sides(excess: Array, prior_direction: Array) -> Array:
 
 
 def _two_levels(values: Array) -> tuple[float, float]:
-    """Find the centres of two clusters by k-means in one dimension, started at the quartiles."""
+    """Find the medians of two clusters (k-medians in one dimension), started at the quartiles."""
     low, high = (float(q) for q in np.percentile(values, [25, 75]))
     for _ in range(20):
         upper = np.abs(values - high) < np.abs(values - low)
@@ -251,7 +293,15 @@ def _two_levels(values: Array) -> tuple[float, float]:
 
 
 def _viterbi(cost: Array, flip_cost: float) -> Ints:
-    """Find the path of two states (n, 2) of least cost, `flip_cost` for each change of state."""
+    """Find the sequence of two states (n,) of least cost, by the Viterbi algorithm.
+
+    Parameters
+    ----------
+    cost
+        (n, 2) of each state at each time.
+    flip_cost
+        Of each change of state.
+    """
     n = len(cost)
     best, back = cost[0].copy(), np.zeros((n, 2), np.int64)
     for i in range(1, n):

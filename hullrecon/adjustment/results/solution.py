@@ -12,7 +12,7 @@ from hullrecon import native
 from hullrecon.adjustment.bundle_adjustment import Adjusted
 from hullrecon.adjustment.hull_pose import estimate
 from hullrecon.adjustment.partition import join
-from hullrecon.adjustment.problem.deviation_field import know_combinations
+from hullrecon.adjustment.problem.deviation_field import hold_combinations
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.adjustment.results.covariance import points_in_hull, poses_in_hull
@@ -69,7 +69,7 @@ def _placed(
     held = problem.hold("T_g_M")
     if hull.grid is None:
         return held
-    prior, added = know_combinations(
+    prior, added = hold_combinations(
         held.priors.deviation,
         hull.grid,
         estimate.field_as_motion(evidence, hull.global_from_hull, hull.grid),
