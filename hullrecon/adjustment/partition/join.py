@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Solve a problem in the parts of a plan, and put together what they find.
+"""Solve a problem in the parts of a plan, and put the parts' results together.
 
-The parts are in temporary files, and only the one at work is in memory.
+The parts are kept in temporary files, and only the one at work is in memory.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from hullrecon.native.parts import covariance_parts, solve_parts
 from hullrecon.typing import Ints
 
 Number = TypeVar("Number", bound=np.generic)
+# Unknowns of the dive as a whole, which every part has
 GLOBALS = (
     "T_g_M",
     "T_s_ct",
@@ -38,7 +39,7 @@ GLOBALS = (
 
 
 def solve(problem: native.Problem, plan: Plan, options: native.Options) -> native.Result:
-    """Solve a problem as `native.solve` does, to rounding, by the parts of a plan."""
+    """Solve a problem by the parts of a plan. The result is that of `native.solve`, to rounding."""
     if plan.parts == 1:
         return native.solve(problem, options)
     parts = SubProblems(problem, plan.owner)
@@ -47,16 +48,16 @@ def solve(problem: native.Problem, plan: Plan, options: native.Options) -> nativ
     unknowns = replace(
         found.parts[0].unknowns,
         **{
-            name: _rows(rows, [getattr(part.unknowns, name) for part in found.parts])
+            name: _scatter(rows, [getattr(part.unknowns, name) for part in found.parts])
             for name, rows in _unknowns_of(parts).items()
         },
     )
     surface, ranges = (_rows_of(parts, name) for name in ("surface", "ranges"))
     return native.Result(
         unknowns=unknowns,
-        label=_rows(surface, [part.label for part in found.parts]),
-        distance=_rows(surface, [part.distance for part in found.parts]),
-        ray_hit=_rows(ranges, [part.ray_hit for part in found.parts]),
+        label=_scatter(surface, [part.label for part in found.parts]),
+        distance=_scatter(surface, [part.distance for part in found.parts]),
+        ray_hit=_scatter(ranges, [part.ray_hit for part in found.parts]),
         iterations=found.iterations,
         converged=found.converged,
         message=found.message,
@@ -67,7 +68,7 @@ def solve(problem: native.Problem, plan: Plan, options: native.Options) -> nativ
 def covariance(
     problem: native.Problem, plan: Plan, options: native.Options, *, of_landmarks: bool = True
 ) -> native.Covariance:
-    """Compute what `native.covariance` does, by the parts of a plan."""
+    """Compute the covariances as `native.covariance` does, by the parts of a plan."""
     if plan.parts == 1:
         return native.covariance(problem, options, of_landmarks=of_landmarks)
     parts = SubProblems(problem, plan.owner)
@@ -76,9 +77,10 @@ def covariance(
     of_rows = _unknowns_of(parts)
     if not of_landmarks:
         del of_rows["landmark"]
-    left_out = {"landmark_T_g_M"} if "T_g_M" in problem.constant else set()  # zero, and large
+    # With the hull's pose held, the cross covariances of landmarks are zero, and not gathered
+    left_out = {"landmark_T_g_M"} if "T_g_M" in problem.constant else set()
     gathered = {
-        field.name: _rows(rows, [getattr(part, field.name) for part in found])
+        field.name: _scatter(rows, [getattr(part, field.name) for part in found])
         for field in fields(native.Covariance)
         for name, rows in of_rows.items()
         if field.name in (name, f"{name}_T_g_M") and field.name not in left_out
@@ -97,14 +99,15 @@ def residuals(
 ) -> dict[str, NDArray[np.float64]]:
     """Evaluate the whitened residuals of each kind of factor (native.FACTORS), part by part.
 
-    plan: None, as one of a single part, evaluates the whole.
+    plan: None evaluates the whole problem, as a plan of a single part does.
     """
     if plan is None or plan.parts == 1:
         return _by_factor(native.evaluate(problem, options, jacobian=False))
     parts = SubProblems(problem, plan.owner)
     found = []
     for k, part in enumerate(parts.parts()):
-        # The first part has the priors of globals.
+        # Priors of the globals are in the first part alone. The others hold the globals, so that
+        # these have no residual.
         alone = part.problem if k == 0 else part.problem.hold(*GLOBALS)
         found.append(_by_factor(native.evaluate(alone, options, jacobian=False)))
     return {name: np.concatenate([of_part[name] for of_part in found]) for name in native.FACTORS}
@@ -118,7 +121,7 @@ def _by_factor(evaluation: native.Evaluation) -> dict[str, NDArray[np.float64]]:
 
 
 def _unknowns_of(parts: SubProblems) -> dict[str, Sequence[Ints]]:
-    """List where the rows of the parts' unknowns stand in the whole, by name."""
+    """List, by the name of an unknown, which of its rows in the whole problem each part has."""
     return {
         "pose": parts.poses,
         "landmark": parts.landmarks,
@@ -128,11 +131,22 @@ def _unknowns_of(parts: SubProblems) -> dict[str, Sequence[Ints]]:
 
 
 def _rows_of(parts: SubProblems, table: str) -> list[Ints]:
+    """List which rows of a table of the whole problem each part has."""
     return [np.flatnonzero(parts.row_owner[table] == k) for k in range(parts.count)]
 
 
-def _rows(rows: Sequence[Ints], of_parts: Sequence[NDArray[Number]]) -> NDArray[Number]:
-    """Put rows of parts where they stand in the whole. Of what is shared the first part's stays."""
+def _scatter(rows: Sequence[Ints], of_parts: Sequence[NDArray[Number]]) -> NDArray[Number]:
+    """Put the parts' rows back into an array of the whole problem.
+
+    Where several parts share a row, the value of the first part is taken.
+
+    Parameters
+    ----------
+    rows
+        For each part, the numbers of its rows in the whole, ascending.
+    of_parts
+        For each part, its rows.
+    """
     count = 1 + max((int(of_part[-1]) for of_part in rows if len(of_part)), default=-1)
     out = np.zeros((count, *of_parts[0].shape[1:]), of_parts[0].dtype)
     for of_part, values in zip(reversed(rows), reversed(of_parts), strict=True):

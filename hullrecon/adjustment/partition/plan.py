@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Plan the parts of a long dive's adjustment: stripes across the hull, cut by place.
+"""Plan the parts of a long dive's adjustment: stripes across the hull, cut by position.
 
-Legs that run along the hull are cut by every stripe's border, and only the poses near one are
-shared. Cut by time, half of all landmarks would be seen from two parts (docs/adr/0013).
+The border between two stripes cuts every leg that runs along the hull, and only poses near a border
+are shared by two parts. With parts cut by time, half of all landmarks would be seen from two parts
+(docs/adr/0013).
 """
 
 from __future__ import annotations
@@ -19,31 +20,34 @@ from hullrecon.adjustment.problem.state import State
 from hullrecon.typing import Array, Ints
 
 Wanted = int | Literal["auto"]
-# Memory that the solver may take under "auto", where parts can hold it to that. It is no machine's
-# own: the same dive has the same parts, and so the same bytes, everywhere.
+# Memory budget of the solver under "auto". It does not depend on the machine, so that a dive has
+# the same parts, and the same bytes, everywhere.
 SOLVER_MB = 300.0
-# Share of a solver's memory that stays while a part is at rest, from the last solve of five legs of
-# 6.75 m: 207 MB whole, 103 MB in 8 parts, of which the largest has a fifth of the landmarks
+# Share of the solver's memory for the whole problem that stays taken by the parts that are not at
+# work. From the last solve of five legs of 6.75 m: 207 MB whole, 103 MB in 8 parts, the largest
+# with a fifth of the landmarks
 AT_REST = 0.36
-# Memory of a solve at its peak, bytes. That one, with 57,060 landmarks, 420,967 rows of images and
-# 72 columns of lenses, takes 207 MB where these say 215; benchmarks.partition, with 100,000 and
-# some 700,000 rows, 386 where they say 395. Those of a pose are an estimate.
+# Peak memory of a solve, bytes. The solve above, with 57,060 landmarks, 420,967 rows of images and
+# 72 columns of lenses, takes 207 MB, predicted are 215. benchmarks.partition, with 100,000
+# landmarks and some 700,000 rows, takes 386 MB, predicted are 395. The bytes of a pose are an
+# estimate.
 BYTES_A_ROW = 160.0  # of stereo and mono, its table and the views
 BYTES_A_LANDMARK = 700.0
-BYTES_A_LENS_COLUMN = 24.0  # of each landmark, for each free number of the lenses and intrinsics
+BYTES_A_LENS_COLUMN = 24.0  # of each landmark, for each unknown of the lenses and intrinsics
 BYTES_A_POSE = 40_000.0  # with some 36 neighbours
+# Unknowns that meet every landmark
 SHARED_BY_ALL = ("T_ct_cb", "intrinsics_top", "intrinsics_bottom", "lens_top", "lens_bottom")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """Who owns each pose, and why."""
+    """How a problem is divided into parts: which part owns each pose, and why."""
 
     owner: Ints  # (n,) part of each pose, from 0 on
-    cuts_m: Array  # (parts - 1,) where the stripes meet, along `axis`
-    axis: str  # "along" or "girth" of the chart, "path" where there is none
-    predicted_mb: Array  # (parts,) of the solver while that part is at work and the rest at rest
-    reason: str
+    cuts_m: Array  # (parts - 1,) positions along `axis` at which the stripes meet
+    axis: str  # "along" or "girth" of the chart, "path" without a chart, "" with one part
+    predicted_mb: Array  # (parts,) memory of the solver while that part is at work
+    reason: str  # why there are so many parts, for log and adjust.json
 
     @property
     def parts(self) -> int:
@@ -70,19 +74,33 @@ def plan_parts(problem: native.Problem, state: State, wanted: Wanted) -> Plan:
     problem
         The whole problem.
     state
-        Of the same poses; its chart, where it has one.
+        With the same poses, and the hull's chart where it has one.
     wanted
-        So many, or "auto": one part up to SOLVER_MB, more beyond.
+        Number of parts, or "auto": one part up to SOLVER_MB, more beyond.
     """
-    return plan_along(problem, *_places(state), wanted)
+    return plan_along(problem, *_positions_to_cut(state), wanted)
 
 
 def plan_along(problem: native.Problem, place_m: Array, axis: str, wanted: Wanted) -> Plan:
-    """Plan stripes across an axis on which poses stand at `place_m` (n,), as `plan_parts`."""
+    """Divide the poses, in the order of their positions, into stripes of about equal memory.
+
+    Parameters
+    ----------
+    problem
+        The whole problem, of whose tables the memory follows.
+    place_m
+        Positions (n,) m of the poses along the axis that is cut.
+    axis
+        Name of that axis, for the plan.
+    wanted
+        Number of parts, or "auto", as for `plan_parts`. A stripe without a pose is dropped, so that
+        there may be fewer.
+    """
     bytes_of_pose = _bytes_of_poses(problem)
     whole_mb = float(bytes_of_pose.sum()) / 1e6
     if wanted == "auto":
-        # Where what rests takes most of that, parts at work get half of it all the same.
+        # The part at work gets what the parts at rest leave of the budget, but at least half of it:
+        # otherwise a very long dive would have countless tiny parts.
         for_work_mb = max(SOLVER_MB - AT_REST * whole_mb, SOLVER_MB / 2)
         needed = int(np.ceil((1 - AT_REST) * whole_mb / for_work_mb))
         count = 1 if whole_mb <= SOLVER_MB else min(MOST_PARTS, needed)
@@ -93,7 +111,7 @@ def plan_along(problem: native.Problem, place_m: Array, axis: str, wanted: Wante
     share = np.cumsum(bytes_of_pose[order]) - 0.5 * bytes_of_pose[order]
     stripe = np.empty(len(order), np.int64)
     stripe[order] = count * share / bytes_of_pose.sum()
-    _, owner = np.unique(stripe, return_inverse=True)
+    _, owner = np.unique(stripe, return_inverse=True)  # numbers the stripes that have a pose
     mb = AT_REST * whole_mb + (1 - AT_REST) * np.bincount(owner, bytes_of_pose) / 1e6
     first = [float(place_m[owner == k].min()) for k in range(1, len(mb))]
     return Plan(
@@ -106,7 +124,7 @@ def plan_along(problem: native.Problem, place_m: Array, axis: str, wanted: Wante
 
 
 def whole(problem: native.Problem, reason: str) -> Plan:
-    """Plan one part, for that reason."""
+    """Plan a single part, with the reason for it."""
     bytes_of_pose = _bytes_of_poses(problem)
     return Plan(
         owner=np.zeros(len(bytes_of_pose), np.int64),
@@ -117,8 +135,11 @@ def whole(problem: native.Problem, reason: str) -> Plan:
     )
 
 
-def _places(state: State) -> tuple[Array, str]:
-    """Find where each pose (n,) m stands on the axis that is cut, the longer one."""
+def _positions_to_cut(state: State) -> tuple[Array, str]:
+    """Compute the positions (n,) m of the poses along the axis that is cut, and its name.
+
+    It is the longer axis of the survey on the chart, or of the path where there is no chart.
+    """
     if state.hull is not None:
         at = state.hull.to_chart(state.nodes.translation)
         axis = int(np.argmax(np.ptp(at, axis=0)))
@@ -129,7 +150,10 @@ def _places(state: State) -> tuple[Array, str]:
 
 
 def _bytes_of_poses(problem: native.Problem) -> Array:
-    """Predict the solver's memory (n,) by pose: landmarks count where they are seen from."""
+    """Predict the solver's memory (n,) bytes for each pose.
+
+    The memory of all landmarks is shared out to the poses by their numbers of observations.
+    """
     count = len(problem.unknowns.pose)
     rows = np.bincount(problem.stereo.node, minlength=count) + np.bincount(
         problem.mono.node, minlength=count
@@ -141,6 +165,7 @@ def _bytes_of_poses(problem: native.Problem) -> Array:
 
 
 def _width(problem: native.Problem, name: str) -> int:
+    """Count the unknowns of a block. Lenses have none where no displacement is estimated."""
     if name.startswith("lens") and not len(problem.lenses.image_size):
         return 0
     return 6 if name == "T_ct_cb" else len(getattr(problem.unknowns, name))

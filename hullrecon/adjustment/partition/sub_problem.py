@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The parts of a problem as problems of their own, by the owners of its poses.
+"""Cut a problem into parts that are problems of their own, given the part that owns each pose.
 
-Each row goes to the first part of the poses that it meets, each landmark with all its rows to the
-first part that sees it. What rows of several parts meet is shared.
+A row of a table meets the poses, landmarks, planes and field nodes of its residual. It goes to the
+first part that owns one of its poses. A landmark goes with all its rows to the first part that sees
+it. Poses, field nodes and planes that rows of several parts meet are copied into each of these
+parts, and are shared.
 """
 
 from __future__ import annotations
@@ -20,8 +22,8 @@ from hullrecon.memory import release_pages
 from hullrecon.native.parts import Part
 from hullrecon.typing import Array, Ints, Ints32
 
-AS_GOOD_AS_NONE = 1e150  # sigma of a prior that another part has
-# Columns of the tables that number poses
+AS_GOOD_AS_NONE = 1e150  # sigma of a prior that counts in another part
+# Columns with numbers of poses, by table
 NODES = {
     "attitude": ("node",),
     "tray": ("node",),
@@ -35,24 +37,25 @@ NODES = {
     "plane_pairs": (),
     "plane_sightings": ("node",),
 }
+# Columns with numbers of planes, by table
 PLANES = {
     "plane_ranges": ("plane",),
     "plane_pairs": ("first", "second"),
     "plane_sightings": ("plane",),
 }
-OF_LANDMARKS = ("stereo", "mono", "surface")
-IN_FIELD = ("ranges", "surface")
+OF_LANDMARKS = ("stereo", "mono", "surface")  # tables whose rows meet a landmark
+IN_FIELD = ("ranges", "surface")  # tables whose rows meet the deviation field
 TABLES = (*NODES, "surface")
 
 
 class SubProblems:
-    """The parts of a problem, and where their rows stand in it.
+    """The parts of a problem, and which rows of the whole problem each has.
 
-    Links are the pose graph's, which is solved whole.
+    The problem has no links: those are of the pose graph, which is solved whole.
     """
 
     def __init__(self, problem: native.Problem, owner: Ints) -> None:
-        """Tell whose each row is.
+        """Assign each row, landmark and field node to a part.
 
         Parameters
         ----------
@@ -64,17 +67,20 @@ class SubProblems:
         if len(problem.links.first):
             raise ValueError("links are not cut into parts")
         self.problem, self.owner = problem, owner.astype(np.int32)
-        self.count = int(owner.max(initial=0)) + 1
+        self.count = int(owner.max(initial=0)) + 1  # of parts
+        # Part of each landmark, of each row of each table, of each node of the deviation field and
+        # of each row of its prior
         self.landmark_owner = self._owner_of_landmarks()
         self.row_owner = {name: self._owner_of_rows(name) for name in TABLES}
         self.node_owner, self.field_row_owner = self._owners_of_field()
+        # For each part the poses, planes, field nodes and landmarks of the whole that it has
         parts = range(self.count)
         self.poses, self.planes = zip(*(self._poses_and_planes(k) for k in parts), strict=True)
         self.nodes = tuple(self._nodes(k) for k in parts)
         self.landmarks = tuple(np.flatnonzero(self.landmark_owner == k) for k in parts)
 
     def parts(self) -> Iterator[Part]:
-        """Build the parts, one at a time."""
+        """Build the parts, one at a time, and release the pages of the whole problem's tables."""
         for k in range(self.count):
             part = self.part(k)
             for table in (self.problem.stereo, self.problem.mono):
@@ -82,8 +88,9 @@ class SubProblems:
             yield part
 
     def part(self, k: int) -> Part:
-        """Build a part, its tables copied."""
+        """Build part k, with tables of its own."""
         whole = self.problem
+        # Numbers within the part, by numbers within the whole
         number = {
             "pose": _numbers(self.poses[k], len(whole.unknowns.pose)),
             "landmark": _numbers(self.landmarks[k], len(whole.unknowns.landmark)),
@@ -106,7 +113,8 @@ class SubProblems:
             planes=native.PlaneTable(anchor=number["pose"][whole.planes.anchor[self.planes[k]]]),
             **tables,
         )
-        # What is shared has numbers of its own: first the poses, then the nodes, then the planes.
+        # Shared unknowns are numbered among all parts: first the poses, then the field's nodes,
+        # then the planes.
         shared = [self.shared_poses, self.shared_nodes, self.shared_planes]
         first = np.cumsum([0, *(len(rows) for rows in shared)])
         rows = [
@@ -140,7 +148,7 @@ class SubProblems:
         return np.where(owner == self.count, 0, owner)
 
     def _owner_of_rows(self, name: str) -> Ints32:
-        """Find the owner of each row of a table: its landmark's, or the first part it meets."""
+        """Find the owner of each row of a table: its landmark's, else the first of its poses'."""
         table = getattr(self.problem, name)
         if name in OF_LANDMARKS:
             return np.asarray(self.landmark_owner[table.landmark])
@@ -151,7 +159,8 @@ class SubProblems:
     def _owners_of_field(self) -> tuple[Ints32, Ints32]:
         """Find the owner of each node of the deviation field, and of each row of its prior.
 
-        A node goes to the first part whose rows meet it, one that none meets to its neighbours'.
+        A node goes to the first part whose measurements meet it. Nodes that no measurement meets
+        take the owner of the nodes next to them, in the rows of the prior, step by step.
         """
         prior, last = self.problem.priors.deviation, self.count
         owner = np.full(len(self.problem.unknowns.deviation), last, np.int32)
@@ -175,7 +184,7 @@ class SubProblems:
         return owner, np.where(of_row == last, 0, of_row)
 
     def _poses_and_planes(self, k: int) -> tuple[Ints, Ints]:
-        """List poses and planes that part k meets or owns."""
+        """List the poses and planes that part k owns or that its rows meet."""
         anchor = self.problem.planes.anchor
         planes, poses = (
             [np.flatnonzero(self.owner[anchor] == k)],
@@ -189,7 +198,7 @@ class SubProblems:
         return np.unique(np.concatenate([*poses, anchor[met]])), met
 
     def _nodes(self, k: int) -> Ints:
-        """List the nodes of the deviation field that part k meets or owns."""
+        """List the nodes of the deviation field that part k owns or that its rows meet."""
         prior, met = self.problem.priors.deviation, [np.flatnonzero(self.node_owner == k)]
         for name in IN_FIELD:
             field = getattr(self.problem, name).field
@@ -199,7 +208,10 @@ class SubProblems:
         return np.unique(np.concatenate([*met, prior.index[of_entry == k]]))
 
     def _table(self, name: str, k: int, number: dict[str, Ints32]) -> object:
-        """Take the rows of a table that part k has, in its own numbers."""
+        """Take the rows of a table that part k owns, with poses etc. in the part's numbers.
+
+        number: numbers within the part, by kind and number within the whole.
+        """
         table = getattr(self.problem, name).take(np.flatnonzero(self.row_owner[name] == k))
         columns = {c: number["pose"][getattr(table, c)] for c in NODES.get(name, ())}
         columns |= {c: number["plane"][getattr(table, c)] for c in PLANES.get(name, ())}
@@ -210,7 +222,7 @@ class SubProblems:
         return replace(table, **columns)
 
     def _priors(self, k: int, number: dict[str, Ints32]) -> native.Priors:
-        """Take the priors of part k: those of globals are the first's alone."""
+        """Take the priors of part k. The priors of globals are in the first part alone."""
         whole = self.problem.priors
         kept = np.flatnonzero(self.owner[whole.pose.node] == k)
         poses = native.PosePriors(
@@ -233,7 +245,7 @@ class SubProblems:
         )
 
     def _field_prior(self, k: int, number: Ints32) -> native.SparseRows:
-        """Take the rows of the deviation field's prior that part k owns, in its own numbers."""
+        """Take the rows of the deviation field's prior that part k owns, in the part's numbers."""
         prior = self.problem.priors.deviation
         if len(prior.start) < 2:
             return prior
@@ -248,7 +260,7 @@ class SubProblems:
 
 
 def _numbers(kept: Ints, count: int) -> Ints32:
-    """Give what is kept of `count` numbers from 0 on, and the rest -1."""
+    """Give the kept ones of `count` items numbers from 0 on, and the others -1, (count,)."""
     number = np.full(count, -1, np.int32)
     number[kept] = np.arange(len(kept), dtype=np.int32)
     return number
@@ -259,7 +271,22 @@ def _in_several(of_parts: tuple[Ints, ...], count: int) -> Ints:
 
 
 def _shared(rows: Ints, number: Ints32, first: int) -> Ints32:
-    """Pair the rows of a part with their numbers among all that are shared, from `first` on."""
+    """List the shared items that a part has: number within the part, number among all shared.
+
+    Parameters
+    ----------
+    rows
+        Shared items of one kind, by number within the whole.
+    number
+        Numbers within the part, -1 for items that it does not have.
+    first
+        Number of the first of them among all shared items.
+
+    Returns
+    -------
+    Ints32
+        (k, 2).
+    """
     here = number[rows]
     pairs = np.stack([here, np.arange(first, first + len(rows))], axis=1)
     return np.asarray(pairs[here >= 0], np.int32)

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The adjusted dive as a sparse COLMAP model: a rigid rig, frames, images, points with tracks.
+"""Write the adjusted dive as a sparse COLMAP model: rigid rig, frames, images, points with tracks.
 
-COLMAP's pixel centres lie at 0.5, 0.5, OpenCV's at 0, 0: half a pixel is added to principal points
-and observations. Those of a long dive do not fit into memory: they are written block by block.
+The centre of the first pixel lies at (0.5, 0.5) in COLMAP and at (0, 0) in OpenCV, so half a pixel
+is added to principal points and observations. The observations of a long dive do not fit into
+memory, and are written block by block.
 """
 
 from __future__ import annotations
@@ -25,8 +26,8 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.records.tracks import Tracks
 from hullrecon.typing import Array, Ints, Mask
 
-TOP, BOTTOM = 1, 2  # camera ids; the rig has id 1
-# COLMAP's binary records
+TOP, BOTTOM = 1, 2  # camera ids; the rig has id 1. The image of a node has id 2 node + camera id
+# COLMAP's binary records: the head of a point and one element of its track, a keypoint of an image
 POINT = np.dtype(
     [("id", "<u8"), ("xyz", "<f8", 3), ("rgb", "u1", 3), ("error", "<f8"), ("views", "<u8")]
 )
@@ -38,27 +39,27 @@ Rows = NDArray[np.void]
 
 @dataclass(frozen=True, kw_only=True)
 class SparseModel:
-    """The adjusted dive as COLMAP takes it."""
+    """All that a COLMAP model of the adjusted dive is made of."""
 
     tracks: Tracks
-    top: Mask  # (m,) observations of the tracks that entered, of the top camera
-    bottom: Mask  # (m,) and of the bottom camera
+    top: Mask  # (m,) rows of the tracks whose observation in the top camera entered
+    bottom: Mask  # (m,) rows whose observation in the bottom camera entered
     hull_from_top: Poses  # (n,) poses of the top camera at the nodes, in the frame of the results
     top_from_bottom: Poses | None  # None for a single camera
     cameras: tuple[CameraModel, CameraModel | None]  # top and bottom
-    stamps: Ints  # (n, 2) ns by camera, -1 for none
+    stamps: Ints  # (n, 2) ns of the image of each camera at each node, -1 without an image
     position: Array  # (L, 3) m; NaN where a landmark is not in the model
 
 
 def write_model(model: SparseModel, folder: Path) -> None:
-    """Write the model as binary files of COLMAP into an existing folder."""
-    _build(model).write_binary(str(folder))
+    """Write the model as COLMAP's binary files into an existing folder."""
+    _build_without_points(model).write_binary(str(folder))
     views = _write_points(model, folder / "points3D.bin")
     _write_images(model, views, folder / "images.bin")
 
 
-def _build(model: SparseModel) -> Any:
-    """Build a pycolmap.Reconstruction without observations."""
+def _build_without_points(model: SparseModel) -> Any:
+    """Build a pycolmap.Reconstruction of cameras, rig, frames and images, without observations."""
     import pycolmap
 
     reconstruction = pycolmap.Reconstruction()
@@ -92,7 +93,7 @@ def _add_rig(reconstruction: Any, model: SparseModel) -> None:
 
 
 def _camera(number: int, camera: CameraModel) -> Any:
-    """Convert a camera to COLMAP's, whose pixel centres lie at 0.5, 0.5."""
+    """Convert a camera model to COLMAP's, with the principal point moved by half a pixel."""
     import pycolmap
 
     values = camera.parameters()
@@ -106,9 +107,9 @@ def _camera(number: int, camera: CameraModel) -> Any:
 
 
 def _add_images(reconstruction: Any, model: SparseModel) -> None:
-    """Add a frame for each node that has an image.
+    """Add a frame with its images for each node that has an image.
 
-    An image without observations is kept: its pose is known all the same.
+    An image without observations is kept, as its pose is known.
     """
     import pycolmap
 
@@ -135,23 +136,31 @@ def _add_images(reconstruction: Any, model: SparseModel) -> None:
 
 
 @dataclass(frozen=True)
-class _Seen:
-    """Observations (n,) of a block of landmarks, sorted by (landmark, image)."""
+class _Observations:
+    """Observations (k,) of a block of landmarks, sorted by (landmark, image)."""
 
-    landmark: Ints
-    image: Ints  # id
+    landmark: Ints  # number in the dive's tracks
+    image: Ints  # id in the model
     keypoint: Ints  # number within the image
-    row: Ints  # of the block's tracks
+    row: Ints  # row of `tracks`
     tracks: Tracks  # of the block
 
     def of_camera(self, top: Array, bottom: Array) -> Array:
-        """Select values by the camera that sees, from those of the block's rows in either."""
+        """Select for each observation the value of its camera.
+
+        top, bottom (m, ...): values of the rows of `tracks` for each camera.
+        """
         is_top = (self.image % 2 == TOP % 2).reshape(-1, *[1] * (top.ndim - 1))
         return np.where(is_top, top[self.row], bottom[self.row])
 
 
-def _read_seen(model: SparseModel) -> Iterator[_Seen]:
-    """Read the observations of the model's landmarks, those of an image numbered as they come."""
+def _read_observations(model: SparseModel) -> Iterator[_Observations]:
+    """Read the observations of the model's landmarks in blocks.
+
+    Keypoints of an image are numbered in the order in which they are read. Every pass over the
+    observations therefore gives the same numbers.
+    """
+    # Keypoints of each image, by id, in the blocks before
     counted = np.zeros(2 * len(model.stamps) + BOTTOM, np.int64)
     for block in read_tracks(model.tracks, np.isfinite(model.position[:, 0])):
         tracks = block.tracks
@@ -160,13 +169,14 @@ def _read_seen(model: SparseModel) -> Iterator[_Seen]:
         row = np.r_[top, below]
         landmark = tracks.landmark[row]
         order = np.lexsort((image, landmark))
+        # Rank of each observation within its image in this block, after those of earlier blocks
         keypoint = np.empty(len(order), np.int64)
         by_image = order[np.argsort(image[order], kind="stable")]
         count = np.bincount(image, minlength=len(counted))
         first = np.cumsum(count) - count
         keypoint[by_image] = np.arange(len(order)) - (first - counted)[image[by_image]]
         counted += count
-        yield _Seen(landmark[order], image[order], keypoint[order], row[order], tracks)
+        yield _Observations(landmark[order], image[order], keypoint[order], row[order], tracks)
 
 
 @dataclass(frozen=True)
@@ -178,9 +188,9 @@ class _Cameras:
 
 
 def _write_points(model: SparseModel, path: Path) -> Ints:
-    """Write points3D.bin: of each point what POINT says, then its track as ELEMENT.
+    """Write points3D.bin: for each point a POINT, then its track, an ELEMENT for each observation.
 
-    Returns the observations of each image, by id.
+    Returns the number of observations of each image, by its id.
     """
     bottom = None
     if model.top_from_bottom is not None:
@@ -189,7 +199,7 @@ def _write_points(model: SparseModel, path: Path) -> Ints:
     written, of_image = 0, np.zeros(2 * len(model.stamps) + BOTTOM, np.int64)
     with path.open("wb") as file:
         file.write(struct.pack("<Q", 0))
-        for seen in _read_seen(model):
+        for seen in _read_observations(model):
             number, first, views = np.unique(seen.landmark, return_index=True, return_counts=True)
             errors = reprojection_errors(
                 seen.tracks, model.position, model.hull_from_top, bottom, cameras
@@ -211,7 +221,17 @@ def _write_points(model: SparseModel, path: Path) -> Ints:
 
 
 def _interleave(heads: Rows, entries: Rows, count: Ints) -> bytes:
-    """Join each head with its entries, so many of them."""
+    """Make the bytes of heads, each followed by its entries.
+
+    Parameters
+    ----------
+    heads
+        (n,) records.
+    entries
+        Records of all heads, in the order of the heads.
+    count
+        (n,) number of entries of each head.
+    """
     head, entry = heads.dtype.itemsize, entries.dtype.itemsize
     length = head + entry * count
     begin = np.cumsum(length) - length
@@ -224,9 +244,15 @@ def _interleave(heads: Rows, entries: Rows, count: Ints) -> bytes:
 
 
 def _write_images(model: SparseModel, views: Ints, path: Path) -> None:
-    """Put the observations, so many of each image, into images.bin, which has none yet."""
+    """Insert the observations into an images.bin without any.
+
+    The file is first laid out with room for them. Then each block of observations is written to its
+    positions, through a memory map.
+
+    views: number of observations of each image, by id.
+    """
     given = path.read_bytes()
-    begin = np.zeros(len(views), np.int64)  # of the observations of each image
+    begin = np.zeros(len(views), np.int64)  # position in the file of each image's observations
     with path.open("wb") as file:
         at = file.write(given[:8])
         for image_id, head in _images(given):
@@ -234,11 +260,11 @@ def _write_images(model: SparseModel, views: Ints, path: Path) -> None:
             begin[image_id], at = at, at + int(views[image_id]) * KEYPOINT.itemsize
             file.seek(at)
         file.truncate(at)
-    for seen in _read_seen(model):
+    for seen in _read_observations(model):
         keypoints = np.zeros(len(seen.image), KEYPOINT)
         keypoints["pixel"] = seen.of_camera(seen.tracks.top, seen.tracks.bottom) + 0.5
         keypoints["point"] = seen.landmark + 1
-        # A block's landmarks are seen from few images: their pages go when it is written.
+        # The landmarks of a block are seen from few images. Closing the map frees their pages.
         pages = np.memmap(path, np.uint8, "r+")
         to = begin[seen.image] + KEYPOINT.itemsize * seen.keypoint
         pages[to[:, None] + np.arange(KEYPOINT.itemsize)] = keypoints.view(np.uint8).reshape(
@@ -248,7 +274,10 @@ def _write_images(model: SparseModel, views: Ints, path: Path) -> None:
 
 
 def _images(given: bytes) -> Iterator[tuple[int, bytes]]:
-    """Go through an images.bin without observations: id, and all that stands before their count."""
+    """Read the images of an images.bin without observations.
+
+    Yields each image's id, and the bytes of its record up to the number of observations.
+    """
     (count,) = struct.unpack_from("<Q", given)
     at = 8
     for _ in range(count):

@@ -21,20 +21,20 @@ def poses_in_hull(
 ) -> Array:
     """Compute the covariance (n, 6, 6) of hull_from_vehicle.
 
-    Of (translation in M, rotation right-perturbed in v).
+    Its order is translation in M, then rotation perturbed on the right in v.
 
     Parameters
     ----------
     pose
         Covariance (n, 6, 6) of global_from_vehicle.
     pose_hull
-        Its covariance (n, 6, 6) with global_from_hull.
+        Cross covariance (n, 6, 6) of global_from_vehicle and global_from_hull.
     hull
         Covariance (6, 6) of global_from_hull about `center`.
     nodes, global_from_hull
         The poses.
     center
-        (3,) m in M.
+        (3,) m in M, about which the hull's rotation is perturbed.
     """
     in_hull = global_from_hull.inverse() @ nodes
     to_hull = global_from_hull.rotation.as_matrix()[0].T
@@ -62,13 +62,15 @@ def points_in_hull(
     point
         Covariance (n, 3, 3) in g.
     point_hull
-        Its covariance (n, 3, 6) with global_from_hull.
+        Cross covariance (n, 3, 6) of the points and global_from_hull.
     hull
         Covariance (6, 6) of global_from_hull about `center`.
     position
-        The points.
-    global_from_hull, center
-        The hull's pose, and (3,) m in M.
+        The points (n, 3) m in g.
+    global_from_hull
+        The hull's pose.
+    center
+        (3,) m in M, about which the hull's rotation is perturbed.
     """
     to_hull = global_from_hull.rotation.as_matrix()[0].T
     n = len(position)
@@ -80,9 +82,17 @@ def points_in_hull(
 
 
 def _propagate(by_own: Array, by_hull: Array, own: Array, cross: Array, hull: Array) -> Array:
-    """Propagate covariances to first order, symmetrised.
+    """Propagate covariances of a quantity that depends on its own unknowns and the hull's pose.
 
-    J_own S_own J_own^T + J_own S_cross J_hull^T + its transpose + J_hull S_hull J_hull^T.
+    J_own S_own J_own^T + J_own S_cross J_hull^T + its transpose + J_hull S_hull J_hull^T, made
+    symmetric.
+
+    Parameters
+    ----------
+    by_own, by_hull
+        Jacobians (n, k, k) and (n, k, 6).
+    own, cross, hull
+        Covariances (n, k, k) and (6, 6), and cross covariance (n, k, 6).
     """
     mixed = by_own @ cross @ by_hull.transpose(0, 2, 1)
     total = (
@@ -95,7 +105,7 @@ def _propagate(by_own: Array, by_hull: Array, own: Array, cross: Array, hull: Ar
 
 
 def hull_axes(hull: Array, global_from_hull: Poses) -> Array:
-    """Turn the translation of the hull pose's covariance (6, 6) into M's axes."""
+    """Turn the translation part of the hull pose's covariance (6, 6) from g into M's axes."""
     turn = np.eye(6)
     turn[:3, :3] = global_from_hull.rotation.as_matrix()[0].T
     return np.asarray(turn @ hull @ turn.T)

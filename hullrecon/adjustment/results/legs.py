@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Legs of a dive: which share landmarks, and which are tied to no other by images."""
+"""Legs of a dive: which legs share landmarks, and which ones images tie to no other leg."""
 
 from __future__ import annotations
 
@@ -13,29 +13,33 @@ from scipy.sparse import coo_array
 
 from hullrecon.typing import Array, Ints
 
-# Length of a leg at least: in m, and as a share of the survey's
+# Least length of a leg: in m, and as a share of the survey's length
 LEAST_SWING_M, LEAST_SWING = 1.5, 0.15
-MIN_LANDMARKS = 12  # that two legs share, from which they are tied
-MOST_LISTED = 5
+MIN_LANDMARKS = 12  # two legs that share so many are tied
+MOST_LISTED = 5  # legs that a sentence names
 
 
 @dataclass(frozen=True, kw_only=True)
 class LegTies:
     """Legs of a dive, and the landmarks they share."""
 
-    leg: Ints  # (n,) of each node, in order of time
-    shared: Ints  # (l, l) landmarks of two legs, on the diagonal those of each
+    leg: Ints  # (n,) leg of each node; legs are numbered in the order of time
+    shared: Ints  # (l, l) number of landmarks that two legs share; on the diagonal, of each leg
 
     @property
     def untied(self) -> Ints:
-        """Legs that see landmarks, but share too few with any other."""
+        """Legs that have landmarks, but share fewer than MIN_LANDMARKS with any other leg."""
         others = self.shared - np.diag(np.diag(self.shared))
         return np.flatnonzero(
             (np.diag(self.shared) > 0) & (others.max(axis=1, initial=0) < MIN_LANDMARKS)
         )
 
     def table(self, t_ns: Ints) -> list[dict[str, object]]:
-        """Tabulate the legs, counted from 1: span, and landmarks shared with later legs."""
+        """Tabulate the legs, numbered from 1, for adjust.json.
+
+        Each row has the leg's span in time, its nodes and landmarks, and the number of landmarks
+        that it shares with each later leg. t_ns (n,): stamps of the nodes.
+        """
         rows: list[dict[str, object]] = []
         for k in range(len(self.shared)):
             at = t_ns[self.leg == k]
@@ -57,9 +61,9 @@ class LegTies:
         return rows
 
     def describe_untied(self, t_ns: Ints) -> str | None:
-        """Name the legs that images tie to no other leg.
+        """Describe the legs that images tie to no other leg. None without any, or with one leg.
 
-        None without such legs, or with one leg.
+        t_ns (n,): stamps of the nodes.
         """
         legs = self.untied
         if len(self.shared) < 2 or not len(legs):
@@ -80,9 +84,9 @@ def tie_legs(positions: Array, observations: Iterable[tuple[Ints, Ints]]) -> Leg
     Parameters
     ----------
     positions
-        Of the vehicle (n, 3) m.
+        Of the vehicle at the nodes (n, 3) m.
     observations
-        In blocks of whole landmarks: node and landmark of each (m,).
+        Blocks of whole landmarks: node and landmark of each observation, both (m,).
     """
     leg = split_legs(positions)
     count = int(leg.max(initial=-1)) + 1
@@ -97,9 +101,10 @@ def tie_legs(positions: Array, observations: Iterable[tuple[Ints, Ints]]) -> Leg
 
 
 def split_legs(positions: Array) -> Ints:
-    """Split positions (n, 3) into legs (n,).
+    """Split a path, positions (n, 3) m, into legs (n,) numbered from 0 on.
 
-    A leg ends where the vehicle turns back along the survey's long axis.
+    A leg ends at an extremum of the position along the survey's longest axis from which the vehicle
+    then goes back by at least a leg's least length.
     """
     if len(positions) < 2:
         return np.zeros(len(positions), np.int64)
@@ -108,7 +113,8 @@ def split_legs(positions: Array) -> Ints:
     along = centred @ axis
     swing = max(LEAST_SWING_M, LEAST_SWING * float(np.ptp(along)))
     turns: list[int] = []
-    # rows of the lowest and highest since the last turn; rising: 1, -1, or 0 before the first swing
+    # Rows of the lowest and the highest position since the last turn. rising: 1 on a leg on which
+    # the position grows, -1 where it falls, 0 before the first leg has its least length.
     low = high = rising = 0
     for k in range(1, len(along)):
         low, high = (k if along[k] < along[low] else low), (k if along[k] > along[high] else high)

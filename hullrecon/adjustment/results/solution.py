@@ -21,26 +21,29 @@ from hullrecon.memory import return_free_memory
 from hullrecon.records.solution import DeviationField, HullPose, Landmarks, Solution
 from hullrecon.typing import Array, Ints
 
-POINTS = 1 << 16  # whose covariances are turned at a time: they take some 700 bytes each
+POINTS = 1 << 16  # landmarks whose covariances are turned at a time, with some 700 bytes each
 
 
 def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covariance:
     """Compute the covariances at the solution.
 
-    Poses and landmarks: what the measurements leave open with the hull's pose held and its form
-    free. The hull's pose: what the CAD model's error leaves open. In the solve itself, a field and
-    many beams with white noise are surer of that pose than so few cells of the CAD model's error
-    allow (docs/adr/0011). A part of the field that moves the hull as a whole is that error, and is
-    counted there. Sensors' errors: those of a solve in which the hull is free, as its height and a
-    bias of the depth cannot be told apart.
+    They come from three problems, as no single one gives them all:
 
-    Without a deviation field, covariances are the solve's own.
+    - Poses and landmarks from the problem with the hull's pose held and the deviation field free,
+      but for the parts of the field that would move the hull as a whole.
+    - The hull's pose from its own fit, whose noise is the correlated error of the CAD model. In the
+      solve, a field and many beams with white noise make it look better known than the few
+      independent cells of that error allow (docs/adr/0011).
+    - Errors of the sensors, and the field, from the problem with the hull's pose free, as the
+      hull's height and a bias of the depths cannot be separated.
+
+    Without a CAD model or a deviation field, all are those of the solve.
     """
     return_free_memory()  # of the last solve
     hull = adjusted.state.hull
     if hull is None:
         return join.covariance(adjusted.problem, adjusted.plan, adjusted.settings)
-    # The last round holds the hull where its profile put it; here it is free again.
+    # The last round holds the hull's pose. Here it is an unknown again.
     has_field = adjusted.strategy.deviation_field
     free = join.covariance(
         adjusted.problem.free("T_g_M"),
@@ -51,8 +54,8 @@ def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covarian
     if not has_field:
         return free
     evidence = adjusted.placement.evidence if adjusted.placement is not None else None
-    evidence = evidence or _evidence_afterwards(m, adjusted, hull)
-    held = _placed(adjusted.problem, evidence, hull)
+    evidence = evidence or _evidence_of_solution(m, adjusted, hull)
+    held = _with_hull_held(adjusted.problem, evidence, hull)
     placed = join.covariance(held, adjusted.plan, adjusted.settings)
     return replace(
         placed,
@@ -62,10 +65,13 @@ def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covarian
     )
 
 
-def _placed(
+def _with_hull_held(
     problem: native.Problem, evidence: estimate.HullPoseEvidence, hull: HullState
 ) -> native.Problem:
-    """Hold the hull's pose, and what of the field the fit of that pose takes for a motion."""
+    """Hold the hull's pose, and the parts of the deviation field that the fit takes for a motion.
+
+    Those parts are in the covariance of the hull's pose, and would count twice.
+    """
     held = problem.hold("T_g_M")
     if hull.grid is None:
         return held
@@ -83,10 +89,13 @@ def _placed(
     )
 
 
-def _evidence_afterwards(
+def _evidence_of_solution(
     m: Measurements, adjusted: Adjusted, hull: HullState
 ) -> estimate.HullPoseEvidence:
-    """Collect the evidence of the hull's pose from a single solve, which did not hold it."""
+    """Collect the points that determine the hull's pose at the solution.
+
+    Needed where no pose was fitted before the last round, as with `adjust.rounds = 1`.
+    """
     points = estimate.collect_hull_points(m, adjusted.state, adjusted.chosen, adjusted.result.label)
     return estimate.fit_hull_pose(
         points, hull.global_from_hull, hull.cad_model, hull.survey_center
@@ -94,7 +103,17 @@ def _evidence_afterwards(
 
 
 def build_solution(m: Measurements, adjusted: Adjusted, marginals: native.Covariance) -> Solution:
-    """Build the record of the adjusted dive. m: its rig as calibrated."""
+    """Build the record of the adjusted dive: unknowns with covariances, in M with a CAD model.
+
+    Parameters
+    ----------
+    m
+        Measurements, with the rig as calibrated.
+    adjusted
+        The solution.
+    marginals
+        Covariances, as of `marginal_covariances`.
+    """
     state, used = adjusted.state, adjusted.chosen.landmarks
     position = state.landmark[used]
     pose_covariance, landmark_covariance = _covariances(state, position, marginals)
@@ -147,7 +166,17 @@ def _deviation_field(hull: HullState | None, marginals: native.Covariance) -> De
 def _covariances(
     state: State, position: Array, marginals: native.Covariance
 ) -> tuple[Array, Array]:
-    """Compute covariances of poses (n, 6, 6) and landmarks (L, 3, 3), in M with a CAD model."""
+    """Compute covariances of poses (n, 6, 6) and landmarks (l, 3, 3), in M with a CAD model.
+
+    Parameters
+    ----------
+    state
+        The solution.
+    position
+        Landmarks (l, 3) m in g.
+    marginals
+        Covariances in g.
+    """
     if state.hull is None:
         return marginals.pose[:, :6, :6], marginals.landmark
     pose, center, hull = state.hull.global_from_hull, state.hull.survey_center, marginals.T_g_M
@@ -169,10 +198,10 @@ def _covariances(
 
 
 def _lever_arm(m: Measurements, state: State) -> Array:
-    """Compute what the held position of the DVL adds to the poses' covariance (n, 6, 6).
+    """Compute what an error of the DVL's position adds to the poses' covariance (n, 6, 6).
 
-    Images and ranges see camera and DVL. A shift of both on the tray moves the vehicle alone, and
-    nothing measures it.
+    Images and ranges locate the camera and the DVL. Where both are shifted on the tray alike, the
+    vehicle's positions shift, and no measurement shows it. The solve holds the DVL's position.
     """
     tray = state.nodes @ poses.tray_poses(m.rig.tray_origin, state.tray)
     in_hull = tray if state.hull is None else state.hull.global_from_hull.inverse() @ tray
@@ -185,9 +214,9 @@ def _lever_arm(m: Measurements, state: State) -> Array:
 
 
 def _labels(adjusted: Adjusted, count: int) -> tuple[Ints, Array]:
-    """Look up label and signed distance to the CAD model of each landmark.
+    """Look up each landmark's label and signed distance, m, to the CAD model, both (count,).
 
-    Label 0 and NaN without a CAD model.
+    Without a CAD model they are 0 and NaN.
     """
     if adjusted.state.hull is None or not count:
         return np.zeros(count, np.int64), np.full(count, np.nan)

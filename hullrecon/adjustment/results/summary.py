@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the adjustment reports: its Solution, the solver's record, adjust.json, warnings."""
+"""The results of the adjustment: its Solution, the solver's record, adjust.json and warnings."""
 
 from __future__ import annotations
 
@@ -42,9 +42,10 @@ from hullrecon.geometry.robust import robust_sigma
 from hullrecon.records.solution import Solution
 from hullrecon.typing import Array, Arrays, Ints
 
-MOST_LANDMARKS = 2000  # whose distance from the cameras is measured
+MOST_LANDMARKS = 2000  # landmarks whose distance from the cameras is measured
 # Sigma of the CAD model's scale beyond which the report says that the survey cannot tell it
 TRUSTED_SCALE = 0.1
+# Names in adjust.json of the errors of navigation, in the order of RigPriors.navigation_sigma
 NAVIGATION = (
     "dvl_scale",
     "heading_drift_rad_s",
@@ -57,17 +58,27 @@ NAVIGATION = (
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """All that the step writes, but for its COLMAP model."""
+    """All that the step adjust writes, except for its COLMAP model."""
 
     solution: Solution
-    iterations: Arrays  # arrays of iterations.npz
-    iterations_s: Array  # when each of its rows was done
+    iterations: Arrays  # columns of iterations.npz
+    iterations_s: Array  # when each of its rows was done, seconds since the adjustment began
     summary: dict[str, object]  # adjust.json
     warnings: list[str]  # sentences for the report
 
 
 def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> Outcome:
-    """Summarise the adjusted dive. m: its rig as calibrated."""
+    """Compute solution, figures and warnings of the adjusted dive.
+
+    Parameters
+    ----------
+    m
+        Measurements, with the rig as calibrated.
+    adjusted
+        The solution.
+    options
+        The section [adjust] of dive.toml.
+    """
     settings = adjusted.settings
     marginals = marginal_covariances(m, adjusted)
     solution = build_solution(m, adjusted, marginals)
@@ -76,7 +87,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
     weak = [] if hull is None else find_weak_directions(*_covariance_in_hull(marginals, hull))
     fit = fit_of_positions(adjusted.problem, m.positions, marginals.world, settings)
     disagreement = None if fit is None else fit.disagreement()
-    seen_with = intrinsics.summarise_intrinsics(m.rig, adjusted.rig, marginals, options)
+    refined = intrinsics.summarise_intrinsics(m.rig, adjusted.rig, marginals, options)
     lenses = lens.summarise_lenses(m.rig, adjusted.lenses, marginals)
     stereo = _stereo_sentence(m, adjusted, marginals)
     summary = {
@@ -92,7 +103,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
         "cad_model_refused": adjusted.verdict.reason,
         "legs": [] if ties is None else ties.table(m.trajectory.t_ns),
         **_suspects(adjusted.verdict.suspects),
-        **({"intrinsics": seen_with} if seen_with else {}),
+        **({"intrinsics": refined} if refined else {}),
         **({"lenses": lenses} if lenses else {}),
         **(
             {"stereo_contradiction": asdict(adjusted.verdict.stereo) | {"sentence": stereo}}
@@ -112,7 +123,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
             *_warnings(adjusted, solution),
             *([] if untied is None else [untied]),
             *([] if disagreement is None else [disagreement]),
-            *intrinsics.intrinsics_warnings(seen_with),
+            *intrinsics.intrinsics_warnings(refined),
             *lens.lens_warnings(lenses),
             *([] if stereo is None else [stereo]),
             *_unexpected_errors(m, adjusted, marginals),
@@ -129,7 +140,7 @@ def _covariance_in_hull(marginals: native.Covariance, hull: HullState) -> tuple[
 def _stereo_sentence(
     m: Measurements, adjusted: Adjusted, marginals: native.Covariance
 ) -> str | None:
-    """Warn of a stereo calibration that the dive contradicts. m: its rig as calibrated."""
+    """Warn of a stereo calibration that the dive contradicts. None without a contradiction."""
     if (
         adjusted.verdict.stereo is None
         or adjusted.state.mounts.top_from_bottom is None
@@ -147,10 +158,10 @@ def _stereo_sentence(
 def _unexpected_errors(
     m: Measurements, adjusted: Adjusted, marginals: native.Covariance
 ) -> list[str]:
-    """Warn of each sensor's error and each mount beyond what dive.toml allows."""
+    """Warn of each sensor error and each mount that was found beyond what dive.toml allows."""
     allowed, state = m.rig.priors.navigation_sigma, adjusted.state
     by_lengths = adjusted.verdict.stereo is not None and not adjusted.verdict.stereo.by_images
-    # another warning then mentions the DVL's scale
+    # Where lengths disagree, another warning mentions the DVL's scale
     if by_lengths or adjusted.verdict.length_conflict is not None:
         allowed = np.r_[np.inf, allowed[1:]]
     lengths = (
@@ -176,12 +187,15 @@ def _unexpected_errors(
         *lengths,
         *navigation_warnings(state.navigation, allowed, marginals.navigation),
         *scale_warning(state.navigation, allowed, marginals.navigation),
-        *mount_warnings(mounts, _distance(m, state)),
+        *mount_warnings(mounts, _camera_distance(m, state)),
     ]
 
 
-def _distance(m: Measurements, state: State) -> float:
-    """Compute the median distance of landmarks from the nearest upper camera, m. NaN without."""
+def _camera_distance(m: Measurements, state: State) -> float:
+    """Compute the median distance, m, of landmarks from the nearest pose of the top camera.
+
+    NaN without landmarks.
+    """
     from scipy.spatial import cKDTree
 
     known = state.landmark[np.isfinite(state.landmark).all(axis=1)]
@@ -193,7 +207,7 @@ def _distance(m: Measurements, state: State) -> float:
 
 
 def _suspects(trials: Sequence[Trial]) -> dict[str, object]:
-    """Tabulate who was suspected, and what of the contradiction is gone without each."""
+    """Tabulate the trials of suspects for adjust.json, each with a description in words."""
     if not trials:
         return {}
     return {
@@ -204,7 +218,7 @@ def _suspects(trials: Sequence[Trial]) -> dict[str, object]:
 
 
 def explained_as_well(trials: Sequence[Trial]) -> list[str]:
-    """Warn where a sensor whose error cannot be taken out explains as much as any correction."""
+    """Warn where an error that cannot be corrected explains as much as the best explanation."""
     best = best_explanations(trials)
     others = [[trial.suspect, trial.found] for trial in best if not trial.corrects]
     if not others:
@@ -222,7 +236,7 @@ def _ties(m: Measurements, adjusted: Adjusted) -> LegTies | None:
 
 
 def _observed(m: Measurements, adjusted: Adjusted) -> Iterator[tuple[Ints, Ints]]:
-    """Go through the observations that entered, node and landmark of each, in blocks."""
+    """Read the observations that entered in blocks: node and landmark of each, both (k,)."""
     chosen = adjusted.chosen
     is_chosen = np.zeros(landmark_count(m), bool)
     is_chosen[chosen.landmarks] = True
@@ -232,7 +246,7 @@ def _observed(m: Measurements, adjusted: Adjusted) -> Iterator[tuple[Ints, Ints]
 
 
 def _figures(m: Measurements, adjusted: Adjusted) -> dict[str, object]:
-    """Collect what adjust.json says of the solve: rounds, counts, sigmas, estimated errors."""
+    """Collect the figures of the solve for adjust.json: rounds, counts, sigmas, sensor errors."""
     state, result = adjusted.state, adjusted.result
     depth = weighting.depth_sigma(m, adjusted.weights)
     return {
@@ -264,6 +278,7 @@ def _navigation_sigma(marginals: native.Covariance) -> dict[str, float]:
 
 
 def _registration(adjusted: Adjusted) -> dict[str, object]:
+    """Collect the figures of the CAD model's registration for adjust.json. Empty without one."""
     placement = adjusted.placement
     if placement is None:
         return {}
@@ -275,7 +290,7 @@ def _registration(adjusted: Adjusted) -> dict[str, object]:
 
 
 def _mounts(state: State) -> dict[str, list[float]]:
-    """Collect the estimated motions by name as x y z qx qy qz qw."""
+    """Collect the estimated mounts and hull pose, by name, as [x, y, z, qx, qy, qz, qw]."""
     hull = None if state.hull is None else state.hull.global_from_hull
     present = {
         "T_s_ct": state.mounts.tray_from_top,
@@ -287,7 +302,7 @@ def _mounts(state: State) -> dict[str, list[float]]:
 
 
 def _left_out(m: Measurements, adjusted: Adjusted) -> int:
-    """Count the observations that did not enter the last round."""
+    """Count the observations, of both cameras, that did not enter the last round."""
     if m.tracks is None:
         return 0
     seen = sum(
@@ -298,7 +313,7 @@ def _left_out(m: Measurements, adjusted: Adjusted) -> int:
 
 
 def _placement_warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
-    """Warn where the dive contradicts the package's prior of the CAD model."""
+    """Warn where the CAD model was refused, or where its pose or shape contradicts the package."""
     if not adjusted.verdict.accepted:
         sources = "images and navigation" if len(solution.landmarks) else "navigation"
         return [
@@ -340,7 +355,7 @@ def _segment_warnings(placement: Placement) -> list[str]:
 
 
 def _shape_warnings(placement: Placement) -> list[str]:
-    """Warn of what the surveyed form says of the CAD model that was accepted."""
+    """Warn where an accepted CAD model deviates, or where the surveyed shape cannot confirm it."""
     shape = placement.shape
     if shape is None:
         return []
@@ -368,7 +383,7 @@ def _shape_warnings(placement: Placement) -> list[str]:
 
 
 def _warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
-    """Warn of what an inspector should know before trusting the result."""
+    """Warn of a CAD model that was refused or hardly fits, and of a solve that did not converge."""
     found = _placement_warnings(adjusted, solution)
     if not adjusted.result.converged:
         found.append(
@@ -388,7 +403,10 @@ def _warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
 
 
 def residual_figures(residuals: Mapping[str, Array]) -> dict[str, dict[str, float]]:
-    """Compute count, RMS, robust sigma and share beyond three of each factor's residuals."""
+    """Compute figures of each factor's whitened residuals: count, RMS, robust sigma, outliers.
+
+    Factors without residuals are left out.
+    """
     return {name: _figures_of(values) for name, values in residuals.items() if len(values)}
 
 

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A sparse COLMAP model with pinhole cameras, for images without distortion.
+"""Make a sparse COLMAP model with pinhole cameras, for images whose distortion is removed.
 
-Multi-view stereo and Gaussian splatting read it.
+Programs for multi-view stereo and Gaussian splatting take such a model.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ Reconstruction: TypeAlias = Any  # pycolmap's: it has no types
 
 @dataclass(frozen=True, kw_only=True)
 class ImageNames:
-    """Names of an image."""
+    """Names of an image in the delivered and in the undistorted model."""
 
-    delivered: str  # in the delivered model
-    # in the undistorted one, without folders: trainers of Gaussian splats drop them
+    delivered: str
+    # Without a folder, as programs that train Gaussian splats drop folders from names
     undistorted: str
     camera_id: int
 
@@ -41,23 +41,24 @@ class UndistortedModel:
     reconstruction: Reconstruction
     undistortions: dict[int, Undistortion]  # by camera id
     images: list[ImageNames]  # in the order of their frames
-    lost_observations: int  # of the delivered model, outside the smaller images
+    lost_observations: int  # of the delivered model, which lie outside the undistorted images
 
 
 @dataclass(frozen=True)
-class _Seen:
+class _Observations:
     """Observations (n,), sorted by image."""
 
     image: Ints  # id
     point: Ints  # id
-    pixel: Array  # (n, 2) in the undistorted image, from the corner of the first pixel as in COLMAP
+    # (n, 2) px in the undistorted image, in COLMAP's convention (first pixel's centre at 0.5, 0.5)
+    pixel: Array
 
 
 def undistort_model(folder: Path) -> UndistortedModel:
     """Undistort the COLMAP model of a folder.
 
-    Poses and points are kept. Observations outside the smaller images are dropped, and with them
-    points left with fewer than two. Raises InputError where a camera's distortion cannot be
+    Poses and points are kept. Observations outside the undistorted images are dropped, and then
+    points with fewer than two observations. Raises InputError where a camera's distortion cannot be
     inverted.
     """
     import pycolmap
@@ -95,7 +96,10 @@ def undistort_model(folder: Path) -> UndistortedModel:
 
 
 def camera_of(camera: pycolmap.Camera) -> CameraModel:
-    """Convert a camera of the delivered model, OPENCV or FULL_OPENCV, to OpenCV's pixel centres."""
+    """Convert a COLMAP camera, OPENCV or FULL_OPENCV, to a camera model.
+
+    The principal point is moved by half a pixel, as OpenCV's first pixel has its centre at (0, 0).
+    """
     values = np.array(camera.params)
     values[2:4] -= 0.5
     return CameraModel(
@@ -105,8 +109,13 @@ def camera_of(camera: pycolmap.Camera) -> CameraModel:
     )
 
 
-def _observations(delivered: Reconstruction, undistortions: dict[int, Undistortion]) -> _Seen:
-    """Move observations into the undistorted images, of points that keep two or more."""
+def _observations(
+    delivered: Reconstruction, undistortions: dict[int, Undistortion]
+) -> _Observations:
+    """Compute the observations in the undistorted images, of points that keep two or more.
+
+    Observations that fall outside of an undistorted image are left out.
+    """
     parts: list[tuple[Ints, Ints, Array]] = []
     for number in sorted(delivered.images):
         image = delivered.images[number]
@@ -119,13 +128,13 @@ def _observations(delivered: Reconstruction, undistortions: dict[int, Undistorti
     image_id, point, pixel = (np.concatenate([part[k] for part in parts]) for k in range(3))
     _, which, count = np.unique(point, return_inverse=True, return_counts=True)
     kept = count[which] >= 2
-    return _Seen(image_id[kept], point[kept], pixel[kept])
+    return _Observations(image_id[kept], point[kept], pixel[kept])
 
 
 def _add_images(
-    reconstruction: Reconstruction, delivered: Reconstruction, seen: _Seen
+    reconstruction: Reconstruction, delivered: Reconstruction, seen: _Observations
 ) -> list[ImageNames]:
-    """Add the delivered frames and images, with what each sees, and list the images' names."""
+    """Add the delivered frames and images with their keypoints, and list the images' names."""
     import pycolmap
 
     names = []
@@ -161,18 +170,20 @@ def _add_images(
     return names
 
 
-def _add_points(reconstruction: Reconstruction, delivered: Reconstruction, seen: _Seen) -> None:
+def _add_points(
+    reconstruction: Reconstruction, delivered: Reconstruction, seen: _Observations
+) -> None:
     """Add the points with their tracks.
 
-    A keypoint is numbered within its image, as `_add_images` does.
+    Keypoints are numbered within their image, in the order in which `_add_images` adds them.
     """
     import pycolmap
 
-    # number of each observation within its image
+    # Number of each observation within its image
     first = np.r_[True, np.diff(seen.image) > 0] if len(seen.image) else np.zeros(0, bool)
     start = np.maximum.accumulate(np.where(first, np.arange(len(first)), 0))
     keypoint = np.arange(len(first)) - start
-    # observations point by point
+    # Observations ordered by point
     order = np.lexsort((seen.image, seen.point))
     point, image, number = seen.point[order], seen.image[order].tolist(), keypoint[order].tolist()
     edges = np.r_[0, np.flatnonzero(np.diff(point)) + 1, len(point)].tolist()

@@ -14,58 +14,58 @@ from hullrecon.adjustment.exceeded_priors import MANY_OF_ITS_OWN, MANY_SIGMAS, d
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
-LEAST_TOLD = 0.01  # share of the prior's variance that a dive takes away if it tells anything
-# sigmas beyond which no chance is, as in navigation/suspects: 78 dives without such a fault had 2.2
-# at most, velocities 15 % short 10.9
+LEAST_TOLD = 0.01  # of the prior's variance, that a dive takes away if it measures the scale at all
+# Sigmas beyond which an error is not chance, as in navigation/suspects: 78 dives without a wrong
+# scale had 2.2 at most, one with velocities 15 % too short had 10.9
 SURPRISING = 5.0
-ALONG = 2  # place of the shift along an instrument's axis
-TRAY_AXIS = 0.9  # component of a unit turn along y, the tray's axis
-ALIKE = 0.25  # difference of two turns that count as equal, as a share of the greater
-# Places among the errors of navigation; the tray's backlash is not judged
+ALONG = 2  # index of the shift along an instrument's axis
+TRAY_AXIS = 0.9  # least component along y of a unit turn that is about the tray's axis
+ALIKE = 0.25  # largest difference of two turns that count as equal, as a share of the greater
+# Indices among the errors of navigation; the tray's backlash is not judged
 SCALE, DRIFT, ROLL, PITCH, DEPTH = range(5)
 
 
 def navigation_warnings(correction: Array, allowed: Array, covariance: Array) -> list[str]:
     """Warn of each error of navigation beyond what dive.toml allows.
 
-    Scale and drift are estimated as what corrects the sensor (a share of the true velocity), so its
-    error has the opposite sign.
+    Scale and drift are estimated as corrections of the sensor, so the sensor's error has the
+    opposite sign. The other errors are estimated as such.
 
     Parameters
     ----------
     correction
-        As estimated (6,).
+        Estimate (6,), in the order of RigPriors.navigation_sigma.
     allowed
-        Prior sigmas (6,).
+        Prior sigmas (6,) that dive.toml states.
     covariance
         Of the estimate (6, 6).
     """
     sigma = np.sqrt(np.maximum(np.diag(covariance), 0))
-    many = (np.abs(correction) > MANY_SIGMAS * allowed) & (
+    is_far = (np.abs(correction) > MANY_SIGMAS * allowed) & (
         np.abs(correction) > MANY_OF_ITS_OWN * sigma
     )
     per_hour, degrees = np.degrees(correction[DRIFT]) * 3600, np.degrees(correction)
     out = []
-    if many[SCALE]:
+    if is_far[SCALE]:
         error = -100 * correction[SCALE]
         way = "long" if error > 0 else "short"
         out.append(
             f"The DVL measures distances {abs(error):.1f} ± {100 * sigma[SCALE]:.1f} % too {way}, "
             f"{_times(correction, allowed, SCALE)} dvl.scale_sigma. The error was taken out."
         )
-    if many[DRIFT]:
+    if is_far[DRIFT]:
         out.append(
             f"The heading drifts by {-per_hour:.0f} ± {np.degrees(sigma[DRIFT]) * 3600:.0f} "
             f"degrees an hour, {_times(correction, allowed, DRIFT)} "
             "imu.heading_drift_deg_per_hour. The drift was taken out."
         )
     for place, name in ((ROLL, "Roll"), (PITCH, "Pitch")):
-        if many[place]:
+        if is_far[place]:
             out.append(
                 f"{name} is off by {degrees[place]:.2f} ± {np.degrees(sigma[place]):.2f} degrees, "
                 f"{_times(correction, allowed, place)} imu.bias_sigma_deg. The error was taken out."
             )
-    if many[DEPTH]:
+    if is_far[DEPTH]:
         way = "deep" if correction[DEPTH] > 0 else "shallow"
         out.append(
             f"Depths read {abs(correction[DEPTH]):.2f} ± {sigma[DEPTH]:.2f} m too {way}, "
@@ -75,11 +75,11 @@ def navigation_warnings(correction: Array, allowed: Array, covariance: Array) ->
 
 
 def scale_warning(correction: Array, allowed: Array, covariance: Array) -> list[str]:
-    """Warn of a scale of the DVL that its prior holds, against what the dive alone tells.
+    """Warn of a scale of the DVL that the dive contradicts though its prior keeps it small.
 
-    An estimate x whose prior is right has the variance p^2 - P, with sigma p of the prior and
-    variance P that is left. What a dive hardly knows moves x little, but no less surely. Arguments
-    as of `navigation_warnings`, which warns of what moved far.
+    With a right prior of sigma p, an estimate with posterior variance P scatters with the variance
+    p^2 - P. So an estimate may be small and still be too large for that. Scales that are large are
+    left to `navigation_warnings`, whose parameters these are.
     """
     x, prior, left = correction[SCALE], allowed[SCALE] ** 2, covariance[SCALE, SCALE]
     gained = 1 - left / prior
@@ -96,9 +96,9 @@ def scale_warning(correction: Array, allowed: Array, covariance: Array) -> list[
 
 
 def length_warning(conflict: float, covariance: Array) -> str:
-    """Warn of a DVL whose velocities contradict all else, images of one camera included.
+    """Warn of a DVL whose velocities contradict all other measurements about lengths.
 
-    conflict: share of lengths. covariance (6, 6): of navigation.
+    conflict: share of a length by which they differ. covariance (6, 6): of navigation's errors.
     """
     sigma = np.sqrt(covariance[SCALE, SCALE])
     return (
@@ -111,9 +111,9 @@ def length_warning(conflict: float, covariance: Array) -> str:
 class MountFit(NamedTuple):
     """A mount as in dive.toml and as estimated."""
 
-    nominal: Poses | None
+    nominal: Poses | None  # as in dive.toml
     sqrt_information: Array | None  # (6, 6) of its prior; None: held
-    found: Poses | None
+    found: Poses | None  # as estimated
     covariance: Array  # (6, 6) of (translation in the parent's axes, right-perturbed rotation)
 
 
@@ -125,7 +125,7 @@ def mount_warnings(mounts: Mapping[str, MountFit], distance_m: float) -> list[st
     mounts
         By key of dive.toml.
     distance_m
-        From the cameras to the hull.
+        Median distance from the cameras to the hull.
     """
     found = [
         _Displacement.of(key, fit.nominal, fit.sqrt_information, fit.found, fit.covariance)
@@ -143,8 +143,8 @@ class _Displacement:
 
     key: str
     by: Array  # (6,) translation m and rotation rad in the child's axes
-    sigma: Array  # (6,) of that
-    allowed: Array  # (6,) prior sigmas
+    sigma: Array  # (6,) of the estimate
+    allowed: Array  # (6,) prior sigmas that dive.toml states
     in_parent: Array  # (3,) rotation in the parent's axes
 
     @staticmethod
@@ -159,26 +159,28 @@ class _Displacement:
         )
 
     def times_allowed(self) -> Array:
-        """Divide the displacement (6,) by what dive.toml allows.
+        """Divide the displacement (6,) by the prior sigmas.
 
-        Zero where the dive does not determine it.
+        Zero where it is not significant, below MANY_OF_ITS_OWN of its own sigmas.
         """
         return np.where(
             np.abs(self.by) > MANY_OF_ITS_OWN * self.sigma, np.abs(self.by) / self.allowed, 0.0
         )
 
     def is_far(self) -> bool:
-        """Tell whether it was found moved across the instrument's axis, or turned."""
+        """Tell whether the mount was found moved across the instrument's axis, or turned."""
         return bool(np.delete(self.times_allowed(), ALONG).max() > MANY_SIGMAS)
 
     def is_along(self) -> bool:
+        """Tell whether the mount was found moved along the instrument's axis."""
         return bool(self.times_allowed()[ALONG] > MANY_SIGMAS)
 
     def is_turned(self) -> bool:
+        """Tell whether the mount was found turned."""
         return bool(self.times_allowed()[3:].max() > MANY_SIGMAS)
 
     def sentence(self) -> str:
-        """Tell by how much the mount was found moved or turned, with sigmas."""
+        """Write the warning of a mount that was found moved across the axis, or turned."""
         over = np.delete(self.times_allowed(), ALONG)
         moved, turned = 1e3 * np.linalg.norm(self.by[:2]), np.degrees(np.linalg.norm(self.by[3:]))
         moved_sigma, turned_sigma = (
@@ -201,7 +203,10 @@ class _Displacement:
         )
 
     def along_sentence(self, distance_m: float) -> str:
-        """Tell by how much a camera was found nearer to the hull or farther from it."""
+        """Write the warning of a camera that was found moved along its axis.
+
+        distance_m: from the camera to the hull.
+        """
         along = self.by[ALONG]
         share = 100 * abs(along) / distance_m
         way, long = ("nearer to", "short") if along > 0 else ("farther from", "long")
@@ -215,9 +220,9 @@ class _Displacement:
 
 
 def _turned_alike(found: list[_Displacement]) -> list[str]:
-    """Warn where all mounts, two or more, are turned alike in their parent's axes.
+    """Warn where two or more mounts are all turned alike in their parent's axes.
 
-    A wrong attitude looks like that.
+    A wrong orientation of the IMU, or a wrong zero of the tray's angles, looks like that.
     """
     if len(found) < 2 or not any(mount.is_turned() for mount in found):
         return []
