@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Number = TypeVar("Number", bound=np.generic)
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # mallopt(3)
+_KEPT_BLOCK_BYTES, _KEPT_BYTES = 32 << 20, 256 << 20  # the largest block; all that is free
 LARGE_BYTES = 8 << 20  # of an array that stands in a file
 
 
@@ -28,6 +30,18 @@ def return_free_memory() -> None:
     gc.collect()
     with suppress(OSError, AttributeError):
         ctypes.CDLL(None).malloc_trim(0)
+
+
+def keep_free_memory() -> None:
+    """Keep freed memory for what is allocated next, in a process that does like work many times.
+
+    The allocator would return large blocks at once, and the system clear their pages anew: of
+    finding features that is a seventh of the time. C libraries other than glibc have no such call.
+    """
+    with suppress(OSError, AttributeError):
+        library = ctypes.CDLL(None)
+        library.mallopt(_MMAP_THRESHOLD, _KEPT_BLOCK_BYTES)
+        library.mallopt(_TRIM_THRESHOLD, _KEPT_BYTES)
 
 
 def empty_array(shape: tuple[int, ...], dtype: np.dtype[Number] | type[Number]) -> NDArray[Number]:

@@ -26,6 +26,7 @@ from hullrecon.artifacts.processes import (
     stop_server,
 )
 from hullrecon.errors import StageError, UsageError
+from hullrecon.memory import keep_free_memory
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -140,8 +141,9 @@ class Processes(Executor):
 
 
 def _prepare_worker(environment: Mapping[str, str]) -> None:
-    """Set the environment, leave Ctrl-C to the parent, and end with it."""
+    """Set the environment, leave Ctrl-C to the parent, end with it, and reuse memory."""
     os.environ.update(environment)
+    keep_free_memory()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     end_with_parent()

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <exception>
 #include <thread>
@@ -15,24 +16,32 @@ inline int thread_count(int asked) {
   return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-// Calls work(begin, end) over [0, count) cut into at most `threads` slabs of at least `grain`. The first exception (by slab)
-// is rethrown.
+// Slabs a thread: elements cost unlike much (poses that see much, kinds of factors), and a thread that is done takes the next.
+constexpr int64_t kSlabsOfThread = 8;
+
+// Calls work(begin, end) over [0, count) cut into slabs of at least `grain`, by `threads` threads, this one among them. The
+// first exception (by slab) is rethrown.
 template <class Work>
 void for_slabs(int64_t count, int threads, const Work& work, int64_t grain = 256) {
-  const int64_t slabs = std::clamp<int64_t>(count / grain, 1, thread_count(threads));
+  const int64_t most = thread_count(threads),
+                slabs = std::clamp<int64_t>(count / grain, 1, most > 1 ? most * kSlabsOfThread : 1);
   if (slabs == 1) return work(int64_t{0}, count);
   std::vector<std::exception_ptr> failure(slabs);
-  std::vector<std::thread> workers;
-  for (int64_t s = 0; s < slabs; ++s) {
-    workers.emplace_back([&, s] {
+  std::atomic<int64_t> next = 0;
+  const auto take_slabs = [&] {
+    for (int64_t s = next++; s < slabs; s = next++) {
       try {
         work(s * count / slabs, (s + 1) * count / slabs);
       } catch (...) {
         failure[s] = std::current_exception();
       }
-    });
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (int64_t k = 1; k < std::min(most, slabs); ++k) others.emplace_back(take_slabs);
+    take_slabs();
   }
-  for (auto& member : workers) member.join();
   for (auto& error : failure) {
     if (error) std::rethrow_exception(error);
   }

@@ -36,15 +36,18 @@ void Schur::differentiate_landmarks() {
 
 void Schur::differentiate_poses() {
   const int width = layout_.width(0);
-  for_slabs(layout_.poses(), threads_, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) {
-      Vec7 g = Vec7::Zero(), d = Vec7::Zero();
-      if (images_.sees(i)) differentiate_images(i, g, d);
-      const int pose = static_cast<int>(i);
-      gradient_.reduced.segment(offset(pose), width) = g.head(width) + small_.gradient(pose);
-      diagonal_.reduced.segment(offset(pose), width) = d.head(width) + small_.diagonal(pose);
-    }
-  });
+  for_slabs(
+      layout_.poses(), threads_,
+      [&](int64_t begin, int64_t end) {
+        for (int64_t i = begin; i < end; ++i) {
+          Vec7 g = Vec7::Zero(), d = Vec7::Zero();
+          if (images_.sees(i)) differentiate_images(i, g, d);
+          const int pose = static_cast<int>(i);
+          gradient_.reduced.segment(offset(pose), width) = g.head(width) + small_.gradient(pose);
+          diagonal_.reduced.segment(offset(pose), width) = d.head(width) + small_.diagonal(pose);
+        }
+      },
+      8);
 }
 
 // What the images at a pose say of it; their information and gradient by its twist are kept.

@@ -13,10 +13,13 @@ TwistPattern::TwistPattern(const ReducedLayout& layout, const ImageTerms& images
                            const SmallFactors& small, int threads)
     : layout_(layout), images_(images), surface_(surface), small_(small), threads_(threads) {
   std::vector<Neighbours> neighbours(layout.blocks());
-  for_slabs(layout.blocks(), threads, [&](int64_t begin, int64_t end) {
-    std::vector<char> met(layout.blocks(), 0);
-    for (int64_t b = begin; b < end; ++b) neighbours[b] = neighbours_of(static_cast<int>(b), met);
-  });
+  for_slabs(
+      layout.blocks(), threads,
+      [&](int64_t begin, int64_t end) {
+        std::vector<char> met(layout.blocks(), 0);
+        for (int64_t b = begin; b < end; ++b) neighbours[b] = neighbours_of(static_cast<int>(b), met);
+      },
+      8);
   lay_out(neighbours);
 }
 
