@@ -32,7 +32,8 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 log = logging.getLogger(__name__)
 _CHUNKS_PER_WORKER = 8
-_LARGEST_CHUNK = 8  # items: what a worker has not returned yet is lost with the run
+# Items: what a worker has not returned yet is lost with the run, and the last chunk has no company.
+_LARGEST_CHUNK = 4
 _CERTIFICATES = ("distributed.comm.tls.ca-file", "distributed.comm.tls.client.cert")
 _AHEAD = 256  # items that a cluster is given at a time: it holds their results
 _CONNECT_S = 10

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
 
 import numpy as np
@@ -61,10 +62,13 @@ def page_context(
 ) -> PageContext:
     """Build the variables of the page's template."""
     view = hull_map(survey)
-    layers = survey_layers(survey, view) if view else []
+    with ThreadPoolExecutor(2) as beside:  # what takes longest, mostly outside the interpreter
+        drawn = beside.submit(survey_layers, survey, view) if view else None
+        packed = beside.submit(make_scene, survey, view)
+        deviation = deviation_map(survey, view) if view else None
+    layers, scene = drawn.result() if drawn else [], packed.result()
     dive = survey.facts.dive
     figures = deviation_figures(survey)
-    scene = make_scene(survey, view)
     data = {**page_data(survey, view, layers), "scene": scene and scene.document}
     quality, mosaics = quality_tables(survey), survey.mosaics.named()
     sections = _sections(
@@ -107,7 +111,7 @@ def page_context(
         "lines": headline(survey),
         "weak": weak_sentences(survey),
         "plan": survey_plan(survey, view) if view else None,
-        "deviation_map": deviation_map(survey, view) if view else None,
+        "deviation_map": deviation,
         "mosaics": [mosaic_context(name, m) for name, m in mosaics.items()],
         "cards": [card_context(o, survey, photos.get(o.id)) for o in survey.findings.objects or ()],
         "gaps": any(m.facts.gap_area_m2 > 0 for m in mosaics.values()),
