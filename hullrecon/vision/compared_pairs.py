@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
@@ -23,7 +24,10 @@ from hullrecon.vision.pairs.match_worker import MatchNode, MatchWorker, NodePair
 from hullrecon.vision.pairs.pair_match import FeatureSpool, PairMatch
 from hullrecon.vision.pairs.selection import Proposal
 
-BLOCK = 48  # pairs that one call of a worker compares: neighbours share views
+# Pairs that one call of a worker compares: neighbours share views, but few blocks leave workers
+# without work.
+MOST_IN_BLOCK, LEAST_IN_BLOCK = 48, 8
+BLOCKS = 16  # of a round, where that makes blocks of such sizes
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -74,8 +78,9 @@ class LinkedScene:
             )
         ]
         blocks = []
-        for start in range(0, len(pairs), BLOCK):
-            part = pairs[start : start + BLOCK]
+        size = min(MOST_IN_BLOCK, max(LEAST_IN_BLOCK, math.ceil(len(pairs) / BLOCKS)))
+        for start in range(0, len(pairs), size):
+            part = pairs[start : start + size]
             touched = sorted({p.first for p in part} | {p.second for p in part})
             blocks.append(({k: self.nodes[k] for k in touched}, part))
         found = self.map_items(self.worker.match_pairs, blocks, "pairs")
