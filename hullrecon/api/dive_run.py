@@ -20,7 +20,7 @@ from hullrecon.artifacts.manifest import hash_file
 from hullrecon.artifacts.progress import Progress, RunOutlook
 from hullrecon.artifacts.runner import RunContext, StepOutcome, first_failure, run_chain
 from hullrecon.artifacts.step_call import begin_here
-from hullrecon.artifacts.step_process import step_processes
+from hullrecon.artifacts.step_process import start_early, step_processes
 from hullrecon.artifacts.workspace import PUBLISHED, Workspace
 from hullrecon.errors import InputError, StorageError, UsageError
 
@@ -216,13 +216,21 @@ def run(
             fit_together=lambda steps: _fit_together(steps, costs, memory_gb),
         )
         beside = () if is_alone else chain.pairs_beside()
+
+        def prepare(plan: Sequence[StepStatus]) -> None:
+            to_do = [s for s in plan if s.to_do or (from_scratch and s.state != "skipped")]
+            if to_do and not is_alone:
+                start_early(PRELOAD)
+            _check_before_run(dive, to_do, jobs)
+            outlook.plan(step.stage.name for step in to_do)
+
         outcomes = run_chain(
             chain,
             dive.workspace,
             run_context,
             from_scratch=from_scratch,
             wait_s=wait_s,
-            preflight=lambda plan: outlook.plan(_check_before_run(dive, plan, jobs, from_scratch)),
+            preflight=prepare,
             before={
                 "navigate": lambda: costs.extend(_refuse_costs(dive, outlook, memory_gb, beside))
             },
@@ -263,18 +271,13 @@ def _warn_of_defaults(dive: DiveRun) -> None:
             log.warning("%s", finding.sentence)
 
 
-def _check_before_run(
-    dive: DiveRun, plan: Sequence[StepStatus], jobs: int | None, from_scratch: bool
-) -> list[str]:
+def _check_before_run(dive: DiveRun, to_do: Sequence[StepStatus], jobs: int | None) -> None:
     """Log what is to be done, and detect early what would end the run later.
-
-    Returns the steps to do.
 
     Raises InputError for a `hull.bow` that the CAD model does not have and a `hull.pose` far from
     the dive, which steps only use after hours of comparing images. Raises StorageError if the disk
     is too full: a step is built next to its old artifact, so about that much space must be free.
     """
-    to_do = [step for step in plan if step.to_do or (from_scratch and step.state != "skipped")]
     names = ", ".join(step.stage.name for step in to_do)
     log.info("%s: %s", dive.name, f"to do: {names}" if to_do else "everything is up to date")
     if to_do and jobs is not None:
@@ -284,7 +287,6 @@ def _check_before_run(
     manifests = [step.manifest for step in to_do if step.manifest is not None]
     needed = sum(file.size for manifest in manifests for file in manifest.outputs.values())
     _refuse_full_disk(dive, needed, "the last run's artifacts took")
-    return [step.stage.name for step in to_do]
 
 
 def _refuse_costs(

@@ -22,6 +22,7 @@ from functools import partial
 from itertools import count, repeat
 from logging.handlers import QueueHandler
 from multiprocessing.connection import Connection, wait
+from multiprocessing.context import ForkServerContext
 from typing import Any, TypeVar
 
 from hullrecon.artifacts.processes import clean_context, end_with_parent, stop_server
@@ -76,9 +77,18 @@ class _StepError(Exception):
 def step_processes(preload: Sequence[str] = ()) -> Iterator[BeginStep]:
     """Yield what calls a step's function in a new process. `preload`: as for `clean_context`."""
     try:
-        yield partial(_StepProcess, [__name__, *preload])
+        yield partial(_StepProcess, preload)
     finally:
         stop_server()
+
+
+def start_early(preload: Sequence[str]) -> None:
+    """Begin the imports for the processes of steps while this process prepares the first."""
+    _context(preload)
+
+
+def _context(preload: Sequence[str]) -> ForkServerContext:
+    return clean_context([__name__, *preload])
 
 
 class _StepProcess:
@@ -89,7 +99,7 @@ class _StepProcess:
     ) -> None:
         self._step, self._patient_until = call.job.stage.name, math.inf
         self._display = _Display(progress, outlook)
-        context = clean_context(preload)
+        context = _context(preload)
         self._ours, theirs = context.Pipe(duplex=False)
         self._process = context.Process(
             target=_serve, args=(theirs, call, outlook.mark, _levels(), dict(os.environ))
