@@ -22,13 +22,13 @@ from hullrecon.errors import StageError
 from hullrecon.geometry.charts.address import AddressSigma
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.frames import Camera
-from hullrecon.mosaic.stream import in_threads
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.solution import Solution
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import AdjustArtifact, InputArtifacts
 from hullrecon.steps.keys import SONAR_KEYS, TRAY_KEYS
 from hullrecon.steps.sonar import sonar_poses
+from hullrecon.threads import in_threads
 
 
 def run(context: Context[DetectOptions], fusion: Fusion = fuse_heights) -> None:

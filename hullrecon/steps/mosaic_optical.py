@@ -11,11 +11,11 @@ from hullrecon.errors import StageError
 from hullrecon.mosaic.imagery.camera_views import CameraImages, images_of_camera
 from hullrecon.mosaic.optical import optical_mosaic
 from hullrecon.mosaic.options import OpticalOptions
-from hullrecon.mosaic.stream import in_threads
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.steps.keys import CAMERA_KEYS
 from hullrecon.steps.mosaics import MosaicInputs, read_mosaic_inputs, write_mosaic
+from hullrecon.threads import in_threads
 
 
 def run(context: Context[OpticalOptions]) -> None:

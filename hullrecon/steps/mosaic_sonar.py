@@ -16,7 +16,7 @@ from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.position_sigma import PingUncertainty, median_position_sigma
 from hullrecon.mosaic.sonar import SonarMosaic, sonar_mosaic
-from hullrecon.mosaic.stream import Stream, in_threads
+from hullrecon.mosaic.stream import Stream
 from hullrecon.records.sensors import SonarPings
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import rig_from_settings
@@ -24,6 +24,7 @@ from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.steps.keys import SONAR_KEYS
 from hullrecon.steps.mosaics import read_mosaic_inputs, write_mosaic
 from hullrecon.steps.sonar import sonar_poses
+from hullrecon.threads import in_threads
 
 
 def run(context: Context[SonarOptions]) -> None:

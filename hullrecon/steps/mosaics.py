@@ -27,11 +27,11 @@ from hullrecon.mosaic.output.raster import (
 )
 from hullrecon.mosaic.output.tile_store import TileStore
 from hullrecon.mosaic.output.tiles_3d import Pyramid, write_tileset
-from hullrecon.mosaic.stream import in_threads
 from hullrecon.records.solution import Mounts
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.steps.artifacts import InputArtifacts
+from hullrecon.threads import in_threads
 
 log = logging.getLogger(__name__)
 TILES, TILESET = "tiles", "tileset.json"  # folder and head of the 3D Tiles

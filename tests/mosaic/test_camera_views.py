@@ -27,9 +27,9 @@ from hullrecon.mosaic.imagery.camera_views import (
 )
 from hullrecon.mosaic.imagery.radiometry import FIELD, LightModel
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
-from hullrecon.mosaic.stream import in_threads
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import rig_from_settings
+from hullrecon.threads import in_threads
 
 GRID = TexelGrid(west=-0.5, north=0.5, step_m=0.05, height=20, width=20)
 BLOCK = ([0.05, -0.1, 0.0], [0.1, 0.1, 0.3])

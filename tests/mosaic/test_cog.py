@@ -114,7 +114,7 @@ def test_memory_does_not_grow_with_the_raster(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # of two threads one may be at its peak while the other is, or not
-    monkeypatch.setattr("hullrecon.mosaic.stream.MAX_AT_A_TIME", 1)
+    monkeypatch.setattr("hullrecon.threads.MAX_AT_A_TIME", 1)
     peaks = []
     for rows in (1024, 6 * 1024):
         grid = TexelGrid(0.0, 0.0, 0.01, rows, 1024)

@@ -27,7 +27,7 @@ from hullrecon.mosaic.output.deliverables import (
     reduced_picture,
 )
 from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
-from hullrecon.mosaic.stream import in_threads
+from hullrecon.threads import in_threads
 
 GRID = TexelGrid(west=-0.4, north=0.3, step_m=0.01, height=60, width=80)
 SHOWN = Presentation(

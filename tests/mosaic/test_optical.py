@@ -16,7 +16,7 @@ from hullrecon.mosaic.imagery.camera_views import CameraImages
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.optical import optical_mosaic, texel_size
 from hullrecon.mosaic.options import OpticalOptions
-from hullrecon.mosaic.stream import in_threads
+from hullrecon.threads import in_threads
 
 OPTIONS = OpticalOptions(tile_px=64, resolution_m=0.01)
 

@@ -22,8 +22,8 @@ from hullrecon.mosaic.sonar import (
     learn_levels,
     sonar_mosaic,
 )
-from hullrecon.mosaic.stream import in_threads
 from hullrecon.records.sensors import SonarPings
+from hullrecon.threads import in_threads
 
 BEARING = np.radians(np.linspace(-14, 14, 49))
 RANGES = np.linspace(0.4, 1.8, 141)

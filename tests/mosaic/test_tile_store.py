@@ -11,7 +11,7 @@ import pytest
 from hullrecon.mosaic.blend import Tile
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.output.tile_store import CompressedTiles, TileStore, make_tiles
-from hullrecon.mosaic.stream import in_threads
+from hullrecon.threads import in_threads
 
 GRID = TexelGrid(west=30.0, north=6.0, step_m=0.01, height=100, width=150)
 

@@ -18,7 +18,7 @@ from hullrecon import native
 from hullrecon.adjustment.hull_pose.registration import frame_at
 from hullrecon.adjustment.problem.deviation_field import DeviationGrid, as_rows, prior_rows
 from hullrecon.adjustment.problem.measurements import Measurements
-from hullrecon.adjustment.problem.observations import landmark_count, read_blocks
+from hullrecon.adjustment.problem.observations import landmark_count, read_blocks, read_tracks
 from hullrecon.adjustment.problem.state import HullState, State, Weights
 from hullrecon.estimation.navigation_tables import (
     attitude_table,
@@ -116,7 +116,7 @@ def _without_tracked_motions(m: Measurements, chosen: Selection) -> Odometry:
     if m.tracks is None or not m.odometry.from_images.any():
         return m.odometry
     pairs = [np.zeros((2, 0), np.int64)]
-    for block in read_blocks(m, _is_chosen(m, chosen)):
+    for block in read_tracks(m.tracks, _is_chosen(m, chosen)):
         rows = chosen.top[block.rows] | chosen.bottom[block.rows]
         pairs.append(np.stack([block.tracks.node[rows], block.tracks.landmark[rows]]))
     node, landmark = np.concatenate(pairs, axis=1)
@@ -259,7 +259,7 @@ def _image_tables(
         (~chosen.top & chosen.bottom, slice(2, 4)),
     )
     count = np.zeros(3, np.int64)  # rows of each kind: both cameras, top alone, bottom alone
-    for block in read_blocks(m, known):
+    for block in read_tracks(m.tracks, known):
         count += [np.count_nonzero(rows[block.rows]) for rows, _ in kinds]
     tables = [_ImageRows(int(count[0]), 4), _ImageRows(int(count[1] + count[2]), 2)]
     # Next row of each kind. In the mono table the rows of the bottom camera follow the top one's.

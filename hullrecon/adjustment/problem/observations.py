@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,9 +15,12 @@ from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.tracks import Tracks
 from hullrecon.rows import read_rows
+from hullrecon.threads import in_threads
 from hullrecon.typing import Array, Ints, Mask
 
-ROWS = 1 << 16  # of a block: with some 300 bytes each, triangulation works within the cache
+ROWS = 1 << 15  # of a block: with some 300 bytes each, triangulation works within the cache
+BLOCKS_AT_A_TIME = 2  # in threads: what is computed of a block takes some 20 MB
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,32 +47,55 @@ def landmark_count(m: Measurements) -> int:
     return 0 if m.tracks is None else len(m.tracks.color)
 
 
-def read_blocks(m: Measurements, of: Mask | None = None) -> Iterator[Block]:
-    """Read observations in blocks of whole landmarks, with the lenses' displacements applied.
+def map_blocks(
+    m: Measurements, work: Callable[[Block], Result], of: Mask | None = None
+) -> Iterator[Result]:
+    """Yield what `work` computes from each block of whole landmarks, in threads.
+
+    The lenses' displacements are applied to the pixels.
 
     Parameters
     ----------
     m
         With the tracks, which may be mapped from a file, and the displacements found so far.
+    work
+        Computes from one block alone.
     of
         (L,) landmarks whose observations are read. None: all.
     """
-    if m.tracks is None:
+    tracks = m.tracks
+    if tracks is None:
         return
-    for block in read_tracks(m.tracks, of):
-        yield replace(block, tracks=_moved(m, block.tracks))
+
+    def make(rows: slice) -> list[Result]:
+        return [work(replace(b, tracks=_moved(m, b.tracks))) for b in _read_block(tracks, rows, of)]
+
+    every = [rows for rows, _ in _whole_landmarks(tracks.landmark)]
+    for made in in_threads(make, every, most=BLOCKS_AT_A_TIME):
+        yield from made
 
 
-def read_tracks(tracks: Tracks, of: Mask | None = None) -> Iterator[Block]:
+def read_blocks(m: Measurements, of: Mask | None = None) -> Iterator[Block]:
+    """Read observations in blocks of whole landmarks, with the lenses' displacements applied."""
+    return map_blocks(m, lambda block: block, of)
+
+
+def read_tracks(tracks: Tracks | None, of: Mask | None = None) -> Iterator[Block]:
     """Read tracks in blocks as `read_blocks` does, but with the pixels as they were detected."""
-    for rows, landmark in _whole_landmarks(tracks.landmark):
-        if of is None:
-            yield Block(rows=rows, tracks=_read(tracks, landmark, rows))
-            continue
-        kept = np.flatnonzero(of[landmark])
-        if len(kept):
-            some = _read(tracks, landmark, rows).take(kept)
-            yield Block(rows=rows.start + kept, tracks=some)
+    if tracks is not None:
+        for rows, _ in _whole_landmarks(tracks.landmark):
+            yield from _read_block(tracks, rows, of)
+
+
+def _read_block(tracks: Tracks, rows: slice, of: Mask | None) -> list[Block]:
+    """Read rows of tracks. Empty where none are of the landmarks wanted."""
+    landmark = read_rows(tracks.landmark, rows)
+    if of is None:
+        return [Block(rows=rows, tracks=_read(tracks, landmark, rows))]
+    kept = np.flatnonzero(of[landmark])
+    if not len(kept):
+        return []
+    return [Block(rows=rows.start + kept, tracks=_read(tracks, landmark, rows).take(kept))]
 
 
 def first_nodes(m: Measurements) -> Ints:

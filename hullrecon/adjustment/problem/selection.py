@@ -16,7 +16,7 @@ from hullrecon.adjustment.problem.observations import (
     Block,
     first_nodes,
     landmark_count,
-    read_blocks,
+    map_blocks,
 )
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.problem.triangulation import (
@@ -42,8 +42,8 @@ def triangulate_landmarks(m: Measurements, state: State) -> Array:
         return np.zeros((0, 3))
     poses = camera_poses(m.rig, state)
     landmark = np.full((landmark_count(m), 3), np.nan)
-    for block in read_blocks(m):
-        landmark[block.landmarks] = _triangulated(block, poses, m)
+    for own, found in map_blocks(m, lambda b: (b.landmarks, _triangulated(b, poses, m))):
+        landmark[own] = found
     return landmark
 
 
@@ -92,7 +92,8 @@ def _find(
     landmark = np.full((count, 3), np.nan) if triangulate_first else state.landmark
     top, bottom, used = np.zeros(rows, bool), np.zeros(rows, bool), np.zeros(count, bool)
     rays = np.zeros(count, np.int32)
-    for block in read_blocks(m):
+
+    def look_at(block: Block) -> None:
         own = block.landmarks
         if triangulate_first:
             landmark[own] = _triangulated(block, poses, m)
@@ -103,6 +104,9 @@ def _find(
         of_block = np.add(*agree, dtype=np.int8)
         rays[own] = np.bincount(block.numbered_from_0.landmark, of_block)
         used[own] = (rays[own] >= 2) & np.isfinite(landmark[own, 0]) & is_near(landmark[own])
+
+    for _ in map_blocks(m, look_at):
+        pass
     chosen = Selection(top, bottom, returns, np.flatnonzero(used), rays)
     return replace(state, landmark=landmark), chosen
 

@@ -12,7 +12,7 @@ from hullrecon.adjustment.options import Strategy
 from hullrecon.adjustment.problem.assembly import Selection, share_weight_by_cell
 from hullrecon.adjustment.problem.lens import estimate_lens_sigma
 from hullrecon.adjustment.problem.measurements import Measurements
-from hullrecon.adjustment.problem.observations import Block, landmark_count, read_blocks
+from hullrecon.adjustment.problem.observations import Block, landmark_count, map_blocks
 from hullrecon.adjustment.problem.state import ResponseSigmas, State, Weights
 from hullrecon.adjustment.problem.triangulation import camera_poses, reprojection_errors
 from hullrecon.geometry.robust import robust_sigma
@@ -112,12 +112,12 @@ def estimate_pixel_sigmas(
     well_seen = np.zeros(len(state.landmark), bool)
     well_seen[chosen.landmarks] = rays >= min(MIN_RAYS, np.percentile(rays, 75))
     poses = camera_poses(m.rig, state)
-    blocks = [
-        _residuals_of_block(
-            block, reprojection_errors(block.tracks, state.landmark, *poses, m.rig), chosen, weights
-        )
-        for block in read_blocks(m, well_seen)
-    ]
+
+    def residuals(block: Block) -> dict[str, list[Array]]:
+        errors = reprojection_errors(block.tracks, state.landmark, *poses, m.rig)
+        return _residuals_of_block(block, errors, chosen, weights)
+
+    blocks = list(map_blocks(m, residuals, well_seen))
     # Of the top camera, then of the bottom one
     length, redundancy, response = (
         np.concatenate([of_block[name][k] for k in range(2) for of_block in blocks])

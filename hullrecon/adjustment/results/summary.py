@@ -19,7 +19,7 @@ from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.partition import join
 from hullrecon.adjustment.problem import intrinsics, iteration_history, lens, weighting
 from hullrecon.adjustment.problem.measurements import Measurements
-from hullrecon.adjustment.problem.observations import landmark_count, read_blocks
+from hullrecon.adjustment.problem.observations import landmark_count, read_tracks
 from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.adjustment.problem.triangulation import camera_poses
 from hullrecon.adjustment.results.covariance import hull_axes
@@ -240,7 +240,7 @@ def _observed(m: Measurements, adjusted: Adjusted) -> Iterator[tuple[Ints, Ints]
     chosen = adjusted.chosen
     is_chosen = np.zeros(landmark_count(m), bool)
     is_chosen[chosen.landmarks] = True
-    for block in read_blocks(m, is_chosen):
+    for block in read_tracks(m.tracks, is_chosen):
         rows = chosen.top[block.rows] | chosen.bottom[block.rows]
         yield block.tracks.node[rows], block.tracks.landmark[rows]
 
@@ -307,7 +307,7 @@ def _left_out(m: Measurements, adjusted: Adjusted) -> int:
         return 0
     seen = sum(
         np.isfinite(block.tracks.top[:, 0]).sum() + np.isfinite(block.tracks.bottom[:, 0]).sum()
-        for block in read_blocks(m)
+        for block in read_tracks(m.tracks)
     )
     return int(seen - adjusted.chosen.top.sum() - adjusted.chosen.bottom.sum())
 

@@ -26,7 +26,7 @@ from hullrecon.mosaic.output.tile_store import (
     mean_of_squares,
     read_at,
 )
-from hullrecon.mosaic.stream import in_threads
+from hullrecon.threads import in_threads
 
 BLOCK = 512  # px, side of a block of the file
 SMALLEST = 256  # px, overviews are made until one is no longer than this

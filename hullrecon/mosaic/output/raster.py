@@ -18,8 +18,9 @@ from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface
 from hullrecon.mosaic.output.cog import BLOCK, Picture, write_cog
 from hullrecon.mosaic.output.tile_store import CompressedTiles
-from hullrecon.mosaic.stream import Stream, in_threads
+from hullrecon.mosaic.stream import Stream
 from hullrecon.records.surface import DeviationSplit, Surface
+from hullrecon.threads import in_threads
 from hullrecon.typing import Array
 
 

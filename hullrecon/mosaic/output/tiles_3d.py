@@ -21,7 +21,7 @@ from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.output.cog import Picture
 from hullrecon.mosaic.output.raster import RasterLayout
 from hullrecon.mosaic.output.textured_mesh import TexturedMesh, encode_glb
-from hullrecon.mosaic.stream import in_threads
+from hullrecon.threads import in_threads
 from hullrecon.typing import Array, Ints, Mask
 
 TILE_PX = 512  # texels along a tile

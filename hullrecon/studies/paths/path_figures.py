@@ -25,7 +25,6 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.mosaic.output.tile_store import TileStore
-from hullrecon.mosaic.stream import in_threads
 from hullrecon.navigation.planes.planar_graph import PlanarSolution, planar_graph
 from hullrecon.records.links import LinkedPath, no_links
 from hullrecon.records.trajectory import Trajectory, VehiclePath, VehicleTrack
@@ -53,6 +52,7 @@ from hullrecon.studies.paths.link_plots import (
     two_view_models,
 )
 from hullrecon.studies.study import ComparedValue
+from hullrecon.threads import in_threads
 from hullrecon.typing import Array
 
 MOST_DRAWN_PX = 700  # along either side of a map

@@ -26,7 +26,6 @@ from hullrecon.mosaic.mosaic_surface import MosaicSurface, build_mosaic_surface,
 from hullrecon.mosaic.optical import LIMITS
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.output.tile_store import TileStore, blend_tiles
-from hullrecon.mosaic.stream import in_threads
 from hullrecon.steps.artifacts import DetectArtifact, SurfaceArtifact
 from hullrecon.steps.mosaic_sonar import blend_pings, ping_poses
 from hullrecon.steps.mosaics import REACH_M
@@ -35,6 +34,7 @@ from hullrecon.studies.figure_style import PublishedFigure, finish_figure, new_c
 from hullrecon.studies.methods.variants import find_objects
 from hullrecon.studies.structures.inspected import InspectedHull, inspect
 from hullrecon.studies.study import ComparedValue, StudyDive, StudyResult
+from hullrecon.threads import in_threads
 from hullrecon.typing import Array, Mask
 
 if TYPE_CHECKING:

@@ -24,7 +24,6 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.mosaic.mosaic_surface import build_mosaic_surface
 from hullrecon.mosaic.options import SonarOptions
-from hullrecon.mosaic.stream import in_threads
 from hullrecon.records.sensors import SonarPings
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.steps.mosaic_sonar import blend_pings, ping_poses
@@ -37,6 +36,7 @@ from hullrecon.studies.paths.path_figures import (
 )
 from hullrecon.studies.study import ComparedValue, StudyDive, StudyResult
 from hullrecon.studies.surfaces.pose_sources import PlacedPaths, place_paths
+from hullrecon.threads import in_threads
 from hullrecon.typing import Array, Floats32
 
 BLOCK_M = 0.06  # side of a painted block
