@@ -39,25 +39,26 @@ def _nan(*shape: int) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class RigPriors:
-    """How well the dive package knows the rig and what is systematic in its sensors.
+    """Priors of the mounts and of systematic errors of the sensors, by the dive package.
 
-    What was not given is NaN, which the solver refuses.
+    A value that was not given is NaN, which the solver refuses.
     """
 
     # (6, 6) square root of the information on log(nominal^-1 @ mount); None: the mount is held
     tray_from_dvl: Array | None = None
     tray_from_top: Array | None = None
     top_from_bottom: Array | None = None
-    # (3,) m: of the DVL's position on the tray. Images, ranges and odometry tell where camera and
-    # DVL are relative to each other, and nothing sees a shift of both: so the DVL's is held.
+    # (3,) m: of the DVL's position on the tray. Images, ranges and odometry observe where camera
+    # and DVL are relative to each other, but not a shift of both. So the DVL's position is held in
+    # the solve.
     dvl_position_sigma_m: Array = field(default_factory=lambda: _nan(3))
     tray_sigma_rad: float = np.nan
     # (6,): DVL scale, heading drift rad/s, roll and pitch bias rad, depth bias m, tray backlash rad
     navigation_sigma: Array = field(default_factory=lambda: _nan(6))
     density_sigma: float = np.nan  # of the water, relative: scales the error of all depths alike
     pixel_sigma_px: float = np.nan
-    # px rms over the image of top and bottom camera, what calibrations leave of the lenses'
-    # displacement; 0: nothing
+    # px rms over the image of top and bottom camera, of the displacement of pixels that the
+    # calibrations leave uncorrected; 0: none
     calibration_sigma_px: tuple[float, float] = (0.0, 0.0)
     range_sigma_m: float = np.nan
 
@@ -163,9 +164,9 @@ class Rig:
         return tray @ self.tray_from(camera)
 
     def dvl_points(self, returns: Returns, path: VehiclePath) -> DvlPoints:
-        """Compute where DVL beams end, in the frame of the path at the nodes [Ozog2016 eq. 1.1].
+        """Compute where DVL beams end, in the frame of the path [Ozog2016 eq. 1.1].
 
-        The returns hold how vehicle and tray moved between node and ping.
+        path: vehicle and tray at all nodes. The returns hold how both moved from node to ping.
         """
         at_ping = VehiclePath(
             poses=path.poses[returns.node] @ Poses(returns.quaternion, returns.translation),
@@ -257,7 +258,7 @@ def rig_with_priors(
 
 
 def _priors(sections: Mapping[str, object], rig: Rig) -> RigPriors:
-    """Collect the priors of mounts and sensors' errors. Degrees become radians, shares stay."""
+    """Collect the priors of mounts and sensor errors from dive.toml, degrees as radians."""
     tray, imu = _section(sections, "tray", schema.Tray), _section(sections, "imu", schema.Imu)
     pressure = _section(sections, "pressure", schema.Pressure)
     dvl = _section(sections, "dvl", schema.Dvl)
@@ -299,7 +300,9 @@ def _priors(sections: Mapping[str, object], rig: Rig) -> RigPriors:
 
 
 def mount_prior(mount: Poses, sigma: tuple[float, ...]) -> Array | None:
-    """Compute the square root of information (6, 6) of a mount; None for a mount without any sigma.
+    """Compute the square root of the information (6, 6) on a mount, on log(nominal^-1 @ mount).
+
+    None where all sigmas are zero: the mount is held.
 
     Parameters
     ----------

@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Words: measurements of a dive that contradict each other, and who explains it."""
+"""Words: measurements of a dive that contradict each other, and which suspects explain it.
+
+Functions here take the values of a finding by name and return its sentence, or a part of it.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,9 @@ from math import degrees
 from hullrecon.findings.logs import Words
 
 WATER = 1.333  # refractive index of fresh water, salt water has 1.34 [Hecht2017]
-NEAR = 0.1  # share by which a factor may be off that: wrong ones bend the path as well
+# share by which a ratio of focal lengths may differ from WATER: wrong ones also bend the path,
+# which changes the estimate
+NEAR = 0.1
 
 
 def _scaled(found: float | None) -> str:
@@ -47,7 +52,10 @@ def _baseline(found: float | None) -> str:
 
 
 def _focal_ratio(whose: str) -> Callable[[float | None], str]:
-    """Prepare to tell by how much focal lengths differ, and of which medium that is typical."""
+    """Make the function that words a ratio of focal lengths, and the medium it is typical of.
+
+    whose: words before "focal lengths", such as "the top camera's ".
+    """
 
     def say(found: float | None) -> str:
         ratio = found or 0.0
@@ -74,7 +82,8 @@ def _readout(whose: str) -> Callable[[float | None], str]:
     )
 
 
-# By suspect: what makes the rest agree; found is its own error, where it was freed
+# By suspect: what makes all other measurements agree. The argument is the suspect's own error,
+# where the adjustment estimated it
 SUSPECTS: Mapping[str, Callable[[float | None], str]] = {
     "pressure": lambda _: "without the depths of the pressure sensor",
     "pressure-scale": _deeper,
@@ -97,9 +106,9 @@ SUSPECTS: Mapping[str, Callable[[float | None], str]] = {
     "readout-top": _readout(" of the top camera"),
     "readout-bottom": _readout(" of the bottom camera"),
 }
-# Suspects whose own error the adjustment estimates and takes out, up to a largest believable size
+# Suspects whose own error the adjustment estimates and corrects, up to a largest believable size
 CORRECTED = frozenset({"dvl-scale", "dvl-mount", "imu", "camera-mount", "stereo-rig"})
-# What heals where one suspect alone explains a contradiction
+# What the user can do where one suspect alone explains a contradiction
 REMEDIES: Mapping[str, str] = {
     "pressure": "name the topic of the water's pressure, or leave topics.pressure away",
     "pressure-scale": "leave topics.pressure away",
@@ -135,14 +144,14 @@ def _other_tray(reading: str, before_mm: float, after_mm: float) -> str:
 
 
 def _contradiction(beyond: str, explanations: Sequence[Sequence[object]]) -> str:
-    """Tell which suspects make the rest agree.
+    """Tell which suspects, left out or freed, make all other measurements agree.
 
     Parameters
     ----------
     beyond
-        The correction that nobody believes, "" without one.
+        The correction that is too large to be believed, in words, "" without one.
     explanations
-        Suspect and its own error, the best first.
+        Suspect (a key of SUSPECTS) and its own error or None, the best first.
     """
     what = "the measurements contradict each other"
     if beyond:

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What was found about a dive, as data: a code and its values.
 
-A finding is made where something is found. How it is told to the user is written once, in the
-tables of this package (one module a subject), for `check`, the log and the report alike.
+A Finding is made wherever the code detects something. Its sentence for the user is written once, in
+the tables of this package (one module for each subject), for `check`, the log and the report alike.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class Finding:
 
     @property
     def sentence(self) -> str:
-        """Tell the finding to the user."""
+        """The finding in words, for the user."""
         words = WORDS[self.code]
         text = words.format(**self.values) if isinstance(words, str) else words(**self.values)
         return f"{self.where}: {text}" if self.where else text
@@ -72,5 +72,5 @@ class Finding:
 
 
 def sentences(findings: Iterable[Finding]) -> list[str]:
-    """Tell findings one after the other."""
+    """Word findings for the user, one sentence each."""
     return [finding.sentence for finding in findings]

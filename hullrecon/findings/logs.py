@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Words: what was read of a dive's logs, what was lost, and what was assumed or put right."""
+"""Words: what was read of a dive's logs, what was lost, and what was assumed or corrected.
+
+Functions here take the values of a finding by name and return its sentence.
+"""
 
 from __future__ import annotations
 
@@ -67,7 +70,7 @@ def _marked_lost(
     start: str,
     seconds: float,
 ) -> str:
-    """Say why velocities were taken as lost: so many for each reason, and when."""
+    """Say why velocities were taken as lost, with their number for each reason, and when."""
     parts = [f"{huge} have a sigma of {limit_m_s:g} m/s or more"] if huge else []
     parts += [f"{zero} are exactly zero, unlike those around them"] if zero else []
     parts += [f"{repeated} repeat the last one exactly"] if repeated else []

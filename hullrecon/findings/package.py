@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Words: what a dive package holds, what it lacks for a run, and what is left to fill in."""
+"""Words: what a dive package holds, what it lacks for a run, and what is left to fill in.
+
+Functions here take the values of a finding by name and return its sentence, or a part of it.
+"""
 
 from __future__ import annotations
 
@@ -135,7 +138,7 @@ def _stations(axis: str, zero_m: float, ahead_m: float) -> str:
 
 
 def _coordinate(value_m: float) -> str:
-    """Format a coordinate, those of a map too, which are longer than six digits."""
+    """Format a coordinate. Those of a map, with more than five digits, are not rounded to six."""
     return f"{value_m:g}" if abs(value_m) < 1e5 else f"{value_m:.1f}"
 
 

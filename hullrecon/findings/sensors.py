@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Words: contradictions between sensors, mounts and clocks."""
+"""Words: contradictions between sensors, mounts and clocks.
+
+Functions here take the values of a finding by name and return its sentence, or a part of it.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ from collections.abc import Sequence
 
 from hullrecon.findings.logs import Words, duration, names
 
-FAULTS = {  # of a sensor, as a statement
+FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a statement
     ("pressure", "unit"): "the readings are in {value}, not in {unit}",
     ("pressure", "gauge"): "the readings are in {value}, and the pressure above the air's",
     ("pressure", "sign"): "the readings grow upwards, not with depth",
@@ -49,7 +52,9 @@ FAULTS = {  # of a sensor, as a statement
 # The unit that was expected, by the one that was found. For a pressure it is Pa.
 UNITS = {"cm": "m", "mm": "m", "ft": "m", "deg": "rad", "rad": "deg"}
 DONE = {"constant": "they are left out", "repeated": "they are left out"}
-EVIDENCE = {  # that two sensors contradict each other, by what was compared
+# By what was compared, how two sensors contradict each other. `first` and `second` are what either
+# of them measured, in SI units
+EVIDENCE = {
     "level": "half of the depths are above the water, up to {first:.1f} m",
     "turn": "within a second the rates turn by up to {first_deg:.3g} degrees, the orientation by "
     "{second_deg:.3g}",
@@ -155,7 +160,17 @@ def _apart(
     offset_s: float | None,
     by_motion: bool,
 ) -> str:
-    """Name the gap between a sensor and the others, and the key that heals it."""
+    """Describe the gap between a sensor's stamps and those of the others, and how to close it.
+
+    Parameters
+    ----------
+    others, seconds, after : the others' names, and how long after (or before) them it was read
+    key : of dive.toml that corrects the sensor's stamps
+    unset : its clock counts from 1970
+    given_s : what dive.toml has added to the stamps already
+    hours, offset_s, by_motion : time zone, or None; what to add to the logged stamps, or None; and
+        whether the vehicle's motion tells it
+    """
     ends = f"begins {duration(seconds)} after {names(others)} end"
     if not after:
         ends = f"ends {duration(seconds)} before {names(others)} begin"

@@ -27,10 +27,10 @@ from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples
 from hullrecon.rig import Rig
 
-# sigma of a clock, and what it does to the path, from which on it is said
+# sigma of a clock, and shift of the path by it; where both are exceeded it is reported
 UNSURE_S, UNSURE_M = 0.08, 0.01
-# of the images: where the DVL reaches fewer of a stereo rig's, its path would leave out most of the
-# dive
+# Share of a stereo rig's images that DVL and IMU have to reach. With fewer, the DVL's path would
+# leave out most of the dive
 LEAST_HEARD = 0.5
 
 
@@ -41,7 +41,7 @@ def choose_path(
     by_dvl: Callable[[], Navigated],
     by_stereo: Callable[[], Navigated],
 ) -> tuple[Navigated, str]:
-    """Navigate by DVL and IMU, or by the stereo cameras where these were hardly heard.
+    """Navigate by DVL and IMU, or by the stereo cameras where DVL or IMU are missing for long.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def choose_path(
     stereo
         Images of the upper of two cameras, None where there are not two.
     by_dvl, by_stereo
-        Compute the path.
+        Compute the path either way. Only the chosen one is called.
 
     Returns
     -------
@@ -92,7 +92,10 @@ def _with_remark(found: Navigated, remark: str) -> Navigated:
 
 
 def _share_heard(dvl: DvlPings, imu: ImuSamples | None, stereo: ImageIndex) -> float:
-    """Compute the share of the images that the DVL's velocities reach while the IMU is read."""
+    """Compute the share of the images between the first and last velocity of the DVL.
+
+    Only velocities within the IMU's record count, and images up to REACH_S beyond them.
+    """
     if not stereo.usable.any():
         return 1.0
     heard_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
@@ -117,10 +120,11 @@ def reckon_dive(
     Parameters
     ----------
     logs, rig, sigmas
-        The dive.
-    measure, goes_on
-        Measure the motion between two images of the upper camera, and tell whether two images
-        overlap. None without a camera.
+        What the sensors measured, where they sit, and how well both are known.
+    measure
+        Measures the motion between two images of the upper camera. None without a camera.
+    goes_on
+        Tells whether two images overlap, so that the path goes on there. None without a camera.
     progress
         Shows how many images were followed.
     """
@@ -129,7 +133,7 @@ def reckon_dive(
     if goes_on is not None:
         walk = ImageWalk(frames=usable_frames(clocks.logs.top), goes_on=goes_on, progress=progress)
     dvl_s, pressure_s = (
-        clocks.left_s.get(s, 0.0) for s in (ClockedSensor.DVL, ClockedSensor.PRESSURE)
+        clocks.late_sigma_s.get(s, 0.0) for s in (ClockedSensor.DVL, ClockedSensor.PRESSURE)
     )
     sigmas = replace(sigmas, dvl_late_s=dvl_s, pressure_late_s=pressure_s)
     found = dead_reckon(clocks.logs, rig, sigmas, walk, clocks.heard)
@@ -141,18 +145,18 @@ def reckon_dive(
 
 
 def _describe_unsure(found: Navigated, sigmas: NavigationSigmas) -> list[str]:
-    """Describe how well the clocks could be compared, where that makes the path unsure."""
+    """Describe clocks whose uncertainty moves the path noticeably (UNSURE_S and UNSURE_M)."""
     out = []
-    for sensor, late_s, column in (
+    for sensor, late_sigma_s, column in (
         (ClockedSensor.DVL, sigmas.dvl_late_s, DVL_LATE),
         (ClockedSensor.PRESSURE, sigmas.pressure_late_s, PRESSURE_LATE),
     ):
-        by_delay = found.error_model.by_error[:, :3, column]
-        shift_m = late_s * float(np.linalg.norm(by_delay, axis=1).max())
-        if late_s >= UNSURE_S and shift_m >= UNSURE_M:
+        shift_by_delay = found.error_model.by_error[:, :3, column]  # m per s
+        shift_m = late_sigma_s * float(np.linalg.norm(shift_by_delay, axis=1).max())
+        if late_sigma_s >= UNSURE_S and shift_m >= UNSURE_M:
             out.append(
-                f"{sensor}: that its clock agrees with the IMU's is known to {late_s:.2f} s (one "
-                f"sigma), which moves the path by up to {1000 * shift_m:.0f} mm; the path's sigmas "
-                "hold it"
+                f"{sensor}: that its clock agrees with the IMU's is known to {late_sigma_s:.2f} s "
+                f"(one sigma), which moves the path by up to {1000 * shift_m:.0f} mm; the path's "
+                "sigmas hold it"
             )
     return out

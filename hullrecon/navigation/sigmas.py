@@ -31,8 +31,8 @@ SIGMA_KEYS = (
 class NavigationSigmas:
     """One sigma of each error of navigation's sensors.
 
-    Errors of the first group are one unknown each for the dive, as are delays. The three of
-    roll and pitch, depth and range are white.
+    `tilt_rad`, `depth_m` and `range_m` are of white noise. All others are of errors that are one
+    unknown each for the whole dive.
     """
 
     mount: Array  # (6,) of the DVL on the tray, m and rad
@@ -44,11 +44,11 @@ class NavigationSigmas:
     tilt_rad: float  # of roll and pitch
     depth_m: float
     range_m: float  # of a DVL beam
-    # of the clocks of DVL and pressure sensor relative to the IMU's, s: what their comparison
-    # leaves (navigation/clocks)
+    # sigma of the time offset of DVL and pressure sensor relative to the IMU, s, that remains after
+    # their clocks were compared (navigation/clocks)
     dvl_late_s: float = 0.0
     pressure_late_s: float = 0.0
-    # of the tray's angle at any time, beyond `tray_rad`, where its readings tell nothing
+    # of the tray's angle at any time, in addition to `tray_rad`, where its readings tell nothing
     # (`doubtful_angles`)
     tray_untold_rad: float = 0.0
 

@@ -23,7 +23,7 @@ CHANGED: tuple[Status, ...] = ("new", "gone", "grown", "shrunk")
 
 @dataclass(frozen=True, kw_only=True)
 class HullSurvey:
-    """What one dive knows of the hull, in its own hull frame M."""
+    """The hull as one dive surveyed it, in its own hull frame M."""
 
     name: str
     chart: Chart

@@ -14,10 +14,10 @@ import numpy as np
 from hullrecon.typing import Array, Ints
 
 NS = 1_000_000_000  # nanoseconds in a second
-# readings are missing where the time between two exceeds HOLE_PERIODS periods and BURST_S: USB's
-# serial adapters hand readings on every 16 ms, several at once
+# Readings are missing where the time between two exceeds HOLE_PERIODS periods and BURST_S. The
+# latter is for serial adapters (USB), which pass several readings on at once every 16 ms
 HOLE_PERIODS, BURST_S = 5.0, 0.05
-BURST = 20  # readings over which the mean step is a first guess of the period, bursts or not
+BURST = 20  # readings whose mean step is a first guess of the period even if they come in bursts
 ROUNDS = 3  # of refining the period
 # a sensor is silent where the time between two readings exceeds both
 SILENT_S, SILENT_PERIODS = 2.0, 5.0
@@ -61,10 +61,10 @@ def median_period_s(t_ns: Ints) -> float:
 
 
 def period(t_s: Array) -> float:
-    """Estimate the usual time between readings at t_s (n,), n > 1, without holes.
+    """Estimate the mean time between readings at t_s (n,), n > 1, without the holes.
 
-    This is the whole time by the number of steps. The median step would be far too short if a
-    serial adapter delivers readings in bursts.
+    Steps beyond `longest_step` are left out, and the mean of the others is refined in ROUNDS. The
+    median step would be far too short if a serial adapter delivers readings in bursts.
     """
     step, few = np.diff(t_s), min(BURST, max(1, len(t_s) // 4))
     usual = step <= longest_step(float(np.median(t_s[few:] - t_s[:-few])) / few)
@@ -97,7 +97,7 @@ def longest_pause_s(t_ns: Ints) -> float:
 def silent_spans(t_ns: Ints, start_ns: int, stop_ns: int) -> Ints:
     """Find the start and end (k, 2), ns, of a sensor's silences between two times.
 
-    The times before its first reading and after its last reading count.
+    The times before its first reading and after its last one count as well.
     """
     stamps = np.concatenate([[min(start_ns, t_ns[0])], t_ns, [max(stop_ns, t_ns[-1])]])
     spans = np.clip(gaps(stamps, longest_pause_s(t_ns)), start_ns, stop_ns)
@@ -105,7 +105,10 @@ def silent_spans(t_ns: Ints, start_ns: int, stop_ns: int) -> Ints:
 
 
 def unread_s(t_ns: Ints, at_ns: Ints) -> Array:
-    """Measure the time (m,), s, to the nearest reading within silences. 0 outside of silences."""
+    """Measure how far times (m,) within a sensor's silences are from its nearest reading, s.
+
+    0 outside of silences.
+    """
     out = np.zeros(len(at_ns))
     if not len(at_ns):
         return out

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Reading of the record of a solve (iterations.npz, docs/formats.md).
+"""Read the record of a solve (iterations.npz, docs/formats.md).
 
-It has a row per iteration, one round after another.
+It has a row for each iteration, one round after another.
 """
 
 from __future__ import annotations

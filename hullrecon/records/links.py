@@ -50,9 +50,9 @@ class NodePairs(Rows):
     second: Ints  # (m,) nodes
     across: Mask  # (m,) the nodes belong to different legs
     overlap: Array  # (m,) of the footprints as predicted, NaN where no depth is known
-    round: Ints  # (m,) 0 of neighbours, 1, 2, ... across
+    round: Ints  # (m,) in which the pair was compared: 0 for neighbours, 1, 2, ... across legs
     putative: Ints  # (m,) matches before verification
-    reason: Ints  # (m,) why the pair did not match, 0 if it matched
+    reason: Ints  # (m,) code of why the pair did not match, 0 if it matched
     # (m,) matched, but its motion contradicts other pairs or the path, or lies across an outage on
     # a hull that looks alike elsewhere
     rejected: Mask

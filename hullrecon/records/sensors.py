@@ -86,11 +86,12 @@ class SonarPings(Rows):
 
 @dataclass(frozen=True, kw_only=True)
 class PositionFixes(Rows):
-    """Positions from outside, of GPS or USBL."""
+    """Position fixes (USBL, GNSS)."""
 
     t_ns: Ints
     north_east: Array  # (n, 2) m from the first fix, with the north of its frame
-    exchanged: Array  # (n, 2) m, likewise if latitude and longitude, or x and y, were exchanged
+    # (n, 2) m, the same as if latitude and longitude, or x and y, had been exchanged in the log
+    exchanged: Array
     sigma: Array  # (n,) m of either
 
 

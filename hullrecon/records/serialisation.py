@@ -41,6 +41,7 @@ def from_arrays(kind: type[Record], arrays: Mapping[str, NDArray[np.generic]]) -
 def _from_arrays(
     kind: type[Record], arrays: Mapping[str, NDArray[np.generic]], prefix: str
 ) -> Record:
+    """Rebuild a record whose members are named with a prefix, as those of a nested one are."""
     hints = typing.get_type_hints(kind)
     values: dict[str, object] = {}
     for field in fields(kind):  # type: ignore[arg-type]  # any dataclass

@@ -80,6 +80,7 @@ class DeviationField:
         return self._interpolate(self.sigma, along_girth)
 
     def _interpolate(self, grid: Array, along_girth: Array) -> Array:
+        """Interpolate a grid (a, g) at chart points (n, 2), bilinear, constant beyond its ends."""
         last = np.array(grid.shape) - 1
         cell = np.clip((along_girth - self.origin) / self.step, 0, last)
         low = np.minimum(np.nan_to_num(cell).astype(np.int64), np.maximum(last - 1, 0))
@@ -91,7 +92,7 @@ class DeviationField:
 
 @dataclass(frozen=True, kw_only=True)
 class Solution:
-    """The adjusted dive."""
+    """The adjusted dive: path, landmarks, mounts, errors of sensors and the hull's pose."""
 
     t_ns: Ints  # (n,) of the nodes
     image: Ints  # (n, 2) rows in the cameras' indices, -1 without an image

@@ -37,5 +37,6 @@ class DeviationSplit:
     offset_sigma: Array
     tilt: Array  # (2,) m/m, slope along the hull and in girth
     tilt_sigma: Array
-    form: Array  # (n,) m, each vertex's deviation without offset and tilt, NaN where unseen
-    form_sigma: Array  # (n,) m, which the hull's position hardly enters
+    # (n,) m, shape: each vertex's deviation without offset and tilt, NaN where unseen
+    form: Array
+    form_sigma: Array  # (n,) m; the error of the hull's position hardly enters

@@ -45,10 +45,10 @@ class Exposures(Rows):
     SHARED: ClassVar = frozenset({"readout_s"})
 
     def motion(self, camera: Camera, row_share: Array | float) -> Poses:
-        """Compute tray_at_node from tray_at_exposure (m,).
+        """Compute the tray's motion until a row's exposure: tray_at_node from tray_at_exposure.
 
-        row_share: place of the row in the image (m,), 0 for the first one and 1 for the last. The
-        nodes are m, or one for all rows.
+        row_share: place of the row in the image (m,), 0 for the first row and 1 for the last. These
+        exposures are of m nodes, or of one node for all m rows.
         """
         after_s = self.late_s[:, camera.column] + self.readout_s[camera.column] * row_share
         return exp(np.atleast_1d(after_s)[:, None] * self.twist)
@@ -83,9 +83,10 @@ class VehicleTrack:
         )
 
     def sigma_on_chart(self, chart: Chart) -> tuple[float, float]:
-        """Compute the median sigma of the position along the hull and in girth, m.
+        """Compute the median sigma of the vehicle's position along the hull and in girth, m.
 
-        By the chart's tangents below the vehicle. NaN if it is nowhere over the chart.
+        The directions are the chart's tangents below the vehicle. NaN if it is nowhere over the
+        chart.
         """
         along, girth = (
             self.sigma_towards(direction)
@@ -174,9 +175,10 @@ class Odometry(Rows):
     from_images: Mask  # (m,) images of the two nodes measured the motion
 
     def sigma_between(self, first: Ints, second: Ints) -> Array:
-        """Compute the sigma (m,) m of the displacement from a node to a later node.
+        """Compute the sigma (m,), m, of the displacement from nodes to later nodes.
 
-        Variances of the motions are summed, each along the axis with the largest.
+        The variances of the motions in between are summed, of each motion the largest of its three
+        axes.
         """
         nodes = 1 + max(int(rows.max(initial=0)) for rows in (self.second, first, second))
         walked_m2 = np.zeros(nodes)
@@ -196,7 +198,7 @@ class Returns(Rows):
     tray_offset: Array  # (m,) rad, tray at ping minus tray at node
     beam: Array  # (m, 3) unit vector in `dvl`
     range_m: Array  # (m,)
-    flagged: Mask  # (m,) disagrees with its neighbours
+    flagged: Mask  # (m,) the range disagrees with those of the same beam's neighbouring pings
     # share by which all ranges may be too long or short, beyond what the speed of sound makes
     scale_sigma: Array = field(default_factory=lambda: np.array(0.0))
 
@@ -205,12 +207,12 @@ class Returns(Rows):
 
 @dataclass(frozen=True, kw_only=True)
 class PositionTies(Rows):
-    """Positions from outside at the nodes."""
+    """Position fixes (USBL, GNSS), each tied to the nearest node."""
 
     t_ns: Ints
     node: Ints  # (m,) nearest
-    # (m, 3) m, where the position was measured in the vehicle at the node, moved since by dead
-    # reckoning
+    # (m, 3) m, the measured point (antenna or transponder at the time of the fix) in the vehicle's
+    # frame at the node, with the motion in between by dead reckoning
     antenna: Array
     north_east: Array  # (m, 2) m from the first fix
     sigma: Array  # (m,) m of either
@@ -218,7 +220,7 @@ class PositionTies(Rows):
 
 @dataclass(frozen=True, kw_only=True)
 class Attitude:
-    """Depth, roll and pitch at the nodes as measured, and how the tray was read."""
+    """Depth, roll and pitch as measured at the nodes, and what the tray's angle is known to."""
 
     node: Ints  # (m,)
     depth: Array  # (m,) m of the pressure sensor

@@ -227,7 +227,7 @@ def _by_dvl(
 
 def _timing(settings: StageSettings, delay: Delay | None) -> CameraTiming:
     top, bottom = (settings.read_optional(key, float) or 0.0 for key in READOUT_KEYS)
-    after_stamp_s = 0.0 if delay is None else delay.seconds
+    after_stamp_s = 0.0 if delay is None else delay.early_s
     return CameraTiming(readout_s=(top, bottom), bottom_after_stamp_s=after_stamp_s)
 
 

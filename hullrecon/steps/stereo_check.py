@@ -79,9 +79,9 @@ def check_rig(
 def describe_delay(delay: Delay, time_offset_s: float) -> Finding:
     """Tell how long after its stamps the bottom camera is exposed, and what states it."""
     values = {
-        "after_stamp_ms": 1e3 * delay.seconds,
+        "after_stamp_ms": 1e3 * delay.early_s,
         "sigma_ms": 1e3 * delay.sigma_s,
-        "offset_s": time_offset_s + delay.seconds,
+        "offset_s": time_offset_s + delay.early_s,
     }
     return Finding("bottom-camera-delayed", values, "camera.bottom")
 

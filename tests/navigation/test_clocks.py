@@ -144,26 +144,26 @@ def blind(logs: NavigationLogs) -> NavigationLogs:
 
 
 def test_what_is_left_of_a_delay_is_as_large_as_the_evidence_leaves_it(felt):
-    assert put_right(felt).left_s[ClockedSensor.DVL] < 0.07
-    assert put_right(blind(felt)).left_s[ClockedSensor.DVL] == pytest.approx(UNCHECKED_S)
+    assert put_right(felt).late_sigma_s[ClockedSensor.DVL] < 0.07
+    assert put_right(blind(felt)).late_sigma_s[ClockedSensor.DVL] == pytest.approx(UNCHECKED_S)
 
 
 def test_delays_of_images_that_show_no_motion_are_as_without_a_camera(felt):
     shown = put_right(felt, lambda first, second: None)
-    assert shown.left_s == put_right(felt).left_s
+    assert shown.late_sigma_s == put_right(felt).late_sigma_s
 
 
 @pytest.mark.parametrize("seconds", [0.08, -0.08])
 def test_delay_too_small_to_put_right_is_held_by_what_is_left(felt, seconds):
     found = put_right(late(felt, ClockedSensor.DVL, seconds))
-    assert found.offsets or abs(seconds) < 3 * found.left_s[ClockedSensor.DVL]
+    assert found.offsets or abs(seconds) < 3 * found.late_sigma_s[ClockedSensor.DVL]
 
 
 def test_clock_that_runs_fast_is_held_by_what_is_left(felt):
     since_s = (felt.dvl.t_ns - felt.dvl.t_ns[0]) * 1e-9
     t_ns = felt.dvl.t_ns + np.round(0.01e9 * (since_s - since_s.mean())).astype(np.int64)
     found = put_right(replace(felt, dvl=replace(felt.dvl, t_ns=t_ns)))
-    assert found.left_s[ClockedSensor.DVL] > 0.5 * 0.01 * since_s[-1] / np.sqrt(12)
+    assert found.late_sigma_s[ClockedSensor.DVL] > 0.5 * 0.01 * since_s[-1] / np.sqrt(12)
 
 
 def test_sigma_of_a_path_without_evidence_holds_a_late_dvl(felt):

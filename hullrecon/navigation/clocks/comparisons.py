@@ -6,9 +6,13 @@
 - images and DVL: the direction in which the camera went,
 - pressure and DVL: the depth against the integral of the DVL's vertical velocity,
 - attitude and DVL: the plane through a ping's returns, turned into the global frame, stands still,
-- acceleration and DVL: the change of the DVL's velocity against the integral of what the IMU feels.
+- acceleration and DVL: the change of the DVL's velocity against the integral of the IMU's
+  acceleration.
 
 Turns about the tray's axis are left out: the play of its servo looks like a time offset.
+
+Offsets here say by how much a sensor's stamps are late: they are to be subtracted from the stamps,
+and are negative where these are early.
 """
 
 from __future__ import annotations
@@ -34,12 +38,12 @@ from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Mask
 
-# The largest relative offsets found on 56 simulated dives with right clocks: images and attitude
-# 0.017 s, images and DVL 0.14, pressure and DVL 0.16, attitude and DVL 0.21; accelerations and DVL
-# 0.06 on seven. Sigmas of the systematic part, s:
-TURN_S, DIRECTION_S, DEPTH_S, HULL_S, PUSH_S = 0.01, 0.05, 0.05, 0.04, 0.04
+# Sigmas of the systematic error of each comparison's offset, s. The largest offsets found on 56
+# simulated dives with right clocks are 0.017 s of images and attitude, 0.14 of images and DVL, 0.16
+# of pressure and DVL, 0.21 of attitude and DVL, and on seven dives 0.06 of accelerations and DVL.
+TURN_S, DIRECTION_S, DEPTH_S, HULL_S, ACCELERATION_S = 0.01, 0.05, 0.05, 0.04, 0.04
 LEAST_MOTIONS = 10
-LEAST_DEPTH_BLOCKS = 4  # few tell a sigma badly, but DEPTH_S is the most of it
+LEAST_DEPTH_BLOCKS = 4  # so few tell a sigma badly, but most of the sigma is DEPTH_S
 TURN_SIGMA_RAD = 0.0015  # of the attitude's turn between two images
 STEP_SIGMA_M = 0.003  # of the DVL's step between two images
 DIRECTION_SIGMA_RAD = 0.02  # of the step's direction in the camera
@@ -48,14 +52,16 @@ TRUSTED = 3.0  # sigmas; larger residuals are clipped when the mount is estimate
 TRAY_AXIS = np.array([0.0, 1.0, 0.0])  # of tray and vehicle
 TURNED_S = 1.0  # between three normals of the hull, whose second difference is the residual
 SUNK_S = 2.0  # between three depths; second differences cancel the steady rate of a wrong mount
-PUSHED_S = 0.8  # between three velocities; second differences cancel gravity and a bias
-PUSHED_BLOCK_S = 3.0  # over which their errors are common: roll and pitch that are off
-STILL = 0.1  # of the others' motion: a signal that moves by less tells none
-LATE = 0.3  # largest delay of the next ping, as a share of the spacing
+CHANGED_S = 0.8  # between three velocities; second differences cancel gravity and a bias
+CHANGED_BLOCK_S = 3.0  # within which their errors are common, those of roll and pitch
+STILL = 0.1  # of the motion that others measure; a signal that moves by less tells nothing
+LATE = 0.3  # by which the next ping may come after the wanted time, as a share of the spacing
+# time within which errors are common, and how many such blocks and rows a comparison has to have;
+# more rows than the last are thinned out
 BLOCK_S, LEAST_BLOCKS, LEAST_ROWS, MOST_ROWS = 10.0, 6, 60, 5_000
-NEIGHBOURS, JUMP_M = 9, 0.15  # pings to a median, and how far a range may be from it
-LEAST_BEAMS = 3
-SMOOTH_S = 0.3  # of the pressure
+NEIGHBOURS, JUMP_M = 9, 0.15  # pings of a running median, and how far a range may be from it
+LEAST_BEAMS = 3  # of a ping, to fit a plane
+SMOOTH_S = 0.3  # sigma of the weights by which the pressure is smoothed
 
 
 class ClockedSensor(StrEnum):
@@ -67,7 +73,7 @@ class ClockedSensor(StrEnum):
     IMAGES = "images"
 
 
-Offsets = Mapping[ClockedSensor, float]  # by which stamps are late, s; 0 where not named
+Offsets = Mapping[ClockedSensor, float]  # by which stamps are late, s; 0 for sensors not in it
 Span = tuple[int, int]  # first and last instant, ns
 
 
@@ -78,15 +84,17 @@ class ClockComparison:
     first: ClockedSensor
     second: ClockedSensor
     systematic_s: float  # sigma of the relative offset's error that no number of rows reduces
-    begin_ns: Ints  # (n,) of the rows
-    end_ns: Ints  # (n,)
-    block: Ints  # (n,) rows of one block have errors in common, blocks are independent
-    evaluate: Callable[[Offsets, Ints], Array]  # residuals (n, k) of rows (n,), NaN if unknown
-    rows: Ints  # (n,) as evaluate numbers them
-    least_rows: int
+    begin_ns: Ints  # (n,) first instant of the motion of each row
+    end_ns: Ints  # (n,) its last instant
+    block: Ints  # (n,) number of the block; errors are common within a block only
+    # residuals (n, k) of rows (n,) at some offsets, NaN where unknown
+    evaluate: Callable[[Offsets, Ints], Array]
+    rows: Ints  # (n,) the rows that are used, as `evaluate` numbers them
+    least_rows: int  # that are needed for an estimate
     least_blocks: int = 1
 
     def residuals(self, offsets: Offsets) -> Array:
+        """Compute the residuals (n, k) of all rows at some offsets."""
         return self.evaluate(offsets, self.rows)
 
     def within(self, span: Span) -> ClockComparison:
@@ -118,13 +126,18 @@ class ImageMotions:
 def compare_turns(
     motions: ImageMotions, attitude: AttitudeHistory, servo: Servo, rig: Rig
 ) -> ClockComparison:
-    """Compare attitude and images by the camera's turns."""
+    """Compare attitude and images by the turns of the upper camera between images.
+
+    The residual is the rotation that images and attitude disagree by, in sigmas, without its part
+    about the tray's axis.
+    """
     tray_from_top = rig.tray_from(Camera.TOP).rotation
     axis = tray_from_top.inv().apply(TRAY_AXIS)
     sigma = np.hypot(motions.sigma_rad[:, :1], TURN_SIGMA_RAD)
     attitude_at, seen = _lookup(attitude), motions.second_from_first.rotation.inv()
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
+        """Compute the disagreement (n, 3) of rows, in sigmas."""
         shift_ns = _shift_ns(offsets, ClockedSensor.IMU, ClockedSensor.IMAGES)
         t_ns = np.concatenate([motions.first_ns[rows], motions.second_ns[rows]]) + shift_ns
         tray = tray_poses(rig.tray_origin, servo.angle_at(t_ns)).rotation
@@ -142,9 +155,9 @@ def compare_directions(
 ) -> ClockComparison | None:
     """Compare DVL and images by the camera's directions of motion.
 
-    Both sit on the tray, so that no attitude is needed. What the lever arm between them sweeps
-    follows from the images, and a small rotation between their mounts is estimated. None for fewer
-    than two pings.
+    Both sit on the tray, so that no attitude is needed. The motion of the lever arm between them
+    follows from the rotation that the images measured. A small rotation between their mounts is
+    estimated. None for fewer than two pings.
     """
     if len(velocities.t_ns) < 2:
         return None
@@ -158,11 +171,12 @@ def compare_directions(
     swept = halfway.inv().apply(lever) - halfway.apply(lever)
 
     def step(shift_s: float, rows: Ints) -> Array:
+        """Compute the camera's step (n, 3) between two images by the DVL, m, halfway axes."""
         t_ns = np.concatenate([motions.first_ns[rows], motions.second_ns[rows]])
         at = path.at(seconds(t_ns, start) + shift_s)
         return np.asarray(turned.apply(at[len(rows) :] - at[: len(rows)]) - swept[rows])
 
-    # the same for all offsets: otherwise offsets with the shortest steps would fit best
+    # sigmas are the same for all offsets: else the offsets with the shortest steps would fit best
     length = np.linalg.norm(step(0.0, np.arange(len(motions))), axis=1)
     of_step = STEP_SIGMA_M / np.maximum(length, STEP_SIGMA_M) + DIRECTION_SIGMA_RAD
     sigma = np.hypot(motions.sigma_rad[:, 1], of_step)[:, None]
@@ -199,8 +213,9 @@ def compare_depth(
 ) -> ClockComparison | None:
     """Compare pressure sensor and DVL by the depth.
 
-    The attitude that levels the DVL's velocity is looked up at the IMU's offset. None without pings
-    or with fewer than LEAST_ROWS pressure readings.
+    The depth by pressure is held against the integral of the DVL's vertical velocity. The attitude
+    that levels the velocity is looked up with the IMU's offset. None without pings, or with fewer
+    than LEAST_ROWS pressure readings.
     """
     known, read = np.isfinite(dvl.velocity).all(axis=1), np.isfinite(pressure.depth)
     t_ns, read_ns = dvl.t_ns[known], pressure.t_ns[read]
@@ -218,7 +233,7 @@ def compare_depth(
 
     @lru_cache(maxsize=8)
     def sunk(shift_ns: int) -> Array:
-        """Integrate how far the pressure sensor sank by the DVL, the attitude shifted."""
+        """Integrate how far the pressure sensor sank (n,), m, by DVL and an attitude shifted so."""
         at_ns = t_ns + shift_ns
         level = attitude_at(at_ns)
         found = integral(t_s, level.apply(velocity)[:, 2]).total - level.apply(lever)[:, 2]
@@ -226,13 +241,14 @@ def compare_depth(
         return np.asarray(found)
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
+        """Compute the second difference (n, 1), m, of what the two depths differ by."""
         at_s = t_s + _shift_ns(offsets, ClockedSensor.PRESSURE, ClockedSensor.DVL) / NS
         depth = np.interp(at_s, read_s, smooth)
         depth[(at_s < read_s[0]) | (at_s > read_s[-1])] = np.nan
         apart = (depth - sunk(_shift_ns(offsets, ClockedSensor.IMU, ClockedSensor.DVL)))[
             triples[rows]
         ]
-        # a second difference: a constant bias and a steady drift cancel
+        # in which a constant bias and a steady drift cancel
         return np.asarray((apart[:, 0] - 2 * apart[:, 1] + apart[:, 2])[:, None])
 
     found = _compare_with_dvl(t_ns, triples, ClockedSensor.PRESSURE, DEPTH_S, evaluate)
@@ -242,9 +258,9 @@ def compare_depth(
 def compare_hull_turns(
     dvl: DvlPings, attitude: AttitudeHistory, servo: Servo, rig: Rig
 ) -> ClockComparison | None:
-    """Compare attitude and DVL by the apparent turns of the hull, which stands still.
+    """Compare attitude and DVL by the apparent turns of the hull, which does not move.
 
-    None without pings that show the hull's normal.
+    The normal of the hull is that of a plane through a ping's returns. None without such pings.
     """
     t_ns, normal = hull_normals(dvl)
     triples = _rows_apart(t_ns, TURNED_S)
@@ -256,55 +272,58 @@ def compare_hull_turns(
     attitude_at = _lookup(attitude)
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
+        """Compute the second difference (n, 1) of the normals in `global` along the tray axis."""
         of = of_used[rows]
         at_ns = used_ns + _shift_ns(offsets, ClockedSensor.IMU, ClockedSensor.DVL)
         global_from_vehicle = attitude_at(at_ns)
         seen, axis = (global_from_vehicle.apply(vectors) for vectors in (in_vehicle, TRAY_AXIS))
         seen[(at_ns < attitude.t_ns[0]) | (at_ns > attitude.t_ns[-1])] = np.nan
-        # a second difference: a curved hull turns its normal evenly as the vehicle passes
+        # the normal of a curved hull turns evenly as the vehicle passes, which cancels
         bend = seen[of[:, 0]] - 2 * seen[of[:, 1]] + seen[of[:, 2]]
         return np.asarray((bend * axis[of[:, 1]]).sum(axis=1, keepdims=True))
 
     return _compare_with_dvl(t_ns, triples, ClockedSensor.IMU, HULL_S, evaluate)
 
 
-def compare_pushes(
+def compare_accelerations(
     dvl: DvlPings, imu: ImuSamples, attitude: AttitudeHistory, servo: Servo, rig: Rig
 ) -> ClockComparison | None:
-    """Compare IMU and DVL by the change of the DVL's velocity.
+    """Compare IMU and DVL by the change of velocity, with the integral of the acceleration.
 
-    None without pings, or without accelerations that hold gravity.
+    None without pings, without accelerations that hold gravity, or where these hold hardly anything
+    else.
     """
     known = np.isfinite(dvl.velocity).all(axis=1)
     t_ns = dvl.t_ns[known]
-    triples = _rows_apart(t_ns, PUSHED_S)
-    pushed = velocity_felt(imu, int(t_ns[0])) if len(triples) else None
-    if pushed is None:
+    triples = _rows_apart(t_ns, CHANGED_S)
+    integrated = velocity_felt(imu, int(t_ns[0])) if len(triples) else None
+    if integrated is None:
         return None
-    t_s, felt_s = seconds(t_ns, int(t_ns[0])), pushed.t_s
+    t_s, felt_s = seconds(t_ns, int(t_ns[0])), integrated.t_s
     velocity = _vehicle_from_dvl(servo, rig, t_ns).apply(dvl.velocity[known])
     lever = tray_poses(rig.tray_origin, servo.angle_at(t_ns)).apply(rig.tray_from_dvl.translation)
     attitude_at = _lookup(attitude)
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
+        """Compute the second difference (n, 3), m/s, of what the two velocities differ by."""
         shift_ns = _shift_ns(offsets, ClockedSensor.IMU, ClockedSensor.DVL)
         at_ns, at_s = t_ns + shift_ns, t_s + shift_ns / NS
         level = attitude_at(at_ns)
         swept = np.gradient(level.apply(lever), t_s, axis=0)
-        apart = level.apply(velocity) - swept - pushed.at(at_s)
+        apart = level.apply(velocity) - swept - integrated.at(at_s)
         apart[(at_s < felt_s[0]) | (at_s > felt_s[-1])] = np.nan
         return _second_difference(apart, triples[rows])
 
     moved = attitude_at(t_ns).apply(velocity)
-    if is_still(*(_second_difference(of, triples) for of in (pushed.at(t_s), moved))):
-        return None  # gravity alone: filtered, as the vertical of an attitude
-    found = _compare_with_dvl(t_ns, triples, ClockedSensor.IMU, PUSH_S, evaluate)
-    block = (found.begin_ns - t_ns[0]) // round(PUSHED_BLOCK_S * NS)
+    if is_still(*(_second_difference(each, triples) for each in (integrated.at(t_s), moved))):
+        return None  # gravity alone, as of a filter that gives the vertical of its attitude
+    found = _compare_with_dvl(t_ns, triples, ClockedSensor.IMU, ACCELERATION_S, evaluate)
+    block = (found.begin_ns - t_ns[0]) // round(CHANGED_BLOCK_S * NS)
     return replace(found, block=np.asarray(block, np.int64))
 
 
 def hull_normals(dvl: DvlPings) -> tuple[Ints, Array]:
-    """Fit a plane to each ping's returns, without those that leave the median of their beam.
+    """Fit a plane to each ping's returns, without outliers from the running median of their beam.
 
     Returns
     -------
@@ -356,9 +375,18 @@ def _compare_with_dvl(
     systematic_s: float,
     evaluate: Callable[[Offsets, Ints], Array],
 ) -> ClockComparison:
-    """Make a comparison with the DVL from triples of pings (m, 3), rows of t_ns.
+    """Make a comparison of a sensor with the DVL, a row for each triple of pings.
 
-    Errors are common within BLOCK_S.
+    Parameters
+    ----------
+    t_ns, triples
+        Stamps of the pings, and rows (m, 3) of three each.
+    first
+        The sensor.
+    systematic_s
+        Sigma of the offset's systematic error.
+    evaluate
+        Computes residuals.
     """
     begin_ns = t_ns[triples[:, 0]]
     return ClockComparison(
@@ -376,10 +404,10 @@ def _compare_with_dvl(
 
 
 def felt_in_global(imu: ImuSamples) -> tuple[Ints, Array]:
-    """Turn accelerations into `global`: stamps (n,), m/s2 (n, 3), with gravity pointing up.
+    """Turn accelerations, as an accelerometer feels them, into `global`: stamps (n,), m/s2 (n, 3).
 
-    An accelerometer at rest measures the force that holds it up. Empty without accelerations, or of
-    a sensor that has gravity taken off.
+    At rest it feels the force that holds it up, opposite to gravity. Empty without accelerations,
+    or where gravity was taken off.
     """
     felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
     known = np.isfinite(felt).all(axis=1)
@@ -390,9 +418,9 @@ def felt_in_global(imu: ImuSamples) -> tuple[Ints, Array]:
 
 
 def velocity_felt(imu: ImuSamples, start_ns: int) -> Integral | None:
-    """Integrate an IMU's accelerations, less gravity, to its velocity but for a constant.
+    """Integrate an IMU's accelerations, less gravity, to its velocity in `global` up to a constant.
 
-    In `global`, over the seconds since start_ns. None where `felt_in_global` is empty.
+    Times are seconds since start_ns. None where `felt_in_global` has fewer than two.
     """
     t_ns, felt = felt_in_global(imu)
     if len(felt) < 2:
@@ -402,7 +430,7 @@ def velocity_felt(imu: ImuSamples, start_ns: int) -> Integral | None:
 
 def is_still(values: Array, others: Array) -> bool:
     """Tell whether a sensor measures almost none of the motion (n, k) that others measure."""
-    own, whole = (float(np.sqrt(np.mean(np.square(of)))) for of in (values, others))
+    own, whole = (float(np.sqrt(np.mean(np.square(each)))) for each in (values, others))
     return own < STILL * whole
 
 
@@ -412,14 +440,15 @@ def _second_difference(values: Array, triples: Ints) -> Array:
 
 
 def _shift_ns(offsets: Offsets, sensor: ClockedSensor, other: ClockedSensor) -> int:
-    """Compute the shift to add to stamps of `other` to look `sensor` up at them."""
+    """Compute what to add to stamps of `other` so that `sensor` can be looked up at them, ns."""
     return round((offsets.get(sensor, 0.0) - offsets.get(other, 0.0)) * NS)
 
 
 def _lookup(attitude: AttitudeHistory) -> Callable[[Ints], Rotation]:
-    """Prepare to interpolate R_g_v (m) at times (m,) as attitude.rotation does, but quickly.
+    """Make a function that interpolates R_g_v (m) at times (m,) as attitude.rotation does, faster.
 
-    The search asks at a thousand offsets: what depends on the readings alone is computed once.
+    The search calls it at a thousand offsets. So what depends on the readings alone is computed
+    once.
     """
     # Slerp is a sum of both quaternions, weighted by sines of shares of the angle between them.
     t_ns, start = attitude.t_ns, attitude.quaternion[:-1]
@@ -446,9 +475,12 @@ def _vehicle_from_dvl(servo: Servo, rig: Rig, t_ns: Ints) -> Rotation:
 
 
 def _rows_apart(t_ns: Ints, apart_s: float) -> Ints:
-    """Choose pings that have pings apart_s and twice apart_s later.
+    """Choose triples of pings that lie apart_s from each other.
 
-    Rows (m, 3) of the three, thinned evenly to about MOST_ROWS.
+    Returns
+    -------
+    Ints
+        Rows (m, 3) of the three, thinned evenly to about MOST_ROWS.
     """
     rows = [np.arange(len(t_ns))]
     near = np.ones(len(t_ns), bool)
@@ -464,7 +496,7 @@ def _rows_apart(t_ns: Ints, apart_s: float) -> Ints:
 
 
 def _outside(motions: ImageMotions, rows: Ints, shift_ns: int, t_ns: Ints) -> Mask:
-    """Find the motions (rows) that begin or end beyond a sensor's stamps once they are shifted."""
+    """Find the motions (of `rows`) that begin or end beyond a sensor's stamps when shifted."""
     first, second = motions.first_ns[rows] + shift_ns, motions.second_ns[rows] + shift_ns
     return np.asarray((first < t_ns[0]) | (second > t_ns[-1]))
 

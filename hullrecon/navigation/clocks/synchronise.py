@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Estimate and correct the time offsets of DVL, IMU, pressure sensor and cameras."""
+"""Estimate and correct the time offsets of DVL, IMU, pressure sensor and cameras.
+
+An offset says by how much stamps are late: it is subtracted from them.
+"""
 
 from __future__ import annotations
 
@@ -19,10 +22,10 @@ from hullrecon.navigation.clocks.comparisons import (
     ClockedSensor,
     ImageMotions,
     Span,
+    compare_accelerations,
     compare_depth,
     compare_directions,
     compare_hull_turns,
-    compare_pushes,
     compare_turns,
 )
 from hullrecon.navigation.clocks.time_offsets import (
@@ -30,8 +33,8 @@ from hullrecon.navigation.clocks.time_offsets import (
     TimeOffset,
     WrongClocks,
     choose_by_segment,
-    delays_left,
     find_wrong_clocks,
+    remaining_offset_sigmas,
     segments,
     time_offsets,
     weigh_comparisons,
@@ -51,18 +54,20 @@ from hullrecon.records.clock import NS, format_time
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
-RUNS, LEAST_RUNS, RUN_FRAMES = 6, 3, 6  # of images whose motion is measured, in each segment
+# runs of images whose motion is measured, in a dive and at least in a segment, and images of a run
+RUNS, LEAST_RUNS, RUN_FRAMES = 6, 3, 6
 MOST_PAUSES = 4  # of a stream, the longest; a stream with more loses readings all the time
 SAME_S = 0.1  # offsets of two hypotheses that differ by less are the same
-KEYS = {  # of dive.toml, which are added to the stamps
+KEYS = {  # of dive.toml, whose values are added to the stamps (an offset with the other sign)
     ClockedSensor.DVL: "dvl.time_offset",
     ClockedSensor.IMU: "imu.time_offset",
     ClockedSensor.PRESSURE: "pressure.time_offset",
     ClockedSensor.IMAGES: "camera.*.time_offset",
 }
 
-# From two rows of the upper camera's images: second_from_first (4, 4), its translation of any
-# length, and the sigmas (2,) rad of its turn and direction; None where they do not tell.
+# Measures the motion between two images, given by their rows in the upper camera's index:
+# second_from_first (4, 4) with a translation of any length, and the sigmas (2,), rad, of its turn
+# and direction. None where the images do not tell.
 MeasureMotion = Callable[[int, int], tuple[Array, Array] | None]
 Stream = TypeVar("Stream")
 
@@ -74,9 +79,11 @@ class Synchronised:
     logs: NavigationLogs
     heard: Heard | None  # velocities and attitude of these logs; None where clocks were corrected
     offsets: list[TimeOffset]  # that were corrected
-    remarks: list[str]  # corrections, and clocks that disagree without a known culprit
-    # sigma of what is left of each delay relative to the IMU, s; empty where images are compared
-    left_s: Mapping[ClockedSensor, float]
+    # in words: corrections, and clocks that disagree where it is not known which of them is wrong
+    remarks: list[str]
+    # sigma of each sensor's remaining time offset relative to the IMU; empty where images are
+    # compared
+    late_sigma_s: Mapping[ClockedSensor, float]
 
 
 def synchronise(
@@ -124,18 +131,20 @@ def synchronise(
         found = find_wrong_clocks(own)
         if len(found) > 1:
             unknown.append(_describe_unknown(found))
-        elif not any(_same(found[0], other) for other in hypotheses):
+        elif not any(_are_same(found[0], other) for other in hypotheses):
             hypotheses.append(found[0])
     chosen = [
         hypotheses[k]
         for k in choose_by_segment(evidence, spans, [h.corrections() for h in hypotheses])
     ]
 
-    # Without images, delays that cannot be seen may be left.
-    left = {}
+    # Without images, offsets too small to be seen may remain.
+    late_sigma_s = {}
     if motions is None:
         k = int(np.argmax([end - begin for begin, end in spans]))
-        left = delays_left(parts[k] if parts else evidence, chosen[k].corrections(), spans[k])
+        late_sigma_s = remaining_offset_sigmas(
+            parts[k] if parts else evidence, chosen[k].corrections(), spans[k]
+        )
     compared = {sensor for c in known for sensor in (c.first, c.second)}
     offsets = time_offsets(
         spans, chosen, [sensor for sensor in ClockedSensor if sensor in compared]
@@ -146,14 +155,17 @@ def synchronise(
         heard=None if offsets else heard,
         offsets=offsets,
         remarks=remarks,
-        left_s=left,
+        late_sigma_s=late_sigma_s,
     )
 
 
 def _compare(
     logs: NavigationLogs, heard: Heard, rig: Rig, motions: ImageMotions | None
 ) -> list[ClockComparison]:
-    """Compare the clocks of all sensors, with images where these show the motion."""
+    """Compare the clocks of all sensors.
+
+    Where images show the motion they are compared with IMU and DVL, else these with each other.
+    """
     attitude, tray = heard.attitude, servo(logs.tray, int(logs.dvl.t_ns[0]))
     made: list[ClockComparison | None] = []
     if motions is not None:
@@ -161,19 +173,20 @@ def _compare(
         made.append(compare_directions(motions, heard.velocities, rig))
     elif not _is_a_minute_off(logs):
         made.append(compare_hull_turns(logs.dvl, attitude, tray, rig))
-        made.append(compare_pushes(logs.dvl, logs.imu, attitude, tray, rig))
+        made.append(compare_accelerations(logs.dvl, logs.imu, attitude, tray, rig))
     if logs.pressure is not None:
         made.append(compare_depth(logs.dvl, attitude, logs.pressure, tray, rig))
     return [comparison for comparison in made if comparison is not None]
 
 
-def _same(first: WrongClocks, second: WrongClocks) -> bool:
+def _are_same(first: WrongClocks, second: WrongClocks) -> bool:
+    """Tell whether two hypotheses correct the same sensors by the same offsets, to SAME_S."""
     one, other = first.corrections(), second.corrections()
     return one.keys() == other.keys() and all(abs(one[s] - other[s]) < SAME_S for s in one)
 
 
 def _describe_unknown(alike: Sequence[WrongClocks]) -> str:
-    """Name the clocks that disagree where it is not known which of them is wrong."""
+    """Describe clocks that disagree where several hypotheses explain them equally well."""
     sensors = dict.fromkeys(sensor for hypothesis in alike for sensor in hypothesis.wrong)
     first = alike[0].wrong[0]
     return (
@@ -184,16 +197,16 @@ def _describe_unknown(alike: Sequence[WrongClocks]) -> str:
 
 
 def _is_a_minute_off(logs: NavigationLogs) -> bool:
-    """Tell whether the IMU began and ended a minute before or after the DVL.
+    """Tell whether the IMU began and ended a minute before, or after, the DVL.
 
-    Such an offset is beyond those searched, and a smaller one might fit by chance.
+    Such an offset is larger than those that are searched, and a smaller one might fit by chance.
     """
     began_s, ended_s = ((logs.imu.t_ns[end] - logs.dvl.t_ns[end]) / NS for end in (0, -1))
     return bool(min(abs(began_s), abs(ended_s)) > FAR_S and began_s * ended_s > 0)
 
 
 def _pauses(t_ns: Ints) -> list[int]:
-    """Find the middles of a stream's longest pauses, where its clock may have jumped."""
+    """Find the middles (ns) of a stream's longest pauses, where its clock may have jumped."""
     step = np.diff(t_ns)
     if not len(step):
         return []
@@ -209,7 +222,21 @@ def _motions(
     velocities: Velocities,
     attitude: AttitudeHistory,
 ) -> ImageMotions:
-    """Measure the camera's motion in some runs of images of each segment, outside of outages."""
+    """Measure the upper camera's motion in some runs of images of each segment.
+
+    Motions in outages of DVL or IMU, and beyond their records, are left out.
+
+    Parameters
+    ----------
+    frames
+        Stamps and rows of the upper camera's usable images.
+    spans
+        The segments.
+    measure
+        Measures the motion between two images.
+    velocities, attitude
+        Of DVL and IMU.
+    """
     t_ns, row = frames
     ends = [stream.t_ns[[0, -1]] for stream in (velocities, attitude) if len(stream.t_ns)]
     begin, end = max(e[0] for e in ends), min(e[1] for e in ends)
@@ -234,7 +261,17 @@ def _motions(
 
 
 def choose_runs(t_ns: Ints, inside: Ints, runs: int) -> list[list[int]]:
-    """Choose runs of frames, spread evenly over the rows `inside` (m,), a stride between frames."""
+    """Choose runs of frames, spread evenly over some rows, with STRIDE_S between frames of a run.
+
+    Parameters
+    ----------
+    t_ns
+        Stamps of all frames.
+    inside
+        Rows (m,) to choose from.
+    runs
+        How many.
+    """
     if len(inside) < 2:
         return []
     starts = np.unique(np.linspace(inside[0], inside[-1], runs + 2)[1:-1].astype(int)).tolist()
@@ -249,7 +286,7 @@ def choose_runs(t_ns: Ints, inside: Ints, runs: int) -> list[list[int]]:
 
 
 def corrected_stamps(t_ns: Ints, offsets: Sequence[TimeOffset], sensor: ClockedSensor) -> Ints:
-    """Subtract a sensor's offsets from its stamps."""
+    """Subtract a sensor's offsets, each in its span, from its stamps (n,)."""
     out = t_ns.copy()
     for offset in offsets:
         if offset.sensor is sensor:
@@ -258,7 +295,7 @@ def corrected_stamps(t_ns: Ints, offsets: Sequence[TimeOffset], sensor: ClockedS
 
 
 def _corrected(logs: NavigationLogs, offsets: Sequence[TimeOffset]) -> NavigationLogs:
-    """Subtract the offsets from the stamps of the logs, and put these in order again."""
+    """Subtract the offsets from the stamps of the logs, and sort the readings again."""
     wrong = {offset.sensor for offset in offsets}
 
     def moved(record: Stream, sensor: ClockedSensor) -> Stream:
@@ -286,7 +323,7 @@ def _corrected(logs: NavigationLogs, offsets: Sequence[TimeOffset]) -> Navigatio
 
 
 def _in_order(record: Stream) -> Stream:
-    """Sort a record whose offset changed, and drop rows whose stamp then repeats."""
+    """Sort a record whose offset changes along the dive, and drop rows whose stamp repeats then."""
     if record is None:
         return record
     stamps: Ints = record.t_ns  # type: ignore[attr-defined]
@@ -303,9 +340,9 @@ def _in_order(record: Stream) -> Stream:
 
 
 def describe_offsets(offsets: Sequence[TimeOffset]) -> list[str]:
-    """Describe by how much each sensor's clock was wrong.
+    """Describe by how much each sensor's clock was wrong, one sentence for each sensor.
 
-    offsets: by sensor, then by time.
+    offsets: sorted by sensor, then by time.
     """
     out = []
     for sensor, parts in itertools.groupby(offsets, key=lambda offset: offset.sensor):
@@ -326,9 +363,9 @@ def describe_offsets(offsets: Sequence[TimeOffset]) -> list[str]:
 
 
 def _by_key(found: Sequence[TimeOffset]) -> str:
-    """Name the key of dive.toml that corrects a clock, with the sign.
+    """Say by how much to change the key of dive.toml that corrects a clock.
 
-    "" where the offset changes.
+    "" where the offset changes along the dive.
     """
     if len(found) > 1:
         return ""

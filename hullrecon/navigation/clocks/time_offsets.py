@@ -8,6 +8,8 @@ the sensors whose clocks are wrong: all offsets follow by weighted least squares
 clocks have a narrow prior and wrong ones none. A wrong clock has to lower chi-square by GAIN, and
 must do so better than any other offset and any other sensor. Offsets change where a stream pauses,
 if that lowers chi-square.
+
+Offsets are positive where stamps are late, and are subtracted from them.
 """
 
 from __future__ import annotations
@@ -23,40 +25,41 @@ from hullrecon.navigation.clocks.comparisons import ClockComparison, ClockedSens
 from hullrecon.records.clock import NS
 from hullrecon.typing import Array
 
-SYNCHRONISED_S = 0.005  # sigma of a right clock
-UNKNOWN_S = 1000.0  # prior sigma of a wrong clock
+SYNCHRONISED_S = 0.005  # prior sigma of a right clock's offset
+UNKNOWN_S = 1000.0  # prior sigma of a wrong clock's offset
 GAIN = 25.0  # by which chi-square falls where a clock is wrong: five sigmas
 ALIKE = 4.0  # hypotheses whose chi-squares differ by less are equivalent
 SIGNIFICANT = 5.0  # sigmas of an offset that is corrected
-NEAR_S, FAR_S = 5.0, 60.0  # offsets searched; far ones where near ones do not show agreement
-# offsets looked at: a swell that repeats itself fits a minute off a clock that is later still
+# offsets that are searched, and, where these do not show that clocks agree, those that are found
+NEAR_S, FAR_S = 5.0, 60.0
+# Farther offsets are evaluated but not accepted: a swell repeats itself, so that an offset within
+# FAR_S may fit by chance where the right one is beyond
 BEYOND_S = 120.0
-GRID_S, FAR_GRID_S = 0.1, 0.2
-OTHER_S = 0.5  # between two different offsets
-MINIMA = 5  # of a comparison's cost
+GRID_S, FAR_GRID_S = 0.1, 0.2  # steps of the search, near and far
+OTHER_S = 0.5  # between two offsets that count as different
+MINIMA = 5  # of a comparison's cost that are kept
 TRIED = 3  # candidates that are refined
-STEP_S = 0.2  # of the numeric derivative: over less, noise would look like slope
+STEP_S = 0.2  # of the numeric derivative; over a shorter one noise would look like slope
 TRUSTED, WILD = 2.0, 6.0  # sigmas beyond which a residual weighs less, and nothing
-LEAST_KNOWN = 0.5  # of the rows; an offset that leaves fewer does not tell their scatter
-ROUNDS, CONVERGED_S = 8, 1e-4
-# sigma of a clock that nothing compares: a driver that stamps messages as they arrive is late by
-# the instrument's own work and by the line
+LEAST_KNOWN = 0.5  # share of the rows that an offset has to leave to tell their scatter
+ROUNDS, CONVERGED_S = 8, 1e-4  # of Gauss-Newton
+# sigma of the offset of a clock that no comparison checks: a driver that stamps messages when they
+# arrive is late by the time that the instrument and the transmission take
 UNCHECKED_S = 0.1
-# sigmas of a clock's rate: quartz is right to 1e-4, which no dive shows, and only one that is seen
-# counts
+# Sigmas from which on a clock's rate counts. Quartz is right to 1e-4, which no dive shows
 SEEN_RATE = 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class TimeOffset:
-    """The delay of a sensor's stamps in a span of them, at least SIGNIFICANT sigmas."""
+    """By how much a sensor's stamps are late in a span, at least SIGNIFICANT sigmas."""
 
     sensor: ClockedSensor
     from_ns: int
     to_ns: int
-    seconds: float  # to be subtracted from the stamps; negative where they are early
+    seconds: float  # late: to be subtracted from the stamps; negative where they are early
     sigma_s: float
-    relative_to: tuple[ClockedSensor, ...]  # whose clocks are right
+    relative_to: tuple[ClockedSensor, ...]  # sensors whose clocks are taken as right
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,11 +68,12 @@ class WrongClocks:
 
     wrong: tuple[ClockedSensor, ...]
     offsets: Offsets  # of all sensors
-    sigma_s: Offsets
+    sigma_s: Offsets  # sigmas of the offsets
     chi2: float
 
     @property
     def total(self) -> float:
+        """Chi-square plus GAIN for each wrong clock, by which hypotheses are compared."""
         return self.chi2 + GAIN * len(self.wrong)
 
     def corrections(self) -> dict[ClockedSensor, float]:
@@ -83,31 +87,39 @@ class Evidence:
 
     comparison: ClockComparison
     sigma: float  # of a residual
-    usual_cost: Array  # (n,) mean cost of each row, for offsets at which it is unknown
-    minima_s: list[float]  # relative offsets, the lowest first
+    # (n,) mean cost of each row over all offsets, used at offsets where the row's cost is unknown
+    mean_cost: Array
+    minima_s: list[float]  # relative offsets at the minima, the lowest minimum first
     rows_per_error: float = 1.0  # how many rows share one error, by the scatter among blocks
-    least_chi2: float = 0.0  # at the best offset
+    least_chi2: float = 0.0  # chi-square at the best relative offset
 
     def cost(self, offsets: Offsets, span: Span | None = None) -> float:
         """Compute chi-square at some offsets, of all rows or of those in a span."""
-        cost = _filled(_clipped(self.comparison.residuals(offsets), self.sigma), self.usual_cost)
+        cost = _filled(_clipped(self.comparison.residuals(offsets), self.sigma), self.mean_cost)
         if span is not None:
             inside = self.comparison.begin_ns >= span[0]
             cost = cost[inside & (self.comparison.end_ns <= span[1])]
         return float(cost.sum()) / self.rows_per_error
 
     def relative(self, offsets: Offsets) -> float:
+        """Compute the offset of the first sensor relative to the second, s."""
         return offsets.get(self.comparison.first, 0.0) - offsets.get(self.comparison.second, 0.0)
 
 
 def weigh_comparisons(comparisons: Iterable[ClockComparison]) -> list[Evidence]:
-    """Scan the cost of each comparison that has enough rows, leaving out those without scatter."""
+    """Scan the cost of each comparison over offsets.
+
+    Comparisons with too few rows, or without any scatter, are left out.
+    """
     found = (_weigh_comparison(comparison) for comparison in comparisons if comparison.is_enough)
     return [evidence for evidence in found if evidence is not None]
 
 
 def _weigh_comparison(comparison: ClockComparison) -> Evidence | None:
-    """Scan near offsets, and far ones where the near ones do not show that the clocks agree."""
+    """Scan near offsets, and far ones too unless the near ones show that the clocks agree.
+
+    They do where the best offset is near zero and any other costs GAIN more.
+    """
     steps = round(NEAR_S / GRID_S)
     near = np.asarray(GRID_S * np.arange(-steps, steps + 1), float)
     found = _scan_offsets(comparison, near)
@@ -122,8 +134,10 @@ def _weigh_comparison(comparison: ClockComparison) -> Evidence | None:
 def _scan_offsets(comparison: ClockComparison, shifts: Array) -> Evidence | None:
     """Compute the cost of a comparison at many offsets, and list its lowest minima.
 
-    Its sigma is the least scatter at any offset: at a wrong offset residuals scatter more. None
-    where no offset leaves enough rows.
+    The sigma of a residual is the least scatter at any offset, as residuals scatter more at a wrong
+    one. None where no offset leaves enough rows, or where there is no scatter.
+
+    shifts: offsets of the comparison's first sensor, s.
     """
     table = [comparison.residuals({comparison.first: float(shift)}) for shift in shifts]
     known = [np.isfinite(found) for found in table]
@@ -136,13 +150,13 @@ def _scan_offsets(comparison: ClockComparison, shifts: Array) -> Evidence | None
         return None
     cost = np.array([_clipped(found, min(sigmas)) for found in table])
     given = np.isfinite(cost)
-    usual = np.where(given, cost, 0.0).sum(axis=0) / np.maximum(given.sum(axis=0), 1)
-    total = _filled(cost, usual).sum(axis=1)
+    mean_cost = np.where(given, cost, 0.0).sum(axis=0) / np.maximum(given.sum(axis=0), 1)
+    total = _filled(cost, mean_cost).sum(axis=1)
     minima: list[float] = []
     while len(minima) < MINIMA and np.isfinite(total).any():
         minima.append(float(shifts[np.argmin(total)]))
         total = np.where(np.abs(shifts - minima[-1]) < OTHER_S, np.inf, total)
-    found = Evidence(comparison=comparison, sigma=min(sigmas), usual_cost=usual, minima_s=minima)
+    found = Evidence(comparison=comparison, sigma=min(sigmas), mean_cost=mean_cost, minima_s=minima)
     best = refine(found, {comparison.first: minima[0]})
     if best is None:
         return None
@@ -154,35 +168,38 @@ def _scan_offsets(comparison: ClockComparison, shifts: Array) -> Evidence | None
 class Refined:
     """The relative offset at a minimum of a comparison's cost."""
 
-    relative_s: float
+    relative_s: float  # of the first sensor, minus that of the second
     variance: float  # s2, from the scatter among blocks
-    rows_per_error: float
+    rows_per_error: float  # how many rows share one error
 
 
 def refine(evidence: Evidence, start: Offsets) -> Refined | None:
     """Minimise a comparison's cost from some offsets, by Gauss-Newton with robust weights.
 
-    The offset of its first sensor is changed, by at most a second. None where the residuals do not
-    depend on it.
+    The offset of its first sensor is changed, by at most a second. Its variance is cluster-robust:
+    the larger of those by rows and by blocks. None where the residuals do not depend on it.
+
+    start: offsets of all sensors, of which that of the first one is refined.
     """
     comparison = evidence.comparison
     moved = 0.0
 
     def residuals(more_s: float) -> Array:
+        """Compute the residuals with the first sensor's offset changed by so much."""
         first = start.get(comparison.first, 0.0) + more_s
         return comparison.residuals({**start, comparison.first: first})
 
     for _ in range(ROUNDS):
         slope, found, weight = _linearised(residuals, moved)
-        curvature, pull = float((weight * slope**2).sum()), (weight * slope * found).sum(axis=1)
+        curvature, gradient = float((weight * slope**2).sum()), (weight * slope * found).sum(axis=1)
         if curvature <= 0:
             return None
-        step = -float(pull.sum()) / curvature
+        step = -float(gradient.sum()) / curvature
         moved = float(np.clip(moved + step, -1.0, 1.0))
         if abs(step) < CONVERGED_S:
             break
-    by_row = float(np.square(pull).sum())
-    by_block = float(np.square(np.bincount(comparison.block, pull)).sum())
+    by_row = float(np.square(gradient).sum())
+    by_block = float(np.square(np.bincount(comparison.block, gradient)).sum())
     if by_row <= 0:
         return None
     return Refined(
@@ -193,7 +210,12 @@ def refine(evidence: Evidence, start: Offsets) -> Refined | None:
 
 
 def _linearised(residuals: Callable[[float], Array], at_s: float) -> tuple[Array, Array, Array]:
-    """Compute slopes, residuals and robust weights (n, k) of rows at an offset. 0: unknown."""
+    """Compute slopes by the offset, residuals and robust weights of rows, each (n, k).
+
+    All are 0 where a residual is unknown.
+
+    residuals: computes them at an offset. at_s: the offset.
+    """
     found = residuals(at_s)
     slope = (residuals(at_s + STEP_S) - residuals(at_s - STEP_S)) / (2 * STEP_S)
     known = np.isfinite(found) & np.isfinite(slope)
@@ -207,7 +229,11 @@ def _linearised(residuals: Callable[[float], Array], at_s: float) -> tuple[Array
 
 
 def find_wrong_clocks(evidence: Sequence[Evidence]) -> list[WrongClocks]:
-    """Find whose clocks are wrong.
+    """Find whose clocks are wrong: none, one or two.
+
+    The hypotheses are that all clocks are right, that one sensor's is wrong, and, where that leaves
+    much unexplained, that a second one is wrong too. Those of nearly the least `total` are
+    equivalent.
 
     Returns
     -------
@@ -218,17 +244,19 @@ def find_wrong_clocks(evidence: Sequence[Evidence]) -> list[WrongClocks]:
     present = {s for e in evidence for s in (e.comparison.first, e.comparison.second)}
     sensors = [sensor for sensor in ClockedSensor if sensor in present]
     right = solve_offsets(evidence, (), {})
-    if _unexplained(evidence, right) < GAIN:
+    if _excess_chi2(evidence, right) < GAIN:
         return [right]
     found = [right]
     for sensor in sensors:
-        one = _with_one_more(evidence, right, sensor)
+        one = _with_one_more_wrong(evidence, right, sensor)
         if one is None:
             continue
         found.append(one)
-        if _unexplained(evidence, one) >= GAIN:
+        if _excess_chi2(evidence, one) >= GAIN:
             more = (
-                _with_one_more(evidence, one, other) for other in sensors if other is not sensor
+                _with_one_more_wrong(evidence, one, other)
+                for other in sensors
+                if other is not sensor
             )
             found += [two for two in more if two is not None]
     found = [_with_right_imu(evidence, hypothesis, sensors) for hypothesis in found]
@@ -243,9 +271,19 @@ def find_wrong_clocks(evidence: Sequence[Evidence]) -> list[WrongClocks]:
 def solve_offsets(
     evidence: Sequence[Evidence], wrong: tuple[ClockedSensor, ...], start: Offsets
 ) -> WrongClocks:
-    """Estimate all offsets by weighted least squares, from some offsets of the wrong clocks.
+    """Estimate all offsets by weighted least squares, given which clocks are wrong.
 
-    Comparisons weigh by their scatter alone. Sigmas and chi-square have their systematic part too.
+    Each comparison, refined from `start`, measures the difference of two offsets. Comparisons are
+    weighted by their scatter alone. Sigmas and chi-square include their systematic error too.
+
+    Parameters
+    ----------
+    evidence
+        The comparisons.
+    wrong
+        Sensors whose clocks are wrong.
+    start
+        Offsets of these to start from.
     """
     sensors = list(ClockedSensor)
     prior = np.array([UNKNOWN_S if sensor in wrong else SYNCHRONISED_S for sensor in sensors])
@@ -276,17 +314,26 @@ def solve_offsets(
     )
 
 
-def delays_left(
+def remaining_offset_sigmas(
     evidence: Sequence[Evidence], corrected: Offsets, span: Span
 ) -> dict[ClockedSensor, float]:
-    """Estimate the sigma of each sensor's delay relative to the IMU, after a correction.
+    """Estimate the sigma, s, of each sensor's remaining offset from the IMU, after a correction.
 
-    It holds the delay that is seen but was not corrected, and that of a clock that runs fast or
-    slow: where it is not known which of two does, both may.
+    It includes an offset that is seen but was not corrected, and the drift of a clock that runs
+    fast or slow. Where it is not known which of two clocks drifts, both get it.
+
+    Parameters
+    ----------
+    evidence
+        The comparisons within the span.
+    corrected
+        Offsets that were corrected.
+    span
+        First and last instant.
     """
     middle_ns, lasts_s = (span[0] + span[1]) // 2, (span[1] - span[0]) / NS
     sensors = [sensor for sensor in ClockedSensor if sensor is not ClockedSensor.IMU]
-    information, pull = np.eye(len(sensors)) / UNCHECKED_S**2, np.zeros(len(sensors))
+    information, gradient = np.eye(len(sensors)) / UNCHECKED_S**2, np.zeros(len(sensors))
     rates = np.zeros(len(sensors))
     for one in evidence:
         fit, rate = refine(one, corrected), _relative_rate(one, corrected, middle_ns)
@@ -296,26 +343,31 @@ def delays_left(
         if fit is not None:
             weight = 1 / (fit.variance + systematic**2)
             information += weight * np.outer(row, row)
-            pull += weight * row * (fit.relative_s - one.relative(corrected))
-        # what is systematic may differ from one end of the dive to the other
+            gradient += weight * row * (fit.relative_s - one.relative(corrected))
+        # systematic errors may differ between the ends of the dive, and so look like a rate
         if rate is not None and abs(rate[0]) > SEEN_RATE * np.hypot(rate[1], systematic / lasts_s):
             rates = np.maximum(rates, np.abs(row) * abs(rate[0]))
     covariance = np.linalg.inv(information)
-    offset = covariance @ pull
-    held = np.sqrt(np.diag(covariance) + offset**2 + (rates * lasts_s) ** 2 / 12)
-    return dict(zip(sensors, held.tolist(), strict=True))
+    offset = covariance @ gradient
+    # of a steady drift about the middle of the span the variance is (rate * time)^2 / 12
+    sigma = np.sqrt(np.diag(covariance) + offset**2 + (rates * lasts_s) ** 2 / 12)
+    return dict(zip(sensors, sigma.tolist(), strict=True))
 
 
 def _relative_rate(
     evidence: Evidence, corrected: Offsets, middle_ns: int
 ) -> tuple[float, float] | None:
-    """Estimate the relative rate of a comparison's clocks and its sigma, beside their offset.
+    """Estimate the relative rate of a comparison's clocks, s a second, and its sigma.
 
-    None where the residuals do not depend on it.
+    Rate and offset are fitted together by one weighted least-squares step from the best offset. The
+    sigma is cluster-robust. None where the residuals do not depend on both.
+
+    middle_ns: instant at which the rate adds nothing to the offset.
     """
     comparison = evidence.comparison
 
     def residuals(more_s: float) -> Array:
+        """Compute the residuals with the first sensor's offset changed by so much."""
         first = corrected.get(comparison.first, 0.0) + more_s
         return comparison.residuals({**corrected, comparison.first: first})
 
@@ -329,28 +381,31 @@ def _relative_rate(
     information = np.einsum("ank,bnk->ab", columns * weight, columns)
     if not np.linalg.eigvalsh(information)[0] > 0:
         return None
-    pull = (weight * columns * found).sum(axis=2)
-    step = -np.linalg.solve(information, pull.sum(axis=1))
-    by_unknown = np.linalg.inv(information)
-    left = (weight * columns * (found + np.tensordot(step, columns, 1))).sum(axis=2)
-    by_row = left @ left.T
-    blocks = np.stack([np.bincount(comparison.block, of) for of in left])
-    variance = max((by_unknown @ of @ by_unknown)[1, 1] for of in (by_row, blocks @ blocks.T))
+    gradient = (weight * columns * found).sum(axis=2)
+    step = -np.linalg.solve(information, gradient.sum(axis=1))
+    inverse = np.linalg.inv(information)
+    # gradients (2, n) of the rows after the step, whose scatter by row and by block is the variance
+    remaining = (weight * columns * (found + np.tensordot(step, columns, 1))).sum(axis=2)
+    by_row = remaining @ remaining.T
+    blocks = np.stack([np.bincount(comparison.block, each) for each in remaining])
+    variance = max((inverse @ scatter @ inverse)[1, 1] for scatter in (by_row, blocks @ blocks.T))
     return float(step[1]), float(np.sqrt(variance))
 
 
-def _unexplained(evidence: Sequence[Evidence], hypothesis: WrongClocks) -> float:
-    """Compute the possible fall of chi-square if each comparison had its best relative offset."""
+def _excess_chi2(evidence: Sequence[Evidence], hypothesis: WrongClocks) -> float:
+    """Compute by how much chi-square exceeds that of each comparison at its own best offset."""
     return hypothesis.chi2 - sum(one.least_chi2 for one in evidence)
 
 
-def _with_one_more(
+def _with_one_more_wrong(
     evidence: Sequence[Evidence], base: WrongClocks, sensor: ClockedSensor
 ) -> WrongClocks | None:
-    """Test whether one more sensor's clock is wrong.
+    """Test the hypothesis that one more sensor's clock is wrong.
 
-    None where that gains less than GAIN, where another offset gains as much, or where the offset
-    is not significant or beyond FAR_S.
+    None where chi-square falls by less than GAIN, where it falls as much at another offset, or
+    where the offset is not significant or is beyond FAR_S.
+
+    base: the hypothesis so far, without this sensor.
     """
     # Offsets of the sensor at which one of its comparisons has a minimum, with the cost of all.
     start = base.corrections()
@@ -385,7 +440,10 @@ def _with_one_more(
 def _with_right_imu(
     evidence: Sequence[Evidence], found: WrongClocks, sensors: Sequence[ClockedSensor]
 ) -> WrongClocks:
-    """Refer the offsets to the IMU's clock where that makes no more clocks wrong."""
+    """Refer the offsets to the IMU's clock, unless that makes more clocks wrong.
+
+    Only differences of offsets are observed, so that one clock has to be taken as right.
+    """
     if ClockedSensor.IMU not in found.wrong or len(found.wrong) < 2:
         return found
     moved = {s: found.offsets[s] - found.offsets[ClockedSensor.IMU] for s in sensors}
@@ -398,7 +456,24 @@ def _with_right_imu(
 def choose_by_segment(
     evidence: Sequence[Evidence], spans: Sequence[Span], states: Sequence[Offsets]
 ) -> list[int]:
-    """Choose the offsets of each segment: the least chi-square, with ALIKE for each change."""
+    """Choose the offsets of each segment by least chi-square, plus ALIKE for each change.
+
+    The best sequence is found by dynamic programming (Viterbi).
+
+    Parameters
+    ----------
+    evidence
+        The comparisons.
+    spans
+        The segments.
+    states
+        Offsets to choose from.
+
+    Returns
+    -------
+    list of int
+        For each segment a row of `states`.
+    """
     cost = np.array(
         [[sum(e.cost(state, span) for e in evidence) for state in states] for span in spans]
     )
@@ -422,7 +497,20 @@ def segments(pauses_ns: Iterable[int], span: Span) -> list[Span]:
 def time_offsets(
     spans: Sequence[Span], chosen: Sequence[WrongClocks], sensors: Sequence[ClockedSensor]
 ) -> list[TimeOffset]:
-    """Put segments with one hypothesis together, and list the wrong clocks of each by sensor."""
+    """Join neighbouring segments with the same hypothesis, and list the wrong clocks of each.
+
+    Parameters
+    ----------
+    spans, chosen
+        The segments, and the hypothesis of each.
+    sensors
+        That were compared.
+
+    Returns
+    -------
+    list of TimeOffset
+        By sensor, then by time.
+    """
     out: list[TimeOffset] = []
     k = 0
     for hypothesis, group in itertools.groupby(chosen):
@@ -447,13 +535,13 @@ def time_offsets(
 
 
 def _clipped(residuals: Array, sigma: float) -> Array:
-    """Sum the squares of residuals (n, k) in sigmas by row, each clipped at half of WILD."""
+    """Sum the squares of residuals (n, k) in sigmas by row (n,), each clipped at half of WILD."""
     return np.asarray(np.square(np.minimum(np.abs(residuals) / sigma, WILD / 2)).sum(axis=1))
 
 
-def _filled(cost: Array, usual_cost: Array) -> Array:
-    """Replace unknown costs of a row by its usual cost, so that they favour no offset.
+def _filled(cost: Array, mean_cost: Array) -> Array:
+    """Replace unknown costs of a row by its mean cost, so that they favour no offset.
 
-    At zero cost, the farthest offsets, which leave the fewest rows, would look best.
+    With zero in their place the largest offsets, which leave the fewest rows, would look best.
     """
-    return np.where(np.isfinite(cost), cost, usual_cost)
+    return np.where(np.isfinite(cost), cost, mean_cost)

@@ -36,11 +36,10 @@ from hullrecon.records.trajectory import Attitude, Odometry, PositionTies, Traje
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Mask
 
-# of a link's whitened square in units of its rows: dynamic covariance scaling has all but dropped
-# it
+# chi-square of a link over its rows; beyond, dynamic covariance scaling has all but dropped it
 REJECTED_CHI2 = 5.0
-MAX_REJECTED_SHARE = 0.03  # of the links, beyond which the path itself may be wrong
-# links of a node that count as independent; with more, they share its features' noise
+MAX_REJECTED_SHARE = 0.03  # of the links; if more are rejected, the path itself may be wrong
+# links of a node that count as independent; with more, they share the noise of its features
 SHARED_IMAGES = 2.0
 MOUNTS = ("T_s_d", "T_s_ct", "T_ct_cb")
 KERNELS = {
@@ -48,8 +47,9 @@ KERNELS = {
     "switch": native.LinkKernel.SWITCH,
     "none": native.LinkKernel.NONE,
 }
-# Damping holds what little stiffens a long path, its bends, far more than its steps: with a smaller
-# radius these take ten iterations more, and stop short of the minimum.
+# Damping slows the bends of a long path, about which the measurements tell little, far more than
+# its single steps. With a smaller trust region they take ten iterations more, and stop short of the
+# minimum.
 OPTIONS = native.Options(
     method="naive", max_iterations=60, function_tolerance=1e-7, initial_radius=1e8
 )
@@ -57,25 +57,32 @@ OPTIONS = native.Options(
 
 @dataclass(frozen=True, kw_only=True)
 class PoseGraph:
-    """Navigation's measurements, the rig with its priors, and the guard against wrong links."""
+    """Navigation's measurements, the rig with its priors, and the robust kernel for links."""
 
     trajectory: Trajectory
     odometry: Odometry
     attitude: Attitude
     rig: Rig
-    kernel: str = "scaling"  # the guard against wrong links: "scaling", "switch" or "none"
-    planes: TiedPlanes | None = None  # of the hull, which tie passes
-    positions: PositionTies | None = None  # from outside
+    kernel: str = "scaling"  # robust kernel against wrong links: "scaling", "switch" or "none"
+    planes: TiedPlanes | None = None  # patches of hull that were seen on two passes and tie them
+    positions: PositionTies | None = None  # position fixes (USBL, GNSS)
 
     def solve(self, links: CameraLinks, before: GraphSolution | None = None) -> GraphSolution:
         """Find the path of least cost.
 
-        before: a solution with fewer links to start from. Without one the start is that of
-        `path_along_links`, from which correct links look as wrong as wrong ones, so that the first
-        solve is not guarded against wrong links. That start is also tried where more than
-        MAX_REJECTED_SHARE of the links look wrong from the earlier solution: an error that they
-        share, as of the cameras' mount, may be one that it could not know. Raises StageError where
-        nothing determines the path.
+        Without an earlier solution the start is `path_along_links`. Seen from there correct links
+        look as wrong as wrong ones, so a first solve takes all links as right, and a second one
+        guards against wrong links. The first solve is also tried where more than
+        MAX_REJECTED_SHARE of the links are rejected from the earlier solution: they may share an
+        error, as of the cameras' mount, that the earlier solution could not know. The cheaper
+        result counts. Raises StageError where nothing determines the path.
+
+        Parameters
+        ----------
+        links
+            Relative poses that images measured.
+        before
+            A solution with fewer links, to start from.
         """
         if before is None:
             begin = path_along_links(self.trajectory, self.odometry, links, self.rig)
@@ -122,7 +129,10 @@ class PoseGraph:
 
     @staticmethod
     def _started(problem: native.Problem, known: native.Unknowns) -> native.Unknowns:
-        """Carry over the unknowns of another problem of the same dive."""
+        """Carry over the unknowns of another problem of the same dive.
+
+        Switches of links and planes stay those of `problem`, as their number may differ.
+        """
         return replace(
             known, link_switch=problem.unknowns.link_switch, plane=problem.unknowns.plane
         )
@@ -130,7 +140,15 @@ class PoseGraph:
     def _problem(
         self, links: CameraLinks, kernel: native.LinkKernel, path: Poses
     ) -> native.Problem:
-        """Build the problem, started from dead reckoning. path: T_g_v as known so far."""
+        """Build the native problem, started from dead reckoning.
+
+        Parameters
+        ----------
+        links, kernel
+            Relative poses, and how wrong ones are guarded against.
+        path
+            global_from_vehicle (n) as known so far, about which odometry is linearised.
+        """
         rig, t, start = self.rig, self.trajectory, self.trajectory.track().path
         switches = len(links) if kernel == native.LinkKernel.SWITCH else 0
         mounts = {
@@ -183,7 +201,7 @@ class GraphSolution:
     graph: PoseGraph
     links: CameraLinks
     problem: native.Problem  # at its solution
-    rejected: Mask  # (m,) links that the rest contradicts
+    rejected: Mask  # (m,) links that all other measurements contradict
     converged: bool
 
     @property
@@ -204,10 +222,10 @@ class GraphSolution:
     def information_gain(
         self, bottom: Mask, first: Ints, second: Ints, information: Array
     ) -> Array:
-        """Compute what one more link would tell of the path (m,), nats [docs/methods.md (59a)].
+        """Compute the information (m,), nats, that one more link adds [docs/methods.md (59a)].
 
-        The mounts are held. A link measures cameras: what is unknown of a mount would count as
-        unknown of every motion, however many links there are.
+        The mounts are held. Links measure the motion of cameras, so an unknown error of the mount
+        would make each of them look informative, however many there are already.
 
         Parameters
         ----------
@@ -216,7 +234,7 @@ class GraphSolution:
         first, second
             Nodes (m,) of the link.
         information
-            Of the link (m, 6, 6) on second_from_first, singular where it lacks a length.
+            Of the link (m, 6, 6) on second_from_first, singular where it measures no length.
         """
         kept = ~self.rejected
         ends = np.concatenate([self.links.first[kept], self.links.second[kept]])
@@ -241,7 +259,7 @@ class GraphSolution:
         )
 
     def fit_of_positions(self) -> PositionFit | None:
-        """Compare external positions with the path. None where there are none."""
+        """Compare position fixes (USBL, GNSS) with the path. None where there are none."""
         if self.graph.positions is None:
             return None
         return fit_of_positions(
@@ -260,8 +278,7 @@ class GraphSolution:
         errors = self.relative_errors(np.zeros(len(part), bool))
         covariance = errors.relative_covariance(np.full(len(middle), middle[0]), middle)[:, :3, :3]
         sigma = np.sqrt(np.maximum(np.trace(covariance, axis1=1, axis2=2), 0))
-        # to itself, where what is left of a difference of equal covariances depends on rounding
-        sigma[0] = 0.0
+        sigma[0] = 0.0  # of the largest part to itself, where rounding would leave a remainder
         return np.asarray(sigma)
 
 
@@ -273,10 +290,11 @@ class GraphErrors:
     bottom: Mask  # (n,) nodes where the bottom camera leads
 
     def relative_covariance(self, first: Ints, second: Ints) -> Array:
-        """Compute the covariance (m, 6, 6) of second_from_first.
+        """Compute the covariance (m, 6, 6) of second_from_first, of the leading cameras.
 
-        It is of (translation in second's axes, rotation perturbed on its right). The camera's mount
-        is taken as known: its error is common to both.
+        It is of (translation in the second camera's axes, rotation perturbed on its right). The
+        camera's mount is taken as known, as its error is common to both nodes. The joint marginals
+        of both vehicle poses and tray angles are propagated by the Jacobian.
         """
         if len(first) == 0:
             return np.zeros((0, 6, 6))
@@ -287,7 +305,7 @@ class GraphErrors:
         back = rotation[second].swapaxes(1, 2)
         relative = back @ rotation[first]
         shift = np.einsum("mij,mj->mi", back, position[first] - position[second])
-        # of each node three of position, three of rotation, and the tray's angle
+        # columns: of each node position (3), rotation (3) and the tray's angle
         jacobian = np.zeros((len(first), 6, 14))
         jacobian[:, :3, :7] = back @ by_first[:, :3]
         jacobian[:, :3, 7:] = -back @ by_second[:, :3] + cross_matrix(shift) @ by_second[:, 3:]
@@ -324,9 +342,9 @@ class GraphErrors:
         return vehicle, tray, mount
 
     def _by_vehicle(self, nodes: Ints) -> Array:
-        """Differentiate the camera's pose by the vehicle's pose and tray: (m, 6, 7).
+        """Compute the Jacobian (m, 6, 7) of the camera's pose by the vehicle's pose and tray angle.
 
-        Poses are (position in g, rotation on the right).
+        Poses are perturbed as (position in g, rotation on the right).
         """
         vehicle, tray, mount = (x[nodes] for x in self._chain)
         axis = np.array([0.0, 1.0, 0.0])
@@ -341,16 +359,26 @@ class GraphErrors:
 
 
 def _unlinked_motions(odometry: Odometry, links: CameraLinks) -> Odometry:
-    """Drop image-based odometry between linked nodes, so that no image is used twice."""
+    """Drop odometry by images between nodes that a link joins, so that no image counts twice."""
     nodes = 1 + max(int(odometry.second.max(initial=0)), int(links.second.max(initial=0)))
     linked = np.isin(odometry.first * nodes + odometry.second, links.first * nodes + links.second)
     return odometry.take(~(odometry.from_images & linked))
 
 
 def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> native.LinkTable:
-    """Make factors of the links.
+    """Make the native table of link factors.
 
-    Links of one node share its features' noise. The more links a node has, the less each weighs.
+    Links of one node share the noise of its features. So the more links a node has, the less each
+    weighs (`_shared_noise`).
+
+    Parameters
+    ----------
+    links
+        Relative poses.
+    nodes
+        Number of nodes.
+    kernel
+        Robust kernel of all links.
     """
     degree = np.bincount(np.concatenate([links.first, links.second]), minlength=nodes)
     shared = _shared_noise(degree, links.first, links.second)
@@ -368,14 +396,18 @@ def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> nat
 
 
 def _shared_noise(degree: Ints, first: Ints, second: Ints) -> Array:
-    """Compute the factor (m,) on the variance of links whose nodes (n,) have that many links."""
+    """Compute the factor (m,) by which the variance of links is inflated, 1 or more.
+
+    degree (n,): links of each node. first, second (m,): nodes of the links.
+    """
     return np.asarray(np.maximum(0.5 * (degree[first] + degree[second]) / SHARED_IMAGES, 1.0))
 
 
 def _whitening(links: CameraLinks) -> Array:
-    """Compute the square root of the links' information (m, 6, 6).
+    """Compute the square root of the links' information (m, 6, 6), from the Cholesky factor.
 
-    For a link without a length, that of its five numbers in the leading block.
+    A link without a length measures five numbers, two of the direction and three of the rotation.
+    Their square root is in the leading block (5, 5).
     """
     covariance = links.covariance.copy()
     free = np.flatnonzero(~links.scaled)
@@ -399,9 +431,12 @@ def _vehicle(pose: Array) -> Poses:
 
 
 def _rejected(problem: native.Problem, count: int) -> Mask:
-    """Find links whose whitened square is beyond the limit of dynamic covariance scaling.
+    """Find links whose chi-square is beyond REJECTED_CHI2 per degree of freedom.
 
-    The square is taken without the guard: a switch would take that of a wrong link to nothing.
+    Residuals are evaluated without the robust kernel: a switch would reduce those of a wrong link
+    to nothing.
+
+    problem: at its solution. count: of links.
     """
     bare = replace(problem.links, kernel=np.full(count, int(native.LinkKernel.NONE), np.int32))
     bare_unknowns = replace(problem.unknowns, link_switch=np.ones(0))
@@ -409,14 +444,15 @@ def _rejected(problem: native.Problem, count: int) -> Mask:
         replace(problem, links=bare, unknowns=bare_unknowns), OPTIONS, jacobian=False
     )
     rows = found.factor == native.FACTORS.index("link")
-    square = np.bincount(found.table_row[rows], found.residual[rows] ** 2, minlength=count)
-    freedoms = np.bincount(found.table_row[rows], minlength=count)
-    return np.asarray(square > REJECTED_CHI2 * np.maximum(freedoms, 1))
+    chi2 = np.bincount(found.table_row[rows], found.residual[rows] ** 2, minlength=count)
+    degrees_of_freedom = np.bincount(found.table_row[rows], minlength=count)
+    return np.asarray(chi2 > REJECTED_CHI2 * np.maximum(degrees_of_freedom, 1))
 
 
 def _unknowns(
     start: VehiclePath, nominal: Mapping[str, Poses | None], switches: int
 ) -> native.Unknowns:
+    """Make the unknowns: poses and trays of the path, nominal mounts, and all switches at 1."""
     unknowns = native.Unknowns(
         pose=np.hstack([start.poses.vectors(), start.tray[:, None]]), link_switch=np.ones(switches)
     )
@@ -426,9 +462,11 @@ def _unknowns(
 
 
 def linked_parts(nodes: int, first: Ints, second: Ints) -> Ints:
-    """Label nodes with the part that links join.
+    """Label each node (n,) with the connected part that links join it to.
 
-    0 is the part with most nodes. -1: a node without links.
+    0 is the part with most nodes, 1 the next. -1 is a node without links.
+
+    nodes: number of nodes. first, second (m,): nodes of the links.
     """
     graph = coo_array((np.ones(len(first)), (first, second)), shape=(nodes, nodes))
     label = connected_components(graph, directed=False)[1]

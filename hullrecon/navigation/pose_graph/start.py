@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Start the pose graph's solve: by dead reckoning, and along the images in outages of the DVL.
+"""Make the pose graph's start: dead reckoning, and in outages of the DVL along the images.
 
-Dead reckoning goes straight on in an outage, whatever the vehicle does. A link of one camera gives
-the direction and not the length of a step. From a start that goes the wrong way after a turn, such
-links end in a wrong minimum.
+In an outage dead reckoning goes straight on, whatever the vehicle does. A link of one camera gives
+the direction of a step but not its length. If the start goes the wrong way after a turn, a solve
+with such links ends in a wrong minimum.
 """
 
 from __future__ import annotations
@@ -18,19 +18,27 @@ from hullrecon.records.trajectory import Odometry, Trajectory
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Mask
 
-# Sigma of a step over its length, and by itself: beyond both the images know better where it goes.
+# Sigma of a step as a share of its length, and in m. Beyond both, the images know its direction
+# better than odometry.
 UNKNOWN_SHARE, UNKNOWN_M = 0.3, 0.02
 
 
 def path_along_links(
     trajectory: Trajectory, odometry: Odometry, links: CameraLinks, rig: Rig
 ) -> Poses:
-    """Turn the steps of dead reckoning that odometry knows badly along the links across them.
+    """Turn badly known steps of dead reckoning into the direction that links measured.
 
-    A step keeps its own length. Returns global_from_vehicle (n).
+    Only links without a length are used, where the odometry between their nodes is uncertain. The
+    step takes the link's rotation and direction, and keeps the length of dead reckoning. Nodes
+    after it follow.
+
+    Returns
+    -------
+    Poses
+        global_from_vehicle (n).
     """
     reckoned = trajectory.poses()
-    bearings = np.flatnonzero(~links.scaled)
+    bearings = np.flatnonzero(~links.scaled)  # rows of links without a length
     if rig.tray_from_top is None or not len(bearings):
         return reckoned
     ends = [
@@ -51,7 +59,7 @@ def path_along_links(
     )
     second_from_first = Poses(links.quaternion[bearings], direction * length[:, None])
     moved = (from_first @ second_from_first.inverse() @ from_second.inverse()).matrix()
-    # by node: the nearest node before it that a link joins to it, and the motion
+    # by second node: the nearest earlier node that a link joins to it, and the motion from there
     nearest: dict[int, tuple[int, Array]] = {}
     for row in np.flatnonzero(badly)[np.argsort(first[badly], kind="stable")]:
         nearest[int(second[row])] = int(first[row]), moved[row]
@@ -59,7 +67,11 @@ def path_along_links(
 
 
 def _compose(reckoned: Poses, along: dict[int, tuple[int, Array]]) -> Array:
-    """Chain motions to poses (n, 4, 4): those of `along` at its nodes, else those reckoned."""
+    """Chain motions to poses (n, 4, 4).
+
+    reckoned: poses whose steps are used. along: by node, an earlier node and the motion from there,
+    which replaces the step.
+    """
     steps = (reckoned[:-1].inverse() @ reckoned[1:]).matrix()
     out = reckoned.matrix()
     for k in range(1, len(out)):

@@ -3,8 +3,8 @@
 """Attitude at any time: the slow part from the IMU's orientation, the fast part from its rates.
 
 An orientation is noisy from one reading to the next and true in the long run. Integrated rates are
-the reverse. Their disagreement, accumulated, is smoothed and taken off. How much it is smoothed
-follows from the noise found in it.
+the reverse. So the difference of the two is smoothed and added to the integrated rates. The width
+of the smoothing follows from the noise of both, which is estimated from that difference.
 """
 
 from __future__ import annotations
@@ -29,10 +29,12 @@ from hullrecon.records.clock import gaps, longest_step, period, seconds
 from hullrecon.records.sensors import ImuSamples
 from hullrecon.typing import Array, Ints
 
-# of a turn between two nodes: below it lie the stamps' jitter and the mount's give
+# smallest sigma of a turn between two nodes: jitter of the stamps, and play of the mount
 LEAST_SIGMA_RAD = 1e-4
-BRIDGED_RATE_RAD_S = 0.05  # a vehicle that inspects turns about this fast; where no reading tells
-# and for about as long one way; beyond the readings its turns walk from then on
+# sigma of the rate at which an inspecting vehicle turns while no reading tells
+BRIDGED_RATE_RAD_S = 0.05
+# time for which it turns one way; before the first and after the last reading its turns are a
+# random walk beyond that time
 BRIDGED_FOR_S = 4.0
 
 
@@ -46,7 +48,7 @@ class AttitudeHistory:
     walk: float  # variance of a turn by the rates alone, rad2/s
     holes: Ints  # (m, 2) intervals without readings, ns
     fused: bool  # rates were used
-    steps: HeadingSteps = NO_STEPS  # of the logged heading, which were taken off
+    steps: HeadingSteps = NO_STEPS  # jumps of the logged heading that were taken off
 
     def rotation(self, at_ns: Ints) -> Rotation:
         """Interpolate R_g_v (m) at times (m,), constant beyond the ends."""
@@ -54,23 +56,28 @@ class AttitudeHistory:
         return interpolate(self.t_ns, held, at_ns).rotation
 
     def turn_variance(self, start_ns: Ints, stop_ns: Ints) -> Array:
-        """Compute the variance (m,) rad2, each axis, of the turn between two instants."""
+        """Compute the variance (m,) rad2, each axis, of the turn between two instants.
+
+        Over short times it is the walk of the rates, over long ones twice the variance of an
+        attitude. Holes in the record, steps of the heading and times beyond the readings add to it.
+        """
         limit = 2 * self.sigma_rad**2
         short = self.walk * (stop_ns - start_ns) * 1e-9
         bound = limit * -np.expm1(-short / limit) if self.fused else np.full(len(start_ns), limit)
-        hole = np.zeros(len(start_ns))
+        hole_s = np.zeros(len(start_ns))
         for begin, end in self.holes:
-            hole += np.maximum(0, np.minimum(stop_ns, end) - np.maximum(start_ns, begin)) * 1e-9
-        left = self.turned_by_steps(stop_ns) - self.turned_by_steps(start_ns)
+            hole_s += np.maximum(0, np.minimum(stop_ns, end) - np.maximum(start_ns, begin)) * 1e-9
+        by_steps = self.turned_by_steps(stop_ns) - self.turned_by_steps(start_ns)
         beyond = self.turned_unread(stop_ns) - self.turned_unread(start_ns)
         return np.asarray(
-            bound + LEAST_SIGMA_RAD**2 + (BRIDGED_RATE_RAD_S * hole) ** 2 + left + beyond
+            bound + LEAST_SIGMA_RAD**2 + (BRIDGED_RATE_RAD_S * hole_s) ** 2 + by_steps + beyond
         )
 
     def turned_unread(self, at_ns: Ints) -> Array:
-        """Compute the variance (m,) rad2, each axis, of the turn since the last reading.
+        """Compute the variance (m,), rad2, each axis, of the turn from the last reading to a time.
 
-        It is negative before the first one.
+        Zero within the record, and negative before the first reading, so that the difference of two
+        times is the variance of the turn between them.
         """
         after, before = (
             np.maximum(0, at_ns - self.t_ns[-1]) * 1e-9,
@@ -84,7 +91,8 @@ class AttitudeHistory:
     def turned_by_steps(self, at_ns: Ints) -> Array:
         """Accumulate the variance (m,) rad2, about z of g, of the heading's steps up to times (m,).
 
-        It is the remainder of steps that were taken off, and the disagreement of heading and rates.
+        A step that was taken off leaves the variance of its size. Where heading and rates diverge
+        slowly, the whole divergence counts.
         """
         out = self.steps.sigma_rad**2 * np.searchsorted(
             self.t_ns[self.steps.row], at_ns, side="right"
@@ -122,7 +130,16 @@ def attitude_history(
 ) -> AttitudeHistory:
     """Smooth an IMU's orientation by its rates, and take off steps of its heading.
 
-    sigma_tilt_rad: white error of roll and pitch where rates cannot show it.
+    With few readings or without rates, only jumps of the heading are taken off.
+
+    Parameters
+    ----------
+    imu
+        In time order.
+    sigma_tilt_rad
+        White error of roll and pitch where no rates can show it.
+    longest_gap_s
+        Between readings; a longer one is a hole.
     """
     holes = gaps(imu.t_ns, longest_gap_s)
     t = seconds(imu.t_ns, int(imu.t_ns[0]))
@@ -139,23 +156,27 @@ def attitude_history(
     width = float(np.clip(np.sqrt(white * step / max(walk, 1e-12)), 3 * step, 5.0))
     slow, _ = local_line(t, gap, t, width)
     smooth = Rotation.from_rotvec(slow - gap) * Rotation.from_quat(imu.quaternion)
-    left = np.sqrt(2 * white * step / (2 * np.sqrt(np.pi) * width))
-    sigma_rad = max(float(np.hypot(left, _stamps_turn(t, imu))), LEAST_SIGMA_RAD)
+    # sigma of white noise that a Gaussian of that width leaves
+    smoothed = np.sqrt(2 * white * step / (2 * np.sqrt(np.pi) * width))
+    sigma_rad = max(float(np.hypot(smoothed, _turn_within_jitter(t, imu))), LEAST_SIGMA_RAD)
     return AttitudeHistory(imu.t_ns, smooth.as_quat(), sigma_rad, walk, holes, True, steps)
 
 
-def _stamps_turn(t: Array, imu: ImuSamples) -> float:
-    """Estimate the turn about an axis, rad, within the jitter of uneven stamps, as in bursts."""
+def _turn_within_jitter(t: Array, imu: ImuSamples) -> float:
+    """Estimate the turn about an axis, rad, within the jitter of the stamps.
+
+    Both are root mean squares. Stamps are uneven where readings come in bursts.
+    """
     step, usual = np.diff(t), period(t)
-    uneven_s = np.sqrt(np.mean(np.square(step[step <= longest_step(usual)] - usual)))
-    return float(uneven_s * np.sqrt(np.nanmean(np.square(imu.angular_velocity))))
+    jitter_s = np.sqrt(np.mean(np.square(step[step <= longest_step(usual)] - usual)))
+    return float(jitter_s * np.sqrt(np.nanmean(np.square(imu.angular_velocity))))
 
 
 def _disagreement(t: Array, imu: ImuSamples) -> Array:
-    """Compute the rotation in g (n, 3) of the logged orientation against the integrated rates.
+    """Compute the rotation vector in g (n, 3), rad, from the integrated rates to the orientation.
 
-    The rates' mean bias is taken off. Accumulated as a sum: its wander stays far below a degree, so
-    that the order of rotations does not count.
+    The rates' mean bias is taken off. Small rotations are summed as vectors: the sum wanders by far
+    less than a degree, so that their order does not matter.
     """
     row = np.arange(len(t))
     known = np.isfinite(imu.angular_velocity).all(axis=1)
@@ -163,19 +184,28 @@ def _disagreement(t: Array, imu: ImuSamples) -> Array:
     orientation = Rotation.from_quat(imu.quaternion)
     step = np.diff(t)[:, None]
     turned = (orientation[:-1].inv() * orientation[1:]).as_rotvec()
-    more = turned - 0.5 * (rate[1:] + rate[:-1]) * step
+    growth = turned - 0.5 * (rate[1:] + rate[:-1]) * step
     usual = step[:, 0] < longest_step(period(t))
-    bias = more[usual].sum(axis=0) / step[usual].sum()
-    more = np.where(usual[:, None], more - bias * step, 0.0)
-    return np.vstack([np.zeros(3), np.cumsum(orientation[1:].apply(more), axis=0)])
+    bias = growth[usual].sum(axis=0) / step[usual].sum()
+    growth = np.where(usual[:, None], growth - bias * step, 0.0)
+    return np.vstack([np.zeros(3), np.cumsum(orientation[1:].apply(growth), axis=0)])
 
 
 def _noise(t: Array, gap: Array, longest_s: float = 2.0) -> tuple[float, float]:
     """Estimate the white variance (rad2) of the orientation and the walk (rad2/s) of the rates.
 
-    gap (n, 3): rotation by the orientation less that by the rates, rad. The variance of differences
-    over a lag is twice the first plus the second times the lag. Medians, so that a jolt does not
-    count.
+    The variance of differences over a lag is twice the white variance plus the walk times the lag.
+    A line through these variances at several lags gives both. The variances are robust, from median
+    absolute differences, so that a jolt does not count.
+
+    Parameters
+    ----------
+    t
+        (n,) s.
+    gap
+        (n, 3) rad, rotation by the orientation minus that by the rates.
+    longest_s
+        Largest lag.
     """
     step = period(t)
     lags = np.unique(np.geomspace(1, max(2, longest_s / step), 12).astype(int))

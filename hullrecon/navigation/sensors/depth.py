@@ -2,12 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Depth: the DVL's vertical path, held to the pressure sensor slowly.
 
-Over a second the DVL knows the vertical step to a millimetre where one pressure reading scatters by
-centimetres. Over minutes the pressure is right. So what is smoothed is the difference of the two,
-over WIDTH_S: ten readings a second of 0.02 m leave some 1.5 mm, and a drift that is steady over
-half a minute (scale, mount) is followed without lag. Where the DVL was silent its path goes
-straight on, whatever the vehicle does. There the depth is the pressure sensor's alone, and no
-reading from there is smoothed into what the DVL saw.
+Over a second the DVL knows the vertical step to a millimetre, while one pressure reading scatters
+by centimetres. Over minutes the pressure is right. So the difference of the two is smoothed, over
+WIDTH_S. Of ten readings a second with a sigma of 0.02 m that leaves some 1.5 mm. A drift that is
+steady over half a minute (by scale or mount) is followed without lag.
+
+Where the DVL was silent its path goes straight on, whatever the vehicle does. There the depth is
+that of the pressure sensor alone, and its readings are not smoothed together with those beside the
+silence.
 """
 
 from __future__ import annotations
@@ -23,13 +25,14 @@ from hullrecon.records.clock import describe_silence, silent_spans, unread_s
 from hullrecon.records.sensors import PressureSamples
 from hullrecon.typing import Array, Ints, Mask
 
-WIDTH_S = 5.0
-STEP_M = 0.3  # between two readings, in excess of the DVL's motion
+WIDTH_S = 5.0  # sigma of the Gaussian weights
+STEP_M = 0.3  # between two readings, in excess of the DVL's motion: a jump of the pressure
 LEAST_SIGMA_M = 1e-3
 UNKNOWN_SIGMA_M = 1e3  # of a depth that nothing measured
-# of a node, within which nodes and readings are counted: the longer of the two
+# time on either side of a node within which nodes and readings are counted: so many seconds or
+# periods of the sensor, whichever is longer
 AROUND_S, AROUND_PERIODS = 5.0, 2.5
-# sigma of a line fitted to one side with Gaussian weights over that of one fitted to both
+# sigma of a line that is fitted to readings on one side, over that of one fitted to both sides
 AT_AN_EDGE = 2.5
 
 
@@ -43,21 +46,31 @@ class Depth:
     shared: Array  # (n,) nodes per reading, 0 without a reading nearby
     steps: Ints  # (k,) stamps where the pressure jumped against the DVL
     white: float  # scatter of one reading, m
-    unread_s: Array  # (n,) to the next reading, 0 where the depth was measured
-    silence: str  # the same in words, "" without any
+    unread_s: Array  # (n,) to the nearest reading, 0 where the depth was measured
+    silence: str  # how long the sensor was silent, in words, "" if it never was
 
 
 def hold_to_pressure(
     pressure: PressureSamples, path: Reckoning, nodes_ns: Ints, window_s: float
 ) -> Depth:
-    """Hold the path's depth to the pressure sensor.
+    """Correct the depth of the DVL's path by the pressure sensor.
 
-    window_s: half a node's share of the time, over which readings are averaged.
+    Parameters
+    ----------
+    pressure
+        Readings.
+    path
+        By DVL and attitude.
+    nodes_ns
+        Stamps (n,) of the nodes.
+    window_s
+        Half the time between nodes: the width over which readings are averaged where the DVL was
+        silent, and for the measured depth of a node.
     """
     known = np.isfinite(pressure.depth)
     t_ns, depth = pressure.t_ns[known], pressure.depth[known]
     t, at = path_seconds(path, t_ns), path_seconds(path, nodes_ns)
-    gap = depth - _sensor(path, t_ns)
+    gap = depth - _reckoned_depth(path, t_ns)
     steady = running_median(gap[:, None], 5)[:, 0]
     step = float(np.median(np.diff(t)))
     widths = WIDTH_S, max(window_s, step)
@@ -67,13 +80,13 @@ def hold_to_pressure(
     )
     smooth = _smooth(t, steady, np.concatenate([at, t]), edges, widths)
     slow, fitted, unread = smooth[: len(at)], smooth[len(at) :], unread_s(t_ns, nodes_ns)
-    # a line fitted to noise leads far astray there
+    # between readings far apart a line fitted to noise would lead far astray
     shift = np.where(unread > 0, np.interp(at, t, fitted), slow)
     white = robust_sigma(gap - fitted, about=0.0)
-    sigma = np.maximum(white * np.sqrt(step) * _noise_left(at, edges, widths), LEAST_SIGMA_M)
+    sigma = np.maximum(white * np.sqrt(step) * _smoothed_noise(at, edges, widths), LEAST_SIGMA_M)
     near, _ = local_line(t, steady, at, window_s)
     jumps = np.abs(np.diff(steady)) > max(STEP_M, 6 * white)
-    measured = near[:, 0] + _sensor(path, nodes_ns)
+    measured = near[:, 0] + _reckoned_depth(path, nodes_ns)
     return Depth(
         shift=shift,
         sigma=sigma,
@@ -87,10 +100,17 @@ def hold_to_pressure(
 
 
 def nodes_per_reading(read_ns: Ints, nodes_ns: Ints, measured: Mask) -> Array:
-    """Count the nodes per pressure reading near each node (n,), at least 1.
+    """Count the nodes for each pressure reading near each node (n,), at least 1.
 
-    Depths of nodes that share a reading are fully correlated. measured (n,): nodes whose depth was
-    measured. 0 at the others.
+    Depths of nodes that share a reading are fully correlated. The count is 0 at nodes whose depth
+    was not measured.
+
+    Parameters
+    ----------
+    read_ns, nodes_ns
+        Stamps of the readings (m,) and of the nodes (n,).
+    measured
+        Nodes (n,) whose depth was measured.
     """
     period_s = float(np.median(np.diff(read_ns))) * 1e-9 if len(read_ns) > 1 else 0.0
     half_ns = round(1e9 * max(AROUND_S, AROUND_PERIODS * period_s))
@@ -103,10 +123,10 @@ def nodes_per_reading(read_ns: Ints, nodes_ns: Ints, measured: Mask) -> Array:
 
 
 def depth_at_nodes_sigma(sigma_m: float, shared: Array) -> Array:
-    """Inflate the depth sigma (n,) m by sqrt(nodes per reading) at the nodes.
+    """Compute the sigma (n,), m, of depths at the nodes so that no reading counts twice.
 
-    Nodes that share a reading of sigma_m then carry its information once. UNKNOWN_SIGMA_M where
-    shared is 0: no reading.
+    The sigma of a reading, sigma_m, is inflated by the square root of the nodes that share it.
+    UNKNOWN_SIGMA_M where no reading tells (`shared` is 0).
     """
     return np.where(shared > 0, sigma_m * np.sqrt(shared), UNKNOWN_SIGMA_M)
 
@@ -114,10 +134,20 @@ def depth_at_nodes_sigma(sigma_m: float, shared: Array) -> Array:
 def _smooth(
     t_s: Array, values: Array, at_s: Array, edges_s: Array, widths_s: tuple[float, float]
 ) -> Array:
-    """Smooth readings (n,), at times at_s (m,), within each segment between two edges.
+    """Smooth readings by local lines, separately in each segment between edges.
 
-    The first width is for segments where the DVL was heard, the second for those where it was
-    silent. A segment of less than two readings takes all readings.
+    A segment with fewer than two readings uses all readings.
+
+    Parameters
+    ----------
+    t_s, values
+        Readings (n,).
+    at_s
+        Times (m,) at which the result is wanted.
+    edges_s
+        Begin and end of each silence of the DVL, alternately.
+    widths_s
+        Sigmas of the weights where the DVL was heard, and where it was silent.
     """
     out = np.zeros(len(at_s))
     segment, segment_at = (np.searchsorted(edges_s, times, side="right") for times in (t_s, at_s))
@@ -130,10 +160,12 @@ def _smooth(
     return out
 
 
-def _noise_left(at_s: Array, edges_s: Array, widths_s: tuple[float, float]) -> Array:
-    """Compute the share (n,), 1/sqrt(s), of white noise that smoothing leaves.
+def _smoothed_noise(at_s: Array, edges_s: Array, widths_s: tuple[float, float]) -> Array:
+    """Compute the sigma (n,), 1/sqrt(s), that smoothing leaves of noise of density 1.
 
-    It is larger at the edges of a segment, which have readings on one side only.
+    Times the sigma of a reading and the square root of the readings' period it is the sigma of the
+    smoothed value. It is larger at the edges of a segment, which have readings on one side only.
+    Arguments as of `_smooth`.
     """
     width = np.where(
         _silent(np.searchsorted(edges_s, at_s, side="right")), widths_s[1], widths_s[0]
@@ -148,7 +180,7 @@ def _noise_left(at_s: Array, edges_s: Array, widths_s: tuple[float, float]) -> A
 
 
 def _silent(segment: Ints) -> Mask:
-    """Mark the segments in which the DVL was silent: edges alternately begin and end silences."""
+    """Tell in which segments, by number, the DVL was silent: every second one."""
     return np.asarray(segment % 2 == 1)
 
 
@@ -157,6 +189,6 @@ def path_seconds(path: Reckoning, t_ns: Ints) -> Array:
     return np.asarray((t_ns - path.start_ns) * 1e-9)
 
 
-def _sensor(path: Reckoning, t_ns: Ints) -> Array:
-    """Compute z (n,) m of the pressure sensor on the DVL's path."""
+def _reckoned_depth(path: Reckoning, t_ns: Ints) -> Array:
+    """Compute z (n,), m, of the pressure sensor on the DVL's path."""
     return np.asarray(path.at(t_ns).poses().apply(path.rig.pressure_origin)[:, 2])

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Find steps in an IMU's heading that the vehicle did not make.
 
-A filter is reset, or a compass finds north again. An orientation that steps by degrees between two
-readings, while the rates go on evenly, has not turned the vehicle.
+They happen where a filter is reset, or a compass finds north again: the orientation steps by
+degrees between two readings while the rates go on evenly.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from hullrecon.navigation.sensors.smoothing import running_median
 from hullrecon.records.clock import period
 from hullrecon.typing import Array, Ints
 
-BESIDE_S = 1.0  # of readings on either side that tell a step's size
+BESIDE_S = 1.0  # of readings on either side, whose medians tell a step's size
 LEAST_STEP_RAD = np.radians(0.5)
-STEP_SIGMAS = 8.0  # of such differences along the dive
-# share of a step within that time; a slower change may be the rates' fault
+STEP_SIGMAS = 8.0  # size of a step in sigmas of such differences of medians along the dive
+# share of a step that happens within that time; a slower change may be an error of the rates
 SUDDEN_S, SUDDEN = 0.15, 0.6
-# copied at a time: each reading lies in as many windows as a window has readings
+# values of sliding windows that are copied at a time, to bound the memory
 MEDIAN_VALUES = 1_000_000
 FASTEST_RAD_S = 1.0  # of a vehicle that inspects, where no rates are logged
 
@@ -34,7 +34,7 @@ class HeadingSteps:
 
     row: Ints  # (k,) first reading after each step
     size: Array  # (k,) rad, about z of g
-    sigma_rad: float  # of a size
+    sigma_rad: float  # of each size
     # (d,) readings about which heading and rates diverge slowly: either may be wrong
     disagreement: Ints
     disagreement_rad: Array  # (d,) size of the divergence
@@ -57,7 +57,18 @@ NO_STEPS = HeadingSteps(np.zeros(0, np.int64), np.zeros(0), 0.0, np.zeros(0, np.
 def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD) -> HeadingSteps:
     """Find steps in the heading that the rates do not explain.
 
-    gap (n,) rad: heading minus integrated rates. least_rad: smallest step between two readings.
+    The size at each reading is the median of the difference over BESIDE_S after it, minus that
+    before it. Peaks of the size are taken from the largest on. A peak is a step where most of it
+    happens within SUDDEN_S, else a disagreement of heading and rates.
+
+    Parameters
+    ----------
+    t_s
+        Times (n,) of the readings.
+    gap
+        Heading minus integrated rates (n,), rad.
+    least_rad
+        Smallest step.
     """
     count = round(BESIDE_S / period(t_s)) if len(t_s) > 2 else 0
     if count < 3 or len(t_s) < 4 * count:
@@ -73,30 +84,33 @@ def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD
     near = max(1, round(SUDDEN_S / period(t_s)))
     row: list[int] = []
     slow: list[int] = []
-    left = np.where(np.abs(size) > max(least_rad, STEP_SIGMAS * sigma), np.abs(size), 0.0)
-    while left.max() > 0:
-        about = int(np.argmax(left))
+    peaks = np.where(np.abs(size) > max(least_rad, STEP_SIGMAS * sigma), np.abs(size), 0.0)
+    while peaks.max() > 0:
+        about = int(np.argmax(peaks))
         begin, end = max(1, about - count), min(len(gap), about + count)
         at = begin + int(np.argmax(np.abs(np.diff(gap[begin - 1 : end]))))
         sudden = abs(gap[min(at + near, len(gap)) - 1] - gap[max(at - near, 0)])
-        if sudden > SUDDEN * left[about] and abs(size[at]) > least_rad:
+        if sudden > SUDDEN * peaks[about] and abs(size[at]) > least_rad:
             row.append(at)
         else:
             slow.append(about)
-        left[begin:end] = 0.0
+        peaks[begin:end] = 0.0
     rows, slowly = (np.array(sorted(set(found)), np.int64) for found in (row, slow))
     return HeadingSteps(rows, size[rows], float(sigma), slowly, np.abs(size[slowly]))
 
 
 def find_jumps(t_s: Array, quaternion: Array) -> HeadingSteps:
-    """Find the steps of a heading without rates: turns that no vehicle makes."""
+    """Find steps in a heading without rates, as turns that no vehicle makes.
+
+    The running median of the turn rate stands in for the rates.
+    """
     if len(t_s) < 12:
         return NO_STEPS
     orientation, step = Rotation.from_quat(quaternion), np.diff(t_s)
     turn = orientation[1:].apply((orientation[:-1].inv() * orientation[1:]).as_rotvec())[:, 2]
-    more = turn - running_median((turn / step)[:, None], 9)[:, 0] * step
+    excess = turn - running_median((turn / step)[:, None], 9)[:, 0] * step
     least = max(LEAST_STEP_RAD, FASTEST_RAD_S * period(t_s))
-    found = find_heading_steps(t_s, np.concatenate([[0.0], np.cumsum(more)]), least)
+    found = find_heading_steps(t_s, np.concatenate([[0.0], np.cumsum(excess)]), least)
     return HeadingSteps(
         found.row, found.size, found.sigma_rad, NO_STEPS.disagreement, NO_STEPS.disagreement_rad
     )

@@ -15,13 +15,15 @@ from hullrecon.records.sensors import JointSamples
 from hullrecon.typing import Array, Ints
 
 LEAST_TRAVEL_RAD = np.radians(0.3)  # a servo's reading flickers by less; a command moves it farther
-# how fast and how far a tray may have turned while nothing was read
+# sigma of the rate at which, and the largest angle by which, a tray may turn while nothing is read
 UNREAD_RATE_RAD_S, UNREAD_RAD = 0.05, 0.5
 # sigma of an angle whose readings tell nothing: trays tilt by up to some 30 degrees
 UNTOLD_RAD = np.radians(10.0)
-TELL_NOTHING = ("tray-zero", "tray-little")  # what `doubtful_angles` finds
+TELL_NOTHING = ("tray-zero", "tray-little")  # codes of the findings of `doubtful_angles`
 FEW_READINGS = 3  # fewer readings are a setting, not the record of a moving tray
-MOVED = 10.0  # times its flicker: white noise spans six to seven, a coarse encoder takes few values
+# span of a tray's angles over their noise, from which on it has moved: white noise spans six to
+# seven sigmas. It is also how many different values it has to have, as a coarse encoder has few
+MOVED = 10.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,10 +49,10 @@ class Servo:
         ]
 
     def unread_sigma(self, t_ns: Ints) -> Array:
-        """Compute the sigma (m,) rad of what the tray may have turned since it was last read.
+        """Compute the sigma (m,) rad of the angle by which the tray may have turned unread.
 
-        It is 0 where the tray was not silent, and between two readings no more than they differ: a
-        joint that is logged when it turns is silent while it stands.
+        It is 0 where the tray was not silent. Between two readings it is no more than their
+        difference: a joint that is logged only when it turns is silent while it stands.
         """
         if len(self.t_ns) < FEW_READINGS:
             return np.zeros(len(t_ns))
@@ -88,10 +90,18 @@ def servo(tray: JointSamples | None, start_ns: int) -> Servo:
 
 
 def doubtful_angles(tray: JointSamples | None, unit: str, sigma_rad: float) -> list[Finding]:
-    """Find angles that tell nothing of a tray: zeros alone, and radians logged as degrees.
+    """Report angles that tell nothing of the tray: zeros alone, and radians taken for degrees.
 
-    A tray that moves, but by less than its own sigma, is suspected: its angles are radians that
-    were read as degrees. unit: in which the angles were logged.
+    The latter are suspected where a tray moves, but by less than its own sigma.
+
+    Parameters
+    ----------
+    tray
+        Readings.
+    unit
+        In which the angles were taken to be logged, "rad" or "deg".
+    sigma_rad
+        Of the tray's angle.
     """
     angle = np.zeros(0) if tray is None else tray.angle[np.isfinite(tray.angle)]
     if len(angle) < FEW_READINGS:
@@ -107,18 +117,19 @@ def doubtful_angles(tray: JointSamples | None, unit: str, sigma_rad: float) -> l
 
 
 def _flicker(angle: Array) -> float:
-    """Estimate the noise of a servo's readings, rad."""
+    """Estimate the noise of a servo's readings, rad, from their second differences."""
     return float(robust_sigma(np.diff(angle, n=2), about=0.0)) / float(np.sqrt(6))
 
 
 def _directions(angle: Array, travel: float) -> Array:
     """Find in which sense, +1 or -1, a servo last moved at each reading.
 
-    The sense flips when the angle has come back by `travel` from its farthest point, and is dated
-    back to that point. This is a sequential scan, since each flip decides the reference of the
-    next.
+    The sense changes when the angle has come back by `travel` rad from its farthest point. The
+    change is dated back to that point. The scan is sequential, as each change decides from where
+    the next one counts.
     """
     out = np.ones(len(angle))
+    # sense so far (0: none yet), row of the farthest angle, and first row of the present sense
     sense, far, turned, first = 0, 0, 0, angle[0]
     for i, value in enumerate(angle.tolist()):
         if sense == 0:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Smooth unevenly sampled signals without lag, by a local line with Gaussian weights.
 
-A straight trend passes unchanged, at the ends too. The cost does not grow with the window.
+A straight trend is left unchanged, at the ends too. The time taken does not grow with the width.
 """
 
 from __future__ import annotations
@@ -16,13 +16,25 @@ REACH = 4  # widths of the Gaussian that count
 
 
 def local_line(t_s: Array, values: Array, at_s: Array, width_s: float) -> tuple[Array, Array]:
-    """Fit lines about times at_s (m,) to samples (n, k) at t_s (n,).
+    """Fit lines to samples by weighted least squares, with Gaussian weights about given times.
 
-    width_s: sigma of the weights. Returns value (m, k) and slope (m, k).
+    Samples are gathered into bins of a sixth of the width, whose moments up to the second are
+    convolved with the Gaussian. Bins exist only near samples, so that memory does not grow with the
+    time that they span. Where a gap leaves no sample within reach, the result is interpolated.
 
-    Samples are gathered into bins of a sixth of the width, of which the first two moments are kept.
-    There are bins only where samples are near, so that memory does not grow with the time that they
-    span. Where a gap leaves no sample in reach, the neighbours are joined linearly.
+    Parameters
+    ----------
+    t_s, values
+        Samples (n, k) at times (n,).
+    at_s
+        Times (m,) about which lines are fitted.
+    width_s
+        Sigma of the weights.
+
+    Returns
+    -------
+    tuple
+        Value (m, k) and slope (m, k) of the lines.
     """
     step = width_s / BINS_A_WIDTH
     start = min(t_s.min(), at_s.min())
@@ -30,10 +42,10 @@ def local_line(t_s: Array, values: Array, at_s: Array, width_s: float) -> tuple[
     off = t_s - start - cell * step
     values = values.reshape(len(t_s), -1)
     bins = _bins_near(cell)
-    of = np.searchsorted(bins, cell)
-    weight = [_bin(of, off**power, len(bins)) for power in range(3)]
+    bin_of = np.searchsorted(bins, cell)
+    weight = [_bin(bin_of, off**power, len(bins)) for power in range(3)]
     moment = [
-        np.stack([_bin(of, off**power * v, len(bins)) for v in values.T], axis=1)
+        np.stack([_bin(bin_of, off**power * v, len(bins)) for v in values.T], axis=1)
         for power in range(2)
     ]
     level, slope = _lines(weight, moment, step, width_s)
@@ -57,9 +69,9 @@ def running_median(values: Array, count: int) -> Array:
 
 
 def _bins_near(cell: Ints) -> Ints:
-    """List the bins (g,), ascending, within reach of a sample's bin (n,).
+    """List the bins (g,), ascending, within reach of any sample's bin (n,).
 
-    Neighbours in this list may belong to two runs, whose samples do not reach each other's bins.
+    Where the list leaves a gap, the samples on one side do not reach the bins on the other.
     """
     reach = REACH * BINS_A_WIDTH
     used = np.unique(cell)
@@ -79,9 +91,18 @@ def _lines(
 ) -> tuple[Array, Array]:
     """Fit level (g, k) and slope (g, k) at the bins. NaN where no sample is in reach.
 
-    Level and slope follow from the weighted sums of x^0, x^1, x^2 (s0, s1, s2) and of y, x y
-    (y0, y1), with x counted from a bin. A sample's own offset from its bin is in the moments of
-    `weight` (of x^0, x^1, x^2) and `moment` (of y, x y).
+    Both follow from the weighted sums of x^0, x^1, x^2 (s0, s1, s2) and of y, x y (y0, y1), where x
+    counts from the bin.
+
+    Parameters
+    ----------
+    weight
+        Sums (g,) over the samples of each bin of their offset from its middle to the power of 0, 1
+        and 2.
+    moment
+        Sums (g, k) of y, and of y times the offset.
+    step, width_s
+        Size of a bin, and sigma of the weights.
     """
     x = step * np.arange(-REACH * BINS_A_WIDTH, REACH * BINS_A_WIDTH + 1)
     kernel = np.exp(-0.5 * (x / width_s) ** 2)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How the tray moves at some times, by DVL and IMU as read: no path is needed."""
+"""Compute how the tray moves at given times from readings of DVL and IMU, without a path."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from hullrecon.records.sensors import DvlPings, ImuSamples, JointSamples
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
-NEAR_S = 1.0  # of a reading on either side
-SPAN_S = 0.2  # over which rates are averaged
+NEAR_S = 1.0  # readings on either side have to be as near
+SPAN_S = 0.2  # over which readings are averaged
 
 
 def tray_motion(
     dvl: DvlPings, imu: ImuSamples, tray: JointSamples | None, rig: Rig, t_ns: Ints
 ) -> Array:
-    """Compute the tray's velocity and rate of turn (n, 6) in its own axes, m/s and rad/s.
+    """Compute the tray's velocity and angular rate (n, 6) in its own axes, m/s and rad/s.
 
-    NaN where DVL or IMU were not read near by.
+    NaN where DVL or IMU were not read within NEAR_S.
     """
     half_ns = round(0.5e9 * SPAN_S)
     joint = servo(tray, int(dvl.t_ns[0]))
@@ -36,7 +36,10 @@ def tray_motion(
 
 
 def _near_mean(read_ns: Ints, values: Array, t_ns: Ints) -> Array:
-    """Interpolate readings (m, 3), averaged over SPAN_S, at times (n,)."""
+    """Interpolate readings (m, 3) at times (n,), averaged over SPAN_S.
+
+    NaN where no reading on either side is within NEAR_S.
+    """
     known = np.isfinite(values).all(axis=1)
     if known.sum() < 2:
         return np.full((len(t_ns), 3), np.nan)

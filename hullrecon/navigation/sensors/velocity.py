@@ -21,18 +21,19 @@ LONGEST_GAP_S = (
 OUTLIER_M_S = 0.25
 OUTLIER_WITHIN_S = 0.5
 OUTLIER_SIGMAS = 8.0
-# before a ping and after it; farther in time none counts, but for the nearest
+# pings before and after a ping that its median is of, at most, and how far in time they may be; the
+# nearest on either side always count
 NEIGHBOURS, NEAR_S = 4, 0.9
 LEAST_AGITATION = 1e-4  # m2/s3: 0.01 m/s in a second
-FIRST_LAG_S = 1.0
+FIRST_LAG_S = 1.0  # the shortest at which changes are measured
 
 
 @dataclass(frozen=True, kw_only=True)
 class Agitation:
-    """How a velocity changes with time.
+    """How a velocity changes with time: variance of its change over a lag, per second of lag.
 
-    The rate of a random walk is the same at all lags. That of a vehicle that speeds up steadily or
-    turns back grows with the lag.
+    It is the same at all lags for a random walk. For a vehicle that speeds up steadily or turns
+    back it grows with the lag.
     """
 
     lag_s: Array  # (k,)
@@ -55,11 +56,13 @@ class Velocities:
     outliers: Ints  # stamps of pings rejected
 
     def bridged_variance(self, start_ns: Ints, stop_ns: Ints) -> Array:
-        """Compute the variance (m,) m2 that intervals add where no velocity was heard.
+        """Compute the variance (m,), m2, that outages add to the displacement over intervals.
 
-        Over an outage of length T a velocity that walks between its two known ends adds agitation
-        T^3 / 12. Before the first and after the last velocity one that walks away from a known end
-        adds agitation T^3 / 3.
+        In an outage of length T the velocity is a random walk between two known ends, which adds
+        agitation * T^3 / 12. Before the first and after the last velocity it is one with a single
+        known end, which adds agitation * T^3 / 3.
+
+        start_ns, stop_ns: (m,) of the intervals.
         """
         out = np.zeros(len(start_ns))
         for begin, end in self.outages:
@@ -101,11 +104,11 @@ def usable_velocities(
 
 
 def _find_outliers(t_ns: Ints, velocity: Array) -> Mask:
-    """Find pings that leave the running median by a jump and by many robust sigmas.
+    """Find pings that differ from the running median by a jump and by many robust sigmas.
 
-    A stop that takes less than half of the window is no different from outliers, so that the window
-    of a slow DVL has fewer pings: nine of them are 9 s at 1 Hz. Between its pings a vehicle may
-    change its velocity by more.
+    A stop that takes less than half of the window looks like outliers. So the window of a slow DVL
+    has fewer pings: nine of them are 9 s at 1 Hz. Between the pings of a slow DVL a vehicle may
+    also change its velocity by more, so the threshold grows with their period.
     """
     if len(velocity) < 3:
         return np.zeros(len(velocity), bool)
@@ -119,10 +122,15 @@ def _find_outliers(t_ns: Ints, velocity: Array) -> Mask:
 
 
 def _agitation(t_ns: Ints, velocity: Array, sigma: Array) -> Agitation:
-    """Estimate the agitation from changes over a second, two, four, ... up to half of the record.
+    """Estimate the agitation at lags of 1, 2, 4, ... s, up to half of the record.
 
-    The instrument's noise is taken off, and the axis that changes most counts. The rate never falls
-    with the lag.
+    It is the mean squared change of the velocity less that of the instrument's noise, of the axis
+    that changes most. It is kept from falling with the lag.
+
+    Parameters
+    ----------
+    t_ns, velocity, sigma
+        Pings (n,), their velocities (n, 3) and sigmas (n,), m/s.
     """
     lag, rate = [FIRST_LAG_S], [0.01 if len(t_ns) < 12 else LEAST_AGITATION]
     lasts_ns = int(t_ns[-1] - t_ns[0]) if len(t_ns) else 0

@@ -56,15 +56,15 @@ class MatchedRays:
 
 @dataclass(frozen=True, kw_only=True)
 class Delay:
-    """Time from the stamp of the bottom camera to its exposure, and its sigma."""
+    """How much the bottom camera's stamps are before its exposure, and the sigma."""
 
-    seconds: float  # positive: stamps are early, so that it is to be added to them
+    early_s: float  # to be added to the stamps; negative where they are late
     sigma_s: float
 
     @property
     def is_significant(self) -> bool:
         """Whether the delay is believed and worth a correction."""
-        return abs(self.seconds) > max(SIGNIFICANT * self.sigma_s, LEAST_S)
+        return abs(self.early_s) > max(SIGNIFICANT * self.sigma_s, LEAST_S)
 
 
 def estimate_delay(rig: Rig, pairs: Sequence[MatchedRays]) -> Delay | None:
@@ -95,7 +95,7 @@ def estimate_delay(rig: Rig, pairs: Sequence[MatchedRays]) -> Delay | None:
             break
     inverse = np.linalg.inv(information)
     variance = (inverse @ scatter @ inverse)[5, 5] + inverse[5, 5]
-    return Delay(seconds=float(unknowns[5]), sigma_s=float(np.hypot(np.sqrt(variance), FLOOR_S)))
+    return Delay(early_s=float(unknowns[5]), sigma_s=float(np.hypot(np.sqrt(variance), FLOOR_S)))
 
 
 def move_to_top(rig: Rig, pair: MatchedRays, delay_s: float) -> Array:

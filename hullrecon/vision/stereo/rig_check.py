@@ -455,9 +455,9 @@ def _compensate_delay(
         )
 
     as_stamped, delay = moved(0.0), estimate_delay(matcher.rig, rays)
-    if delay is None or not delay.is_significant or abs(delay.seconds) > matcher.half_period_s:
+    if delay is None or not delay.is_significant or abs(delay.early_s) > matcher.half_period_s:
         return as_stamped, None
-    delayed = moved(delay.seconds)
+    delayed = moved(delay.early_s)
     if error_px(delayed) < min(error_px(as_stamped), limit_px):
         return delayed, delay
     return as_stamped, None

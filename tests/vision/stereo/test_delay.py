@@ -54,14 +54,14 @@ def seen_pairs(
 def test_delay_is_found_within_its_sigma(delay_s):
     found = estimate_delay(RIG, seen_pairs(delay_s))
     assert found.is_significant
-    assert found.seconds == pytest.approx(delay_s, abs=3 * found.sigma_s)
+    assert found.early_s == pytest.approx(delay_s, abs=3 * found.sigma_s)
     assert found.sigma_s < 0.0005 + 0.02 * abs(delay_s)
 
 
 def test_delay_is_that_beyond_stamps():
     stamped_s = (0.01, 0.004, 0.0, 0.007, 0.012, 0.009)
     found = estimate_delay(RIG, seen_pairs(0.02, stamped_s=stamped_s))
-    assert found.seconds == pytest.approx(0.02, abs=0.001)
+    assert found.early_s == pytest.approx(0.02, abs=0.001)
 
 
 def test_offset_that_is_advised_heals():
@@ -101,5 +101,5 @@ def test_moved_features_lie_where_rig_sees_them_together():
 
 
 def test_delay_within_five_sigmas_is_not_believed():
-    assert not Delay(seconds=0.02, sigma_s=0.005).is_significant
-    assert Delay(seconds=0.02, sigma_s=0.003).is_significant
+    assert not Delay(early_s=0.02, sigma_s=0.005).is_significant
+    assert Delay(early_s=0.02, sigma_s=0.003).is_significant
