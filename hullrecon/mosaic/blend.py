@@ -225,8 +225,10 @@ def _balls(patch: SurfacePatch, window: Window) -> tuple[list[Window], Array, Ar
         point = point[np.isfinite(point[..., 0])]
         if len(point):
             squares.append(square)
-            center.append(0.5 * (point.min(axis=0) + point.max(axis=0)))
-            radius.append(np.sqrt(np.square(point - center[-1]).sum(axis=1).max()))
+            axes = np.ascontiguousarray(point.T)
+            center.append(0.5 * (axes.min(axis=1) + axes.max(axis=1)))
+            x, y, z = axes - center[-1][:, None]
+            radius.append(np.sqrt((x * x + y * y + z * z).max()))
     return squares, np.array(center).reshape(-1, 3), np.array(radius)
 
 
@@ -356,8 +358,8 @@ def crop_around(pixel: Array, size: tuple[int, int]) -> tuple[Part, Floats32]:
 
 def _normalise(total: Floats32, weight: Floats32) -> Floats32:
     """Sum the bands (n, bands, channels), each over its weight (n, bands): (n, channels)."""
-    share = total / np.where(weight > 0, weight, 1)[:, :, None]
-    return np.asarray(np.clip(share.sum(axis=1), 0, 255))
+    coarse, middle, fine = (total / np.where(weight > 0, weight, 1)[:, :, None]).swapaxes(0, 1)
+    return np.asarray(np.clip(coarse + middle + fine, 0, 255))
 
 
 def _variance(moment: Floats32) -> Floats32:

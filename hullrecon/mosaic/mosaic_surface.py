@@ -81,7 +81,7 @@ def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> S
     direction = -normal.reshape(-1, 3)
     inside = np.zeros(shape[:2], bool)
     inside[window.meet(grid.whole).within(window)] = True
-    good = np.isfinite(start).all(axis=1) & inside.ravel()
+    good = np.isfinite(start[:, 0] + start[:, 1] + start[:, 2]) & inside.ravel()
     gone, face = np.full(len(start), np.inf), np.full(len(start), -1, np.int32)
     gone[good], face[good] = surface.scene.hit(start[good], direction[good])
     off = gone > 2 * surface.reach_m
@@ -107,8 +107,8 @@ def _chart_at(chart: Chart, grid: TexelGrid, window: Window) -> tuple[Array, Arr
     point, normal = chart.from_chart(nodes.reshape(-1, 2))
     fields = np.concatenate([point, normal], axis=1).reshape(len(rows), len(columns), 6)
     fine = _interpolate_axis(_interpolate_axis(fields, height, 0), width, 1)
-    normal = fine[..., 3:]
-    return fine[..., :3], normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+    x, y, z = (fine[..., k] for k in (3, 4, 5))
+    return fine[..., :3], fine[..., 3:] / np.sqrt(x * x + y * y + z * z)[..., None]
 
 
 def _interpolate_axis(values: Array, count: int, axis: int) -> Array:

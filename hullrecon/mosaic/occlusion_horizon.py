@@ -94,10 +94,10 @@ def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: 
 
 def _near(horizon: OcclusionHorizon, point: Array) -> Ints:
     """Select what of the horizon is within its span of the texels (h, w, 3), and a little more."""
-    known = point[np.isfinite(point[..., 0])]
+    axes = point.reshape(-1, 3).T  # one by one: along the short axis numpy takes five times as long
     reach = horizon.span_m + BLOCK_M + 4 * CELL_M
-    low = known.min(axis=0, initial=np.inf) - reach
-    high = known.max(axis=0, initial=-np.inf) + reach
+    low = np.array([np.fmin.reduce(axis, initial=np.inf) for axis in axes]) - reach
+    high = np.array([np.fmax.reduce(axis, initial=-np.inf) for axis in axes]) + reach
     return np.flatnonzero(((horizon.top >= low) & (horizon.top <= high)).all(axis=1))
 
 

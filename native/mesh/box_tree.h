@@ -6,25 +6,50 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "mesh/triangle.h"
 
 namespace hullrecon {
 
-using Four = Eigen::Array4d;
+using Four = double __attribute__((vector_size(32)));
+
+// By reference: without AVX no register holds four, and what returns them has another calling convention.
+inline void load(Four& four, const std::array<double, 4>& from) {
+  std::memcpy(&four, from.data(), sizeof four);
+}
+inline void keep_less(Four& a, const Four& b) {
+  a = a < b ? a : b;
+}
+inline void keep_greater(Four& a, const Four& b) {
+  a = a > b ? a : b;
+}
 
 // Of four children, axis by axis. An empty child is inside out.
 struct Boxes {
-  std::array<Four, 3> low, high;
+  std::array<std::array<double, 4>, 3> low, high;
 };
+
+// Squared distances of the boxes from another one, which may be a point.
+inline void squared_gaps(const Boxes& boxes, const Vec3& low, const Vec3& high, Four& sum) {
+  sum = Four{};
+  for (int k = 0; k < 3; ++k) {
+    Four gap, beyond;
+    load(gap, boxes.low[k]), load(beyond, boxes.high[k]);
+    gap -= high[k];
+    keep_greater(gap, low[k] - beyond);
+    keep_greater(gap, Four{});
+    sum += gap * gap;
+  }
+}
 
 class BoxTree {
  public:
   explicit BoxTree(const std::vector<Triangle>& faces);
 
   // Calls visit(face, triangle) of every triangle in boxes whose bound is at most limit(), nearer boxes first.
-  // bound(boxes): of each child no more than any triangle in it could be; limit(): may fall as triangles are visited.
+  // bound(boxes, out): of each child no more than any triangle in it could be; limit(): may fall as triangles are visited.
   template <class Bound, class Limit, class Visit>
   void descend(const Bound& bound, const Limit& limit, const Visit& visit) const;
 
@@ -63,7 +88,8 @@ void BoxTree::descend(const Bound& bound, const Limit& limit, const Visit& visit
     for (int32_t i = open.first; i < open.first + open.count; ++i) visit(order_[i], triangle_[i]);
     if (open.count > 0) continue;
     const Node& node = nodes_[open.first];
-    const Four bounds = bound(node.boxes);
+    Four bounds;
+    bound(node.boxes, bounds);
     const int base = top;
     for (int k = 0; k < 4; ++k) {
       if (!(bounds[k] <= limit()) || node.first[k] < 0) continue;

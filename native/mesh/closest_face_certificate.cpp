@@ -188,10 +188,9 @@ double MeshIndex::Neighbourhood::ball_of(int32_t other, const Triangle& t, const
 
 void MeshIndex::compute_certificate(int32_t face) const {
   Neighbourhood around{*this, face};
-  const auto apart = [&](const Boxes& b) {
-    Four sum = Four::Zero();
-    for (int k = 0; k < 3; ++k) sum += (b.low[k] - around.high[k]).max(around.low[k] - b.high[k]).max(0.0).square();
-    return Four(sum.sqrt() / 2);
+  const auto apart = [&](const Boxes& b, Four& half) {
+    squared_gaps(b, around.low, around.high, half);
+    for (int k = 0; k < 4; ++k) half[k] = std::sqrt(half[k]) / 2;
   };
   tree_->descend(
       apart, [&] { return around.certified ? around.reach : -1; },

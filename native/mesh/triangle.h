@@ -4,6 +4,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
 #include <optional>
 
 namespace hullrecon {
@@ -30,6 +32,19 @@ Vec3 foot_inside(const Vec3& p, const Triangle& t);
 
 // Range along the direction, in its lengths [MollerTrumbore1997]; either side counts. Empty: no crossing ahead, or a triangle
 // of no area.
-std::optional<double> cross(const Vec3& origin, const Vec3& direction, const Triangle& t);
+inline std::optional<double> cross(const Vec3& origin, const Vec3& direction, const Triangle& t) {
+  const Vec3 ab = t.b - t.a, ac = t.c - t.a, h = direction.cross(ac);
+  const double det = ab.dot(h);
+  if (det * det <= 1e-24 * ab.squaredNorm() * h.squaredNorm() || !(std::abs(det) > 0)) return std::nullopt;
+  constexpr double kSlack = 1e-10;  // a ray through a shared edge must not slip between its two faces
+  const Vec3 s = origin - t.a;
+  const double u = s.dot(h) / det;
+  if (u < -kSlack || u > 1 + kSlack) return std::nullopt;
+  const Vec3 q = s.cross(ab);
+  const double v = direction.dot(q) / det;
+  if (v < -kSlack || u + v > 1 + kSlack) return std::nullopt;
+  const double range = ac.dot(q) / det;
+  return range > 0 ? std::optional(range) : std::nullopt;
+}
 
 }  // namespace hullrecon

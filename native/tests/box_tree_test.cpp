@@ -28,11 +28,7 @@ std::vector<Triangle> cloud(int count, unsigned seed) {
 }
 
 auto squared_distance(const Vec3& p) {
-  return [p](const Boxes& b) {
-    Four sum = Four::Zero();
-    for (int k = 0; k < 3; ++k) sum += (b.low[k] - p[k]).max(p[k] - b.high[k]).max(0.0).square();
-    return sum;
-  };
+  return [p](const Boxes& b, Four& out) { squared_gaps(b, p, p, out); };
 }
 
 }  // namespace
