@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Views blended into a tile of the mosaic, in three bands [Ozog2016 3.2.4] (docs/methods.md 13)."""
+"""Blend views into a tile of the mosaic, in three bands [Ozog2016 3.2.4] (docs/methods.md 13)."""
 
 from __future__ import annotations
 
@@ -13,24 +13,33 @@ from numpy.typing import NDArray
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.imagery.camera_views import ImageView
 from hullrecon.mosaic.imagery.radiometry import Part
-from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface, seen
+from hullrecon.mosaic.mosaic_surface import (
+    MosaicSurface,
+    SurfacePatch,
+    find_visible,
+    sample_surface,
+)
 from hullrecon.native import BlendSums, insert_view
 from hullrecon.typing import Array, Floats32, Ints, Ints32, Mask
 
 STEEPNESS = (5.0, 10.0, 50.0)  # k of B_k, from the coarsest band to the finest
-BLUR_PX = (10.0, 2.5)  # sigma of the low-pass below the middle and the finest band
-# the coarsest band is made at a quarter of the size: six times faster, and the sum stays exact
+BLUR_PX = (10.0, 2.5)  # sigmas of the Gaussian low-passes that separate the bands
+# The coarsest band is computed at a quarter of the size, which is six times faster. The middle band
+# is the difference to it, so that the sum stays exact.
 REDUCED = 4
-# around a sampled pixel, from which the coarsest band is made: four sigmas of both blurs and what
-# reducing and enlarging reach
+# Pixels around a sampled pixel on which its coarsest band depends: four sigmas of both blurs, and
+# the reach of reducing and enlarging
 MARGIN_PX = 64
-ALIGN_PX = 32  # corners of a part of an image, a multiple of REDUCED
-VIEWS = 4  # at most so many a texel [Ozog2016 3.2.4]
-BLOCK = 64  # texels, side of the squares for which views are left out together
+ALIGN_PX = 32  # corners of a crop are multiples of it, and it is a multiple of REDUCED
+VIEWS = 4  # blended at most in a texel [Ozog2016 3.2.4]
+BLOCK = 64  # texels, side of the squares for which views are ruled out together
 
 
 def split_bands(picture: Floats32) -> tuple[Floats32, Floats32, Floats32]:
-    """Split a picture into coarse, middle and fine bands (h, w, channels) that sum to it."""
+    """Split a picture into a coarse, a middle and a fine band, which sum to it.
+
+    All are (h, w, channels).
+    """
     import cv2
 
     size = (picture.shape[1], picture.shape[0])
@@ -50,8 +59,8 @@ def split_bands(picture: Floats32) -> tuple[Floats32, Floats32, Floats32]:
 class BestViews:
     """The best views of each texel, the best first."""
 
-    view: Ints32  # (4, h, w), -1 where fewer see it
-    cost: Floats32  # (4, h, w), inf there
+    view: Ints32  # (4, h, w) numbers of views, -1 where fewer see the texel
+    cost: Floats32  # (4, h, w) of these views, inf where fewer see the texel
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,11 +68,11 @@ class Tile:
     """One tile of the mosaic."""
 
     value: Floats32  # (h, w, channels) 0 to 255
-    variance: Floats32  # (h, w) of the weighted intensities
-    views: NDArray[np.uint8]  # (h, w) how many were blended
+    variance: Floats32  # (h, w) of the blended views' intensities, squared gray levels
+    views: NDArray[np.uint8]  # (h, w) number of views that were blended
 
     def padded(self, shape: tuple[int, int]) -> Tile:
-        """Add unseen rows below and columns to the right, up to a shape."""
+        """Add unseen rows below and unseen columns to the right, up to a shape."""
         more = [(0, n - m) for n, m in zip(shape, self.views.shape, strict=True)]
         return Tile(
             value=np.pad(self.value, [*more, (0, 0)]),
@@ -76,8 +85,8 @@ class Tile:
 class ViewLimits:
     """Which views are used."""
 
-    min_cosine: float = 0.25  # to the surface, below which a view is too oblique
-    slant: float = 0.5  # weight of the incidence against the distance to the image's best place
+    min_cosine: float = 0.25  # of the incidence angle, below which a view is too oblique
+    slant: float = 0.5  # weight of 1 - cosine of the incidence against the ratio r / R
 
 
 def blend_tile(
@@ -89,7 +98,23 @@ def blend_tile(
     limits: ViewLimits,
     channels: int,
 ) -> Tile:
-    """Blend the four best views of each texel of a tile, in weighted bands."""
+    """Blend the four best views of each texel of a tile, in weighted bands.
+
+    Parameters
+    ----------
+    surface, grid
+        The surface, and the raster on its chart.
+    window
+        Rows and columns of the tile.
+    image_views
+        All views of the dive.
+    windows
+        For each view the texels that it may see.
+    limits
+        Which views are used.
+    channels
+        Of the images.
+    """
     part = window.meet(grid.whole)
     patch = sample_surface(surface, grid, part)
     near = [k for k, w in enumerate(windows) if not w.meet(part).empty]
@@ -113,11 +138,11 @@ def choose_views(
     windows: dict[int, Window],
     limits: ViewLimits,
 ) -> BestViews:
-    """Choose the best views of each texel, block by block.
+    """Choose the views of least cost for each texel, block by block.
 
-    The best are nearest to their image's best place, with a cost for slant. Whether something
-    stands in the way is asked of the views that would be the best, and of all only where it does:
-    much of the time goes into these rays.
+    Costs are those of `view_cost`. Rays that test for occlusion take much of the time. So views are
+    first ranked without them, and only the best are tested. Texels at which a best view is occluded
+    are ranked again, with all views tested.
     """
     best = _no_views(window.shape)
     for block, near in _blocks(patch, window, image_views, windows):
@@ -140,13 +165,13 @@ def _no_views(shape: tuple[int, ...]) -> BestViews:
 
 @dataclass(frozen=True, kw_only=True)
 class _Block:
-    """Texels (m) of a square that lie on the surface."""
+    """The n texels of a square at which there is surface."""
 
-    window: Window
-    row: Ints  # (m,) of the raster
-    column: Ints  # (m,)
-    texel: Ints  # (m,) flat, of the tile
-    patch: SurfacePatch  # (m, 1)
+    window: Window  # of the square
+    row: Ints  # (n,) in the raster
+    column: Ints  # (n,) in the raster
+    texel: Ints  # (n,) flat index in the tile
+    patch: SurfacePatch  # of shape (n, 1)
 
     def only(self, rows: Ints) -> _Block:
         """Keep some of the texels."""
@@ -159,13 +184,13 @@ class _Block:
         )
 
     def within(self, window: Window) -> Mask:
-        """Mark the texels (m,) in a window."""
+        """Tell which texels (n,) lie in a window of the raster."""
         rows = (self.row >= window.top) & (self.row < window.bottom)
         return np.asarray(rows & (self.column >= window.left) & (self.column < window.right))
 
 
 def _block(patch: SurfacePatch, window: Window, tile: Window) -> _Block:
-    """Cut a block out of a tile."""
+    """Cut the block of a window out of the patch of a tile."""
     row, column = np.nonzero(np.isfinite(patch.point[window.within(tile)][..., 0]))
     row, column = row + window.top, column + window.left
     texel = (row - tile.top) * tile.shape[1] + column - tile.left
@@ -173,7 +198,7 @@ def _block(patch: SurfacePatch, window: Window, tile: Window) -> _Block:
 
 
 def _texels(patch: SurfacePatch, rows: Ints) -> SurfacePatch:
-    """Take flat rows, as a column."""
+    """Take texels by their flat indices (n,), as a patch of shape (n, 1)."""
     point, normal = (field.reshape(-1, 3)[rows][:, None] for field in (patch.point, patch.normal))
     return SurfacePatch(
         point=point,
@@ -187,9 +212,9 @@ def _texels(patch: SurfacePatch, rows: Ints) -> SurfacePatch:
 class _Candidate:
     """A view that may see texels of a block."""
 
-    view: int
-    window: Window  # of the raster, the texels that it may see
-    least: float  # no texel of the block costs less
+    view: int  # number of the view
+    window: Window  # texels of the raster that it may see
+    least: float  # lower bound of its cost at the texels of the block
 
 
 def _blocks(
@@ -200,9 +225,9 @@ def _blocks(
 ) -> Iterator[tuple[_Block, list[_Candidate]]]:
     """Yield the blocks where there is surface, with the views that may see them.
 
-    Views come by the least that a texel of the block can cost.
+    Views are sorted by the lower bound of their cost, so that a ranking can stop early.
     """
-    squares, center, radius = _balls(patch, window)
+    squares, center, radius = _bounding_balls(patch, window)
     least = {k: image_view.least_ratio(center, radius) for k, image_view in image_views.items()}
     for place, square in enumerate(squares):
         near = sorted(
@@ -214,10 +239,15 @@ def _blocks(
         yield _block(patch, square, window), candidates
 
 
-def _balls(patch: SurfacePatch, window: Window) -> tuple[list[Window], Array, Array]:
-    """Bound the surface in each square of a tile by a ball: centers (n, 3) and radii (n,).
+def _bounding_balls(patch: SurfacePatch, window: Window) -> tuple[list[Window], Array, Array]:
+    """Bound the surface in each square of a tile by a ball.
 
-    By these, views that cannot see a square are passed over.
+    Views that cannot see any point of a ball are ruled out for its square.
+
+    Returns
+    -------
+    squares, centers, radii
+        Windows of the n squares with surface, (n, 3) m and (n,) m.
     """
     squares, center, radius = [], [], []
     for square in window.parts(BLOCK):
@@ -239,14 +269,25 @@ def _rank(
     image_views: dict[int, ImageView],
     limits: ViewLimits,
 ) -> BestViews:
-    """Rank the best views (4, m) of each texel of a block.
+    """Rank the views of each of the n texels of a block, and keep the best, (4, n).
 
-    Ends at the first view that cannot be among the best anywhere. `surface`: what may stand in
-    their way, None to ask of nothing.
+    Parameters
+    ----------
+    surface
+        That may occlude a view. None: occlusion is not tested.
+    block
+        The texels.
+    near
+        Candidates by rising lower bound. The ranking stops at the first one whose bound is above
+        all costs so far.
+    image_views
+        Views by number.
+    limits
+        Which views are used.
     """
     best = _no_views(block.texel.shape)
     for candidate in near:
-        # costs are in single precision
+        # 1e-5: costs are in single precision
         if candidate.least > float(best.cost[-1].max()) + 1e-5:
             break
         cost = view_cost(surface, block.patch, image_views[candidate.view], limits)
@@ -263,13 +304,16 @@ def _find_hidden(
     image_views: dict[int, ImageView],
     limits: ViewLimits,
 ) -> Ints:
-    """List the texels where something stands in the way of one of the best views (4, m)."""
+    """List the rows of a patch (n, 1) at which one of the best views (4, n) is occluded.
+
+    Texels that no point of the surface can occlude (`hidden_from` is inf) are not tested.
+    """
     doubtful = np.isfinite(patch.hidden_from[:, 0])
     hidden = np.zeros(len(doubtful), bool)
     for k in np.unique(best.view[:, doubtful]).tolist():
         if k >= 0:
             rows = np.flatnonzero((best.view == k).any(axis=0) & doubtful)
-            free, _ = seen(surface, patch, rows, image_views[k].center, limits.min_cosine)
+            free, _ = find_visible(surface, patch, rows, image_views[k].center, limits.min_cosine)
             hidden[rows[~free]] = True
     return np.flatnonzero(hidden)
 
@@ -277,9 +321,11 @@ def _find_hidden(
 def view_cost(
     surface: MosaicSurface | None, patch: SurfacePatch, image_view: ImageView, limits: ViewLimits
 ) -> Floats32:
-    """Compute a view's cost (m,) for the texels (m, 1) of a patch, inf where it does not see them.
+    """Compute a view's cost (n,) for the texels (n, 1) of a patch, inf where it does not see them.
 
-    `surface`: what may stand in its way, None to ask of nothing.
+    The cost is r / R of the projected texel (`ImageView.project`), plus `limits.slant` times one
+    minus the cosine of the incidence. `surface`: that may occlude the view. None: occlusion is not
+    tested.
     """
     _, ratio = image_view.project(patch.point[:, 0])
     free = np.isfinite(ratio)
@@ -288,7 +334,9 @@ def view_cost(
         free &= cosine > limits.min_cosine
     else:
         rows, cosine = np.flatnonzero(free), np.zeros(len(free))
-        free[rows], cosine[rows] = seen(surface, patch, rows, image_view.center, limits.min_cosine)
+        free[rows], cosine[rows] = find_visible(
+            surface, patch, rows, image_view.center, limits.min_cosine
+        )
     cost = ratio + limits.slant * (1 - cosine)
     return np.where(free, cost, np.inf).astype(np.float32)
 
@@ -296,9 +344,10 @@ def view_cost(
 def blend(
     patch: SurfacePatch, choice: BestViews, image_views: Sequence[ImageView], channels: int
 ) -> Tile:
-    """Blend the weighted bands, normalised by band.
+    """Blend the chosen views of a patch: in each band a weighted mean, summed over the bands.
 
-    The variance is of intensities under the mean of the bands' weights.
+    The variance of a texel is that of its views' intensities, weighted by the mean of the bands'
+    weights.
     """
     shape = choice.view.shape[1:]
     sums = BlendSums.zero(len(STEEPNESS), channels, shape[0] * shape[1])
@@ -317,12 +366,12 @@ def blend(
 
 
 def _texels_by_view(choice: BestViews) -> Iterator[tuple[int, Ints]]:
-    """Yield each view with the flat rows of the texels that it was chosen for."""
+    """Yield each view with the flat indices of the texels that it was chosen for."""
     chosen = choice.view.reshape(VIEWS, -1) >= 0
     texel = np.broadcast_to(np.arange(chosen.shape[1], dtype=np.int32), chosen.shape)[chosen]
     view = choice.view[choice.view >= 0]
     names = np.flatnonzero(np.bincount(view))
-    # NumPy sorts 16 bits in a fraction of the time
+    # Views are renumbered in 16 bits, which NumPy sorts in a fraction of the time
     place = np.zeros(names.max(initial=0) + 1, np.uint16)
     place[names] = np.arange(len(names))
     place = place[view]
@@ -332,20 +381,26 @@ def _texels_by_view(choice: BestViews) -> Iterator[tuple[int, Ints]]:
 
 
 def crop_around(pixel: Array, size: tuple[int, int]) -> tuple[Part, Floats32]:
-    """Bound the part of an image from which pixels (n, 2) are sampled in bands.
+    """Crop an image around pixels, so that their bands equal those of the whole image.
 
-    Its bands are there those of the whole image. `size`: of the image, width and height.
+    Parameters
+    ----------
+    pixel
+        (n, 2) px that are sampled.
+    size
+        Width and height of the image.
 
     Returns
     -------
     part
-        rows and columns.
+        Rows and columns of the crop.
     at
-        the pixels in it (n, 2).
+        (n, 2) px of the pixels in the crop.
     """
     width, height = size
     at = np.asarray(pixel, np.float32)
-    if width % REDUCED or height % REDUCED:  # quarters of another raster than that of the part
+    # The reduced raster of a crop would not coincide with that of the image
+    if width % REDUCED or height % REDUCED:
         return (slice(0, height), slice(0, width)), at
     u, v = np.ascontiguousarray(at.T)
     low = np.array([u.min(), v.min()]) - MARGIN_PX
@@ -357,13 +412,19 @@ def crop_around(pixel: Array, size: tuple[int, int]) -> tuple[Part, Floats32]:
 
 
 def _normalise(total: Floats32, weight: Floats32) -> Floats32:
-    """Sum the bands (n, bands, channels), each over its weight (n, bands): (n, channels)."""
+    """Divide the sums of each band by its weights, and add the bands: (n, channels), 0 to 255.
+
+    total (n, bands, channels): weighted sums. weight (n, bands): sums of weights.
+    """
     coarse, middle, fine = (total / np.where(weight > 0, weight, 1)[:, :, None]).swapaxes(0, 1)
     return np.asarray(np.clip(coarse + middle + fine, 0, 255))
 
 
 def _variance(moment: Floats32) -> Floats32:
-    """Compute the variance (n,) of moments (n, 3), NaN where nothing was blended."""
+    """Compute the variance (n,) from the moments (n, 3), NaN where nothing was blended.
+
+    The moments are the sums of w, w x and w x^2 of intensities x with weights w.
+    """
     norm = np.where(moment[:, 0] > 0, moment[:, 0], np.nan)
     mean, square = moment[:, 1] / norm, moment[:, 2] / norm
     return np.asarray(np.maximum(square - mean**2, 0), np.float32)

@@ -40,13 +40,13 @@ class Window:
         )
 
     def parts(self, size: int) -> Iterator[Window]:
-        """Yield square windows that fill it in row-major order, cut off at its ends."""
+        """Yield square windows that fill this one in row-major order, cut off at its ends."""
         for top in range(self.top, self.bottom, size):
             for left in range(self.left, self.right, size):
                 yield Window(top, top + size, left, left + size).meet(self)
 
     def within(self, outer: Window) -> tuple[slice, slice]:
-        """Return the slices of this window in an array of the outer one's shape."""
+        """Return the row and column slices of this window in an array of the outer window."""
         return (
             slice(self.top - outer.top, self.bottom - outer.top),
             slice(self.left - outer.left, self.right - outer.left),
@@ -68,7 +68,7 @@ class TexelGrid:
         return Window(0, self.height, 0, self.width)
 
     def centers(self, rows: Array, columns: Array) -> Array:
-        """Return along and girth of texel centres, (rows, columns, 2).
+        """Compute along and girth, m, of texel centres: (rows, columns, 2).
 
         Rows and columns may be fractions.
         """
@@ -77,7 +77,10 @@ class TexelGrid:
         return np.stack(np.broadcast_arrays(along[None, :], girth[:, None]), axis=-1)
 
     def window_of(self, along_girth: Array, margin_m: float) -> Window:
-        """Bound the texels around chart points (n, 2). Empty if none is on the chart."""
+        """Bound the texels within `margin_m` of chart points (n, 2) m.
+
+        NaN points are left out. The window is empty if there are no others.
+        """
         good = along_girth[np.isfinite(along_girth).all(axis=1)]
         if not len(good):
             return Window(0, 0, 0, 0)
@@ -104,10 +107,10 @@ class TexelGrid:
 
 
 def grid_around(along_girth: Array, step_m: float, max_texels: float = 1.5e8) -> TexelGrid:
-    """Make the raster that holds points (n, 2), its corner on a multiple of the step.
+    """Make the raster that holds chart points (n, 2) m, its corner on a multiple of the step.
 
-    The step is longer where there would be too many texels. Raises ValueError without a finite
-    point.
+    The step is made longer where there would be more than `max_texels`. Raises ValueError without a
+    finite point.
     """
     good = along_girth[np.isfinite(along_girth).all(axis=1)]
     if not len(good):

@@ -20,10 +20,10 @@ from hullrecon.mosaic.occlusion_horizon import (
 from hullrecon.native import incidence
 from hullrecon.typing import Array, Floats32, Ints, Ints32, Mask
 
-# texels between points of the chart; between them it is linear, 0.1 mm off on a radius of a metre
-# at 4 mm texels
+# The chart is evaluated at every 8th texel and linear between: 0.1 mm off on a radius of a metre at
+# 4 mm texels
 COARSE = 8
-OFF_SURFACE_M = 0.004  # rays start so far off the surface, not to hit it where they start
+OFF_SURFACE_M = 0.004  # rays start this far off the surface, so as not to hit it at once
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,12 +33,12 @@ class MosaicSurface:
     mesh: Mesh
     scene: Scene
     chart: Chart
-    reach_m: float  # how far from the chart's surface the mesh may lie
-    # what may stand in the way of a view, None to cast a ray for every texel
+    reach_m: float  # largest distance of the mesh from the chart's surface, along its normal
+    # Tells which texels cannot be occluded. None: a ray is cast for every texel.
     horizon: OcclusionHorizon | None = None
 
     def with_occlusion_horizon(self, grid: TexelGrid, span_m: float) -> MosaicSurface:
-        """Add the horizon for views from up to span_m away."""
+        """Add the horizon for texels of the grid and views from up to span_m away."""
         low = [grid.west, grid.north - grid.height * grid.step_m]
         bounds = np.array([low, [grid.west + grid.width * grid.step_m, grid.north]])
         return replace(self, horizon=build_occlusion_horizon(self.mesh, self.chart, bounds, span_m))
@@ -53,10 +53,11 @@ def build_mosaic_surface(mesh: Mesh, chart: Chart, reach_m: float) -> MosaicSurf
 class SurfacePatch:
     """The surface at the texels of a window."""
 
-    point: Array  # (h, w, 3), NaN where there is none
-    normal: Array  # (h, w, 3) of the chart
-    face: Ints32  # (h, w) of the mesh that holds the point, -1 where there is none
-    # (h, w) tangent of the incidence from which something may hide it, inf if nothing
+    point: Array  # (h, w, 3) m, NaN where there is no surface
+    normal: Array  # (h, w, 3) of the chart, outward
+    face: Ints32  # (h, w) face of the mesh that holds the point, -1 where there is none
+    # (h, w) tangent of the incidence angle from which the surface may occlude the texel, inf if it
+    # cannot
     hidden_from: Floats32
 
     def part(self, which: tuple[slice, slice]) -> SurfacePatch:
@@ -69,12 +70,15 @@ class SurfacePatch:
         )
 
     def cosines(self, rows: Ints | slice, sensor: Array) -> Array:
-        """Compute cosines of the incidence (n,) of a sensor (3,) at flat rows."""
+        """Compute cosines (n,) of the incidence of a sensor (3,) m at flat indices (n,)."""
         return incidence(self.point.reshape(-1, 3)[rows], self.normal.reshape(-1, 3)[rows], sensor)
 
 
 def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> SurfacePatch:
-    """Cast a ray along the chart's normal from outside to each texel's surface."""
+    """Find the surface at each texel of a window, by a ray from outside along the chart's normal.
+
+    A hit farther than reach_m from the chart's surface does not count.
+    """
     base, normal = _chart_at(surface.chart, grid, window)
     shape = base.shape
     start = (base + surface.reach_m * normal).reshape(-1, 3)
@@ -97,9 +101,9 @@ def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> S
 
 
 def _chart_at(chart: Chart, grid: TexelGrid, window: Window) -> tuple[Array, Array]:
-    """Compute points and normals (h, w, 3) at texel centres.
+    """Compute the chart's points and normals (h, w, 3) at texel centres.
 
-    They are exact at every COARSE-th centre, and linear between.
+    They are exact at every COARSE-th centre, and linearly interpolated between.
     """
     height, width = window.shape
     rows, columns = (np.arange(0, n + COARSE, COARSE, dtype=float) for n in (height, width))
@@ -112,7 +116,7 @@ def _chart_at(chart: Chart, grid: TexelGrid, window: Window) -> tuple[Array, Arr
 
 
 def _interpolate_axis(values: Array, count: int, axis: int) -> Array:
-    """Interpolate linearly at every texel along one axis."""
+    """Interpolate values at every COARSE-th texel linearly to `count` texels along one axis."""
     at = np.arange(count) / COARSE
     low = at.astype(int)
     share = (at - low).reshape([-1 if k == axis else 1 for k in range(values.ndim)])
@@ -121,14 +125,30 @@ def _interpolate_axis(values: Array, count: int, axis: int) -> Array:
     )
 
 
-def seen(
+def find_visible(
     surface: MosaicSurface, patch: SurfacePatch, rows: Ints, sensor: Array, min_cosine: float
 ) -> tuple[Mask, Array]:
-    """Find the texels of a patch that the sensor (3,) sees, with cosines of the incidence.
+    """Find the texels that a sensor sees.
 
-    A texel is seen when it faces the sensor, no flatter than min_cosine, and no other part of the
-    surface lies on the straight line between them. Rays are cast only where the line is as far off
-    the normal as `hidden_from`, from which on the surface around may stand in the way.
+    A texel is seen if the cosine of the incidence is above min_cosine and the straight line to the
+    sensor does not meet the surface. Rays are cast only where the tangent of the incidence reaches
+    `SurfacePatch.hidden_from`: below it nothing can occlude the texel.
+
+    Parameters
+    ----------
+    surface, patch
+        The surface, and its points at texels.
+    rows
+        (n,) flat indices of the texels that are tested.
+    sensor
+        (3,) m, position of the sensor.
+    min_cosine
+        Of the incidence.
+
+    Returns
+    -------
+    visible, cosine
+        (n,) whether each texel is seen, and the cosine of its incidence.
     """
     cosine = patch.cosines(rows, sensor)
     visible = cosine > min_cosine
@@ -142,5 +162,5 @@ def seen(
 
 
 def find_unobstructed(surface: MosaicSurface, points: Array, normals: Array, sensor: Array) -> Mask:
-    """Mark points (n, 3) with a free straight line to the sensor (3,)."""
+    """Tell which points (n, 3) m with normals (n, 3) have a free line of sight to a sensor (3,)."""
     return surface.scene.is_free(points + OFF_SURFACE_M * normals, sensor)

@@ -1,6 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""From which incidence on the surface may hide a texel: tells where rays must be cast."""
+"""Bound the incidence from which the surface may occlude a texel, to cast fewer rays.
+
+A texel of a smooth part of the hull cannot be occluded unless it is seen at a grazing angle. The
+bound follows from the surface's outermost points.
+"""
 
 from __future__ import annotations
 
@@ -13,26 +17,36 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.native import least_tangents
 from hullrecon.typing import Array, Floats32, Ints, Ints32
 
-# of the chart, for each of which the outermost point of the surface is kept. Cells of 0.1 m
-# leave four times as many texels near some relief, for which rays are cast.
+# Side of a cell of the chart. The outermost point of the surface in each is kept. With cells of
+# 0.1 m, rays are cast for four times as many texels near relief.
 CELL_M = 0.05
-BLOCK_M = 0.1  # texels that share one answer
-MIN_RELIEF_M = 0.012  # lower relief is within the surface's own error and hides nothing
+BLOCK_M = 0.1  # side of a block of texels that share one bound
+MIN_RELIEF_M = 0.012  # lower relief is within the surface's own error and does not occlude
 
 
 @dataclass(frozen=True, kw_only=True)
 class OcclusionHorizon:
-    """What of the surface stands out."""
+    """The outermost points of the surface, which may occlude other points."""
 
-    top: Array  # (n, 3) outermost point of the surface in each cell of the chart
-    normal: Array  # (n, 3) of the chart there
-    span_m: float  # what is farther from a texel stands behind every instrument
+    top: Array  # (n, 3) m, outermost point of the surface in each cell of the chart
+    normal: Array  # (n, 3) of the chart at these points
+    span_m: float  # points farther than this from a texel lie behind every camera or sonar
 
 
 def build_occlusion_horizon(
     mesh: Mesh, chart: Chart, bounds: Array, span_m: float
 ) -> OcclusionHorizon:
-    """Build the horizon of what lies within span_m of the texels."""
+    """Find the outermost points of a mesh within span_m of the texels.
+
+    Parameters
+    ----------
+    mesh, chart
+        The surface, and its chart.
+    bounds
+        (2, 2) least and largest along and girth, m, of the texels.
+    span_m
+        Largest distance of a view.
+    """
     charted = chart.to_chart(mesh.vertices)
     corner = charted[mesh.faces][..., :2]
     corner = np.where(np.isfinite(corner), corner, np.roll(corner, 1, axis=1))
@@ -48,7 +62,7 @@ def build_occlusion_horizon(
 
 
 def _points_between(vertices: Array, faces: Ints32) -> Array:
-    """Cover the faces that are larger than a cell with points (n, 3) no farther apart."""
+    """Cover the faces that are larger than a cell with points (n, 3) at most CELL_M apart."""
     corner = vertices[faces]
     edge = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max(axis=1, initial=0)
     parts = np.ceil(edge / CELL_M).astype(np.int64)
@@ -61,7 +75,7 @@ def _points_between(vertices: Array, faces: Ints32) -> Array:
 
 
 def _outermost(charted: Array) -> Ints:
-    """Select the outermost of charted points (n, 3) in each cell."""
+    """Select the outermost point in each cell, from points (n, 3): along, girth, offset in m."""
     known = np.flatnonzero(np.isfinite(charted).all(axis=1))
     cell = np.floor(charted[known, :2] / CELL_M).astype(np.int64)
     cell -= cell.min(axis=0, initial=0)
@@ -72,18 +86,30 @@ def _outermost(charted: Array) -> Ints:
 
 
 def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: float) -> Floats32:
-    """Bound the tangent (h, w) of the incidence up to which nothing hides a texel.
+    """Bound the tangent of the incidence angle below which nothing occludes a texel.
 
-    A line of sight with the tangent t rises 1 m over t metres along the tangent plane. What stands
-    h above that plane at the distance d can meet it only if t >= d / h. So the least d / h over all
-    that stands out is a lower bound. Distances are taken too short, and heights too large, by the
-    extent of blocks, cells and faces.
+    A line of sight with the tangent t rises 1 m over t metres along the tangent plane. A point at a
+    height h above that plane and a distance d can meet it only if t >= d / h. So the least d / h
+    over all points is a lower bound. To be safe, distances are taken too short, and heights too
+    large, by the extent of blocks and cells.
 
-    `point`: of the texels (h, w, 3). `normal`: of the texels (h, w, 3).
+    Parameters
+    ----------
+    horizon
+        Outermost points of the surface.
+    point, normal
+        Of the texels (h, w, 3).
+    step_m
+        Side of a texel.
+
+    Returns
+    -------
+    Floats32
+        (h, w), inf where nothing can occlude the texel.
     """
     height, width = point.shape[:2]
     side = max(1, round(BLOCK_M / step_m))
-    near = _near(horizon, point)
+    near = _within_span(horizon, point)
     limits = (CELL_M, horizon.span_m, MIN_RELIEF_M)
     blocks = (_blocks(field, side) for field in (point, normal))
     bound = least_tangents(horizon.top[near], horizon.normal[near], limits, *blocks)
@@ -92,8 +118,8 @@ def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: 
     return np.asarray(spread[:height, :width], np.float32)
 
 
-def _near(horizon: OcclusionHorizon, point: Array) -> Ints:
-    """Select what of the horizon is within its span of the texels (h, w, 3), and a little more."""
+def _within_span(horizon: OcclusionHorizon, point: Array) -> Ints:
+    """Select the horizon's points in the box around the texels (h, w, 3), widened by its span."""
     axes = point.reshape(-1, 3).T  # one by one: along the short axis numpy takes five times as long
     reach = horizon.span_m + BLOCK_M + 4 * CELL_M
     low = np.array([np.fmin.reduce(axis, initial=np.inf) for axis in axes]) - reach
@@ -102,7 +128,7 @@ def _near(horizon: OcclusionHorizon, point: Array) -> Ints:
 
 
 def _blocks(field: Array, side: int) -> Array:
-    """Reshape to (blocks, side * side, 3) in row-major order, NaN beyond the field's ends."""
+    """Cut a field (h, w, 3) into blocks: (blocks, side * side, 3), row-major, padded with NaN."""
     height, width = field.shape[:2]
     rows, columns = -(-height // side), -(-width // side)
     padded = np.full((rows * side, columns * side, 3), np.nan)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The optical mosaic [Ozog2016 3.2.4] (docs/methods.md 13): images and a surface to tiles."""
+"""Make the optical mosaic from images and a surface [Ozog2016 3.2.4] (docs/methods.md 13)."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from hullrecon.mosaic.options import OpticalOptions
 from hullrecon.mosaic.output.tile_store import TileStore, blend_tiles
 from hullrecon.mosaic.stream import Stream
 
-# of an image's distance: past a bilge, or through a gap of the model, a ray may meet it tens of
-# metres away
+# Hits of an image's rays that are farther than so many times their median distance do not count:
+# past a bilge, or through a gap of the model, a ray may meet it tens of metres away
 MOST_MEDIANS = 3.0
-MIN_TEXEL_M, MAX_TEXEL_M = 0.001, 0.02  # sides of a texel that are chosen
-# views more oblique than 70 degrees are not used
+MIN_TEXEL_M, MAX_TEXEL_M = 0.001, 0.02  # limits of the chosen side of a texel
+# Views more oblique than 70 degrees are not used
 LIMITS = ViewLimits(min_cosine=float(np.cos(np.radians(70.0))))
 
 
@@ -38,8 +38,8 @@ class OpticalMosaic:
     """The optical mosaic."""
 
     store: TileStore
-    gsd_m: float  # a pixel on the hull, in the median
-    light_corrected: bool  # whether the light was evened out
+    gsd_m: float  # median ground sample distance: side of a pixel on the hull
+    light_corrected: bool  # whether lamp, vignetting and brightness were corrected
 
 
 def optical_mosaic(
@@ -49,9 +49,25 @@ def optical_mosaic(
     stream: Stream,
     scratch: BinaryIO,
 ) -> OpticalMosaic:
-    """Make the mosaic: footprints, light, then tile by tile into a scratch file.
+    """Make the mosaic: find footprints, estimate the light, then blend tile by tile.
 
-    Raises ValueError when no image meets the surface or the raster would be too large.
+    Parameters
+    ----------
+    surface
+        On which the images are laid.
+    cameras
+        Images with poses, by camera.
+    options
+        Of the step mosaic-optical.
+    stream
+        Maps work over threads.
+    scratch
+        An empty file that keeps the tiles.
+
+    Raises
+    ------
+    ValueError
+        When no image meets the surface.
     """
     image_views = plain_views(cameras)
     footprints = compute_footprints(surface, image_views, MOST_MEDIANS)
@@ -78,7 +94,7 @@ def optical_mosaic(
 
 
 def ground_sample_distance(cameras: Sequence[CameraImages], footprints: Footprints) -> float:
-    """Return the median distance over focal length, metres.
+    """Compute the median ground sample distance, m: an image's distance over its focal length.
 
     Raises ValueError when no image meets the surface.
     """
@@ -92,7 +108,10 @@ def ground_sample_distance(cameras: Sequence[CameraImages], footprints: Footprin
 
 
 def texel_size(gsd_m: float, options: OpticalOptions) -> float:
-    """Choose the side of a texel: as asked, else a pixel on the hull in whole tenths of a mm."""
+    """Choose the side of a texel, m: from the options, else the ground sample distance.
+
+    The latter is limited to MIN_TEXEL_M and MAX_TEXEL_M, and rounded to tenths of a millimetre.
+    """
     if options.resolution_m is not None:
         return options.resolution_m
     return round(float(np.clip(gsd_m, MIN_TEXEL_M, MAX_TEXEL_M)), 4)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Uncertainty of a sonar texel's place on the hull, from poses and mount."""
+"""Uncertainty of a sonar texel's position on the hull, from vehicle poses and sonar mount."""
 
 from __future__ import annotations
 
@@ -16,32 +16,38 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class PingUncertainty:
-    """Where the sonar stood at pings (n)."""
+    """Poses of sonar and vehicle at n pings, and what is known of them."""
 
     sonar: Poses  # result_from_sonar (n)
     vehicle: Poses  # result_from_vehicle (n)
-    pose_covariance: Array  # (n, 6, 6) of the vehicle: translation in M, rotation right-perturbed
+    # (n, 6, 6) of `vehicle`: translation in the frame of the results, rotation perturbed on the
+    # right
+    pose_covariance: Array
     servo_from_sonar: Poses  # one pose
-    mount_sigma: Array  # (6,) m along the servo's axes, rad about the sonar's
+    mount_sigma: Array  # (6,) m along the servo's axes, rad about the sonar's axes
 
 
 def position_sigma(pings: PingUncertainty, points: Array, normals: Array) -> tuple[Array, Array]:
-    """Propagate pose and mount to points (n, k, 3) on the hull.
+    """Propagate the uncertainties of vehicle pose and sonar mount to points on the hull.
 
-    A point R p + t moves by dt + R (w x p), with p seen from the vehicle or, for the mount, from
-    the sonar. Sigmas are along the worst direction of the tangent plane; NaN where a point is.
+    A point R p + t moves by dt + R (w x p), where p is in the vehicle's axes or, for the mount, in
+    the sonar's. Sigmas are along the worst direction in the tangent plane, NaN where a point is.
 
     Parameters
     ----------
+    pings
+        Poses at n pings.
+    points
+        (n, k, 3) m, k points that each ping met.
     normals
-        of the tangent planes (n, k, 3).
+        (n, k, 3) of the tangent planes at the points.
 
     Returns
     -------
     total
-        one sigma (n, k) m.
+        (n, k) m, one sigma.
     mount
-        what the mount alone has of it (n, k) m.
+        (n, k) m, one sigma from the mount alone.
     """
     sonar, vehicle = pings.sonar.rotation.as_matrix(), pings.vehicle.rotation.as_matrix()
     hull_from_servo = sonar @ pings.servo_from_sonar.rotation.as_matrix()[0].T
@@ -59,9 +65,9 @@ def position_sigma(pings: PingUncertainty, points: Array, normals: Array) -> tup
 def median_position_sigma(
     pings: PingUncertainty, footprints: Footprints, chart: Chart
 ) -> dict[str, float | None]:
-    """Return the median sigma of a texel's place on the hull over all pings, m.
+    """Compute the median sigma, m, of a texel's position on the hull, as members of mosaic.json.
 
-    Members of mosaic.json: of all, and of the mount alone; None where no ping met the surface.
+    One member is for all causes, one for the mount alone. None where no ping met the surface.
     """
     normals = chart.from_chart(footprints.at.reshape(-1, 2))[1].reshape(footprints.point.shape)
     names = ("position_sigma_m", "position_sigma_of_mount_m")
@@ -73,13 +79,21 @@ def median_position_sigma(
 
 
 def _motion_jacobian(shift_axes: Array, turn_axes: Array, levers: Array) -> Array:
-    """Differentiate points' positions (n, k, 3, 6) by a shift and a turn."""
+    """Compute the Jacobian (n, k, 3, 6) of points by a shift and a turn of their sensor.
+
+    Parameters
+    ----------
+    shift_axes, turn_axes
+        (n, 3, 3) columns are the axes of the shift and of the turn.
+    levers
+        (n, k, 3) m from the sensor to the points.
+    """
     turned = np.cross(turn_axes.swapaxes(1, 2)[:, None], levers[:, :, None]).swapaxes(2, 3)
     return np.concatenate([np.broadcast_to(shift_axes[:, None], turned.shape), turned], axis=3)
 
 
 def _largest_sigma(covariance: Array, normals: Array) -> Array:
-    """Take the largest sigma of (n, k, 3, 3) in the tangent planes."""
+    """Compute the largest sigma (n, k) of covariances (n, k, 3, 3) within the tangent planes."""
     tangent = np.eye(3) - normals[..., :, None] * normals[..., None, :]
     flat = tangent @ covariance @ tangent
     known = np.isfinite(flat).all(axis=(2, 3))

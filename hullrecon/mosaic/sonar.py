@@ -1,6 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The mosaic of an imaging sonar [Ozog2016 3.2.3, 3.2.4] (docs/methods.md 14)."""
+"""Make the mosaic of an imaging sonar [Ozog2016 3.2.3, 3.2.4] (docs/methods.md 14).
+
+A ping is an image over beam and range. In the sonar's axes z points ahead, y along the bearings and
+x out of the fan. A view's best place is defined on the fan-shaped display of the image, with width
+w and height h: it is the pixel u = w/2, v = 3h/4.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +25,12 @@ from hullrecon.mosaic.imagery.camera_views import (
     footprint_windows,
 )
 from hullrecon.mosaic.imagery.radiometry import Part
-from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface, seen
+from hullrecon.mosaic.mosaic_surface import (
+    MosaicSurface,
+    SurfacePatch,
+    find_visible,
+    sample_surface,
+)
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.output.tile_store import TileStore, blend_tiles
 from hullrecon.mosaic.stream import Stream
@@ -30,22 +40,23 @@ from hullrecon.typing import Array, Floats32, Ints
 
 @dataclass(frozen=True, kw_only=True)
 class SonarFan:
-    """The fan of a sonar."""
+    """Beams and ranges of a sonar's image."""
 
-    bearing: Array  # (beams,) rad, rising
-    beam: Array  # (beams,) number in the image
-    range_m: Array  # (ranges,) rising
-    half_elevation: float  # rad
+    bearing: Array  # (beams,) rad, ascending
+    beam: Array  # (beams,) row in the image of each bearing
+    range_m: Array  # (ranges,) ascending
+    half_elevation: float  # rad, largest angle out of the fan
 
     def locate(self, points: Array) -> tuple[Array, Array]:
-        """Locate points (n, 3) in the image. NaN outside it.
+        """Locate points (n, 3) m in the sonar's axes in the image.
 
         Returns
         -------
-        place
-            range bin and beam number (n, 2).
+        pixel
+            (n, 2) range bin and beam number.
         ratio
-            r/R (n,) on the display.
+            (n,) distance from the best place on the display, over the largest that is displayed.
+            NaN for points outside the fan.
         """
         x, y, z = points.T
         level = np.hypot(y, z)
@@ -59,11 +70,11 @@ class SonarFan:
             & (np.abs(elevation) <= self.half_elevation)
         )  # fmt: skip
         return np.stack([n_r, n_b], axis=1), np.where(
-            held, self._away(distance, bearing) / self._farthest(), np.nan
+            held, self._from_best_m(distance, bearing) / self._farthest_m(), np.nan
         )
 
     def rays(self, bearings: int, elevations: int) -> Array:
-        """Spread unit vectors (bearings * elevations, 3) in `sonar` over the aperture."""
+        """Make unit vectors (bearings * elevations, 3) in the sonar's axes, over the aperture."""
         psi, theta = np.meshgrid(
             np.linspace(self.bearing[0], self.bearing[-1], bearings),
             np.linspace(-self.half_elevation, self.half_elevation, elevations),
@@ -73,28 +84,39 @@ class SonarFan:
             -1, 3
         )
 
-    def _best(self) -> float:
-        """Compute the metres ahead of the instrument at v = 3h/4.
+    def _best_ahead_m(self) -> float:
+        """Compute how far ahead of the sonar the best place, v = 3h/4, lies.
 
-        The display ends at the nearest range shown.
+        The display reaches from the largest range down to the nearest point of the fan.
         """
         near = self.range_m[0] * float(np.cos(np.abs(self.bearing).max()))
         return float(self.range_m[-1] - 0.75 * (self.range_m[-1] - near))
 
-    def _away(self, distance: Array, bearing: Array) -> Array:
-        return np.hypot(distance * np.sin(bearing), distance * np.cos(bearing) - self._best())
+    def _from_best_m(self, distance: Array, bearing: Array) -> Array:
+        """Compute the distance on the display from the best place, m."""
+        return np.hypot(
+            distance * np.sin(bearing), distance * np.cos(bearing) - self._best_ahead_m()
+        )
 
-    def _farthest(self) -> float:
+    def _farthest_m(self) -> float:
+        """Compute the largest distance from the best place on the display, at a corner."""
         corners = [
             (r, b) for r in self.range_m[[0, -1]] for b in (self.bearing[0], 0.0, self.bearing[-1])
         ]
-        return max(float(self._away(np.float64(r), np.float64(b))) for r, b in corners)  # type: ignore[arg-type]
+        return max(float(self._from_best_m(np.float64(r), np.float64(b))) for r, b in corners)  # type: ignore[arg-type]
 
 
 def build_fan(directions: Array, range_m: Array, elevation_rad: float) -> SonarFan:
-    """Build a fan from the beams' unit vectors in `sonar` (beams, 3).
+    """Build a fan from the unit vectors of the beams.
 
-    `elevation_rad`: full aperture out of the fan.
+    Parameters
+    ----------
+    directions
+        (beams, 3) in the sonar's axes.
+    range_m
+        (ranges,) ascending.
+    elevation_rad
+        Full aperture out of the fan.
     """
     bearing = np.arctan2(directions[:, 1], directions[:, 2])
     order = np.argsort(bearing, kind="stable")
@@ -106,41 +128,41 @@ def build_fan(directions: Array, range_m: Array, elevation_rad: float) -> SonarF
     )
 
 
-APERTURE_SHARE = 0.9  # of the elevation aperture that is used: little comes back at its edge
-# views more oblique than 82 degrees are not used; an imaging sonar grazes the hull
+APERTURE_SHARE = 0.9  # of the elevation aperture is used: returns are weak at its edge
+# Views more oblique than 82 degrees are not used; an imaging sonar grazes the hull
 LIMITS = ViewLimits(min_cosine=float(np.cos(np.radians(82.0))), slant=0.0)
-LEVEL = 90.0  # gray level that the mean return is brought to
-LEVEL_STEP_M = 0.05  # texels that the levels are learnt from
-BLOCK = 256  # of those texels, at a time
-MIN_SAMPLES = 200  # of the hull, for a ping or a place in the fan to have a level of its own
+LEVEL = 90.0  # gray level of the mean return after the correction
+LEVEL_STEP_M = 0.05  # side of the texels from which the levels are estimated
+BLOCK = 256  # side of a block of those texels
+MIN_SAMPLES = 200  # texels on the hull, below which no level or gain is estimated
 
 
 @dataclass(frozen=True, kw_only=True)
 class SonarView:
-    """A ping."""
+    """A ping as a view of the hull. An `ImageView`."""
 
     pose: Poses  # one result_from_sonar
     fan: SonarFan
-    image: NDArray[np.uint8]  # (beams, ranges) uint8
-    # (beams, ranges) what a mean piece of hull returns, None to leave the image as it is
+    image: NDArray[np.uint8]  # (beams, ranges)
+    # (beams, ranges) mean gray level that hull has there. None: the image is not corrected.
     level: Array | None = None
-    gain: float = 1.0  # by which that ping is brighter
+    gain: float = 1.0  # ratio of this ping's brightness to the mean
 
     @property
     def center(self) -> Array:
         return np.asarray(self.pose.translation[0])
 
     def project(self, points: Array) -> tuple[Array, Array]:
-        """Project to pixels (range bin, beam) and r/R on the display from u = w/2, v = 3h/4."""
+        """Project points (n, 3) to pixels (range bin, beam), with r / R on the display."""
         inside = (points - self.center) @ self.pose.rotation.as_matrix()[0]
         return self.fan.locate(inside)
 
     def least_ratio(self, center: Array, radius: Array) -> Array:
-        """Bound the ratio by zero: any ball may hold the best place."""
+        """Bound r / R by zero, as any ball may hold the best place."""
         return np.zeros(len(radius))
 
     def outline(self, surface: MosaicSurface) -> Array:
-        """Cast rays all over the aperture, ending at the last range at most."""
+        """Cast rays all over the aperture, and end them at the largest range."""
         rays = self.fan.rays(bearings=9, elevations=13) @ self.pose.rotation.as_matrix()[0].T
         gone = surface.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
         gone = np.where(np.isfinite(gone), np.minimum(gone, self.fan.range_m[-1]), np.nan)
@@ -162,16 +184,16 @@ class SonarMosaic:
     """The mosaic of a sonar."""
 
     store: TileStore
-    light_corrected: bool  # whether the level of the returns was learnt from the dive
+    light_corrected: bool  # whether levels of returns were estimated and corrected
     footprints: Footprints  # where the pings met the surface
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReturnLevels:
-    """How strongly the hull returns: by range and beam, and in each ping."""
+    """Gray levels of returns from the hull: by range and beam, and for each ping."""
 
-    mean: Array  # (beams, ranges) of a dive
-    gain: Array  # (pings,) by which each ping is brighter
+    mean: Array  # (beams, ranges) mean over the dive
+    gain: Array  # (pings,) ratio of each ping's brightness to the mean
 
 
 def sonar_mosaic(
@@ -183,18 +205,29 @@ def sonar_mosaic(
     stream: Stream,
     scratch: BinaryIO,
 ) -> SonarMosaic:
-    """Make the mosaic of posed pings: footprints, levels, then tile by tile.
-
-    Raises ValueError when no ping meets the surface.
+    """Make the mosaic: find footprints, estimate levels of returns, then blend tile by tile.
 
     Parameters
     ----------
+    surface
+        On which the pings are laid.
+    pings
+        Images of the sonar.
     poses
         result_from_sonar at the pings.
     elevation_rad
-        the full aperture out of the fan.
+        The full aperture out of the fan.
+    options
+        Of the step mosaic-sonar.
+    stream
+        Maps work over threads.
     scratch
-        an empty file, for what grows with the dive, the tiles among it.
+        An empty file for the tiles and other data that grow with the dive.
+
+    Raises
+    ------
+    ValueError
+        When no ping meets the surface.
     """
     fan = build_fan(pings.directions, pings.range_m, APERTURE_SHARE * elevation_rad)
     image_views = [
@@ -227,11 +260,26 @@ def learn_levels(
     min_cosine: float,
     scratch: BinaryIO,
 ) -> ReturnLevels | None:
-    """Learn the mean return at each range and beam, and each ping's gain.
+    """Estimate the mean gray level of hull at each range and beam, and the gain of each ping.
 
-    That holds beam pattern, spreading and grazing angle. Only pixels on which the surface lies and
-    is seen are counted, so that neither water before the first return nor shadows darken the mean.
-    None when too little of the hull was seen. `scratch`: a file to append to.
+    The mean contains beam pattern, spreading loss and grazing angle. Only pixels that show visible
+    surface count, so that neither the water before the first return nor shadows darken the mean.
+
+    Parameters
+    ----------
+    surface
+        The hull.
+    image_views, footprints
+        All pings, and where they met the surface.
+    min_cosine
+        Of the incidence, below which a texel does not count.
+    scratch
+        A file to which data are appended.
+
+    Returns
+    -------
+    ReturnLevels or None
+        None with fewer than MIN_SAMPLES texels.
     """
     grid = grid_around(footprints.at.reshape(-1, 2), LEVEL_STEP_M)
     shape = image_views[0].image.shape
@@ -261,14 +309,11 @@ def learn_levels(
 
 
 class _HullCells:
-    """Flat indices of the pixels that hold hull, by ping, in a file.
-
-    There are thousands a ping.
-    """
+    """Flat indices of each ping's pixels that show hull, kept in a file: a ping has thousands."""
 
     def __init__(self, file: BinaryIO, pings: int) -> None:
         self._file = file
-        # byte and length of each
+        # For each ping, the byte at which each part begins, and its number of indices
         self._parts: list[list[tuple[int, int]]] = [[] for _ in range(pings)]
 
     def append(self, ping: int, cells: Ints) -> None:
@@ -292,28 +337,35 @@ class _HullCells:
 def _hull_cells(
     surface: MosaicSurface, image_view: SonarView, patch: SurfacePatch, min_cosine: float
 ) -> Ints:
-    """Find the sonar image's cells (flat, one for each visible texel of the patch) that show hull.
+    """Find the pixels of a ping that show hull: the flat index of each visible texel's pixel.
 
-    A cell that holds several texels occurs as often: the brightness of hull is learnt from them.
+    A pixel that shows several texels occurs several times, and so has the weight of their area.
     """
     point = patch.point.reshape(-1, 3)
     rows = np.flatnonzero(np.isfinite(point[:, 0]))
     pixel, ratio = image_view.project(point[rows])
     in_fan = np.isfinite(ratio)
-    is_visible, _ = seen(surface, patch, rows[in_fan], image_view.center, min_cosine)
+    is_visible, _ = find_visible(surface, patch, rows[in_fan], image_view.center, min_cosine)
     near = np.rint(pixel[in_fan][is_visible]).astype(np.int64)
     return np.asarray(near[:, 1] * image_view.image.shape[1] + near[:, 0])
 
 
 def _gain(values: NDArray[np.uint8], means: Array) -> float:
-    """Estimate a ping's brightness over the dive's, held to a factor of two."""
+    """Estimate the ratio of a ping's brightness to the mean, limited to a factor of two.
+
+    values, means (n,): gray levels of the ping's hull pixels, and the mean levels there.
+    """
     if len(values) < MIN_SAMPLES:
         return 1.0
     return float(np.clip(values.astype(float).sum() / max(means.sum(), 1e-9), 0.5, 2.0))
 
 
 def _smooth(total: Array, count: Array) -> Array:
-    """Average over 2 beams and 3 range bins (sigma), wider where nothing was counted."""
+    """Compute the smoothed mean of pixels from their sums and counts, both (beams, ranges).
+
+    The Gaussian's sigma is 2 beams and 3 range bins, and four times as much where few samples are
+    near.
+    """
     from scipy.ndimage import gaussian_filter
 
     wide = gaussian_filter(total, (8, 12), mode="nearest") / np.maximum(

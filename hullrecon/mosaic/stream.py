@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How work on tiles and images is spread."""
+"""The type of the function that spreads work on tiles and images over threads or processes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ Made = TypeVar("Made")
 
 
 class Stream(Protocol):
-    """Yields what a function makes of items, in their order. The label says what they are."""
+    """Map a function over items, and yield the results in the items' order.
+
+    The label names the items in progress lines.
+    """
 
     def __call__(
         self, make: Callable[[Item], Made], items: Sequence[Item], label: str, /

@@ -7,7 +7,12 @@ from collections.abc import Callable
 import numpy as np
 
 from hullrecon.mosaic.grid import TexelGrid, Window
-from hullrecon.mosaic.mosaic_surface import MosaicSurface, find_unobstructed, sample_surface, seen
+from hullrecon.mosaic.mosaic_surface import (
+    MosaicSurface,
+    find_unobstructed,
+    find_visible,
+    sample_surface,
+)
 
 GRID = TexelGrid(west=-1.2, north=1.2, step_m=0.02, height=120, width=120)
 
@@ -50,7 +55,7 @@ def test_block_hides_view_as_far_as_its_shadow(
     # over the block's far upper edge the line reaches the plate 0.6 m behind that edge
     sensor = np.array([-1.3, 0.0, 0.3])
     row, columns = 60, np.arange(46, 108)
-    free, cosine = seen(surface, patch, row * 120 + columns, sensor, 0.05)
+    free, cosine = find_visible(surface, patch, row * 120 + columns, sensor, 0.05)
     x = GRID.west + (columns + 0.5) * GRID.step_m
     np.testing.assert_allclose(cosine, 0.3 / np.hypot(np.hypot(x + 1.3, 0.01), 0.3), atol=1e-6)
     # rays start 4 mm off the plate, which is 1.6 cm of shadow
@@ -62,7 +67,9 @@ def test_a_block_in_the_next_tile_hides_as_well(flat_surface: Callable[..., Mosa
     tile = Window(40, 80, 40, 80)  # from x = -0.4 on
     patch = sample_surface(surface, GRID, tile)
     # x = -0.29 and 0.21
-    free, _ = seen(surface, patch, 20 * 40 + np.array([5, 30]), np.array([-1.3, 0.0, 0.3]), 0.05)
+    free, _ = find_visible(
+        surface, patch, 20 * 40 + np.array([5, 30]), np.array([-1.3, 0.0, 0.3]), 0.05
+    )
     np.testing.assert_array_equal(free, [False, True])
 
 
@@ -77,9 +84,9 @@ def test_texels_outside_the_grid_are_not_known(flat_surface: Callable[..., Mosai
 def test_a_texel_that_turns_away_is_not_seen(flat_surface: Callable[..., MosaicSurface]) -> None:
     patch = sample_surface(flat_surface(), GRID, GRID.whole)
     rows = np.array([60 * 120 + 60])
-    assert seen(flat_surface(), patch, rows, np.array([0.0, 0.0, 1.0]), 0.2)[0][0]
-    assert not seen(flat_surface(), patch, rows, np.array([0.0, 0.0, -1.0]), 0.2)[0][0]
-    assert not seen(flat_surface(), patch, rows, np.array([6.0, 0.0, 1.0]), 0.2)[0][0]
+    assert find_visible(flat_surface(), patch, rows, np.array([0.0, 0.0, 1.0]), 0.2)[0][0]
+    assert not find_visible(flat_surface(), patch, rows, np.array([0.0, 0.0, -1.0]), 0.2)[0][0]
+    assert not find_visible(flat_surface(), patch, rows, np.array([6.0, 0.0, 1.0]), 0.2)[0][0]
 
 
 def test_a_block_stands_in_the_line_of_a_slanted_view(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The images of a dive as views of the hull: where each was taken, and the light in it."""
+"""The images of a dive as views of the hull: their poses, footprints and light."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from hullrecon.mosaic.imagery.radiometry import (
     first_fields,
     solve_light,
 )
-from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface, seen
+from hullrecon.mosaic.mosaic_surface import MosaicSurface, find_visible, sample_surface
 from hullrecon.mosaic.stream import Stream
 from hullrecon.native import project_into
 from hullrecon.records.trajectory import VehicleTrack
@@ -35,31 +35,33 @@ from hullrecon.typing import Array, Floats32, Ints, Mask
 
 
 class ImageView(Protocol):
-    """One image and where it was taken. center: (3,) of the instrument in the surface's frame."""
+    """An image of a camera or a sonar, with its pose."""
 
     @property
-    def center(self) -> Array: ...
+    def center(self) -> Array:
+        """Position (3,) m of the instrument in the surface's frame."""
 
     def project(self, points: Array) -> tuple[Array, Array]:
-        """Project points (n, 3) into the picture; NaN where it does not hold them.
+        """Project points (n, 3) m into the picture. NaN where it does not show them.
 
         Returns
         -------
         pixel
-            (n, 2).
+            (n, 2) px.
         ratio
-            r / R (n,), distance from the best place in the image over the largest considered
-            (docs/methods.md 13, 14).
+            (n,) r / R: distance of the pixel from the best place in the image (of a camera the
+            middle) over the largest such distance (docs/methods.md 13, 14).
         """
 
     def least_ratio(self, center: Array, radius: Array) -> Array:
-        """Bound r / R (n,) from below for all points of balls that the picture holds.
+        """Bound r / R (n,) from below over all points of balls.
 
-        `center`: of the balls (n, 3). inf where it holds none.
+        `center`: of the balls (n, 3) m. `radius`: (n,) m. inf where the picture shows no point of
+        a ball.
         """
 
     def outline(self, surface: MosaicSurface) -> Array:
-        """Cast rays all over the image onto the surface (n, 3). NaN where they miss."""
+        """Cast rays spread over the image onto the surface: hits (n, 3) m, NaN where they miss."""
 
     @property
     def size(self) -> tuple[int, int]:
@@ -71,12 +73,12 @@ class ImageView(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class CameraView:
-    """A camera's image."""
+    """A camera's image as a view of the hull. An `ImageView`."""
 
     pose: Poses  # one result_from_camera
     camera: CameraModel
-    load: Callable[[], Picture | None]  # gives the picture (h, w, channels)
-    # corrects a part of it, None to leave the light as it is
+    load: Callable[[], Picture | None]  # reads the picture (h, w, channels)
+    # Corrects the light in a part of the picture. None: the picture is not corrected.
     light: Callable[[Picture, Part], Floats32] | None = None
 
     @property
@@ -84,26 +86,27 @@ class CameraView:
         return np.asarray(self.pose.translation[0])
 
     def project(self, points: Array) -> tuple[Array, Array]:
-        """Project points. The best place is the image's middle, R half its diagonal."""
+        """Project points. The best place is the image's middle, and R is half its diagonal."""
         return project_into(
             points, self._camera_from_frame, self.center, self.camera.parameters(), self.size,
             self._widest(),
         )  # fmt: skip
 
     def least_ratio(self, center: Array, radius: Array) -> Array:
-        """Bound the ratio by how far points may lie in the image from the balls' middles."""
+        """Bound r / R by the largest distance in the image of a ball's points from its centre."""
         x, y, z = self._inside(center)
         nearest = np.maximum(z - radius, 1e-9)
         middle = np.stack([x, y], axis=1) / np.maximum(z, 1e-9)[:, None]
         axis = np.linalg.norm(middle, axis=1)
-        # x / z of a point d from the middle m of a ball is (d_xy - m d_z) / z off m
+        # With m = x / z of a ball's centre, a point at an offset d from the centre has x / z off m
+        # by (d_xy - m d_z) / z
         spread = radius * np.sqrt(1 + axis**2) / nearest
         width, height = self.camera.width, self.camera.height
         away = self.camera.distort(middle) - [(width - 1) / 2, (height - 1) / 2]
         least = np.linalg.norm(away, axis=1) - spread * self.camera.steepest(axis + spread)
         ratio = np.maximum(least / (0.5 * np.hypot(width, height)), 0)
         ratio[z <= radius] = 0
-        # behind the camera, or farther off than the image's corners
+        # inf behind the camera, or beyond the image's corners
         return np.where((z + radius <= 0) | (ratio > 1), np.inf, ratio)
 
     def outline(self, surface: MosaicSurface) -> Array:
@@ -128,7 +131,7 @@ class CameraView:
         return np.asarray(raw[part], np.float32) if self.light is None else self.light(raw, part)
 
     def _inside(self, points: Array) -> Array:
-        """Return coordinates (3, n) in the camera of points (n, 3)."""
+        """Transform points (n, 3) to the camera's axes, (3, n)."""
         away = np.ascontiguousarray(points.T) - self.center[:, None]
         return self._camera_from_frame @ away
 
@@ -137,7 +140,7 @@ class CameraView:
         return np.asarray(self.pose.rotation.as_matrix()[0].T)
 
     def _widest(self) -> float:
-        """Find the tangent beyond which the distortion would fold points back."""
+        """Bound the tangent of rays that are projected: beyond, distortion might fold them back."""
         c = self.camera
         return 1.5 * max(
             c.cx / c.fx, (c.width - c.cx) / c.fx, c.cy / c.fy, (c.height - c.cy) / c.fy
@@ -145,8 +148,8 @@ class CameraView:
 
 
 Read = Callable[[int], NDArray[np.uint8] | None]
-LIGHT_STEP_M = 0.06  # texels that the light is estimated from
-BLOCK = 256  # of those texels, at a time
+LIGHT_STEP_M = 0.06  # side of the texels from which the light is estimated
+BLOCK = 256  # side of a block of those texels
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,27 +157,36 @@ class CameraImages:
     """One camera of the rig and its images."""
 
     camera: CameraModel
-    rows: Ints  # (n,) of its index
-    poses: Poses  # result_from_camera (n)
-    read: Read  # an image (h, w, 3) uint8 RGB by its row, or None
+    rows: Ints  # (n,) rows of the camera's index of images
+    poses: Poses  # (n,) result_from_camera
+    read: Read  # reads an image (h, w, 3) uint8 RGB by its row. None if it cannot be read
 
 
 @dataclass(frozen=True, kw_only=True)
 class Footprints:
-    """Where images meet the surface."""
+    """Where k rays of each image meet the surface."""
 
-    point: Array  # (views, k, 3), NaN where they do not
-    at: Array  # (views, k, 2) on the chart
-    distance: Array  # (views,) m, median
-    span_m: float  # the largest of all distances, 0 when no image meets it
+    point: Array  # (views, k, 3) m, NaN where a ray does not meet it
+    at: Array  # (views, k, 2) m, along and girth of these points on the chart
+    distance: Array  # (views,) m, median distance from the instrument
+    span_m: float  # the largest of all distances, 0 when no image meets the surface
 
 
 def images_of_camera(
     rig: Rig, track: VehicleTrack, camera: Camera, usable: Mask, read: Read
 ) -> CameraImages:
-    """Place a camera's usable images in the frame of the track.
+    """Collect a camera's usable images with their poses along a track.
 
-    `usable`: by row of the camera's index (m,).
+    Parameters
+    ----------
+    rig, track
+        From which the poses follow, in the frame of the track.
+    camera
+        The camera.
+    usable
+        Whether each row of the camera's index of images is used.
+    read
+        Reads an image by its row.
     """
     nodes = np.flatnonzero(track.image[:, camera.column] >= 0)
     nodes = nodes[usable[track.image[nodes, camera.column]]]
@@ -187,7 +199,7 @@ def images_of_camera(
 
 
 def plain_views(cameras: Sequence[CameraImages]) -> list[CameraView]:
-    """List the views, uncorrected, in the order of the cameras."""
+    """Make views without pictures, for geometry alone, in the order of the cameras."""
     return [
         CameraView(pose=s.poses[i], camera=s.camera, load=lambda: None)
         for s in cameras
@@ -198,9 +210,9 @@ def plain_views(cameras: Sequence[CameraImages]) -> list[CameraView]:
 def compute_footprints(
     surface: MosaicSurface, image_views: Sequence[ImageView], most_medians: float = float("inf")
 ) -> Footprints:
-    """Find where images meet the surface.
+    """Find where rays spread over each image meet the surface.
 
-    `most_medians`: of a view's median distance, beyond which what it meets is left out.
+    `most_medians`: hits farther than so many times the median distance of a view are left out.
     """
     outlines = [image_view.outline(surface) for image_view in image_views]
     ranges = np.array(
@@ -222,7 +234,11 @@ def compute_footprints(
 def footprint_windows(
     grid: TexelGrid, footprints: Footprints, margin_share: float = 0.06
 ) -> list[Window]:
-    """Bound the texels that each view may see, with a margin between its points."""
+    """Bound the texels that each view may see, by a window around its footprint.
+
+    `margin_share`: of the footprint's extent, that is added on each side, as the footprint is known
+    at some rays alone.
+    """
     spans = []
     for at in footprints.at:
         good = at[np.isfinite(at).all(axis=1)]
@@ -235,7 +251,7 @@ def footprint_windows(
 
 
 def camera_views(cameras: Sequence[CameraImages], light: LightModel | None) -> list[CameraView]:
-    """List the views with pictures corrected for the light."""
+    """Make views with pictures that are corrected for the light, in the order of the cameras."""
     image_views: list[CameraView] = []
     for k, images in enumerate(cameras):
         for i, row in enumerate(images.rows.tolist()):
@@ -259,9 +275,23 @@ def estimate_light(
     footprints: Footprints,
     stream: Stream,
 ) -> LightModel | None:
-    """Estimate the light from small copies of all images at texels LIGHT_STEP_M apart.
+    """Estimate the light from small copies of all images, at texels LIGHT_STEP_M apart.
 
-    Return None when fewer than two images could be read.
+    Parameters
+    ----------
+    surface
+        The hull.
+    cameras, image_views
+        Images by camera, and the views of all of them in the same order.
+    footprints
+        Of the views.
+    stream
+        Maps work over threads.
+
+    Returns
+    -------
+    LightModel or None
+        None when fewer than two images can be read.
     """
     camera = np.concatenate([np.full(len(s.rows), k) for k, s in enumerate(cameras)])
     places = [(k, row) for k, s in enumerate(cameras) for row in s.rows.tolist()]
@@ -284,7 +314,7 @@ def estimate_light(
 
 
 def _thumbnail(read: Read, row: int) -> NDArray[np.uint8] | None:
-    """Reduce an image to twice the field's cells a side."""
+    """Reduce an image to two pixels a side for each cell of the light field. None if unreadable."""
     import cv2
 
     picture = read(row)
@@ -303,9 +333,18 @@ def sample_light(
     thumbnails: Sequence[NDArray[np.uint8] | None],
     camera: Ints,
 ) -> LightSamples:
-    """Sample the brightness of each surface texel in every thumbnail that sees it.
+    """Sample the brightness of each surface texel in every thumbnail that shows it.
 
-    windows: the texels that each view covers. camera (v,): the camera of each view.
+    Parameters
+    ----------
+    surface, grid
+        The hull, and the texels.
+    image_views, windows
+        Views, and the texels that each may see.
+    thumbnails
+        Small copy of each view's image. None where it could not be read.
+    camera
+        (views,) number of the camera of each view.
     """
     parts: list[tuple[Any, ...]] = []
     for tile in grid.parts(BLOCK):
@@ -316,16 +355,17 @@ def sample_light(
                 continue
             part = window.within(tile)
             rows, columns = np.mgrid[window.top : window.bottom, window.left : window.right]
-            # the texels of the tile that the view sees, and where they lie in its thumbnail
+            # The texels of the tile that the view sees, and where they are in its thumbnail
             known = np.isfinite(patch.point[part][..., 0])
-            known[known] = seen(
+            known[known] = find_visible(
                 surface, patch.part(part), np.flatnonzero(known), image_view.center, 0.0
             )[0]
             pixel, ratio = image_view.project(patch.point[part][known])
             held = np.isfinite(ratio)
             share = (pixel[held] + 0.5) / [image_view.camera.width, image_view.camera.height]
             texel = (rows * grid.width + columns)[known][held]
-            parts.append((np.full(len(texel), view), texel, _cell(share), _value(thumbnail, share)))
+            log_value = _log_intensity(thumbnail, share)
+            parts.append((np.full(len(texel), view), texel, _field_cell(share), log_value))
     if not parts:
         none = np.zeros(0, np.int64)
         return LightSamples(
@@ -342,12 +382,14 @@ def sample_light(
     )
 
 
-def _cell(share: Array) -> Ints:
+def _field_cell(share: Array) -> Ints:
+    """Find the flat cell of the light field at positions (n, 2), as shares of the image's size."""
     row = np.minimum(share[:, 1] * FIELD[0], FIELD[0] - 1).astype(np.int64)
     return row * FIELD[1] + np.minimum(share[:, 0] * FIELD[1], FIELD[1] - 1).astype(np.int64)
 
 
-def _value(thumbnail: NDArray[np.uint8], share: Array) -> Array:
+def _log_intensity(thumbnail: NDArray[np.uint8], share: Array) -> Array:
+    """Read the logarithms (n, 3) of a thumbnail's intensities at positions (n, 2), as shares."""
     size = np.array(thumbnail.shape[1::-1])
     at = np.minimum(share * size, size - 1).astype(int)
     return np.asarray(np.log(np.maximum(thumbnail[at[:, 1], at[:, 0]].astype(float), FLOOR)))

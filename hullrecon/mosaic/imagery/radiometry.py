@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What lamp and lens do to a camera's images, and how bright each image is.
+"""Model of the light in a camera's images, and its estimation.
 
-The logarithm of an intensity is taken as the sum of the scene at the texel, a smooth field over the
-image that is common to a camera (lamp, vignetting, attenuation at the usual distance), and a number
-for each image. The scene is seen by several views at different places of their images, which tells
-it from the field. Back-scatter, which adds, is not modelled.
+The logarithm of an intensity is the sum of three terms: the scene at the texel, a smooth field over
+the image that all images of a camera have in common (lamp, vignetting, attenuation at the usual
+distance), and a gain for each image. Several views show a texel at different pixels, which
+separates the scene from the field. Back-scatter, which is additive, is not modelled.
 """
 
 from __future__ import annotations
@@ -22,22 +22,33 @@ from hullrecon.typing import Array, Floats32, Ints
 Part = tuple[slice, slice]  # rows and columns
 Picture = NDArray[np.uint8] | Floats32  # (h, w, channels)
 
-FLOOR = 2.0  # gray levels: below it the logarithm is of noise
+FLOOR = 2.0  # gray levels, the least whose logarithm is taken: darker ones are noise
 FIELD = (24, 32)  # cells of the field, rows and columns
 SMOOTH = 2.0  # cells, sigma of the field's smoothing
-# of a camera, whose median is known to a thirtieth of their spread: 0.15 MB each
+# Images of a camera whose median starts the field: it is known to a thirtieth of their spread. Each
+# takes 0.15 MB.
 MOST_IMAGES = 1000
 
 
 @dataclass(frozen=True, kw_only=True)
 class LightModel:
-    """What is subtracted from the logarithm of each view."""
+    """Terms that are subtracted from the logarithm of each view's intensities."""
 
-    log_field: tuple[Array, ...]  # by camera, (rows, columns, channels)
-    log_gain: Array  # (views,)
+    log_field: tuple[Array, ...]  # for each camera (rows, columns, channels), of mean zero
+    log_gain: Array  # (views,) of each image
 
     def correct(self, picture: Picture, part: Part, camera: int, view: int) -> Floats32:
-        """Correct a part of an image as if the lamp were even, 0 to 255 and beyond."""
+        """Correct a part of an image as if the light were even. Values may exceed 255.
+
+        Parameters
+        ----------
+        picture
+            The whole image.
+        part
+            Rows and columns that are corrected.
+        camera, view
+            Numbers of the camera and of the view.
+        """
         factor: Floats32 = np.negative(self._field_of(camera, picture.shape[:2])[part])
         factor -= np.float32(self.log_gain[view])
         np.minimum(np.exp(factor, out=factor), 8, out=factor)
@@ -45,7 +56,7 @@ class LightModel:
         return factor
 
     def _field_of(self, camera: int, shape: tuple[int, ...]) -> Floats32:
-        """Enlarge a camera's field to an image of that shape: kept for the next image."""
+        """Enlarge a camera's field to the shape of an image, and keep it for the next image."""
         import cv2
 
         if (camera, shape) not in self._enlarged:
@@ -61,19 +72,20 @@ class LightModel:
 
 @dataclass(frozen=True, kw_only=True)
 class LightSamples:
-    """Intensities of scene points in several views, a row (m) each."""
+    """Intensities of texels in several views, n samples."""
 
-    view: Ints  # (m,)
-    texel: Ints  # (m,)
-    cell: Ints  # (m,) of the field
-    log_value: Array  # (m, channels)
-    camera: Ints  # (views,) that took the view
+    view: Ints  # (n,)
+    texel: Ints  # (n,)
+    cell: Ints  # (n,) flat cell of the field at the texel's pixel
+    log_value: Array  # (n, channels) logarithm of the intensity
+    camera: Ints  # (views,) camera of each view
 
 
 def first_fields(thumbnails: Sequence[NDArray[np.uint8]], camera: Ints) -> list[Array]:
-    """Start the fields from the median over each camera's images, smoothed.
+    """Make the start value of each camera's field: the smoothed median of its log images.
 
-    Evenly chosen MOST_IMAGES where there are more; about a mean of zero.
+    The mean of each image is taken off first. Of more than MOST_IMAGES images, evenly spaced ones
+    are taken. camera (images,): of each thumbnail.
     """
     fields = []
     for k in range(int(camera.max()) + 1):
@@ -89,7 +101,17 @@ def first_fields(thumbnails: Sequence[NDArray[np.uint8]], camera: Ints) -> list[
 def solve_light(samples: LightSamples, fields: list[Array], rounds: int = 3) -> LightModel:
     """Estimate gains and fields in turns.
 
-    Each takes clipped departures from the texel's mean, so that glints and shadows count little.
+    Each follows from the residuals about the texels' means over their views. These are clipped, so
+    that glints and shadows count little.
+
+    Parameters
+    ----------
+    samples
+        Of all views.
+    fields
+        Start values (rows, columns, channels) for each camera.
+    rounds
+        Number of turns.
     """
     gain = np.zeros(len(samples.camera))
     for _ in range(rounds):
@@ -103,12 +125,13 @@ def solve_light(samples: LightSamples, fields: list[Array], rounds: int = 3) -> 
 
 
 def _field_at(samples: LightSamples, fields: list[Array]) -> Array:
+    """Look up the field (n, channels) at each sample."""
     stack = np.stack([f.reshape(-1, f.shape[2]) for f in fields])
     return np.asarray(stack[samples.camera[samples.view], samples.cell])
 
 
 def _texel_mean(samples: LightSamples, values: Array) -> Array:
-    """Average (m, channels) over the views of each sample's texel."""
+    """Average values (n, channels) over all samples of a texel, and return that mean by sample."""
     count = np.bincount(samples.texel)
     sums = np.stack([np.bincount(samples.texel, v) for v in values.T], axis=1)
     return np.asarray((sums / np.maximum(count, 1)[:, None])[samples.texel])
@@ -117,10 +140,23 @@ def _texel_mean(samples: LightSamples, values: Array) -> Array:
 def _gains(
     samples: LightSamples, values: Array, views: int, sweeps: int = 60, pull: float = 20.0
 ) -> Array:
-    """Estimate each view's level against the scene's mean, by sweeps.
+    """Estimate the log gain (views,) of each view relative to the mean of its texels, by sweeps.
 
-    Huber at 0.2, a fifth of the brightness: glints do not count more. `pull`: samples' worth of
-    belief that a view is as bright as the others, which keeps a chain of views from drifting.
+    Residuals are clipped at 0.2 (Huber), a fifth of the brightness, so that glints count little.
+
+    Parameters
+    ----------
+    samples
+        Of all views.
+    values
+        (n,) log intensity of each sample, without the field.
+    views
+        Number of views.
+    sweeps
+        Number of sweeps over all views.
+    pull
+        Weight, in samples, of a prior that a view is as bright as the others. It keeps the gains
+        from drifting along a chain of views.
     """
     gain = np.zeros(views)
     for _ in range(sweeps):
@@ -134,7 +170,7 @@ def _gains(
 
 
 def _correction(samples: LightSamples, residual: Array, camera: int) -> Array:
-    """Average what is left of a camera's samples by cell of its image, clipped and smoothed."""
+    """Average a camera's residuals (n, channels) by cell of its field, clipped and smoothed."""
     rows = samples.camera[samples.view] == camera
     cells = FIELD[0] * FIELD[1]
     count = np.bincount(samples.cell[rows], minlength=cells).reshape(FIELD)
@@ -154,7 +190,7 @@ def _resized(level: Array) -> Array:
 
 
 def _smooth(field: Array, weight: Array) -> Array:
-    """Smooth by weight, filling cells without samples from their neighbours."""
+    """Smooth a field by weights (rows, columns). Cells without samples follow their neighbours."""
     from scipy.ndimage import gaussian_filter
 
     spread = gaussian_filter(weight.astype(float) + 1e-6, SMOOTH, mode="nearest")

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cloud-optimised GeoTIFFs, written block by block.
 
-GDAL's own driver copies a whole file, and on a full disk prints and raises errors without a number.
-Here GDAL makes the tags, and the blocks are ours: the directories come first, then the overviews
-from the smallest, the full size last, as programs that read over a network expect.
+GDAL's own driver copies a whole file, and on a full disk it prints and raises errors without a
+number. Here GDAL makes the tags alone. The file has the order that programs expect that read over
+a network: first the directories, then the overviews from the smallest on, the full size last.
 """
 
 from __future__ import annotations
@@ -29,18 +29,19 @@ from hullrecon.mosaic.output.tile_store import (
 from hullrecon.threads import in_threads
 
 BLOCK = 512  # px, side of a block of the file
-SMALLEST = 256  # px, overviews are made until one is no longer than this
-# zlib's level: on a mosaic and metres 4 took a quarter of the time of 6 for 6 % more bytes
+SMALLEST = 256  # px, overviews are made until neither side is longer than this
+# zlib's level: on a mosaic and on rasters of metres, 4 took a quarter of the time of 6 for 6 % more
+# bytes
 DEFLATE = 4
 CLASSIC_BYTES = 2**32 - 2**20  # longer files are BigTIFF
 _HEAD = (
     "LAYOUT=IFDS_BEFORE_DATA\nBLOCK_ORDER=ROW_MAJOR\nBLOCK_LEADER=SIZE_AS_UINT4\n"
     "BLOCK_TRAILER=LAST_4_BYTES_REPEATED\nKNOWN_INCOMPATIBLE_EDITION=NO\n "
 )
-# what GDAL finds out about the file's structure before it reads a directory
+# Text between header and directories by which GDAL knows the order of the file
 GHOST = f"GDAL_STRUCTURAL_METADATA_SIZE={len(_HEAD):06d} bytes\n{_HEAD}".encode()
 _SUBFILE, _WIDTH, _HEIGHT, _PREDICTOR, _OFFSETS, _COUNTS = 254, 256, 257, 317, 324, 325
-# of the whole picture: description, software, place on the map, names and units of bands
+# Tags that overviews do not have: description, software, georeference, names and units of bands
 _OF_FULL_SIZE = {270, 305, 33550, 33922, 34735, 34736, 34737, 42112}
 _BYTES_OF_TYPE = {1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 7: 1, 11: 4, 12: 8, 16: 8}
 _LONG, _LONG8 = 4, 16
@@ -48,21 +49,21 @@ _LONG, _LONG8 = 4, 16
 
 @dataclass(frozen=True, kw_only=True)
 class Picture:
-    """Tiles of a raster, from which any window of it can be read."""
+    """A picture stored as tiles, from which any window can be read, maybe turned."""
 
     tiles: CompressedTiles  # (size, size, bands) or (size, size), in row-major order
-    size: int
+    size: int  # px, side of a tile
     width: int
     height: int
-    mirrored: bool = False  # the raster is read from right to left
-    upset: bool = False  # and from the bottom up
+    mirrored: bool = False  # the picture shows the stored raster with left and right exchanged
+    upside_down: bool = False  # the picture shows it with top and bottom exchanged
 
     @property
     def bands(self) -> int:
         return self.tiles.shape[2] if len(self.tiles.shape) == 3 else 1
 
     def read(self, window: Window) -> NDArray[np.generic]:
-        """Read a window (h, w, bands) of the raster, as it is turned, zero where it sticks out."""
+        """Read a window (h, w, bands) of the picture. Zero where it is outside of the picture."""
         block = np.zeros((*window.shape, self.bands), self.tiles.dtype)
         grid = TexelGrid(0.0, 0.0, 1.0, self.height, self.width)
         asked = window.meet(grid.whole)
@@ -76,14 +77,14 @@ class Picture:
                 both = tile.meet(stored)
                 values = np.atleast_3d(self.tiles[row * across + column])
                 part[both.within(stored)] = values[both.within(tile)]
-        part = part[:: -1 if self.upset else 1, :: -1 if self.mirrored else 1]
+        part = part[:: -1 if self.upside_down else 1, :: -1 if self.mirrored else 1]
         block[asked.within(window)] = part
         return block
 
     def _turn(self, window: Window) -> Window:
-        """Find the texels that a window shows."""
+        """Find the window of the stored raster that a window of the picture shows."""
         top, bottom, left, right = window.top, window.bottom, window.left, window.right
-        if self.upset:
+        if self.upside_down:
             top, bottom = self.height - bottom, self.height - top
         if self.mirrored:
             left, right = self.width - right, self.width - left
@@ -92,25 +93,29 @@ class Picture:
 
 @dataclass(frozen=True, kw_only=True)
 class Level:
-    """The blocks of one size of the picture, as they come in the file."""
+    """The compressed blocks of the picture in one size, in row-major order."""
 
     width: int
     height: int
-    at: list[int]  # where each lies in the scratch file
-    sizes: list[int]
+    at: list[int]  # byte of the scratch file at which each block begins
+    sizes: list[int]  # bytes of each block
 
 
 def write_cog(
     path: Path, picture: Picture, template: bytes, nodata: float | None, scratch: BinaryIO
 ) -> list[Picture]:
-    """Write the picture with its overviews to `path`.
+    """Write a picture with its overviews as a cloud-optimised GeoTIFF.
 
     Parameters
     ----------
+    path
+        Of the file.
+    picture
+        In full size.
     template
         A TIFF of one sparse block with the tags of the picture.
     nodata
-        Value of texels without one, None if the last band is alpha.
+        Value of texels without data, None if the last band is alpha.
     scratch
         A file for the compressed blocks and the reduced pictures.
 
@@ -142,14 +147,17 @@ def write_cog(
 def _compress(
     picture: Picture, predictor: int, nodata: float | None, scratch: BinaryIO
 ) -> tuple[CompressedTiles, Level]:
-    """Compress the blocks of a picture, and halve it on the way."""
+    """Compress the blocks of a picture, and halve it in the same pass.
+
+    Returns the tiles of the picture of half the size, and the compressed blocks.
+    """
     shape = (BLOCK // 2, BLOCK // 2, picture.bands)
     reduced = CompressedTiles(shape, picture.tiles.dtype, scratch)
     level = Level(width=picture.width, height=picture.height, at=[], sizes=[])
 
     def make(window: Window) -> tuple[bytes, bytes]:
         block = picture.read(window)
-        # past the edge there is nothing, which zero does not say of metres
+        # Beyond the edge `read` gives zero, which would be a value of a raster of metres
         if nodata is not None and nodata != 0:
             block[picture.height - window.top :] = nodata
             block[:, picture.width - window.left :] = nodata
@@ -165,9 +173,9 @@ def _compress(
 
 
 def halve(block: NDArray[np.generic], nodata: float | None) -> NDArray[np.generic]:
-    """Average the known texels of each 2 x 2.
+    """Halve a block (h, w, bands) by the mean of each 2 x 2 texels that have data.
 
-    A block whose last band is alpha (`nodata` is None) is weighed by it.
+    Where the last band is alpha (`nodata` is None), texels are weighted by it.
     """
     values = block.astype(np.float32)
     if nodata is None:
@@ -188,12 +196,15 @@ def halve(block: NDArray[np.generic], nodata: float | None) -> NDArray[np.generi
 
 
 def predict(block: NDArray[np.generic], predictor: int) -> bytes:
-    """Take differences along rows, which deflate better (TIFF's predictors 2 and 3)."""
+    """Make the bytes of differences along rows, which deflate compresses better.
+
+    `predictor`: TIFF's, 2 for integers and 3 for floats.
+    """
     height, width, bands = block.shape
     if predictor == 2:
         unsigned = block.view(f"u{block.dtype.itemsize}")
         return np.diff(unsigned, axis=1, prepend=unsigned.dtype.type(0)).tobytes()
-    # of floats: first all highest bytes of a row, then the next, and differences of those
+    # Floats: a row's bytes are reordered, all highest ones first, then the next, and differenced
     size = block.dtype.itemsize
     rows = block.astype(f">f{size}").view(np.uint8).reshape(height, width * bands, size)
     planes = rows.transpose(0, 2, 1).reshape(height, -1)
@@ -201,7 +212,7 @@ def predict(block: NDArray[np.generic], predictor: int) -> bytes:
 
 
 def read_tags(tiff: bytes) -> dict[int, tuple[int, bytes]]:
-    """Read type and bytes of each tag in the first directory of a little-endian classic TIFF."""
+    """Read the first directory of a little-endian classic TIFF: (type, bytes) of each tag."""
     (at,) = struct.unpack_from("<I", tiff, 4)
     (count,) = struct.unpack_from("<H", tiff, at)
     tags = {}
@@ -215,9 +226,9 @@ def read_tags(tiff: bytes) -> dict[int, tuple[int, bytes]]:
 
 @dataclass(frozen=True)
 class _Format:
-    """How long numbers are in a file."""
+    """The layout of a TIFF: classic with 32-bit offsets, or BigTIFF with 64-bit offsets."""
 
-    big: bool
+    big: bool  # BigTIFF
 
     @property
     def header(self) -> bytes:
@@ -227,7 +238,17 @@ class _Format:
         return struct.pack("<2sHI", b"II", 42, 8 + ghost_end) + GHOST.ljust(ghost_end)
 
     def directory(self, at: int, tags: Mapping[int, tuple[int, bytes]], *, last: bool) -> bytes:
-        """Lay out a directory that starts at a byte of the file, and what it points to."""
+        """Make the bytes of a directory, followed by the values that do not fit into it.
+
+        Parameters
+        ----------
+        at
+            Byte of the file at which the directory begins.
+        tags
+            (type, bytes) by tag.
+        last
+            Whether no directory follows.
+        """
         word, count, entry = ("<Q", "<Q", 20) if self.big else ("<I", "<H", 12)
         size = struct.calcsize(word)
         head = struct.calcsize(count) + entry * len(tags) + size
@@ -250,10 +271,13 @@ def _assemble(
     tags: Mapping[int, tuple[int, bytes]],
     scratch: BinaryIO,
 ) -> None:
-    """Write directories, then the blocks from the smallest picture to the full size."""
+    """Write the directories, then the blocks from the smallest picture to the full size.
+
+    Each block stands between its length and a copy of its last four bytes, as GHOST says.
+    """
     whole = sum(size + 8 for level in levels for size in level.sizes)
     form = _Format(whole > CLASSIC_BYTES)
-    # directories are as long whatever offsets they hold
+    # The length of the directories does not depend on the offsets that they hold
     starts = [[0] * len(level.sizes) for level in levels]
     at = len(_directories(form, levels, tags, starts))
     for level, start in zip(reversed(levels), reversed(starts), strict=True):
@@ -273,7 +297,10 @@ def _directories(
     tags: Mapping[int, tuple[int, bytes]],
     starts: list[list[int]],
 ) -> bytes:
-    """Lay out the header and one directory a level. `starts`: where each level's blocks begin."""
+    """Make the bytes of the header and of one directory for each level.
+
+    `starts`: byte of the file at which each block of each level begins.
+    """
     data = form.header
     kind, letter = (_LONG8, "Q") if form.big else (_LONG, "I")
     for k, (level, start) in enumerate(zip(levels, starts, strict=True)):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a mosaic is delivered as, apart from its rasters."""
+"""The deliverables of a mosaic besides its rasters: mosaic.json, a preview and a textured mesh."""
 
 from __future__ import annotations
 
@@ -21,29 +21,38 @@ from hullrecon.mosaic.output.textured_mesh import build_textured_mesh, encode_gl
 from hullrecon.mosaic.output.tile_store import TileStore
 from hullrecon.typing import Mask
 
-PREVIEW_PX = 1760  # longer side of the picture as drawn, 11 inches
-PNG_LEVEL = 4  # zlib's: 6, which is usual, takes thrice the time for 8 % fewer bytes of a mosaic
+PREVIEW_PX = 1760  # longer side of the picture in the preview: 11 inches at 160 dots an inch
+PNG_LEVEL = 4  # zlib's level: the usual 6 takes three times as long for 8 % fewer bytes
 INK, BACK, UNSEEN = "#1c2733", "#ffffff", "#e9edf1"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Caption:
-    """What is written around the picture."""
+    """The text and axes around the picture of a preview."""
 
     title: str
     legend: str  # the lines under the picture
-    frame: str
-    frame_spacing_m: float | None = None  # for frame numbers along the top, None without
-    # along grows to the left, girth downwards: the hull seen from outside
+    frame: str  # M or g, of the coordinates
+    frame_spacing_m: float | None = None  # between the ship's frames, numbered along the top
+    # Whether along grows to the left, and girth downwards, where the hull is seen from outside
     flips: tuple[bool, bool] = (False, False)
 
 
 def preview_png(
     picture: NDArray[np.uint8], west: float, north: float, step_m: float, caption: Caption
 ) -> bytes:
-    """Render a picture (h, w, 4) RGBA or (h, w, 2) gray and alpha as PNG.
+    """Draw a picture with axes, scale bar and legend, as PNG. The same input gives the same bytes.
 
-    Same input, same bytes.
+    Parameters
+    ----------
+    picture
+        (h, w, 4) RGBA, or (h, w, 2) gray and alpha.
+    west, north
+        Along and girth, m, of the upper left corner.
+    step_m
+        Side of a pixel.
+    caption
+        Texts and directions of the axes.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -84,7 +93,7 @@ def preview_png(
 
 
 def _axis_names(caption: Caption) -> tuple[str, str]:
-    """Name the axes: the ship's chart in M, the survey's own in g."""
+    """Name the axes of the chart: that of the ship in frame M, that of the survey in g."""
     if caption.frame != "M":
         return "along the survey (m)", "across the survey (m)"
     side = "left" if caption.flips[0] else "right"
@@ -92,9 +101,9 @@ def _axis_names(caption: Caption) -> tuple[str, str]:
 
 
 def stretch_contrast(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Spread the brightness of the seen pixels over the range.
+    """Stretch the brightness of the seen pixels of an RGBA picture to 15 to 235.
 
-    Colour grows less, or it would glare.
+    Differences between the colours are stretched by a quarter at most, as more would glare.
     """
     bands = [picture[..., k].astype(np.float32) for k in range(3)]
     level = (bands[0] + bands[1] + bands[2]) / 3
@@ -111,7 +120,10 @@ def stretch_contrast(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def reduced_picture(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Average a picture to PREVIEW_PX at most: matplotlib takes 50 bytes a pixel to draw it."""
+    """Reduce a picture by area means to at most PREVIEW_PX a side.
+
+    matplotlib takes 50 bytes for each pixel that it draws.
+    """
     import cv2
 
     height, width = picture.shape[:2]
@@ -121,7 +133,7 @@ def reduced_picture(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
     size = (max(1, round(width / shrink)), max(1, round(height / shrink)))
     small = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
     seen = cv2.resize((picture[..., -1] > 0).astype(np.float32), size, interpolation=cv2.INTER_AREA)
-    # pixels that were not seen are black, and no part of the mean
+    # Unseen pixels are black. They are taken out of the mean by the share of seen pixels.
     color = small[..., :-1] / np.maximum(seen, 1 / 255)[..., None]
     small[..., :-1] = np.minimum(np.rint(color), 255)
     return small
@@ -146,7 +158,10 @@ def _frame_numbers(axis: Any, spacing_m: float) -> None:
 def _scale_bar(
     axis: Any, extent: tuple[float, float, float, float], flips: tuple[bool, bool]
 ) -> None:
-    """Draw a bar of 1, 2 or 5 times a power of ten, a fifth of the width at most."""
+    """Draw a scale bar: 1, 2 or 5 times a power of ten metres, at most a fifth of the width.
+
+    The axes are turned where `flips` says so. extent: west, east, south and north, m.
+    """
     span = extent[1] - extent[0]
     power = 10.0 ** math.floor(math.log10(span / 5))
     metres = max(m * power for m in (1.0, 2.0, 5.0) if m * power <= span / 5 + 1e-12)
@@ -175,9 +190,9 @@ def _scale_bar(
     )
 
 
-PERCENT = (50, 90, 95, 99)
-GAP_BRIDGE_M = 0.6  # narrower gaps at the rim are gaps of the mosaic, wider ones its shape
-MIN_GAP_M2 = 0.005  # smaller ones are shadows at the foot of structures
+PERCENT = (50, 90, 95, 99)  # percentiles of the variance in mosaic.json
+GAP_BRIDGE_M = 0.6  # a narrower bay of the outline is a gap of the mosaic, a wider one its shape
+MIN_GAP_M2 = 0.005  # smaller gaps are shadows at the foot of structures
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -191,21 +206,21 @@ class MosaicDeliverables:
 
 @dataclass(frozen=True, kw_only=True)
 class Presentation:
-    """How a mosaic is shown."""
+    """What the deliverables of a mosaic say of it, and how they show it."""
 
     title: str
-    frame: Frame
-    outside: OutsideMap
+    frame: Frame  # of the coordinates
+    outside: OutsideMap  # directions of the chart for a viewer outside the hull
     frame_spacing_m: float | None  # between the ship's frames, None where unknown
-    max_faces: int
-    # more for mosaic.json, among them `surface`: which surface it was draped on
+    max_faces: int  # of the textured mesh
+    # More members of mosaic.json, among them `surface`: on which surface the mosaic was laid
     facts: Mapping[str, object]
 
 
 def make_deliverables(
     surface: MosaicSurface, store: TileStore, presentation: Presentation
 ) -> MosaicDeliverables:
-    """Make the documents and pictures of a mosaic whose tiles are complete."""
+    """Make mosaic.json, preview and textured mesh of a mosaic whose tiles are complete."""
     frame, grid = presentation.frame, store.grid
     document = mosaic_document(store, frame, presentation.facts)
     caption = Caption(
@@ -237,7 +252,10 @@ def make_deliverables(
 def mosaic_document(
     store: TileStore, frame: Frame, facts: Mapping[str, object]
 ) -> dict[str, object]:
-    """Describe the mosaic for programs and the report's page, as mosaic.json."""
+    """Make the members of mosaic.json: extent, area, gaps, variances and a caption.
+
+    facts: further members, as of `Presentation`.
+    """
     grid = store.grid
     seen = int(store.views[1:].sum())
     area = seen * grid.step_m**2
@@ -270,9 +288,12 @@ def mosaic_document(
 
 
 def gap_area_m2(alpha: NDArray[np.uint8], step_m: float) -> float:
-    """Sum the area on the chart, m2, of gaps inside the outline of what was seen.
+    """Sum the area on the chart, m2, of gaps in the mosaic.
 
-    Gaps of at least MIN_GAP_M2 count; those up to GAP_BRIDGE_M wide at the rim are inside.
+    A gap is an unseen part inside the outline, of at least MIN_GAP_M2. A morphological closing by
+    GAP_BRIDGE_M makes the outline, so that narrow bays of the rim count as gaps.
+
+    alpha (h, w): 0 where nothing was seen. step_m: side of a pixel.
     """
     from scipy import ndimage
 
@@ -289,12 +310,12 @@ def gap_area_m2(alpha: NDArray[np.uint8], step_m: float) -> float:
 
 
 def near_outside(inside: Mask, most_px: int) -> Mask:
-    """Mark the pixels no farther than `most_px` from the nearest one outside, exactly.
+    """Tell which pixels are no farther than `most_px` from the nearest pixel outside, exactly.
 
-    As scipy's distance_transform_edt would, in a seventh of its memory.
+    The result equals that of scipy's distance_transform_edt, with a seventh of its memory.
     """
     import cv2
 
     distance = cv2.distanceTransform(inside.view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    # squares are whole numbers: their roots are rounded by some 1e-7
+    # Squared distances are whole numbers. OpenCV gives their roots, rounded by some 1e-7.
     return np.asarray(np.rint(np.square(distance)) <= most_px**2)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""GeoTIFFs on the chart: the mosaic's, and those of the hull as found."""
+"""GeoTIFFs on the chart: those of a mosaic, and those of the hull as found."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class RasterBands:
-    """What a raster holds."""
+    """Names, unit and type of a raster's bands."""
 
-    names: tuple[str, ...]  # of its bands, of which the last may be `alpha`
-    unit: str  # of the others, "" for grey levels and counts
+    names: tuple[str, ...]  # of the bands. The last may be `alpha`
+    unit: str  # of the other bands, "" for grey levels and counts
     dtype: str
-    title: str  # what it is, in words
-    nodata: float | None = None  # value of texels without one, None with an alpha
+    title: str  # description in words
+    nodata: float | None = None  # value of texels without data, None with an alpha
 
     @property
     def creation_options(self) -> dict[str, object]:
@@ -50,15 +50,15 @@ class RasterBands:
 
 @dataclass(frozen=True, kw_only=True)
 class RasterLayout:
-    """Where a raster lies."""
+    """Position of a raster on the chart and on the map seen from outside."""
 
-    grid: TexelGrid  # the texels of the chart
-    size: int  # of its tiles
-    outside: OutsideMap  # the map that they are written in
+    grid: TexelGrid  # the texels on the chart
+    size: int  # px, side of a tile
+    outside: OutsideMap  # the map in which it is written
 
     @property
     def corner(self) -> tuple[float, float]:
-        """Return x and y of the upper left corner for a viewer outside."""
+        """Map coordinates x and y, m, of the upper left corner for a viewer outside."""
         grid = self.grid
         along = grid.west + (grid.width * grid.step_m if self.outside.x_sign < 0 else 0)
         girth = grid.north - (grid.height * grid.step_m if self.outside.y_sign < 0 else 0)
@@ -72,25 +72,40 @@ def write_raster(
     bands: RasterBands,
     scratch: BinaryIO,
 ) -> list[Picture]:
-    """Write tiles in the order of grid.tiles(size), as the same bytes for the same tiles.
+    """Write the tiles of a raster as a cloud-optimised GeoTIFF with overviews, seen from outside.
 
-    `tiles`: (size, size, bands), or (size, size). `scratch`: a file for what is in work.
-    Returns the picture and its overviews, as long as the scratch file lives.
+    The same tiles give the same bytes.
+
+    Parameters
+    ----------
+    path
+        Of the file.
+    tiles
+        (size, size, bands) or (size, size), in the order of `layout.grid.tiles(layout.size)`.
+    layout, bands
+        Position of the raster, and what its bands are.
+    scratch
+        A file for compressed blocks and overviews.
+
+    Returns
+    -------
+    list of Picture
+        The picture and its overviews, to be read as long as the scratch file exists.
     """
-    grid, (mirrored, upset) = layout.grid, layout.outside.flips
+    grid, (mirrored, upside_down) = layout.grid, layout.outside.flips
     picture = Picture(
         tiles=tiles,
         size=layout.size,
         width=grid.width,
         height=grid.height,
         mirrored=mirrored,
-        upset=upset,
+        upside_down=upside_down,
     )
     return write_cog(path, picture, _template(layout, bands), bands.nodata, scratch)
 
 
 def _template(layout: RasterLayout, bands: RasterBands) -> bytes:
-    """Let GDAL write the tags of a raster, with a block that holds nothing."""
+    """Let GDAL write a TIFF of one empty block with the tags of a raster."""
     import rasterio
     from rasterio.io import MemoryFile
 
@@ -123,7 +138,7 @@ def _template(layout: RasterLayout, bands: RasterBands) -> bytes:
 
 
 def description(layout: RasterLayout, bands: RasterBands) -> dict[str, object]:
-    """Write the text of ImageDescription."""
+    """Make the members of the TIFF tag ImageDescription, a JSON text."""
     x, y = layout.corner
     return {
         "title": bands.title,
@@ -137,7 +152,7 @@ def description(layout: RasterLayout, bands: RasterBands) -> dict[str, object]:
     }
 
 
-QUANTUM_M = 0.0001  # metres are written in steps of it: finer is noise, and compresses badly
+QUANTUM_M = 0.0001  # step of values in metres: finer digits are noise, and compress badly
 
 SURFACE_BANDS = {
     "deviation": "signed distance of the hull as found from its CAD model, outward positive",
@@ -150,9 +165,9 @@ SUPPORT_BY_RETURNS = "DVL returns within reach of the surface"
 
 
 def surface_values(surface: Surface, split: DeviationSplit | None) -> dict[str, Array]:
-    """Collect the values (n,) at the vertices by raster, NaN where unseen.
+    """Collect the values (n,) at the surface's vertices, by name of the raster. NaN where unseen.
 
-    Without a CAD model there is the support alone.
+    Without a CAD model (`split` is None) there is only the support.
     """
     values = {"support": surface.support.astype(float)}
     if split is not None:
@@ -172,10 +187,23 @@ def surface_tiles(
     scratch: BinaryIO,
     stream: Stream = in_threads,
 ) -> dict[str, CompressedTiles]:
-    """Interpolate values (n,) of the vertices at the texels.
+    """Interpolate values of the vertices at the texels of a raster.
 
-    Metres are linear on each face, counts those of the nearest corner; NaN, and 0 for counts, where
-    there is none. The surface's horizon is not needed here. `scratch`: a file that keeps the tiles.
+    Metres are interpolated linearly on each face, counts are those of the nearest corner. Without
+    a value, metres are NaN and counts 0.
+
+    Parameters
+    ----------
+    surface
+        Mesh and chart. Its occlusion horizon is not needed.
+    values
+        (n,) of the mesh's vertices, by name of the raster.
+    layout
+        Of the rasters.
+    scratch
+        A file that keeps the tiles.
+    stream
+        Maps work over threads.
     """
     shape = (layout.size, layout.size)
     tiles = {name: CompressedTiles(shape, surface_bands(name).dtype, scratch) for name in values}
@@ -213,9 +241,9 @@ def _interpolate(
 
 
 def surface_bands(name: str, *, by_images: bool = True) -> RasterBands:
-    """Describe the raster of that name.
+    """Describe the bands of the surface raster with a given name.
 
-    `by_images`: whether the support counts images, else returns of the DVL.
+    `by_images`: whether the support counts images. Otherwise it counts DVL returns.
     """
     counts = name == "support"
     return RasterBands(

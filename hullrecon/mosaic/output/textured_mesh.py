@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The mosaic on the surface itself: a mesh with the mosaic as its texture, as GLB."""
+"""Make a mesh of the surface with the mosaic as its texture, and encode it as GLB."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface
 from hullrecon.typing import Array, Ints, Mask
 
+# Slices that select the four corners of each cell of a grid of vertices
 _CORNERS = (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
 
 
@@ -23,7 +24,7 @@ _CORNERS = (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
 class TexturedMesh:
     """A mesh with the texture's coordinates."""
 
-    vertices: Array  # (n, 3)
+    vertices: Array  # (n, 3) m
     faces: Ints  # (m, 3), counter-clockwise seen from outside
     uv: Array  # (n, 2), v upwards
     normals: Array  # (n, 3), unit length, without which a viewer shades each triangle flat
@@ -36,17 +37,28 @@ def build_textured_mesh(
     reduction: int,
     max_faces: int,
 ) -> TexturedMesh:
-    """Mesh the seen part of the surface regularly on the chart.
+    """Mesh the seen part of the surface on a regular grid of the chart.
 
-    `alpha`: of the mosaic reduced by that many texels.
+    Parameters
+    ----------
+    surface
+        The surface.
+    grid
+        Texels of the mosaic.
+    alpha
+        (h, w) of the reduced mosaic, 0 where nothing was seen.
+    reduction
+        Texels of the mosaic along a pixel of the reduced one.
+    max_faces
+        About the number of triangles.
     """
-    # so coarse a grid that the area seen, m2, has about max_faces triangles
+    # The step with which the seen area, m2, has about max_faces triangles
     seen = int((alpha > 0).sum()) * reduction**2 * grid.step_m**2
     step = max(grid.step_m * reduction, np.sqrt(2 * max(seen, 1e-6) / max_faces))
     height, width = (max(1, round(n * grid.step_m / step)) for n in (grid.height, grid.width))
     coarse = TexelGrid(grid.west, grid.north, step, height, width)
     patch = sample_surface(surface, coarse, Window(0, height, 0, width))
-    # the same places in the reduced mosaic
+    # The pixels of the reduced mosaic at the vertices
     rows, columns = (
         (np.arange(n) + 0.5) * step / (grid.step_m * reduction) for n in (height, width)
     )
@@ -68,9 +80,9 @@ def build_textured_mesh(
 
 
 def _faces(good: Mask) -> Ints:
-    """Triangulate cells whose four corners are good.
+    """Triangulate the cells of a grid (h, w) whose four corners are good: faces (m, 3).
 
-    All are turned the same way; rows run down the girth, columns along.
+    All triangles have the same orientation. Rows run against the girth, columns along.
     """
     height, width = good.shape
     index = np.arange(height * width).reshape(height, width)
@@ -80,9 +92,9 @@ def _faces(good: Mask) -> Ints:
 
 
 def _outward(faces: Ints, patch: SurfacePatch) -> Ints:
-    """Turn triangles counter-clockwise seen from outside.
+    """Orient triangles (m, 3) counter-clockwise seen from outside.
 
-    Charts of hulls are left-handed about the outward normal.
+    Whether (along, girth) is left- or right-handed about the outward normal depends on the chart.
     """
     across = face_cross_products(Mesh(patch.point.reshape(-1, 3), faces.astype(np.int32)))
     outward = np.einsum("ni,ni->n", across, patch.normal.reshape(-1, 3)[faces[:, 0]])
@@ -90,10 +102,19 @@ def _outward(faces: Ints, patch: SurfacePatch) -> Ints:
 
 
 def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], up: Array) -> bytes:
-    """Encode a GLB file.
+    """Encode a textured mesh as a GLB file, with y up as in glTF.
 
-    Vertices are single precision, about a local origin that the node's matrix moves them from.
-    `texture`: (h, w, 4) RGBA or (h, w, 2). `up`: the axis of the frame that points up (3,).
+    Vertices are in single precision relative to a local origin, to which the node's matrix moves
+    them.
+
+    Parameters
+    ----------
+    mesh
+        In the frame of the results.
+    texture
+        (h, w, 4) RGBA, or (h, w, 2) gray and alpha.
+    up
+        (3,) unit vector of the frame that points up.
     """
     import trimesh
     from PIL import Image

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tiles of a mosaic, compressed in a file, and a small copy of the whole for pictures."""
+"""Keep the tiles of a mosaic compressed in a file, with a small copy of the whole for pictures."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ from hullrecon.mosaic.stream import Stream
 from hullrecon.typing import Floats32
 
 TEXTURE_PX = 4096  # longer side of the small copy, which is the GLB's texture
-VARIANCE_STEP = 0.25  # squared gray levels; finer is noise, and compresses badly
-_at_one_place = Lock()  # held while a scratch file is read or written: it has one position
+VARIANCE_STEP = 0.25  # step of variances, squared gray levels: finer is noise, compresses badly
+_file_position = Lock()  # held while a scratch file is read or written, as it has one position
 
 
 def append(file: BinaryIO, data: bytes) -> int:
-    """Write at the end of a scratch file, from any thread. Returns the byte where it begins."""
-    with _at_one_place:
+    """Write data at the end of a scratch file, from any thread. Returns the byte of its start."""
+    with _file_position:
         at = file.seek(0, 2)
         file.write(data)
     return at
 
 
 def read_at(file: BinaryIO, at: int, length: int) -> bytes:
-    """Read from a byte of a scratch file on, from any thread."""
-    with _at_one_place:
+    """Read `length` bytes of a scratch file from byte `at` on, from any thread."""
+    with _file_position:
         file.seek(at)
         return file.read(length)
 
 
 def mean_of_squares(picture: Floats32, side: int) -> Floats32:
-    """Average each square of so many pixels a side of a picture (h, w, bands)."""
+    """Reduce a picture (h, w, bands) by the mean of each square of `side` pixels a side."""
     import cv2
 
     height, width, bands = picture.shape
@@ -52,19 +52,20 @@ def mean_of_squares(picture: Floats32, side: int) -> Floats32:
 
 @dataclass
 class CompressedTiles:
-    """Arrays of one shape and type in the order in which they were added."""
+    """A sequence of arrays of one shape and type, compressed in a file."""
 
     shape: tuple[int, ...]
     dtype: str
-    file: BinaryIO  # that holds them, perhaps beside others
-    _parts: list[tuple[int, int]] = field(default_factory=list)  # byte and length of each
+    file: BinaryIO  # scratch file, which may hold other data too
+    # Byte of its start in the file, and length, of each array
+    _parts: list[tuple[int, int]] = field(default_factory=list)
 
     def add(self, tile: NDArray[np.generic]) -> None:
-        """Keep a tile. Raises ValueError for one of another shape."""
+        """Compress and keep a tile. Raises ValueError for one of another shape."""
         self.add_packed(self.pack(tile))
 
     def pack(self, tile: NDArray[np.generic]) -> bytes:
-        """Compress a tile, which threads may do at once. Raises ValueError as `add`."""
+        """Compress a tile. Several threads may do it at once. Raises ValueError as `add`."""
         if tile.shape != self.shape:
             raise ValueError(f"a tile of shape {tile.shape} among those of {self.shape}")
         return zlib.compress(np.ascontiguousarray(tile, self.dtype).tobytes(), 1)
@@ -86,24 +87,24 @@ class CompressedTiles:
 
 @dataclass(frozen=True, kw_only=True)
 class PackedTile:
-    """A tile as it is kept."""
+    """A compressed tile, and its contributions to the sums of the store."""
 
-    color: bytes  # compressed, as the variance and the counts
+    color: bytes  # compressed, as are variance and counts
     variance: bytes
     counts: bytes
     small: NDArray[np.uint8]  # its part of the small copy
-    histogram: NDArray[np.int64]  # what it adds to those of the store
-    views: NDArray[np.int64]
+    histogram: NDArray[np.int64]  # of its variances
+    views: NDArray[np.int64]  # its texels by number of views blended
 
 
 @dataclass(kw_only=True)
 class TileStore:
-    """Tiles in the order of grid.tiles(size)."""
+    """The tiles of a mosaic in the order of grid.tiles(size), with sums over all of them."""
 
     grid: TexelGrid
-    size: int
-    channels: int
-    reduction: int
+    size: int  # px, side of a tile
+    channels: int  # of the images, without alpha
+    reduction: int  # texels along a pixel of the small copy
     small: NDArray[np.uint8]  # RGBA (or LA) of the whole, reduced by `reduction`
     histogram: NDArray[np.int64]  # of the variance, by VARIANCE_STEP up to 1024
     views: NDArray[np.int64]  # texels by number of views blended, 0 to 4
@@ -112,7 +113,7 @@ class TileStore:
     counts: CompressedTiles  # (size, size) uint8, views blended
 
     def pack(self, window: Window, tile: Tile) -> PackedTile:
-        """Round and compress a tile, which threads may do at once."""
+        """Round and compress the tile of a window. Several threads may do it at once."""
         seen = tile.views > 0
         alpha = np.where(seen, 255, 0).astype(np.uint8)[..., None]
         color = np.concatenate([np.rint(tile.value).astype(np.uint8) * (alpha > 0), alpha], axis=2)
@@ -131,7 +132,7 @@ class TileStore:
         )
 
     def add(self, window: Window, tile: PackedTile) -> None:
-        """Keep a tile."""
+        """Keep the tile of a window, and add its contributions."""
         self.color.add_packed(tile.color)
         self.variance.add_packed(tile.variance)
         self.counts.add_packed(tile.counts)
@@ -143,10 +144,10 @@ class TileStore:
         target[...] = tile.small[: target.shape[0], : target.shape[1]]
 
     def _reduce(self, color: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """Average seen texels in each block, for the small copy.
+        """Reduce a tile for the small copy, by the mean of the seen texels in each block.
 
-        A block is opaque where half of it or more is seen, so that holes of single texels do not
-        show through.
+        A block is opaque where at least half of it is seen, so that holes of single texels do not
+        show.
         """
         seen = (color[..., -1:] > 0).astype(np.float32)
         share = mean_of_squares(seen, self.reduction)
@@ -156,7 +157,7 @@ class TileStore:
         return np.asarray(np.rint(small).astype(np.uint8))
 
     def variance_percentiles(self, percent: Sequence[float]) -> list[float]:
-        """Read percentiles from the histogram, as upper ends of its bins."""
+        """Compute percentiles of the variance from the histogram, as upper ends of its bins."""
         share = np.cumsum(self.histogram) / max(1, self.histogram.sum())
         return [float((np.searchsorted(share, p / 100) + 1) * VARIANCE_STEP) for p in percent]
 
@@ -170,10 +171,24 @@ def make_tiles(
     stream: Stream,
     scratch: BinaryIO,
 ) -> TileStore:
-    """Make every tile.
+    """Make and keep every tile of a grid.
 
-    The small copy is reduced to max_pixels a side, or as often as `size` can be halved. `make`:
-    called from several threads where `stream` has them. `scratch`: a file that keeps the tiles.
+    Parameters
+    ----------
+    grid
+        Texels of the mosaic.
+    channels
+        Of the images, without alpha.
+    size
+        Side of a tile, px.
+    max_pixels
+        Longer side of the small copy. It is halved until it fits, as often as `size` can be.
+    make
+        Makes the tile of a window. Called from several threads where `stream` has them.
+    stream
+        Maps work over threads.
+    scratch
+        A file that keeps the tiles.
     """
     reduction = 1
     while max(grid.width, grid.height) / reduction > max_pixels and size % (2 * reduction) == 0:
@@ -211,7 +226,25 @@ def blend_tiles(
     stream: Stream,
     scratch: BinaryIO,
 ) -> TileStore:
-    """Blend all views on every tile of the grid, into a scratch file."""
+    """Blend the views on every tile of a grid.
+
+    Parameters
+    ----------
+    surface, grid
+        The surface, and the raster on its chart.
+    footprints, image_views
+        Of all images.
+    limits
+        Which views are used.
+    channels
+        Of the images.
+    tile_px
+        Side of a tile.
+    stream
+        Maps work over threads.
+    scratch
+        A file that keeps the tiles.
+    """
     windows = footprint_windows(grid, footprints)
     return make_tiles(
         grid,

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The textured hull as OGC 3D Tiles 1.1: a quadtree over the mosaic's map, a GLB a tile.
+"""Write the textured hull as OGC 3D Tiles 1.1: a quadtree over the mosaic's map, a GLB a tile.
 
-The finest tiles have the mosaic's own texels, and each level above half as many a metre, in texture
-and mesh. Tiles of one level share the vertices of their borders. Skirts, which hang inward from the
-borders, close the cracks between tiles of two levels.
+The finest tiles have the mosaic's own texels. Each level above has half as many texels and vertices
+to a metre. Tiles of one level share the vertices of their borders. Skirts, strips of mesh that go
+inward from the borders, close the cracks between tiles of two levels.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ from hullrecon.threads import in_threads
 from hullrecon.typing import Array, Ints, Mask
 
 TILE_PX = 512  # texels along a tile
-MARGIN_PX = 1  # of texture around a tile, so that filtering sees its neighbours
-MESH_M = 0.03  # about the edge of the finest mesh, that of the hull as found
-MIN_CELL_PX = 4  # texels along a cell at least: a sonar's are longer than MESH_M
-# A viewer refines a tile whose error is longer than 16 pixels of its screen (CesiumJS' default):
-# where a texel is longer than a pixel.
+MARGIN_PX = 1  # of texture around a tile, so that filtering at its border sees its neighbours
+MESH_M = 0.03  # about the edge length of the finest mesh, that of the hull as found
+MIN_CELL_PX = 4  # least texels along a cell of the mesh: a sonar's texels are longer than MESH_M
+# Geometric error of a tile, in its texels. A viewer refines a tile whose error is longer than 16
+# pixels on the screen (CesiumJS' default), which is where a texel is longer than a pixel.
 ERROR_TEXELS = 16
 UNSEEN_RGB = (233, 237, 241)  # of texels that no view saw, as in the PNG
-# glTF has y up, 3D Tiles z: (x, y, z) becomes (x, -z, y)
+# From glTF, which has y up, to 3D Tiles with z up: (x, y, z) becomes (x, -z, y)
 _Z_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 
 
 @dataclass(frozen=True, kw_only=True)
 class Pyramid:
-    """A mosaic in all its sizes, on the surface that it was laid on."""
+    """A mosaic in all its sizes, and the surface on which it was laid."""
 
     pictures: Sequence[Picture]  # the full size first, each half as large as the one before
     layout: RasterLayout
@@ -52,17 +52,17 @@ class Pyramid:
 
     @property
     def rotation_from_frame(self) -> Array:
-        """Turn (3, 3) from the surface's frame to that of the tiles, which has z up."""
+        """Rotation (3, 3) from the surface's frame to that of the tiles, which has z up."""
         return np.asarray(_Z_UP @ gltf_from(self.surface.chart.ship_axes[2])[:3, :3])
 
     @property
     def top(self) -> int:
-        """The first level that is one tile."""
+        """The finest level that is a single tile. Level 0 is the full size."""
         fits = (max(p.width, p.height) <= TILE_PX for p in self.pictures)
         return next(level for level, one in enumerate(fits) if one)
 
     def texel_m(self, level: int) -> float:
-        """Compute how long a texel of a level is on the hull."""
+        """Compute the side of a texel of a level on the hull."""
         return float(self.layout.grid.step_m * 2**level)
 
 
@@ -71,34 +71,36 @@ Place = tuple[int, int, int]  # level, row and column of a tile
 
 @dataclass(frozen=True, kw_only=True)
 class _Tile:
-    """A tile with what is below it."""
+    """A tile of tileset.json, with all finer tiles below it."""
 
-    document: dict[str, object]
-    low: Array  # (3,) of the box around it, in the tileset's frame
-    high: Array
+    document: dict[str, object]  # the tile in tileset.json
+    low: Array  # (3,) m, least corner of the box around it, in the tileset's frame
+    high: Array  # (3,) m, largest corner
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Content:
-    """What there is to see in a tile."""
+    """The GLB of a tile."""
 
     uri: str
-    low: Array  # (3,) of the box around it, in the tileset's frame
-    high: Array
+    low: Array  # (3,) m, least corner of the box around it, in the tileset's frame
+    high: Array  # (3,) m, largest corner
 
 
 def write_tileset(
     pyramid: Pyramid, write: Callable[[str, bytes], None], frame: str
 ) -> dict[str, object] | None:
-    """Write the tiles of a mosaic as GLB files.
+    """Write the tiles of a mosaic as GLB files, and describe them as tileset.json.
 
-    The tileset's frame is that of the deliverables, turned by quarter turns where its z points
-    down, for 3D Tiles has z up.
+    The tileset's frame is that of the deliverables, rotated so that z points up as 3D Tiles wants
+    it.
 
     Parameters
     ----------
+    pyramid
+        The mosaic in all its sizes.
     write
-        Takes the name of a file and its bytes.
+        Writes a file, given its name and bytes.
     frame
         Name of the frame of the surface, M or g.
 
@@ -122,7 +124,7 @@ def write_tileset(
 
 
 def _write_contents(pyramid: Pyramid, write: Callable[[str, bytes], None]) -> dict[Place, _Content]:
-    """Write the GLB of every tile in which there is something to see."""
+    """Write the GLB of every tile in which something was seen."""
 
     def make(place: Place) -> tuple[TexturedMesh, bytes] | None:
         level, row, column = place
@@ -130,7 +132,7 @@ def _write_contents(pyramid: Pyramid, write: Callable[[str, bytes], None]) -> di
         mesh = _mesh(pyramid, level, row, column, np.asarray(texture[..., -1] > 0))
         if not len(mesh.faces):
             return None
-        return mesh, encode_glb(mesh, _painted(texture), pyramid.surface.chart.ship_axes[2])
+        return mesh, encode_glb(mesh, _paint_unseen(texture), pyramid.surface.chart.ship_axes[2])
 
     contents, places = {}, _places(pyramid)
     for (level, row, column), made in zip(places, in_threads(make, places), strict=True):
@@ -155,7 +157,10 @@ def _places(pyramid: Pyramid) -> list[Place]:
 
 
 def _tree(pyramid: Pyramid, place: Place, contents: Mapping[Place, _Content]) -> _Tile | None:
-    """Describe a tile and all below it. None if there is nothing to see."""
+    """Describe a tile and all finer tiles below it. None if nothing was seen in any of them.
+
+    place: level, row and column. contents: of all tiles in which something was seen.
+    """
     level, row, column = place
     picture = pyramid.pictures[level]
     if row * TILE_PX >= picture.height or column * TILE_PX >= picture.width:
@@ -182,28 +187,32 @@ def _tree(pyramid: Pyramid, place: Place, contents: Mapping[Place, _Content]) ->
 
 
 def _box(low: Array, high: Array) -> list[float]:
-    """Write center and half axes of a box, a millimetre wider for vertices in single precision."""
+    """Make the 12 numbers of a box in 3D Tiles: centre and three half axes.
+
+    The box is a millimetre wider on each side, as vertices are in single precision.
+    """
     half = 0.5 * (high - low) + 0.001
     return [*(0.5 * (low + high)).tolist(), *np.diag(half).ravel().tolist()]
 
 
 def _texture(picture: Picture, row: int, column: int) -> NDArray[np.uint8]:
+    """Read the texture of a tile with its margin."""
     top, left = row * TILE_PX - MARGIN_PX, column * TILE_PX - MARGIN_PX
     side = TILE_PX + 2 * MARGIN_PX
     return picture.read(Window(top, top + side, left, left + side)).astype(np.uint8)
 
 
-def _painted(texture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Paint texels that no view saw."""
+def _paint_unseen(texture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Give texels that no view saw the colour UNSEEN_RGB, and make the texture RGBA."""
     rgb = texture[..., :3] if texture.shape[2] == 4 else np.repeat(texture[..., :1], 3, axis=2)
     rgb = np.where(texture[..., -1:] > 0, rgb, np.array(UNSEEN_RGB, np.uint8))
     return np.concatenate([rgb, texture[..., -1:]], axis=2)
 
 
 def _mesh(pyramid: Pyramid, level: int, row: int, column: int, seen: Mask) -> TexturedMesh:
-    """Mesh the surface under a tile, with skirts.
+    """Mesh the seen part of the surface under a tile, with skirts.
 
-    `seen`: the tile's texels with their margin.
+    seen: whether each texel of the tile, with its margin, was seen.
     """
     cell_px, count = pyramid.cell_px, TILE_PX // pyramid.cell_px
     points, normals, outward = _vertices(pyramid, level, row * count, column * count, count)
@@ -219,9 +228,10 @@ def _mesh(pyramid: Pyramid, level: int, row: int, column: int, seen: Mask) -> Te
     at = (np.arange(count + 1) * cell_px + MARGIN_PX) / (TILE_PX + 2 * MARGIN_PX)
     uv = np.stack(np.meshgrid(at, 1 - at), axis=-1).reshape(-1, 2)
     edges = _border(cells, seen, index)
-    # a level above may lie off this one by about its own error
+    # The mesh of the level above may be off this one by about its own error
     depth = ERROR_TEXELS * pyramid.texel_m(level)
-    hung = index.size  # from a vertex to the one that hangs from it
+    # The lower vertices of the skirts follow all vertices of the surface, in the same order
+    hung = index.size
     skirt = np.concatenate(
         [
             np.stack([edges[:, 0], edges[:, 1], edges[:, 0] + hung], axis=1),
@@ -240,9 +250,18 @@ def _mesh(pyramid: Pyramid, level: int, row: int, column: int, seen: Mask) -> Te
 
 
 def _border(cells: Mask, seen: Mask, index: Ints) -> Ints:
-    """List the edges (n, 2) of cells along the tile's border that go on in the next tile.
+    """List the edges (n, 2) along the tile's border beyond which the neighbouring tile was seen.
 
-    They run against the faces. `seen`: the tile's texels with their margin.
+    They run against the direction of the faces. A skirt goes inward from each.
+
+    Parameters
+    ----------
+    cells
+        Whether each cell of the tile has faces.
+    seen
+        Whether each texel of the tile, with its margin, was seen.
+    index
+        Number of each vertex of the tile.
     """
     count = len(cells)
     above, left, below, right = (
@@ -262,12 +281,27 @@ def _border(cells: Mask, seen: Mask, index: Ints) -> Ints:
 def _vertices(
     pyramid: Pyramid, level: int, row: int, column: int, count: int
 ) -> tuple[Array, Array, Array]:
-    """Compute points, normals and the chart's normals (count + 1, count + 1, 3) of a tile.
+    """Compute the vertices of a tile's mesh.
 
-    Normals are of the surface through the vertices around, also those past the border: neighbours
-    have the same there. Points are NaN where there is no surface.
+    Normals are central differences of the neighbouring vertices, beyond the tile's border too, so
+    that neighbouring tiles have equal normals at a common border.
+
+    Parameters
+    ----------
+    pyramid, level
+        The mosaic, and the level of the tile.
+    row, column
+        Of the tile's first vertex among the vertices of the level.
+    count
+        Cells of the tile along a side.
+
+    Returns
+    -------
+    points, normals, outward
+        (count + 1, count + 1, 3) each: vertices in m, NaN without surface, their normals, and the
+        chart's normals.
     """
-    # The chart's places of the vertices, with one more row and column on each side.
+    # Chart coordinates of the vertices, with one more row and column on each side.
     surface, layout = pyramid.surface, pyramid.layout
     step_m = pyramid.cell_px * pyramid.texel_m(level)
     steps = np.arange(-1, count + 2)
