@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The surface that structures stand on, and places on it with their sigmas."""
+"""The surface that structures stand on, and positions on it with their sigmas."""
 
 from __future__ import annotations
 
@@ -20,28 +20,26 @@ from hullrecon.records.solution import HullPose
 from hullrecon.records.surface import Surface
 from hullrecon.typing import Array
 
-MIDDLE_SHARE = (
-    # of an object's size: how far its middle moves with where its edge is drawn (5 to 12 mm of 0.25
-    # m, measured)
-    0.05
-)
+# Sigma of an object's middle, as a share of its size, due to where its edge is drawn (measured: 5
+# to 12 mm of 0.25 m)
+MIDDLE_SHARE = 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
 class HullError:
-    """An error (6,) of the hull pose, as in its covariance: it moves the dive's points in M."""
+    """A hypothetical error of the hull pose, which moves all of the dive in M."""
 
     hull_pose: HullPose
-    error: Array
+    error: Array  # (6,) as in the covariance of the hull pose
 
     def points(self, points: Array) -> Array:
-        """Move points (n, 3) of the dive in M by the error of the hull pose."""
+        """Move points (n, 3) of the dive in M as the error of the hull pose does."""
         center = self.hull_pose.survey_center
         shift = self.hull_pose.global_from_hull.rotation.inv().apply(self.error[:3]).reshape(3)
         return np.asarray(self._turn().apply(points - center - shift) + center)
 
     def poses(self, poses: Poses) -> Poses:
-        """Move poses (n) of the dive in M by the error of the hull pose."""
+        """Move poses (n,) of the dive in M as the error of the hull pose does."""
         return Poses((self._turn() * poses.rotation).as_quat(), self.points(poses.translation))
 
     def _turn(self) -> Rotation:
@@ -49,7 +47,10 @@ class HullError:
 
 
 def area_sigma(area_if: Callable[[HullError], float], hull_pose: HullPose) -> float:
-    """Propagate the hull pose's covariance to an area, m2, by central differences."""
+    """Compute the sigma, m2, of an area due to the hull pose, by central differences.
+
+    area_if: the area, m2, under an error of the hull pose.
+    """
     variance, axes = np.linalg.eigh(hull_pose.covariance)
     changes = []
     for error in (axes * np.sqrt(np.maximum(variance, 0.0))).T:
@@ -60,10 +61,10 @@ def area_sigma(area_if: Callable[[HullError], float], hull_pose: HullPose) -> fl
 
 @dataclass(frozen=True, kw_only=True)
 class HullPosition:
-    """Where something lies on the hull."""
+    """Position of an object or a hole on the hull, with sigmas."""
 
-    center: Array
-    covariance: Array  # (3, 3) m2 of the centre in the frame of the results, hull pose included
+    center: Array  # (3,) m in the frame of the results
+    covariance: Array  # (3, 3) m2 of the centre, that of the hull pose included
     sigma: Array  # (3,) m along the hull, in girth, along the normal
     along_girth: Array  # (2,) m on the chart
     depth: float | None  # m, None where none was measured
@@ -71,13 +72,13 @@ class HullPosition:
 
     @property
     def address_sigma(self) -> AddressSigma:
-        """Limit how fine an address of it may be."""
+        """Sigmas that limit how fine an address in words may be."""
         return AddressSigma(
             along=float(self.sigma[0]), girth=float(self.sigma[1]), depth=self.depth_sigma or 0.0
         )
 
     def as_json(self, base: BaseSurface) -> dict[str, object]:
-        """Return the position's members of objects.json and of coverage.json."""
+        """Collect the members of a position in objects.json and in coverage.json."""
         known = bool(np.isfinite(self.along_girth).all())
         along, girth = (round(float(v), 5) for v in self.along_girth) if known else (None, None)
         on_ship = known and is_hull_chart(base.chart)
@@ -107,21 +108,26 @@ def hull_position(
     middle_sigma: float,
     base: BaseSurface,
 ) -> HullPosition:
-    """Locate a centre (3,) with outward normal (3,) on the hull, with its sigmas.
+    """Compute an object's position on the hull with its sigmas.
 
-    Points of one object share nearly all that is unknown of their position, so their mean
-    covariance is that of each. The height of the top and the middle of the shape add to it. A depth
-    is as uncertain as the shape and the water surface, where the latter is known apart from the
-    hull pose (base.depth_sigma_m).
+    Errors of the landmarks of one object are nearly all common to them, so the mean of their
+    covariances is taken for the object, without division by their number. The uncertainties of its
+    height and of the middle of its outline are added. The sigma of its depth comes from these two
+    and from the water surface, where the latter's sigma is known apart from the hull pose
+    (base.depth_sigma_m).
 
     Parameters
     ----------
+    center, normal
+        Centre (3,) m and outward normal (3,).
     measured
-        covariances (k, 3, 3) of the landmarks there.
+        Covariances (k, 3, 3) m2 of the object's landmarks.
     height_sigma
-        m, of the height of its top over the hull.
+        Of the height of its top above the hull, m.
     middle_sigma
-        m, of the middle of its shape.
+        Of the middle of its outline, m.
+    base
+        The hull.
     """
     flat = np.eye(3) - np.outer(normal, normal)
     shape = height_sigma**2 * np.outer(normal, normal) + middle_sigma**2 * flat
@@ -141,7 +147,7 @@ def hull_position(
 
 
 def _tangents(center: Array, normal: Array, base: BaseSurface) -> tuple[Array, Array]:
-    """Span unit vectors along the hull and in girth, square to the normal."""
+    """Make unit vectors along the hull and in girth, perpendicular to the normal."""
     along = tangents_at(base.chart, center[None])[0][0]
     along = along if np.isfinite(along).all() else np.eye(3)[int(np.argmin(np.abs(normal)))]
     along = along - normal * (along @ normal)
@@ -158,38 +164,38 @@ class BaseSurface:
     """The hull without structures, in the frame of the results (M, or g without a CAD model)."""
 
     cad_model: Mesh | None  # None where there is none, or it was refused
-    surveyed: Surface  # the surface from the DVL, which is the base where there is no CAD model
+    surveyed: Surface  # the surface of the step surface, the base where there is no CAD model
     chart: Chart
     result_from_global: Poses  # a batch of one; the identity without a CAD model
     frame_spacing_m: float | None  # between the ship's frames, None where it is not known
-    # where the hull lies in the dive's frame, None without a CAD model
-    hull_pose: HullPose | None = None
-    # whether z = 0 of g is the water surface: a pressure sensor was logged
+    hull_pose: HullPose | None = None  # None without a CAD model
+    # Whether z = 0 of g is the water surface, as with a pressure sensor
     depth_known: bool = True
-    from_dvl: bool = True  # whether the surveyed surface is the DVL's, else it is of landmarks
+    from_dvl: bool = True  # whether the surveyed surface is from DVL returns, not from landmarks
     position_sigma: AddressSigma | None = None  # of the survey as a whole
-    # of the water surface in g, which covariances in M lack; None in g or if unknown
+    # Sigma of the height of the water surface in g, which covariances in M do not contain. None in
+    # g, or where it is not known
     depth_sigma_m: float | None = None
 
     @property
     def mesh(self) -> Mesh:
-        """Return the CAD model, else the surveyed surface."""
+        """The CAD model, or the surveyed surface without one."""
         return self.surveyed.mesh() if self.cad_model is None else self.cad_model
 
     @property
     def frame(self) -> Frame:
-        """Return the frame of all points: M, or g without a CAD model."""
+        """The frame of all points: M, or g without a CAD model."""
         return Frame.GLOBAL if self.cad_model is None else Frame.HULL
 
     @property
     def description(self) -> str:
-        """Name in words what heights are counted from."""
+        """The surface from which heights are counted, in words."""
         return "the surface step's own surface" if self.cad_model is None else "the CAD model"
 
     def address_of(self, point: Array, sigma: AddressSigma | None = None) -> str:
-        """Say in words where a point (3,) lies on the hull, no finer than its sigma.
+        """Write the address of a point (3,) on the hull in words, no finer than its sigma.
 
-        `sigma`: of the point; that of the survey as a whole if none is given.
+        `sigma`: of the point. None: that of the survey as a whole.
         """
         depth = self.depth_of(point)
         depths = None if depth is None else [depth]

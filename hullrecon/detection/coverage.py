@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How much of the hull was seen, how well, and where the survey has holes."""
+"""Compute how much of the hull each sensor saw, how well, and where the survey has holes.
+
+The hull is cut into patches of some 0.1 m, and the areas of those that were seen are summed.
+"""
 
 from __future__ import annotations
 
@@ -26,31 +29,33 @@ from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.typing import Array, Ints, Mask
 
 Facts = dict[str, Any]
-Look = Callable[[HullError], Mask]  # which patches a sensor saw if the hull lies off
-CELL_M = 0.1
+SeenIf = Callable[[HullError], Mask]  # patches that a sensor saw, under an error of the hull pose
+CELL_M = 0.1  # side of a cell of the chart, in which holes are found
 PATCH_M = 0.12  # edges of the patches on which coverage is summed
-PATCHES_REACH_M = 2.0  # from what the survey saw; beyond, the CAD model's own faces are the patches
+PATCHES_REACH_M = 2.0  # from the surveyed surface; farther off, the CAD model is not refined
 DVL_REACH_M = 0.08  # from a vertex of the DVL's surface, whose edges are 0.1 m
-# gaps of up to twice as many cells at the rim of the surveyed area count as holes; inside it, any
+# Radius of the morphological closing of the surveyed area, in cells: bays of its rim up to twice as
+# wide count as holes. Inside of it, gaps of any width do.
 BRIDGE_CELLS = 6
-MIN_HOLE_M2 = 0.03
-SONAR_GRAZING = 0.25 * GRAZING  # cosine of the steepest incidence from which a sonar hears
-# its returns lie decimetres apart, its surface ends 0.4 m from one: less is a notch of the rim
+MIN_HOLE_M2 = 0.03  # least area of a hole in what the camera saw
+SONAR_GRAZING = 0.25 * GRAZING  # cosine of the flattest incidence that gives a sonar return
+# Least area of a hole in what the DVL saw: its returns lie decimetres apart, and its surface ends
+# 0.4 m from a return, so that a smaller hole is a notch of the rim
 MIN_HOLE_BY_DVL_M2 = 0.16
 
 
 @dataclass(frozen=True, kw_only=True)
 class HullPatches:
-    """The base surface in patches of some 0.1 m, on which seen area is summed."""
+    """The base surface as n patches of some 0.1 m, on which seen area is summed."""
 
-    mesh: Mesh  # its vertices (n) stand for the patches
-    normal: Array  # (n, 3)
+    mesh: Mesh  # whose vertices (n, 3) are the middles of the patches
+    normal: Array  # (n, 3) outward
     area: Array  # (n,) m2
 
 
 @dataclass(frozen=True, kw_only=True)
 class SonarSurvey:
-    """The pings of an imaging sonar and where they were taken."""
+    """The pings of an imaging sonar, and its poses at them."""
 
     pings: SonarPings
     poses: Poses  # result_from_sonar at each ping
@@ -64,10 +69,20 @@ def summarise_coverage(
     track: VehicleTrack,
     regions: Sequence[HullRegion] = (),
 ) -> Facts:
-    """Sum the hull that each sensor saw and find its holes, for coverage.json.
+    """Sum the area that each sensor saw and find the holes of the survey, for coverage.json.
 
-    Holes are in what the camera saw, without a camera in what the DVL saw. `regions`: of the CAD
-    model, whose own coverage is added; none without a CAD model.
+    Holes are gaps in what the camera saw, or without a camera in what the DVL saw.
+
+    Parameters
+    ----------
+    base
+        The hull.
+    views, sonar
+        Images of the top camera and pings. None where the sensor was not carried.
+    track
+        The vehicle's path, in the frame of the base.
+    regions
+        Named regions of the CAD model, whose coverage is added.
     """
     surveyed = base.surveyed.vertices
     patches, scene = (
@@ -97,10 +112,10 @@ def summarise_coverage(
 
 
 def locate_hole(center: Array, base: BaseSurface, track: VehicleTrack) -> Facts:
-    """Locate the middle (3,) of a hole, as members of coverage.json.
+    """Compute the position of a hole's middle (3,), as members of coverage.json.
 
-    Nothing was measured in a hole. Its place is known as well as the nearest pose of the path, and
-    no better than a cell of the chart.
+    Nothing was measured in a hole. So its covariance is that of the nearest pose of the path, with
+    the sigma of a cell of the chart added.
     """
     near = int(np.argmin(np.linalg.norm(track.poses.translation - center, axis=1)))
     toward = track.poses.translation[near] - center
@@ -117,17 +132,17 @@ def region_facts(
     scene: Scene,
     hull_pose: HullPose,
 ) -> Facts:
-    """Sum how much of a region of the CAD model each sensor saw, with sigmas.
+    """Compute which share of a region of the CAD model each sensor saw, with sigmas.
 
-    None stands for a sensor that was not carried. The region's limits are on the ship: how much of
-    the survey lies within them depends on the hull pose.
+    The region is fixed to the ship. So how much of the survey lies within it depends on the hull
+    pose, from which the sigmas follow. A sensor that was not carried has None.
     """
     cells = region_cells(base.chart, base.mesh, region.along, region.girth)
     patches = HullPatches(
         mesh=Mesh(cells.middle, np.zeros((0, 3), np.int32)), normal=cells.normal, area=cells.area
     )
     surveyed = base.surveyed.vertices[base.surveyed.support > 0]
-    seen: dict[str, Look | None] = {"camera": None, "dvl": None, "sonar": None}
+    seen: dict[str, SeenIf | None] = {"camera": None, "dvl": None, "sonar": None}
     if views is not None:
         seen["camera"] = lambda off: (
             find_visibility(
@@ -139,7 +154,8 @@ def region_facts(
             > 0
         )
     if base.from_dvl:
-        # Laid on the CAD model: a hull that lies off along its normal was seen as well as before
+        # Vertices are projected onto the CAD model: an error along its normal does not change what
+        # was seen
         seen["dvl"] = lambda off: covered_by_surface(
             patches, scene.closest(off.points(surveyed)).foot, DVL_REACH_M
         )
@@ -161,8 +177,11 @@ def region_facts(
     }
 
 
-def _share(region: HullPatches, look: Look, hull_pose: HullPose) -> Facts:
-    """Sum the area of a region that was seen and its share of the whole, with sigmas."""
+def _share(region: HullPatches, look: SeenIf, hull_pose: HullPose) -> Facts:
+    """Compute the seen area of a region and its share of the whole, with sigmas.
+
+    look: which patches a sensor saw, given an error of the hull pose.
+    """
     whole = float(region.area.sum())
     area = _area(region, look(HullError(hull_pose=hull_pose, error=np.zeros(6))))
     sigma = area_sigma(lambda off: _area(region, look(off)), hull_pose)
@@ -176,13 +195,25 @@ def _share(region: HullPatches, look: Look, hull_pose: HullPose) -> Facts:
 
 
 def hull_patches(mesh: Mesh) -> HullPatches:
+    """Take the vertices of a mesh as patches, with their shares of its area."""
     return HullPatches(mesh=mesh, normal=vertex_normals(mesh), area=vertex_areas(mesh))
 
 
 def camera_facts(hull: HullPatches, seen: Visibility, focal_px: float, images: int) -> Facts:
-    """Sum area, ground sample distance and incidence at each patch's best view.
+    """Compute the seen area, and percentiles of ground sample distance and incidence.
 
-    Percentiles are of the area seen.
+    These are of each patch's best (nearest) view, weighted by area.
+
+    Parameters
+    ----------
+    hull
+        The patches.
+    seen
+        Views of each patch.
+    focal_px
+        Focal length of the camera.
+    images
+        Number of images.
     """
     which = seen.views > 0
     gsd = seen.distance[which] / focal_px
@@ -198,16 +229,16 @@ def camera_facts(hull: HullPatches, seen: Visibility, focal_px: float, images: i
 
 
 def covered_by_surface(hull: HullPatches, vertices: Array, reach_m: float) -> Mask:
-    """Mark the patches that the DVL's surface with those vertices covers."""
+    """Tell which patches (n,) lie within `reach_m` of a vertex (k, 3) of the DVL's surface."""
     if not len(vertices):
         return np.zeros(len(hull.area), bool)
     return np.asarray(np.isfinite(nearest(vertices, hull.mesh.vertices, 1, reach_m)[0][:, 0]))
 
 
 def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mask:
-    """Mark the patches inside any ping's fan that face the sonar unhidden.
+    """Tell which patches (n,) lie in the fan of a ping, face the sonar, and are not occluded.
 
-    z of the sonar looks along the middle of the fan, x out of its plane (docs/conventions.md).
+    The sonar's z axis points along the middle of the fan, x out of its plane (docs/conventions.md).
     """
     pings, result_from_sonar = sonar.pings, sonar.poses
     bearing = np.arctan2(pings.directions[:, 1], pings.directions[:, 2])  # in the fan's plane
@@ -217,7 +248,7 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
     for ping in range(len(result_from_sonar)):
         center = result_from_sonar.translation[ping]
         rows = np.flatnonzero(_near_fan(*columns, center, out_of_plane[ping], sonar) & ~seen)
-        # in the fan: by range, elevation out of its plane, and bearing
+        # In the fan: by range, elevation out of its plane, and bearing
         local = result_from_sonar[ping].inverse().apply(hull.mesh.vertices[rows])
         distance = np.maximum(np.linalg.norm(local, axis=1), 1e-9)
         at = np.arctan2(local[:, 1], local[:, 2])
@@ -225,7 +256,7 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
             np.abs(np.arcsin(local[:, 0] / distance)) <= sonar.half_elevation_rad
         )
         rows = rows[fits & (at >= bearing.min()) & (at <= bearing.max())]
-        # facing the sonar, with nothing in between
+        # Facing the sonar, with nothing in between
         ray = hull.mesh.vertices[rows] - center
         length = np.maximum(np.linalg.norm(ray, axis=1), 1e-9)
         clear = -np.einsum("ni,ni->n", ray, hull.normal[rows]) / length > SONAR_GRAZING
@@ -237,9 +268,18 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
 def _near_fan(
     points: Array, normals: Array, center: Array, out_of_plane: Array, sonar: SonarSurvey
 ) -> Mask:
-    """Mark the points (3, n) that face the sonar within reach and, but for rounding, in its fan.
+    """Tell which points may be in a ping's fan: a fast first test that rules out nearly all.
 
-    Nearly all are ruled out here, coordinate by coordinate and without angles.
+    Tested are range, elevation (to rounding) and incidence, without computing angles.
+
+    Parameters
+    ----------
+    points, normals
+        (3, n) m and unit vectors.
+    center, out_of_plane
+        (3,) of the sonar: position, and its x axis.
+    sonar
+        Range and aperture.
     """
     ray = points - center[:, None]
     distance = np.sqrt(np.square(ray).sum(axis=0))
@@ -254,9 +294,9 @@ def _near_fan(
 def sonar_facts(
     hull: HullPatches, sonar: SonarSurvey, scene: Scene, hull_pose: HullPose | None
 ) -> Facts:
-    """Count pings and sum the area that they saw.
+    """Count the pings and sum the area that they saw.
 
-    With a CAD model the area has a sigma: a fan meets the hull at a grazing angle, so the area
+    With a CAD model the area has a sigma: a fan meets the hull at a grazing angle, so that the area
     depends on the hull pose.
     """
     facts = {"pings": len(sonar.poses), **area_facts(hull, visible_to_sonar(hull, sonar, scene))}
@@ -272,6 +312,7 @@ def sonar_facts(
 
 
 def area_facts(hull: HullPatches, seen: Mask) -> Facts:
+    """Sum the area of the patches that were seen."""
     return {"area_m2": _area(hull, seen)}
 
 
@@ -284,9 +325,22 @@ def find_holes(
 ) -> list[Facts]:
     """Find unseen parts of the chart inside the surveyed area, the largest first.
 
-    Without a CAD model there is no patch where there was nothing to see; such parts are holes as
-    well. What lies off the hull is none. `locate`: from a hole's center (3,) to members of
-    coverage.json, its address among them.
+    The surveyed area is the seen cells, closed and filled. Cells of the chart without hull are no
+    holes. Cells without a patch are holes, as there are none where nothing was seen without a CAD
+    model.
+
+    Parameters
+    ----------
+    hull
+        The patches.
+    seen
+        (n,) which patches were seen.
+    chart
+        In whose cells holes are found.
+    locate
+        Computes members of coverage.json, an address among them, from the center (3,) of a hole.
+    min_hole_m2
+        Least area of a hole.
     """
     from scipy import ndimage
 
@@ -306,16 +360,16 @@ def find_holes(
 
 @dataclass(frozen=True, kw_only=True)
 class _ChartCells:
-    """Squares of the chart, CELL_M wide, (a, g)."""
+    """Square cells of the chart, CELL_M wide: arrays (a, g) by along and girth."""
 
-    low: Ints  # (2,) number of the first
-    seen: Mask  # some patch in it was seen
-    unseen: Array  # m2 of its patches that were not seen, of the square where there is no patch
-    on_hull: Mask  # there is hull
+    low: Ints  # (2,) number of the first cell along and in girth
+    seen: Mask  # (a, g) whether a patch in the cell was seen
+    unseen: Array  # (a, g) m2 of the cell's unseen patches, or of the cell where there is no patch
+    on_hull: Mask  # (a, g) whether the chart has hull there
 
 
 def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
-    """Put the patches of hull into cells of the chart, a margin around what was seen."""
+    """Sort patches into cells of the chart, which reach BRIDGE_CELLS beyond the seen patches."""
     at = chart.to_chart(hull.mesh.vertices)[:, :2]
     known = np.asarray(np.isfinite(at).all(axis=1))
     low = np.floor(at[known & seen].min(axis=0) / CELL_M).astype(np.int64) - BRIDGE_CELLS
@@ -331,7 +385,7 @@ def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
     held[tuple(cell[known].T)] = True
     np.add.at(unseen, tuple(cell[known & ~seen].T), hull.area[known & ~seen])
     middle = (np.argwhere(np.ones_like(image)) + low + 0.5) * CELL_M
-    # Patches are hardly smaller than cells: a cell that happens to hold none is as the nearest one
+    # Patches are hardly smaller than cells, so a cell may hold none. It is as its nearest patch is
     distance, row = nearest(at[known], middle, 1, 0.75 * PATCH_M)
     near = np.isfinite(distance[:, 0]) & ~held.ravel()
     image.ravel()[near] = seen[known][row[near, 0]]
@@ -344,7 +398,10 @@ def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
 def _hole_facts(
     cells: _ChartCells, hole: Mask, chart: Chart, locate: Callable[[Array], Facts]
 ) -> Facts:
-    """Measure a hole (a, g) of cells, with what its rim cells left unseen."""
+    """Measure a hole: centre, address and area, with the unseen patches in the cells of its rim.
+
+    hole (a, g): which cells it has.
+    """
     from scipy import ndimage
 
     which = np.argwhere(hole)
@@ -359,11 +416,12 @@ def _hole_facts(
 
 
 def _area(hull: HullPatches, which: Mask) -> float:
+    """Sum the area of some patches, m2."""
     return round(float(hull.area[which].sum()), 4)
 
 
 def _percentiles(values: Array, area: Array) -> Facts | None:
-    """Compute 5, 50 and 95 % percentiles by area. None without a value."""
+    """Compute the 5, 50 and 95 % percentiles of values weighted by area. None without a value."""
     if not len(values):
         return None
     order = np.argsort(values)

@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A hull's deviation from its CAD model, parted in its form and how the patch stands off it.
+"""Split a hull's deviation from its CAD model into offset, tilt and form of the surveyed patch.
 
-An error of the hull pose moves all that was seen by one rigid motion. Over the surveyed patch that
-is a shift along the normal and two tilts, and little else. These three, fitted to the deviation,
-are given apart with the sigma that the hull's pose leaves them: the form is known well, the level
-badly.
+An error of the hull pose moves the whole patch by one rigid motion, which shows as a shift along
+the normal and two tilts. These three are fitted to the deviation, and have the large sigmas that
+the hull pose leaves them. The rest, the form, is known much better.
 """
 
 from __future__ import annotations
@@ -24,17 +23,17 @@ from hullrecon.records.solution import HullPose
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.typing import Array, Mask
 
-MIN_VERTICES = 30  # of bare hull, from which a level and two tilts are fitted
-MIN_SCALE_M = 0.003  # vertices nearer to the fit than some of these are bare hull
+MIN_VERTICES = 30  # of bare hull, with fewer nothing is fitted
+MIN_SCALE_M = 0.003  # lower limit of the robust sigma by which outliers are judged
 OUTLIER_SIGMAS = 4.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Fit:
-    """Level and tilts of the patch."""
+    """A linear fit of level and two tilts to deviations of n vertices."""
 
-    columns: Array  # (n, 3) of the vertices
-    solver: Array  # (3, n) from deviations to coefficients
+    columns: Array  # (n, 3) deviations by one unit of level and of each tilt
+    solver: Array  # (3, n) from deviations to level and tilts
 
 
 def split_deviation(
@@ -45,10 +44,24 @@ def split_deviation(
     chart: Chart,
     hull_pose: HullPose,
 ) -> DeviationSplit | None:
-    """Split a deviation into offset, tilt and form. None if too little hull was seen.
+    """Split the deviation of a surface into offset, tilt and form.
 
-    `own_sigma`: m, of each vertex without what all share (n,). None where only the whole is known.
-    `bare`: vertices on which no structure stands (n,).
+    Parameters
+    ----------
+    surface
+        With deviation and sigma at its n vertices.
+    own_sigma
+        (n,) m, the part of each vertex's sigma that is independent of the others. None: all but the
+        part of the hull pose is.
+    bare
+        (n,) vertices on which no structure stands.
+    cad_model, chart, hull_pose
+        The CAD model, its chart, and its pose with covariance.
+
+    Returns
+    -------
+    DeviationSplit or None
+        None with fewer than MIN_VERTICES of bare hull.
     """
     seen = (surface.support > 0) & np.isfinite(surface.deviation) & np.isfinite(surface.sigma)
     if (seen & bare).sum() < MIN_VERTICES:
@@ -62,13 +75,13 @@ def split_deviation(
     deviation, total = surface.deviation[seen], surface.sigma[seen]
     fit = _fit_patch(surface.vertices[seen], normals, deviation, weight, chart)
     coefficients, of_pose = fit.solver @ deviation, fit.solver @ by_pose
-    # The variance of a vertex: its own, what the hull pose gives it, and what else all share.
+    # The variance of a vertex: its own, that of the hull pose, and the rest, common to all.
     by_hull_pose = _variance(by_pose, pose)
     own = (
         np.sqrt(np.maximum(total**2 - by_hull_pose, 0.0)) if own_sigma is None else own_sigma[seen]
     )
     rest = np.maximum(total**2 - own**2 - by_hull_pose, 0.0)
-    # The form is what level and tilts leave, and the hull pose leaves little of its error there.
+    # The form is the deviation without level and tilts. Little of the hull pose's error is in it.
     form, form_sigma = np.full((2, len(seen)), np.nan)
     form[seen] = deviation - fit.columns @ coefficients
     form_sigma[seen] = np.sqrt(_variance(by_pose - fit.columns @ of_pose, pose) + own**2 + rest)
@@ -88,13 +101,14 @@ def split_deviation(
 
 
 def _variance(rows: Array, covariance: Array) -> Array:
+    """Propagate a covariance (k, k) through Jacobian rows (n, k) to variances (n,)."""
     return np.asarray(np.einsum("ni,ij,nj->n", rows, covariance, rows))
 
 
 def _fit_patch(
     points: Array, normals: Array, deviation: Array, weight: Array, chart: Chart
 ) -> _Fit:
-    """Fit by least squares over area, without what stands far off a first fit."""
+    """Fit level and tilts by least squares weighted by area, without outliers of earlier fits."""
     columns = _rigid_columns(points, normals, weight, chart)
     for _ in range(3):
         scaled = columns * weight[:, None]
@@ -106,10 +120,10 @@ def _fit_patch(
 
 
 def _rigid_columns(points: Array, normals: Array, weight: Array, chart: Chart) -> Array:
-    """Derive vertices' moves along their normals (n, 3) by level and tilts.
+    """Compute how much vertices move along their normals (n, 3) by level and by each tilt.
 
-    Level is a shift of the patch along its mean normal; tilts are rises along the hull or in girth
-    by one metre a metre, about its middle.
+    Level is a shift of the patch along its mean normal by a metre. A tilt is a rise of one metre in
+    a metre along the hull, or in girth, about the middle of the patch.
     """
     middle, up = (np.average(values, axis=0, weights=weight) for values in (points, normals))
     up /= np.linalg.norm(up)
@@ -117,7 +131,7 @@ def _rigid_columns(points: Array, normals: Array, weight: Array, chart: Chart) -
     east = along[0] if np.isfinite(along).all() else np.eye(3)[int(np.argmin(np.abs(up)))]
     east = east - up * (east @ up)
     east /= np.linalg.norm(east)
-    # charts are left-handed about the outward normal
+    # (along, girth) of a chart is left-handed about the outward normal
     north, arm = np.cross(east, up), points - middle
     level = normals @ up
     rises = [(arm @ axis) * level - (arm @ up) * (normals @ axis) for axis in (east, north)]

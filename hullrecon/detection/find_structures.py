@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""From landmarks and the base surface to the hull as found and its structures [Ozog2016 4.3]."""
+"""Estimate the hull as found and its structures from landmarks and base [Ozog2016 4.3]."""
 
 from __future__ import annotations
 
@@ -33,17 +33,17 @@ from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.typing import Array, Mask
 
 Facts = dict[str, object]
-# without a deviation field, offsets over areas wider than this are the hull's, not a structure's
+# Without a deviation field, an offset over an area wider than this is of the hull, not a structure
 BACKGROUND_WIDTH_M = 1.5
-MAX_OFFSET_M = 0.6  # landmarks farther off the hull are left out
-CAD_EDGE_M = 0.12  # edges of a CAD model that is moved to the DVL's surface, whose own are 0.1 m
+MAX_OFFSET_M = 0.6  # landmarks farther off the base are left out
+CAD_EDGE_M = 0.12  # edges of a CAD model that is moved to the DVL's surface, whose edges are 0.1 m
 
 
 @dataclass(frozen=True, kw_only=True)
 class Structures:
-    """What stands on the hull."""
+    """The hull as found, and the objects on it."""
 
-    as_found: Surface | None  # None where nothing but the surveyed surface is known
+    as_found: Surface | None  # None without landmarks and CAD model
     deviation: DeviationSplit | None  # from the CAD model, None without one
     objects: list[Facts]  # rows of objects.json
     facts: Facts  # detect.json
@@ -59,7 +59,22 @@ def find_structures(
 ) -> Structures:
     """Estimate the hull as found and the objects on it.
 
-    Without enough landmarks, the hull is as the DVL alone found it. `landmarks`: in g.
+    Without enough landmarks, the hull is as the DVL alone found it, and no objects are looked for.
+
+    Parameters
+    ----------
+    base
+        The hull without structures.
+    landmarks
+        In g, with covariances.
+    field
+        Deviation field of the adjustment. None without one.
+    views
+        Images of the top camera. None without a camera.
+    options
+        The section [detect] of dive.toml.
+    fusion
+        How regressed heights and the views' shapes become vertices.
     """
     if views is None:
         return _without_landmarks(base, "no camera was carried")
@@ -78,7 +93,7 @@ def find_structures(
     # The hull without structures, then with them
     background = _choose_background(base, field, measured)
     found = estimate_hull_as_found(base.mesh, measured, background, views, options, fusion)
-    # Structures: regions that stand off and are certain
+    # Structures: regions that stand off the hull beyond doubt
     objects, rejected = find_objects(found, measured, views, base, options)
     rows: list[Facts] = [{"id": k + 1, **item.as_json()} for k, item in enumerate(objects)]
     facts: Facts = {
@@ -105,7 +120,7 @@ def _choose_background(
     field: DeviationField | None,
     measured: SurfaceLandmarks,
 ) -> Background:
-    """Take the deviation field where it is whole, else medians of landmarks."""
+    """Choose the hull without structures: the deviation field, or medians of landmarks."""
     if field is not None and np.isfinite(field.value).all():
         return FieldBackground(chart=base.chart, field=field)
     return median_background(measured.foot, measured.offset, BACKGROUND_WIDTH_M)
@@ -114,8 +129,8 @@ def _choose_background(
 def _without_landmarks(base: BaseSurface, why: str) -> Structures:
     """Move the CAD model to the DVL's surface, without looking for objects.
 
-    Without a CAD model the surveyed surface is all there is. `why`: the report says it behind a
-    colon.
+    Without a CAD model there is no hull as found besides the surveyed surface. `why`: the reason,
+    which the report prints after a colon.
     """
     facts: Facts = {"reference": base.description, "objects": why}
     if base.cad_model is None:

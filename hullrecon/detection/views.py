@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The camera's views of the hull: where it stood, and what lay in its image."""
+"""Views of the hull by the top camera: its poses, and which points each image shows."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
-GRAZING = 0.2  # cosine of the steepest incidence at which a surface still shows texture
-CLEARANCE_M = 0.005  # a surface this little in front does not hide
+GRAZING = 0.2  # cosine of the flattest incidence at which a surface still shows texture
+CLEARANCE_M = 0.005  # a surface less than this in front of a point does not occlude it
 
 
 @dataclass(frozen=True, kw_only=True)
 class CameraViews:
-    """Images (n) of the top camera."""
+    """The n images of the top camera."""
 
-    result_from_camera: Poses  # (n) in the frame of the surface
-    node: Ints  # (n,)
-    name: tuple[str, ...]  # (n,) of the image
+    result_from_camera: Poses  # (n,) in the frame of the surface
+    node: Ints  # (n,) node of each image
+    name: tuple[str, ...]  # (n,) name of each image
     camera: CameraModel
-    farthest_m: float  # how far away surfaces were seen
+    farthest_m: float  # largest distance at which a surface counts as seen
 
     def __len__(self) -> int:
         return len(self.node)
@@ -38,20 +38,26 @@ class CameraViews:
 
 @dataclass(frozen=True, kw_only=True)
 class Visibility:
-    """What the views saw of surface points (n)."""
+    """How the views saw n points of a surface."""
 
-    views: Ints  # (n,) images
+    views: Ints  # (n,) number of images that saw each point
     distance: Array  # (n,) m of the best (nearest) view, NaN where unseen
-    cosine: Array  # (n,) of its incidence
+    cosine: Array  # (n,) of the incidence of that view, NaN where unseen
 
 
 def views_of_top_camera(
     rig: Rig, track: VehicleTrack, image_t_ns: Ints, landmarks: Array
 ) -> CameraViews | None:
-    """Place the top camera's images. None without an image or a landmark.
+    """Collect the top camera's images with their poses. None without an image or a landmark.
 
-    `image_t_ns`: of the images in the camera's index. `landmarks`: in the track's frame (n, 3),
-    which say how far away surfaces were seen.
+    Parameters
+    ----------
+    rig, track
+        From which the poses follow, in the frame of the track.
+    image_t_ns
+        Stamps of the images in the camera's index.
+    landmarks
+        (n, 3) m in the track's frame, whose distances limit how far surfaces are seen.
     """
     camera = Camera.TOP
     node = np.flatnonzero(track.image[:, camera.column] >= 0)
@@ -68,7 +74,11 @@ def views_of_top_camera(
 
 
 def _farthest(centers: Array, landmarks: Array, camera: CameraModel) -> float:
-    """Bound the distance of an image's corner: the usual distance of landmarks, and more."""
+    """Bound the distance at which surfaces are seen in an image, m.
+
+    It is 1.25 times the 95 % percentile of landmarks' distances from their nearest camera, at the
+    image's middle, and farther by the obliqueness of the rays at its corners.
+    """
     known = landmarks[np.isfinite(landmarks).all(axis=1)]
     usual = np.percentile(nearest(centers, known[:: max(1, len(known) // 5000)], 1)[0], 95)
     corner = camera.rays(np.array([[0.0, 0], [camera.width, camera.height]]))[:, 2].min()
@@ -76,7 +86,7 @@ def _farthest(centers: Array, landmarks: Array, camera: CameraModel) -> float:
 
 
 def rows_in_image(views: CameraViews, view: int, points: Array, near: Ints) -> Ints:
-    """Select the rows `near` of points that project into a view's image."""
+    """Select those rows of points (n, 3), among the rows `near`, that project into an image."""
     camera_from_result = views.result_from_camera[view].inverse()
     pixel = views.camera.project(camera_from_result.apply(points[near]))
     size = np.array([views.camera.width, views.camera.height]) - 0.5
@@ -84,7 +94,7 @@ def rows_in_image(views: CameraViews, view: int, points: Array, near: Ints) -> I
 
 
 def iterate_views(views: CameraViews, points: Array) -> Iterator[tuple[int, Ints]]:
-    """Yield each view with the points (n, 3) in its image and reach, hidden ones included."""
+    """Yield each view with the rows of points (n, 3) in its image and reach, occluded or not."""
     around = Around(points)
     for view in range(len(views)):
         center = views.result_from_camera.translation[view]
@@ -94,9 +104,9 @@ def iterate_views(views: CameraViews, points: Array) -> Iterator[tuple[int, Ints
 
 
 def find_visibility(views: CameraViews, points: Array, normals: Array, scene: Scene) -> Visibility:
-    """Find the views that saw points (n, 3) with normals (n, 3).
+    """Find how many views saw each point (n, 3) with normal (n, 3), and the best view of each.
 
-    A view sees a point in its image that faces it with nothing of the scene between.
+    A view sees a point that projects into its image, faces it, and is not occluded by the scene.
     """
     count = np.zeros(len(points), np.int64)
     best, cosine = np.full(len(points), np.inf), np.full(len(points), np.nan)
@@ -115,7 +125,10 @@ def find_visibility(views: CameraViews, points: Array, normals: Array, scene: Sc
 def find_visibility_by_cell(
     views: CameraViews, points: Array, normals: Array, scene: Scene, cell_m: Array
 ) -> Visibility:
-    """Find visibility by one point for all that share its cell."""
+    """Find visibility for one point in each cell, and give it to all points of the cell.
+
+    cell_m (n,): side of the cell at each point, in m.
+    """
     key = np.column_stack([np.floor(points / cell_m[:, None]), cell_m])
     _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
     few = find_visibility(views, points[first], normals[first], scene)
@@ -126,7 +139,24 @@ def find_visibility_by_cell(
 def visible_rows(
     center: Array, rows: Ints, points: Array, normals: Array, scene: Scene
 ) -> tuple[Ints, Array, Array]:
-    """Find points that face the center (3,) unhidden, with distance and cosine."""
+    """Find the points that a camera sees: those that face it and are not occluded.
+
+    Parameters
+    ----------
+    center
+        (3,) m of the camera.
+    rows
+        (k,) rows of the points that are tested.
+    points, normals
+        (n, 3) m and unit vectors.
+    scene
+        That may occlude them.
+
+    Returns
+    -------
+    rows, distance, cosine
+        Rows of the visible points, distances in m and cosines of the incidence.
+    """
     ray = points[rows] - center
     distance = np.linalg.norm(ray, axis=1)
     facing = -np.einsum("ni,ni->n", ray, normals[rows]) / np.maximum(distance, 1e-9)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The hull as found: the base surface refined and moved to what was seen."""
+"""The hull as found: the base surface, refined and moved to the landmarks."""
 
 from __future__ import annotations
 
@@ -22,49 +22,49 @@ from hullrecon.geometry.neighbours import nearest
 from hullrecon.records.surface import Surface
 from hullrecon.typing import Array, Ints, Mask
 
-# one vertex a cell is asked who saw it: on bare hull, near structures
+# Sides of cells in which visibility is found for one vertex: on bare hull, and near structures
 COARSE_CELL_M, FINE_CELL_M = 0.06, 0.02
-REACH_M = 0.08  # landmarks within this distance of a vertex decide its height
+REACH_M = 0.08  # landmarks within this distance of a vertex determine its height
 NEIGHBOURS = 20  # nearest landmarks from which the height of a vertex is estimated
 FINE_EDGE_M = 0.012  # longest edge of the mesh at structures
-SHADOW_M = 0.15  # a structure's shadow hardly reaches farther
-SEAM_SIGMA_M = 0.01  # of a height carried over the width of one triangle of the DVL's surface
+SHADOW_M = 0.15  # a structure occludes hull up to this distance from it
+SEAM_SIGMA_M = 0.01  # sigma of a height interpolated across a triangle of the DVL's surface
 
 
 @dataclass(frozen=True, kw_only=True)
 class HullAsFound:
-    """The hull as found, by vertices (n) of the refined base."""
+    """The hull as found, given at the n vertices of the refined base."""
 
-    mesh: Mesh  # where the vertices are now
-    base: Mesh  # where they are on the base
+    mesh: Mesh  # with the vertices where they were found
+    base: Mesh  # with the vertices on the base
     normal: Array  # (n, 3) of the base
     hull: Array  # (n,) m, smooth offset of the hull from the base
     hull_sigma: Array  # (n,) m
     height: Array  # (n,) m above that hull, 0 where not measured
     sigma: Array  # (n,) m of the height
-    measured: Mask  # (n,) bool
-    agreement: Array  # (n,) share of landmarks that agree
-    shapes: Ints  # (n,) views whose shapes show it [Ozog2016 Algorithm 5]
-    seen: Visibility  # by which views
-    # (n,) m at structures: how far the true curve may stand off the CAD model's facet
+    measured: Mask  # (n,) whether landmarks determine the height
+    agreement: Array  # (n,) share of landmarks that agree with the height
+    shapes: Ints  # (n,) number of views whose shapes show the vertex [Ozog2016 Algorithm 5]
+    seen: Visibility  # how the views saw the vertices
+    # (n,) m: how far a curved hull may stand off the CAD model's flat facet. 0 off structures
     sagitta: Array
-    turn: Array  # (n,) rad at structures: by which the facet's neighbours may be turned from it
+    turn: Array  # (n,) rad: largest angle between the facet and its neighbours. 0 off structures
 
     @property
     def deviation(self) -> Array:
-        """(n,) m from the base, outward positive."""
+        """Deviation (n,) m from the base, outward positive."""
         return self.hull + self.height
 
     def deviation_at(self, vertices: Ints) -> Array:
-        """Return the deviations (n,) m of some vertices."""
+        """Compute the deviations (k,) m of some vertices (k,)."""
         return np.asarray(self.hull[vertices] + self.height[vertices])
 
 
 @dataclass(frozen=True, kw_only=True)
 class Unfused:
-    """The refined base with its regressed heights, before shapes are fused into it."""
+    """The refined base with its regressed heights, before the views' shapes are fused into it."""
 
-    mesh: Mesh  # vertices (n)
+    mesh: Mesh  # with n vertices
     normal: Array  # (n, 3) outward
     hull: Array  # (n,) m, smooth offset of the hull from the base
     height: Array  # (n,) m above that hull by regression, 0 where no landmark is near
@@ -72,15 +72,18 @@ class Unfused:
     feature_height: Array  # (m,) m of the landmarks above the hull
 
 
-# vertices where they are now (n, 3), their heights (n,) m above the hull, and the views (n,) whose
-# shapes show them
+# Returns the moved vertices (n, 3), their heights (n,) m above the hull, and the number of views
+# (n,) whose shapes show each
 Fusion = Callable[[Unfused, CameraViews, DetectOptions], tuple[Array, Array, Ints]]
 
 
 def fuse_heights(
     given: Unfused, views: CameraViews, options: DetectOptions
 ) -> tuple[Array, Array, Ints]:
-    """Move each vertex along its normal by the regressed height, and count the shapes there."""
+    """Move each vertex along its normal by its regressed height, and count the shapes there.
+
+    A `Fusion`.
+    """
     moved = given.mesh.vertices + given.normal * (given.hull + given.height)[:, None]
     shapes = count_shapes(views, given.features, given.feature_height, moved, options)
     return moved, given.height, shapes
@@ -96,7 +99,20 @@ def estimate_hull_as_found(
 ) -> HullAsFound:
     """Refine the base at landmarks and structures, and move it to the landmarks.
 
-    `fusion`: how regressed heights and the views' shapes become vertices.
+    Parameters
+    ----------
+    base
+        The CAD model, or the surveyed surface without one.
+    measured
+        Landmarks on the surface.
+    background
+        Offset of the hull without structures from the base.
+    views
+        Images of the top camera.
+    options
+        The section [detect] of dive.toml.
+    fusion
+        How regressed heights and the views' shapes become vertices.
     """
     # Heights over the hull without structures, on a mesh as fine as the landmarks allow.
     hull_at_foot, _ = background.at(measured.foot)
@@ -105,7 +121,7 @@ def estimate_hull_as_found(
     mesh = refine_near(base, measured.foot, edge, REACH_M)
     coarse = _regress(mesh.vertices, vertex_normals(mesh), measured, height)
 
-    # Finer where something stands off the hull. Old vertices keep their heights.
+    # A finer mesh where heights are above MIN_OFFSET_M. Old vertices keep their heights.
     high = np.abs(coarse.value) >= MIN_OFFSET_M
     old = len(mesh.vertices)
     left = max(options.max_vertices - old, 1)
@@ -130,7 +146,7 @@ def estimate_hull_as_found(
         options,
     )
 
-    # What the camera saw of the moved mesh, and how coarse the facets under it are.
+    # Visibility of the moved mesh, and how far its facets may be off a curved hull.
     shape = Mesh(moved, mesh.faces)
     cell = np.where(_near_structures(mesh, raised), FINE_CELL_M, COARSE_CELL_M)
     seen = find_visibility_by_cell(views, moved, vertex_normals(shape), Scene(shape), cell)
@@ -154,7 +170,7 @@ def estimate_hull_as_found(
 
 
 def _facets_at(base: Mesh, mesh: Mesh, which: Mask) -> Array:
-    """Look up sagitta and turn (2, n) of the base's facets under vertices, 0 elsewhere."""
+    """Look up sagitta and turn (2, n) of the base's facets under some vertices. 0 elsewhere."""
     out = np.zeros((2, len(mesh.vertices)))
     if which.any():
         face = Scene(base).closest(mesh.vertices[which]).face
@@ -163,7 +179,7 @@ def _facets_at(base: Mesh, mesh: Mesh, which: Mask) -> Array:
 
 
 def _near_structures(mesh: Mesh, height: Array) -> Mask:
-    """Mark the vertices on structures and where these may hide the hull from a camera."""
+    """Tell which vertices (n,) are on structures, or so near that these may occlude them."""
     off = np.abs(height) >= MIN_OFFSET_M
     if not off.any():
         return off
@@ -171,13 +187,14 @@ def _near_structures(mesh: Mesh, height: Array) -> Mask:
 
 
 def _regress(at: Array, normal: Array, measured: SurfaceLandmarks, height: Array) -> Heights:
+    """Regress heights at points (n, 3) with normals (n, 3) from the landmarks' heights."""
     return local_heights(at, normal, measured.foot, height, measured.sigma, NEIGHBOURS, REACH_M)
 
 
 def refine_near(mesh: Mesh, points: Array, edge_m: float, reach_m: float) -> Mesh:
-    """Split edges longer than `edge_m` within `reach_m` of points (n, 3).
+    """Split edges of a mesh that are longer than `edge_m` within `reach_m` of points (n, 3).
 
-    Beyond, edges may be longer in proportion to the distance.
+    Farther off, the allowed edge grows with the distance.
     """
     cell = 0.5 * max(edge_m, reach_m)
     thinned: Array = np.unique(np.round(points / cell), axis=0) * cell
@@ -190,9 +207,10 @@ def refine_near(mesh: Mesh, points: Array, edge_m: float, reach_m: float) -> Mes
 
 
 def affordable_edge(points: Array, edge_m: float, max_vertices: int) -> float:
-    """Lengthen an edge where the area seen would need too many vertices.
+    """Compute the edge, at least `edge_m`, with which a mesh has at most `max_vertices`.
 
-    A mesh of that edge has a vertex an 0.43 edge^2.
+    The area is estimated from points (n, 3) that cover it. A mesh has one vertex for each 0.43
+    edge^2 of it.
     """
     cell = 0.2
     area = len(np.unique(np.floor(points / cell).astype(np.int64), axis=0)) * cell**2
@@ -204,9 +222,10 @@ def as_found_surface(
 ) -> Surface:
     """Make the record of the hull as found.
 
-    Support are the views that saw a vertex where landmarks measured it, 0 where it was unseen or
-    seen without texture. Sigma is of its position in the hull frame, with what all landmarks around
-    share. Without a CAD model the deviation is NaN.
+    Its support is the number of views that saw a vertex where landmarks measured it, and 0 where
+    no view saw it, or where it has no texture. Its sigma is of the position in the frame of the
+    results, with the part that neighbouring landmarks have in common. Without a CAD model the
+    deviation is NaN.
     """
     _, row = nearest(measured.foot, found.base.vertices, 1)
     shared = measured.common[row[:, 0]]
@@ -225,7 +244,11 @@ def as_found_surface(
 
 
 def surface_on_cad_model(cad_model: Mesh, surface: Surface, edge_m: float) -> Surface:
-    """Move the CAD model to the DVL's surface, where that lies within two edges."""
+    """Move the CAD model to the surface from the DVL, by interpolation of its deviations.
+
+    edge_m: longest edge of the result near that surface. Vertices farther than two edges from it
+    are not moved, and have no support.
+    """
     mesh = refine_near(cad_model, surface.vertices, edge_m, edge_m)
     distance, row = nearest(
         surface.vertices, mesh.vertices, min(4, len(surface.vertices)), 2 * edge_m

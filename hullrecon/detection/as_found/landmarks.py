@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Landmarks that measure the hull, and the hull without structures between them."""
+"""Landmarks as measurements of the hull, and the hull without structures estimated from them."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ from hullrecon.typing import Array, Ints
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceLandmarks(Rows):
-    """Landmarks (n) that measure the base surface, in its frame."""
+    """The n landmarks near the base surface, in its frame."""
 
-    row: Ints  # (n,) in the Solution
-    position: Array  # (n, 3)
-    foot: Array  # (n, 3) on the base
+    row: Ints  # (n,) rows among the landmarks of the Solution
+    position: Array  # (n, 3) m
+    foot: Array  # (n, 3) m, nearest point on the base
     normal: Array  # (n, 3) of the base there, outward
     offset: Array  # (n,) m, signed distance to the base
-    sigma: Array  # (n,) m along the normal, of each on its own
-    common: Array  # (n,) m, what it shares with its neighbours: the dive's place on the hull
-    covariance: Array  # (n, 3, 3)
-    views: Ints  # (n,)
+    sigma: Array  # (n,) m along the normal, the part that is independent of other landmarks
+    common: Array  # (n,) m along the normal, the part common to all, from the hull pose
+    covariance: Array  # (n, 3, 3) m2
+    views: Ints  # (n,) number of observations
 
 
 def measure_surface(
@@ -43,21 +43,27 @@ def measure_surface(
     largest_sigma_m: float,
     hull_pose: HullPose | None = None,
 ) -> SurfaceLandmarks:
-    """Measure the surface of `scene` by landmarks near it.
+    """Select the landmarks near a surface, and compute their signed distances to it with sigmas.
 
-    Left out are landmarks that are not finite, seen by one image only, farther off than
-    `farthest_m`, less certain along the normal than `largest_sigma_m`, and those whose closest
-    point is the rim of the base, beside which they lie rather than above it.
+    Left out are landmarks that are not finite, that have a single observation, that are farther off
+    than `farthest_m` or less certain along the normal than `largest_sigma_m`, and those that lie
+    beside the rim of the surface rather than above it.
 
     Parameters
     ----------
+    scene
+        The base surface.
     position
-        of the landmarks (n, 3).
+        Of the landmarks (n, 3) m.
     covariance
-        of the landmarks (n, 3, 3).
+        Of the landmarks (n, 3, 3) m2.
+    views
+        Number of observations of the landmarks (n,).
+    farthest_m, largest_sigma_m
+        Limits.
     hull_pose
-        whose error is part of the covariances, None where it is not. It moves all landmarks as
-        one, and is no noise of theirs however large it is.
+        Whose covariance is part of that of the landmarks. None where it is not. It moves all
+        landmarks alike, and is therefore kept apart from their own sigmas.
     """
     row = np.flatnonzero(np.isfinite(position).all(axis=1) & (views >= 2))
     near = scene.closest(position[row])
@@ -70,7 +76,7 @@ def measure_surface(
         sideways <= 0.005 + 0.7 * np.abs(near.distance)
     )
     good = np.flatnonzero(near_it & (variance > 0))
-    # By the normals of the facets, the variance that the hull's pose adds would jump at each edge.
+    # Smooth normals: with those of the facets, the hull pose's variance would jump at each edge.
     along = variance_along_normals(
         position[row[good]],
         scene.smooth_normals(near.take(good)),
@@ -86,20 +92,21 @@ def measure_surface(
     return kept.take(sigma <= largest_sigma_m)
 
 
-# sigma of a median of many normal values over that of their mean: sqrt(pi / 2)
+# Ratio of the sigmas of median and mean of many normally distributed values: sqrt(pi / 2)
 MEDIAN_OVER_MEAN = 1.2533
-UNKNOWN_SIGMA_M = 0.05  # of a median of one value or none
+UNKNOWN_SIGMA_M = 0.05  # sigma of a median of fewer than two values
 
 
 class Background(Protocol):
-    """Offset of the hull from the base surface and its sigma at points (n, 3): two of (n,) m."""
+    """The hull without structures, as an offset from the base surface."""
 
-    def at(self, points: Array) -> tuple[Array, Array]: ...
+    def at(self, points: Array) -> tuple[Array, Array]:
+        """Compute the offset and its sigma, both (n,) m, at points (n, 3) m."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FieldBackground:
-    """The adjustment's deviation field, zero with its largest sigma outside the grid."""
+    """The adjustment's deviation field. Outside its grid, zero with the field's largest sigma."""
 
     chart: Chart
     field: DeviationField
@@ -115,15 +122,15 @@ class FieldBackground:
 
 @dataclass(frozen=True, kw_only=True)
 class MedianBackground:
-    """Median offsets of the landmarks around nodes, smooth between them."""
+    """Median offsets of the landmarks around nodes, interpolated between them."""
 
-    node: Array
-    value: Array
-    spread: Array
-    reach_m: float
+    node: Array  # (k, 3) m
+    value: Array  # (k,) m, median offset
+    spread: Array  # (k,) m, sigma of the median
+    reach_m: float  # about the distance between nodes
 
     def at(self, points: Array) -> tuple[Array, Array]:
-        """See `Background`. The nearest nodes count by a Gaussian of half the reach."""
+        """See `Background`. The nearest nodes are weighted by a Gaussian of half the reach."""
         distance, row = nearest(self.node, points, min(8, len(self.node)))
         weight = np.exp(-0.5 * (distance / (0.5 * self.reach_m)) ** 2) + 1e-12
         weight /= weight.sum(axis=1, keepdims=True)
@@ -131,11 +138,20 @@ class MedianBackground:
 
 
 def median_background(feet: Array, offset: Array, width_m: float) -> Background:
-    """Estimate the hull by running medians over discs `width_m` wide.
+    """Estimate the hull without structures by running medians over discs.
 
-    What covers less than half a disc is not hull. Landmarks are first thinned to medians of small
-    cells, so that a richly textured structure does not outvote the hull around it. `feet`: of the
-    landmarks on the base (n, 3). `offset`: of the landmarks from the base (n,) m.
+    A structure that covers less than half of a disc does not change its median. Landmarks are first
+    thinned to medians of small cells, as a structure with much texture would outweigh the hull
+    around it.
+
+    Parameters
+    ----------
+    feet
+        Of the landmarks on the base (n, 3) m.
+    offset
+        Of the landmarks from the base (n,) m.
+    width_m
+        Diameter of a disc.
     """
     from scipy.spatial import cKDTree
 
@@ -150,7 +166,10 @@ def median_background(feet: Array, offset: Array, width_m: float) -> Background:
 
 
 def _cell_medians(cell: Ints, at: Array, value: Array) -> tuple[Array, Array]:
-    """Compute the mean place and median value of each cell, in the cells' order."""
+    """Compute the mean position and the median value of each cell, in the cells' order.
+
+    cell (n, 3): of each point. at (n, 3), value (n,): positions and values of the points.
+    """
     _, number = np.unique(cell, axis=0, return_inverse=True)
     number = number.reshape(-1)
     order = np.lexsort((value, number))
@@ -165,7 +184,7 @@ def _cell_medians(cell: Ints, at: Array, value: Array) -> tuple[Array, Array]:
 
 
 def _robust_error(values: Array) -> float:
-    """Estimate one sigma of the median of these values."""
+    """Estimate the sigma of the median of values (n,)."""
     if len(values) < 2:
         return UNKNOWN_SIGMA_M
     return float(robust_sigma(values) * MEDIAN_OVER_MEAN / np.sqrt(len(values)))

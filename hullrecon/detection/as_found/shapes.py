@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Shapes that features off the hull make in each view [Ozog2016 4.3, Algorithms 4 and 5]."""
+"""Alpha shapes of the features off the hull in each view [Ozog2016 4.3, Algorithms 4 and 5]."""
 
 from __future__ import annotations
 
@@ -28,10 +28,22 @@ def detect_shapes(
 ) -> list[Mesh]:
     """Cluster and mesh a view's features that stand off the hull [Ozog2016 Algorithm 4].
 
-    Features beyond the threshold are points (f_x, f_y, |d|), clustered by DBSCAN; each cluster is
-    meshed by its alpha shape in (f_x, f_y). Raised and sunken features are clustered apart: |d|
-    alone would join a bump with the hole beside it. `in_camera`: features (n, 3) m in the camera's
-    frame. `deviation`: from the hull (n,) m.
+    Features beyond the threshold are taken as points (f_x, f_y, |d|) and clustered by DBSCAN. Each
+    cluster is meshed by its alpha shape in (f_x, f_y). Raised and sunken features are clustered
+    separately, as |d| alone would join a bump with the hole beside it.
+
+    Parameters
+    ----------
+    in_camera
+        Features (n, 3) m in the camera's frame.
+    deviation
+        Of the features from the hull (n,) m, signed.
+    threshold_m
+        Least absolute deviation.
+    reach_m, least
+        Radius and least number of points of DBSCAN.
+    alpha_m
+        Largest circumradius of a triangle.
     """
     shapes = []
     for side in (1.0, -1.0):
@@ -47,9 +59,19 @@ def detect_shapes(
 
 
 def dbscan(points: Array, reach_m: float, least: int) -> Ints:
-    """Cluster points by density [Ester1996]; -1 for noise, numbered in the points' order.
+    """Cluster points (n, 3) by density (DBSCAN [Ester1996]): number of the cluster (n,), -1: noise.
 
-    A point counts among its own neighbours; one on the rim of two clusters goes to the nearer.
+    Clusters are numbered in the order of their first points. A point is one of its own neighbours.
+    A point on the rim of two clusters goes to the one with the nearest core point.
+
+    Parameters
+    ----------
+    points
+        (n, k) m.
+    reach_m
+        Radius of a neighbourhood.
+    least
+        Number of neighbours from which a point is a core point.
     """
     label = np.full(len(points), -1, np.int64)
     if len(points) < least:
@@ -76,7 +98,7 @@ def dbscan(points: Array, reach_m: float, least: int) -> Ints:
 
 
 def alpha_shape(points: Array, alpha_m: float) -> Ints32:
-    """Triangulate points (n, 2) and keep triangles with a circumradius up to alpha."""
+    """Triangulate points (n, 2) m and keep triangles (m, 3) with a circumradius up to alpha."""
     from scipy.spatial import Delaunay, QhullError
 
     if len(points) < 3:
@@ -104,20 +126,24 @@ def find_shape_hits(
 
     Parameters
     ----------
+    views
+        Images of the top camera.
     features, deviation
-        landmarks (m, 3) and how far they stand off the hull (m,) m.
+        Landmarks (m, 3) m, and their signed distances (m,) m from the hull.
     vertices
-        of the mesh (n, 3).
+        Of the mesh (n, 3) m.
+    options
+        With the radius of clusters.
     threshold_m
-        that features of a shape stand off the hull by more than.
+        Least absolute deviation of a shape's features.
 
     Yields
     ------
     rows, points
-        for each view with shapes, the vertices whose rays meet one and where (k, 3).
+        For each view with shapes, the k vertices whose rays meet one, and the intersections (k, 3).
     """
     off = np.flatnonzero(np.abs(deviation) > threshold_m)
-    near = _near(vertices, features[off], 3 * ALPHA_RADIUS_M)
+    near = _vertices_near(vertices, features[off], 3 * ALPHA_RADIUS_M)
     nearby = dict(iterate_views(views, vertices[near])) if len(near) and len(off) else {}
     for view, rows in iterate_views(views, features[off]) if nearby else ():
         if view not in nearby:
@@ -140,22 +166,25 @@ def find_shape_hits(
 def count_shapes(
     views: CameraViews, features: Array, deviation: Array, vertices: Array, options: DetectOptions
 ) -> Ints:
-    """Count the views (n,) whose shapes show each vertex [Ozog2016 Algorithm 5]."""
+    """Count the views (n,) whose ray to each vertex meets a shape [Ozog2016 Algorithm 5]."""
     count = np.zeros(len(vertices), np.int64)
     for rows, _ in find_shape_hits(views, features, deviation, vertices, options):
         count[rows] += 1
     return count
 
 
-def _near(vertices: Array, features: Array, reach_m: float) -> Ints:
-    """Find the vertices near enough to any feature off the hull to be moved."""
+def _vertices_near(vertices: Array, features: Array, reach_m: float) -> Ints:
+    """List the vertices within `reach_m` of any feature off the hull: only these can be moved."""
     if not len(features):
         return np.zeros(0, np.int64)
     return np.flatnonzero(np.isfinite(nearest(features, vertices, 1, reach_m)[0][:, 0]))
 
 
 def _intersections(shapes: list[Mesh], vertices: Array) -> Array:
-    """Intersect rays from the camera to vertices (n, 3) with shapes. NaN where they miss."""
+    """Intersect the rays from the camera to vertices with shapes, all in the camera's frame.
+
+    Returns the intersections (n, 3) m, NaN where a ray meets no shape.
+    """
     if not shapes:
         return np.full(vertices.shape, np.nan)
     start = np.cumsum([0, *(len(s.vertices) for s in shapes)])

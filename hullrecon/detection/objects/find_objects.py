@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Objects on the hull: regions of the as-found mesh that are certain, measured."""
+"""Find and measure objects on the hull: regions of the as-found mesh that are certain."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ from hullrecon.geometry.neighbours import Around, nearest
 from hullrecon.geometry.robust import weighted_quantile
 from hullrecon.typing import Array, Ints, Mask
 
-MIN_AGREEMENT = 0.6  # share of the landmarks on an object that must stand off as it does
-IMAGES = 6  # named with each object
-# a landmark whose foot is farther from every vertex lies where the hull was not meshed
+MIN_AGREEMENT = 0.6  # least share of an object's landmarks that stand off the hull as it does
+IMAGES = 6  # that are named with each object, at most
+# A landmark whose foot is farther from every vertex lies where the hull was not meshed
 NEAR_M = 0.02
 
 
@@ -72,12 +72,12 @@ class HullObject:
 
 @dataclass(frozen=True, kw_only=True)
 class _RegionEvidence:
-    """What speaks for a region."""
+    """A region, and how certain it is."""
 
     region: Region
     center: int  # vertex in the middle of its top
     seen: Ints  # views that show it, the best first
-    chance: float  # that bare hull looks so
+    chance: float  # p-value: probability that bare hull reaches its height somewhere
     sigma: float  # m, of its height
 
 
@@ -86,14 +86,14 @@ class _Landmarks:
     """The landmarks of a dive, indexed by their feet on the base."""
 
     measured: SurfaceLandmarks
-    around: Around  # the feet
-    vertices: Around  # of the base
+    around: Around  # index of the feet
+    vertices: Around  # index of the vertices of the base
 
     def at(self, found: HullAsFound, vertices: Ints) -> tuple[Ints, Ints]:
-        """Find the landmarks nearest to some vertices, and the vertex of each.
+        """Find the landmarks that belong to some vertices, and the vertex of each.
 
-        A landmark belongs to the vertex nearest to its foot: those on the hull at the foot of a
-        structure's edge are not among those of the structure.
+        A landmark belongs to the vertex nearest to its foot. So landmarks on the hull beside a
+        structure's edge are not counted with the structure.
         """
         where = found.base.vertices[vertices]
         near, candidates = self.around.ball(where, NEAR_M), self.vertices.ball(where, 2 * NEAR_M)
@@ -106,16 +106,16 @@ class _Landmarks:
         return near[on], vertex[on]
 
     def on(self, found: HullAsFound, region: Region, vertices: Ints) -> tuple[Mask, Array, Array]:
-        """Find the landmarks on vertices of a region.
+        """Find the n landmarks that belong to vertices of a region.
 
         Returns
         -------
         stands
-            whether each stands off the hull as the region does (n,).
+            (n,) whether each landmark stands off the hull as the region does.
         over
-            its height over the surface there (n,) m.
+            (n,) m, its height above the as-found surface.
         own
-            its own sigma (n,) m.
+            (n,) m, its own sigma.
         """
         rows, vertex = self.at(found, vertices)
         stands = self.stand(found, region, rows, vertex)
@@ -126,12 +126,12 @@ class _Landmarks:
         )
 
     def stand(self, found: HullAsFound, region: Region, rows: Ints, vertex: Ints) -> Mask:
-        """Mark landmarks (n,) that stand off the hull as the region does at their vertices."""
+        """Tell which landmarks (n,) rise at least half as much as the region at their vertices."""
         above = region.rise_of(self.measured.foot[rows], self.measured.offset[rows])
         return np.asarray(above > 0.5 * np.abs(region.rise(found, vertex)))
 
     def covariances(self, found: HullAsFound, region: Region) -> Array:
-        """Collect covariances (n, 3, 3) of landmarks that stand off as the region."""
+        """Collect the covariances (n, 3, 3) of landmarks that stand off as the region does."""
         rows, vertex = self.at(found, region.core)
         return self.measured.covariance[rows[self.stand(found, region, rows, vertex)]]
 
@@ -165,7 +165,24 @@ def find_objects(
     base: BaseSurface,
     options: DetectOptions,
 ) -> tuple[list[HullObject], list[UnreportedRegion]]:
-    """Report the regions that are certain, the highest first, and why others are not."""
+    """Find the regions that stand off the hull, and split them into objects and uncertain ones.
+
+    Both lists begin with the highest. An uncertain region is returned with the reason why it is
+    not reported as an object.
+
+    Parameters
+    ----------
+    found
+        The hull as found.
+    measured
+        Landmarks on the surface.
+    views
+        Images of the top camera.
+    base
+        The hull without structures.
+    options
+        The section [detect] of dive.toml.
+    """
     area = vertex_areas(found.base)
     rough = roughness(found)
     scene, around = Scene(found.mesh), Around(found.base.vertices)
@@ -193,7 +210,7 @@ def _unreported(
     landmarks: _Landmarks,
     reason: str,
 ) -> UnreportedRegion:
-    """Locate and describe a region that is not reported as an object."""
+    """Describe a region that is not reported as an object, with its position and the reason."""
     region, center = evidence.region, found.mesh.vertices[evidence.center]
     covariances = landmarks.covariances(found, region)
     if not len(covariances):
@@ -216,15 +233,28 @@ def _collect_evidence(
 ) -> _RegionEvidence:
     """Compute a region's p-value and the sigma of its height.
 
-    The p-value allows for the number of places of a top's size that were looked at: any of them
-    may be high by chance.
+    The p-value takes the number of positions of a top's size on the measured hull into account, as
+    each of them may be high by chance.
+
+    Parameters
+    ----------
+    found, region
+        The hull as found, and the region.
+    area
+        (n,) m2 of the vertices of the base.
+    rough
+        Roughness of the hull, m.
+    landmarks
+        Of the dive.
+    seen
+        Views that show the region, the best first.
     """
     sigma = height_sigma(found, region)
     places = float(area[found.measured].sum() / TOP_M2)
     chance = p_value(region.height, sigma, rough, places)
-    # The sigma of the height has four parts: the fit's own, the hull's roughness, the bluntness by
-    # which a peak may rise above what was measured of it, and the relief between landmarks that
-    # smoothing has left out.
+    # The sigma of the height has four parts: that of the fit, the roughness of the hull, the
+    # bluntness, by which a peak may be higher than was measured, and the relief between landmarks
+    # that smoothing has removed.
     stands, over, own = landmarks.on(found, region, _top_rows(found, region))
     unresolved = relief_left(over[stands], own[stands])
     sigma = float(np.sqrt(sigma**2 + rough**2 + region.bluntness**2 + unresolved**2))
@@ -240,9 +270,12 @@ def _rejection_reason(
     supporting: tuple[int, float],
     options: DetectOptions,
 ) -> str:
-    """Say why the region is not an object. Empty if it is."""
+    """Give the first reason why a region is not reported as an object. Empty if it is reported.
+
+    supporting: number of landmarks on its core that stand off as it does, and their share.
+    """
     region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
-    shapes = _showing(found, region, area)
+    shapes = _views_with_shape(found, region, area)
     core = float(area[region.core].sum())
     least = options.min_height_m + _height_of_facets(found, region)
     checks = (
@@ -264,11 +297,11 @@ def _rejection_reason(
 
 
 def _height_of_facets(found: HullAsFound, region: Region) -> float:
-    """Bound the height, m, that flat facets of the CAD model may make a curved hull seem to have.
+    """Bound the apparent height, m, of a curved hull above a CAD model of flat facets.
 
-    The curve stands off a facet by no more than the sagitta. Heights are counted from a plane
-    through the ring around the region. Where facets meet at an angle, the curve leaves such a plane
-    by half of that angle times the way to the ring, at most.
+    The curved hull is off a facet by at most the sagitta. Heights are counted from a plane through
+    the ring around the region. Where facets meet at an angle, the curved hull is off such a plane
+    by at most half of the angle times the distance to the ring.
     """
     vertices = found.base.vertices
     reach = np.linalg.norm(vertices[region.ring] - vertices[region.core].mean(axis=0), axis=1).max()
@@ -277,8 +310,11 @@ def _height_of_facets(found: HullAsFound, region: Region) -> float:
     )
 
 
-def _showing(found: HullAsFound, region: Region, area: Array) -> int:
-    """Count the views whose shapes cover TOP_M2 of the region, from which its height is read."""
+def _views_with_shape(found: HullAsFound, region: Region, area: Array) -> int:
+    """Count the views whose shapes show at least TOP_M2 of the region, as its height comes from.
+
+    It is the largest number k so that vertices of TOP_M2 are each shown by k views or more.
+    """
     order = region.core[np.argsort(-found.shapes[region.core], kind="stable")]
     enough = np.flatnonzero(np.cumsum(area[order]) >= TOP_M2)
     return int(found.shapes[order[enough[0]]]) if len(enough) else 0
@@ -287,22 +323,22 @@ def _showing(found: HullAsFound, region: Region, area: Array) -> int:
 def _supporting_landmarks(
     found: HullAsFound, region: Region, landmarks: _Landmarks
 ) -> tuple[int, float]:
-    """Count the landmarks on the core that stand off as it does, and their share."""
+    """Count the landmarks on a region's core that stand off as it does, and their share of all."""
     stands, _, _ = landmarks.on(found, region, region.core)
     return int(stands.sum()), float(stands.mean()) if len(stands) else 0.0
 
 
 def _center(found: HullAsFound, region: Region, area: Array) -> int:
-    """Find the visible vertex nearest to the middle of the highest part."""
+    """Find the vertex nearest to the middle of a region's top."""
     top = _top_rows(found, region)
     middle = np.average(found.base.vertices[top], axis=0, weights=np.maximum(area[top], 1e-12))
     return int(top[np.argmin(np.linalg.norm(found.base.vertices[top] - middle, axis=1))])
 
 
 def _seen_by(found: HullAsFound, region: Region, views: CameraViews, scene: Scene) -> Ints:
-    """Find the views that saw more than half of an object's top, the best first.
+    """List the views that saw more than half of a region's top, the best first.
 
-    The best has the top nearest to the middle of its image.
+    The best view has the top nearest to the middle of its image.
     """
     top = _top_rows(found, region)
     middle = views.result_from_camera.inverse().apply(found.mesh.vertices[top].mean(axis=0)[None])
@@ -324,7 +360,7 @@ def _seen_by(found: HullAsFound, region: Region, views: CameraViews, scene: Scen
 
 
 def _top_rows(found: HullAsFound, region: Region) -> Ints:
-    """Select the vertices of the core above four fifths of the height."""
+    """Select the vertices of a region's top: those of the core above four fifths of its height."""
     top = region.core[region.rise(found, region.core) >= 0.8 * abs(region.height)]
     return top if len(top) else region.core
 
@@ -338,12 +374,15 @@ def _object(
     base: BaseSurface,
     landmarks: _Landmarks,
 ) -> HullObject:
-    """Measure the object that a region shows: place, size, height and their sigmas."""
+    """Measure the object of a certain region: position, size, height and their sigmas.
+
+    area: of the vertices of the base (n,) m2. around: index of these vertices.
+    """
     region = evidence.region
     foot, core = region.foot, region.core
     normal = np.average(found.normal[core], axis=0, weights=np.maximum(area[core], 1e-12))
     normal /= np.linalg.norm(normal)
-    # of its top, which no single vertex decides
+    # The deviation of the top is a quantile, so that no single vertex decides it
     deviation = region.side * weighted_quantile(
         region.side * found.deviation_at(core), area[core], 0.98
     )
@@ -380,7 +419,7 @@ def _object(
 
 
 def _top(found: HullAsFound, region: Region, center: int) -> Array:
-    """Lift the center's foot on the base to the region's height."""
+    """Compute the point (3,) at the region's height above the vertex `center` of the base."""
     foot = found.base.vertices[center]
     return np.asarray(
         foot + found.normal[center] * (region.hull.offset(foot[None])[0] + region.height)

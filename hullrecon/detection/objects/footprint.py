@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The footprint of an object: where it is open, how large it is, and its outline."""
+"""The footprint of an object on the hull: its open edge, its size and its outline.
+
+An edge is open where the survey ends there, so that the object may go on.
+"""
 
 from __future__ import annotations
 
@@ -15,42 +18,50 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.neighbours import Around, nearest
 from hullrecon.typing import Array, Ints
 
-BAND_M = 0.018  # around a footprint: one and a half edges of the mesh at structures
-# root mean square, over its range, of what lies anywhere between nothing and that
+BAND_M = 0.018  # width of a band around a footprint: one and a half edges of the mesh there
+# Root mean square of a quantity that is uniform between zero and one
 UNIFORM = 1 / np.sqrt(3)
-# of an edge's place: heights are regressed from landmarks some centimetres around
+# Sigma of an edge's position: heights are regressed from landmarks some centimetres around
 EDGE_SIGMA_M = 0.016
-# of the edge's sigma that is the same all around: heights are smoothed in the same way everywhere
+# Part of that sigma that is common all around, as heights are smoothed in the same way everywhere
 SHARED_EDGE = 0.6
-LEAST_SHARE = 0.02  # of the outlined area: what is larger is a shape, however small the part
+LEAST_SHARE = 0.02  # of the outlined area: a triangle of a larger share is never a tooth
 
 
 @dataclass(frozen=True, kw_only=True)
 class OpenEdge:
-    """Where a footprint ends only because the survey does."""
+    """The part of a footprint's edge beyond which the hull was not measured."""
 
-    share: float  # of a narrow band around the footprint, what was not measured
+    share: float  # unmeasured share of a narrow band around the footprint
     beyond: Ints  # unmeasured vertices onto which the structure may go on
-    # m above the hull around, signed, how high it stands beside them; 0 without an open edge
+    # m, signed: height of the structure above the hull beside the open edge; 0 without one
     height: float
 
 
 def find_open_edge(found: HullAsFound, region: Region, area: Array, around: Around) -> OpenEdge:
-    """Find where a region's footprint borders on vertices that no landmark decides.
+    """Find where a region's footprint borders on vertices that no landmark measured.
 
-    As much of a structure may be hidden as is seen: it may go on as far as its footprint reaches
-    from its middle. `area`: of the vertices of the base (n,) m2.
+    A structure may go on there as far as its footprint reaches from its middle.
+
+    Parameters
+    ----------
+    found, region
+        The hull as found, and the region.
+    area
+        (n,) m2 of the vertices of the base.
+    around
+        Index of these vertices.
     """
     at, foot = found.base.vertices, region.foot
     reach = max(BAND_M, float(np.linalg.norm(at[foot] - at[foot].mean(axis=0), axis=1).max()))
     near = np.setdiff1d(around.ball(at[foot], reach), foot)
     unmeasured = ~found.measured[near]
-    # unmeasured vertices in a band around the footprint
+    # Unmeasured vertices in a band around the footprint
     band = nearest(at[foot], at[near], 1)[0][:, 0] <= BAND_M
     gap = near[band & unmeasured]
     if not len(gap):
         return OpenEdge(share=0.0, beyond=np.zeros(0, np.int64), height=0.0)
-    # what lies behind the gap, and the height of the footprint next to it
+    # Unmeasured vertices beyond the gap, and the height of the footprint next to it
     hidden = near[unmeasured]
     beside = np.isfinite(nearest(at[gap], at[foot], 1, BAND_M)[0][:, 0])
     return OpenEdge(
@@ -62,9 +73,9 @@ def find_open_edge(found: HullAsFound, region: Region, area: Array, around: Arou
 
 @dataclass(frozen=True, kw_only=True)
 class ObjectSize:
-    """How large an object is, with sigmas."""
+    """The size of an object, with sigmas."""
 
-    extent: list[float]  # (two) m along the hull and in girth
+    extent: list[float]  # (2,) m along the hull and in girth
     extent_sigma: list[float]
     area: float  # m2
     area_sigma: float
@@ -81,10 +92,24 @@ def measure_size(
     normal: Array,
     chart: Chart,
 ) -> ObjectSize:
-    """Measure a region's footprint.
+    """Measure the extent, area and volume of a region.
 
-    Its sigmas hold what may lie beyond the open edge. `area`: of the vertices (n,) m2.
-    `height_sigma`: m, of the region's height.
+    Their sigmas contain the part that may lie beyond an open edge.
+
+    Parameters
+    ----------
+    found, region
+        The hull as found, and the region.
+    open_edge
+        Of its footprint.
+    area
+        (n,) m2 of the vertices of the base.
+    height_sigma
+        Of the region's height, m.
+    normal
+        (3,) outward.
+    chart
+        Of the hull.
     """
     foot, at = region.foot, found.base.vertices[region.foot]
     extent, size = _extent(at, at, normal, chart), float(area[foot].sum())
@@ -111,7 +136,10 @@ def measure_size(
 def hidden_extent(
     found: HullAsFound, region: Region, open_edge: OpenEdge, normal: Array, chart: Chart
 ) -> Array:
-    """Estimate one sigma (2,) m of how much farther a region may reach, where its edge is open."""
+    """Compute the sigma (2,) m of a region's extent due to the part beyond its open edge.
+
+    What is added to the extent is taken as uniform between nothing and all of that part.
+    """
     seen, at = (
         found.base.vertices[region.foot],
         found.base.vertices[np.append(region.foot, open_edge.beyond)],
@@ -123,9 +151,9 @@ def hidden_extent(
 
 
 def _extent(points: Array, middle_of: Array, normal: Array, chart: Chart) -> Array:
-    """Measure how far points reach along the hull and in girth (2,), m.
+    """Measure the extent (2,) m of points along the hull and in girth.
 
-    In the tangent plane at the middle of `middle_of`.
+    It is measured in the tangent plane with `normal` at the mean of the points `middle_of`.
     """
     middle = middle_of.mean(axis=0)
     at = chart.to_chart(middle[None])[0, :2]
@@ -140,8 +168,10 @@ def _extent(points: Array, middle_of: Array, normal: Array, chart: Chart) -> Arr
 def outline(mesh: Mesh, part: Ints, most: int = 60) -> Array:
     """Trace the longest closed line (k, 3) around the faces of a part of the mesh.
 
-    It runs counter-clockwise seen from outside, through vertices of the mesh, without teeth smaller
-    than an edge is known, through at most `most` of them. It is empty when the part holds no face.
+    It runs counter-clockwise seen from outside, through at most `most` vertices of the mesh. Teeth
+    smaller than the uncertainty of an edge are left out. It is empty when the part has no face.
+
+    part: vertices. A face belongs to the part if its three vertices do.
     """
     inside = np.zeros(len(mesh.vertices), bool)
     inside[part] = True
@@ -156,10 +186,10 @@ def outline(mesh: Mesh, part: Ints, most: int = 60) -> Array:
 
 
 def _flatten(line: Array) -> Array:
-    """Project a closed line (k, 3) onto the plane that it spans, (k, 2).
+    """Project a closed line (k, 3) onto its mean plane, (k, 2).
 
-    An outline follows the wall of its structure up and down. That is no part of its shape from
-    above.
+    An outline goes up and down along the walls of its structure, which is no part of its shape seen
+    from above.
     """
     centred = line - line.mean(axis=0) if len(line) else line
     area = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)
@@ -170,11 +200,11 @@ def _flatten(line: Array) -> Array:
 
 
 def _without_teeth(line: Array, most: int) -> list[int]:
-    """Simplify a closed line (k, 2) and return the rows that are left.
+    """Simplify a closed line (k, 2) and return the rows that are kept [VisvalingamWhyatt1993].
 
-    The point that spans the smallest triangle with its neighbours goes first
-    [VisvalingamWhyatt1993], until none is smaller than the square of an edge's sigma and at most
-    `most` are left.
+    The point that spans the smallest triangle with its neighbours is removed first. It ends when at
+    most `most` points are left and no triangle is smaller than the square of an edge's sigma, or
+    than LEAST_SHARE of the outlined area.
     """
     tooth = min(
         EDGE_SIGMA_M**2, LEAST_SHARE * abs(_double_area(line, np.roll(line, -1, axis=0)).sum()) / 2
@@ -196,7 +226,10 @@ def _double_area(a: Array, b: Array) -> Array:
 
 
 def _loops(rim: Ints) -> list[list[int]]:
-    """Join directed edges (e, 2) to closed lines. Where two touch, the first begun goes on."""
+    """Join directed edges (e, 2) to closed lines of vertices.
+
+    At a vertex with several edges, they are taken in their order.
+    """
     follow: dict[int, list[int]] = {}
     for a, b in rim.tolist():
         follow.setdefault(a, []).append(b)

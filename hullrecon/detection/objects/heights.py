@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Heights by robust local regression of landmarks: smooth on the hull, sharp at edges."""
+"""Regress heights from landmarks, locally and robustly: smooth on the hull, sharp at edges."""
 
 from __future__ import annotations
 
@@ -12,24 +12,26 @@ from hullrecon.geometry.neighbours import nearest
 from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.typing import Array, Ints
 
-CHUNK = 20_000  # vertices at once: bounds memory
-# prior of the height's slope, about zero: keeps thin neighbourhoods from extrapolating
+CHUNK = 20_000  # vertices at a time, to limit memory
+# Prior sigma of the slope, m/m, about zero: without it, fits to few landmarks extrapolate
 SLOPE_SIGMA = 0.5
-# 1/m, prior of its second-order terms, about zero: a plane alone would cut off a lump's top
+# Prior sigma of the second-order terms, 1/m, about zero. A plane alone would cut off a lump's top.
 BEND_SIGMA = 5.0
-ROUNDS = 4  # of weights by the last fit, and a fit by these weights
-MIN_SCALE_M = 0.003  # landmarks nearer to each other than this are never outliers
-MAX_SCALE_M = 0.012  # nor is a step an inlier because a neighbourhood straddles it
+ROUNDS = 4  # of reweighting and fitting
+# Limits of the robust scale: landmarks that differ by less than the least are no outliers. Without
+# the largest, both sides of a step would be inliers.
+MIN_SCALE_M = 0.003
+MAX_SCALE_M = 0.012
 
 
 @dataclass(frozen=True)
 class Heights:
-    """Regressed heights at vertices (n)."""
+    """Regressed heights at n vertices."""
 
     value: Array  # (n,) m
     sigma: Array  # (n,) m
     count: Ints  # (n,) landmarks within reach
-    agreement: Array  # (n,) share of their weight that agrees
+    agreement: Array  # (n,) share of their weight whose landmarks are inliers
 
     def append(self, more: Heights) -> Heights:
         return Heights(
@@ -46,21 +48,25 @@ def local_heights(
     neighbours: int,
     reach_m: float,
 ) -> Heights:
-    """Regress landmarks' heights to vertices (n, 3) with outward normals (n, 3).
+    """Regress the heights of landmarks at vertices.
 
-    Around each vertex: the median of the nearest few, then a polynomial of second order in the
-    tangent plane refitted with Tukey's weights about it, so that the side of a step on which the
-    vertex lies decides; slope and bend are held to zero by priors. NaN where fewer than three
-    landmarks are within reach.
+    At each vertex a polynomial of second order in the tangent plane is fitted to the nearest
+    landmarks, with Tukey's weights. The start is the median of the nearest few, so that at a step
+    the fit stays on the side on which the vertex lies. Priors hold slope and second-order terms
+    near zero. NaN where fewer than three landmarks are within reach.
 
     Parameters
     ----------
+    at, normal
+        Vertices (n, 3) m with outward normals (n, 3).
     feet
-        of the landmarks (m, 3).
-    height
-        of the landmarks (m,) m.
-    sigma
-        of the landmarks (m,) m.
+        Of the landmarks on the base (m, 3).
+    height, sigma
+        Of the landmarks (m,), metres.
+    neighbours
+        Nearest landmarks that are used, at most.
+    reach_m
+        Largest distance of a landmark's foot from the vertex.
     """
     parts = [
         _heights(at[i : i + CHUNK], normal[i : i + CHUNK], feet, height, sigma, neighbours, reach_m)
@@ -81,7 +87,7 @@ def _heights(
     neighbours: int,
     reach_m: float,
 ) -> tuple[Array, Array, Array, Array]:
-    """Regress heights at a block of vertices, as `local_heights`.
+    """Regress heights at a block of vertices, as `local_heights` does.
 
     Returns
     -------
@@ -125,18 +131,29 @@ def _heights(
 
 
 def _terms(a: Array, b: Array) -> Array:
-    """Evaluate the terms (n, k, 6) at a, b (n, k) m: height, slopes, second order."""
+    """Evaluate the terms (n, k, 6) of the polynomial at a, b (n, k) m: 1, a, b, a^2, a b, b^2."""
     return np.stack([np.ones_like(a), a, b, a * a, a * b, b * b], axis=2)
 
 
 def _error(
     terms: Array, h: Array, fit: Array, weight: Array, sigma: Array, variance: Array
 ) -> Array:
-    """Compute one sigma of the heights (n,).
+    """Compute the sigma (n,) m of the fitted heights.
 
-    The error of one landmark (its stated sigma, or the scatter if that is larger) is divided by the
-    root of their effective number. A polynomial averages less well than a mean: that is the
-    leverage.
+    The variance of one landmark (stated, or by the scatter if that is larger) is divided by the
+    effective number of landmarks. It is multiplied by the leverage, as the constant term of a
+    polynomial is determined less well than a mean.
+
+    Parameters
+    ----------
+    terms, h
+        Terms (n, k, 6) and heights (n, k) of the k neighbours.
+    fit
+        Coefficients (n, 6).
+    weight, sigma
+        Of the neighbours (n, k).
+    variance
+        (n,) of the constant term, for landmarks of unit weight.
     """
     total = weight.sum(axis=1) + 1e-12
     scatter = np.einsum("nk,nk->n", weight, (h - np.einsum("nkj,nj->nk", terms, fit)) ** 2) / total
@@ -147,16 +164,21 @@ def _error(
 
 
 def _solve(terms: Array, h: Array, weight: Array, before: Array) -> tuple[Array, Array]:
-    """Fit the coefficients by weighted least squares with priors.
+    """Fit the coefficients of each vertex by weighted least squares with priors.
 
-    Where nothing weighs they stay as before.
+    Parameters
+    ----------
+    terms, h, weight
+        Terms (n, k, 6), heights (n, k) and weights (n, k) of the k neighbours.
+    before
+        Coefficients (n, 6) that are returned where all weights are zero.
 
     Returns
     -------
     coefficients
-        of the terms (n, 6).
+        (n, 6).
     variance
-        of the height (n,).
+        (n,) of the height, the first coefficient.
     """
     normal_matrix = np.einsum("nki,nk,nkj->nij", terms, weight, terms, optimize=True)
     normal_matrix[:, [1, 2], [1, 2]] += 1 / SLOPE_SIGMA**2
@@ -171,7 +193,7 @@ def _solve(terms: Array, h: Array, weight: Array, before: Array) -> tuple[Array,
 
 
 def _median(values: Array) -> Array:
-    """Take the median along the rows without NaN. NaN where all are."""
+    """Compute the median (n,) of each row (n, k) without its NaN. NaN where all are."""
     ranked = np.sort(values, axis=1)
     count = np.isfinite(values).sum(axis=1)
     rows = np.arange(len(values))
@@ -182,7 +204,7 @@ def _median(values: Array) -> Array:
 
 
 def _tangents(normal: Array) -> tuple[Array, Array]:
-    """Span two unit vectors (n, 3) each, square to the normals and to each other."""
+    """Make two unit vectors (n, 3) perpendicular to each normal (n, 3) and to each other."""
     helper = np.where(np.abs(normal[:, :1]) < 0.7, np.array([[1.0, 0, 0]]), np.array([[0, 1.0, 0]]))
     east = np.cross(helper, normal)
     east /= np.maximum(np.linalg.norm(east, axis=1, keepdims=True), 1e-12)

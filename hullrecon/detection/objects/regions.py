@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Regions of the as-found mesh that stand off the hull, and the hull beneath each of them."""
+"""Find regions of the as-found mesh that stand off the hull, and the hull beneath each of them."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from hullrecon.typing import Array, Ints, Mask
 
 
 def roughness(found: HullAsFound) -> float:
-    """Estimate one robust sigma of the measured heights, m: hull and noise without structures."""
+    """Estimate the robust sigma of all measured heights, m: roughness of the hull, and noise."""
     height = found.height[found.measured]
     return robust_sigma(height) if len(height) else 0.0
 
 
 def height_sigma(found: HullAsFound, region: Region) -> float:
-    """Compute one sigma of a region's height, m: of its top and of the hull beneath it.
+    """Compute the sigma of a region's height, m, from those of its top and of the hull beneath it.
 
-    Neighbouring vertices share landmarks, so the top counts as one vertex.
+    Neighbouring vertices share landmarks, so the sigma of the top is that of a single vertex.
     """
     top = float(np.median(found.sigma[region.core]))
     hull = float(np.median(region.hull.sigma(found.base.vertices[region.core])))
@@ -35,11 +35,17 @@ def height_sigma(found: HullAsFound, region: Region) -> float:
 
 
 def relief_left(over_m: Array, sigma_m: Array) -> float:
-    """Estimate the relief that smoothing left out, m.
+    """Estimate the relief that smoothing has removed, m.
 
-    It is the scatter of landmarks' heights (n,) over the surface beyond their own sigmas (n,).
-    Where landmarks are too far apart for the relief, the surface passes between them. Zero without
-    landmarks.
+    Where landmarks are too far apart for the relief, the surface passes between them. So it is the
+    scatter of landmarks about the surface, beyond their own sigmas. Zero without landmarks.
+
+    Parameters
+    ----------
+    over_m
+        Heights of landmarks (n,) above the as-found surface.
+    sigma_m
+        Their own sigmas (n,).
     """
     if not len(over_m):
         return 0.0
@@ -49,9 +55,16 @@ def relief_left(over_m: Array, sigma_m: Array) -> float:
 
 
 def p_value(height_m: float, sigma_m: float, roughness_m: float, places: float) -> float:
-    """Compute the two-sided probability that bare hull reaches this height at any place.
+    """Compute the two-sided probability that bare hull reaches a height somewhere by chance.
 
-    `places`: how many were looked at.
+    Parameters
+    ----------
+    height_m, sigma_m
+        Height and its sigma.
+    roughness_m
+        Of the hull.
+    places
+        Number of independent positions on the hull at which it might.
     """
     from scipy.special import ndtr  # not scipy.stats, which takes seconds to load
 
@@ -59,62 +72,64 @@ def p_value(height_m: float, sigma_m: float, roughness_m: float, places: float) 
     return float(-np.expm1(max(1.0, places) * np.log1p(-min(2 * float(ndtr(-score)), 1 - 1e-16))))
 
 
-SLOPE_SIGMA = 0.05  # prior of the slope of the hull's offset from the base, about zero
-# 1/m, prior of its second-order terms, about zero: 10 mm of bulge between frames 0.7 m apart
+SLOPE_SIGMA = 0.05  # prior sigma of the slope of the hull's offset from the base, about zero
+# Prior sigma of its second-order terms, 1/m, about zero: 10 mm of bulge between frames 0.7 m apart
 BEND_SIGMA = 0.08
-SIDES = 8  # the hull around counts as so many measurements at most: neighbours share landmarks
-MIN_SCALE_M = 0.0005  # the scatter of the hull around is never taken for less
-TUKEY = 4.0  # sigmas beyond which a vertex of the ring is no hull
-ROUNDS = 4  # of weights by the last fit, and a fit by these weights
-# the top is what so much of the footprint reaches: a lump's peak is not averaged away, one vertex
-# is no peak
+SIDES = 8  # the ring counts as so many measurements at most, as neighbours share landmarks
+MIN_SCALE_M = 0.0005  # lower limit of the robust scale of the ring's vertices
+TUKEY = 4.0  # sigmas beyond which a vertex of the ring is an outlier
+ROUNDS = 4  # of reweighting and fitting
+# A region's height is that which this area of it reaches: small enough not to average a peak away,
+# and larger than a single vertex
 TOP_M2 = 0.0008
-SPECK = 0.3  # of the least area: smaller regions are noise, not candidates
-FOOT_SHARE, CORE_SHARE = 0.25, 0.5  # of the height, where the footprint and its core end
-SADDLE_STEP = 1.2  # from one level at which a saddle is looked for to the next
-RING_GAP_M = 0.04  # the ring of hull begins so far from the footprint, beyond what edges blur
-# of the root of the footprint's area, within these limits
+SPECK = 0.3  # of the least area of an object, below which a region is noise
+FOOT_SHARE, CORE_SHARE = 0.25, 0.5  # of the height, at which the footprint and its core end
+SADDLE_STEP = 1.2  # factor between the levels at which saddles are looked for
+RING_GAP_M = 0.04  # distance of the ring of bare hull from a region, whose edge smoothing blurs
+# Width of the ring, as a share of the root of the region's area, and its limits
 RING_WIDTH, RING_WIDTHS_M = 0.75, (0.12, 0.35)
-MIN_RING = 10  # vertices; fewer do not say where the hull around lies
+MIN_RING = 10  # vertices of a ring; fewer do not determine the hull around
 
 
 @dataclass(frozen=True, kw_only=True)
 class HullAround:
-    """A polynomial of second order of the hull's offset from the base, m."""
+    """The hull around and beneath a region, as a polynomial of its offset from the base, m."""
 
-    middle: Array  # (3,) of the tangent plane
-    axes: Array  # (2, 3) that span it
+    middle: Array  # (3,) m, origin of the tangent plane
+    axes: Array  # (2, 3) unit vectors that span the tangent plane
     coefficients: Array  # (6,)
     covariance: Array  # (6, 6) of the coefficients
 
     def offset(self, points: Array) -> Array:
-        """Evaluate the hull's offset from the base (n,) m, outward positive, at (n, 3)."""
+        """Compute the hull's offset from the base (n,) m, outward positive, at points (n, 3)."""
         return np.asarray(self._terms(points) @ self.coefficients)
 
     def sigma(self, points: Array) -> Array:
-        """Return one sigma (n,) m of the offset at points (n, 3)."""
+        """Compute the sigma (n,) m of the offset at points (n, 3)."""
         terms = self._terms(points)
         return np.asarray(np.sqrt(np.einsum("ni,ij,nj->n", terms, self.covariance, terms)))
 
     def _terms(self, points: Array) -> Array:
-        """Evaluate the (n, 6) terms of the polynomial at (n, 2) m: height, slopes, second order."""
+        """Evaluate the terms (n, 6) of the polynomial at points (n, 3)."""
         return _terms((points - self.middle) @ self.axes.T)
 
 
 def fit_hull_around(ring: Array, offset: Array, weight: Array, normal: Array) -> HullAround:
-    """Fit the hull through a ring of points (n, 3), robust to parts that are no hull.
+    """Fit a second-order polynomial to a ring of vertices around a region, robustly.
 
-    The deviation field is no measure of the hull there: the flanks of a structure that rises gently
-    are landmarks on the hull to it, and draw it outward beneath the structure.
+    The deviation field is not used for the hull there. The flanks of a structure that rises gently
+    were labelled as hull, and draw the field outward beneath the structure.
 
     Parameters
     ----------
+    ring
+        Points of the ring on the base (n, 3) m.
     offset
-        from the base (n,) m, outward positive.
+        Their offsets from the base (n,) m, outward positive.
     weight
-        of each point relative to the others (n,).
+        Of each point relative to the others (n,).
     normal
-        of the tangent plane (3,).
+        Of the tangent plane (3,).
     """
     middle = np.average(ring, axis=0, weights=weight)
     axes = np.linalg.svd(normal[None])[2][1:]
@@ -135,14 +150,14 @@ def fit_hull_around(ring: Array, offset: Array, weight: Array, normal: Array) ->
 
 
 def _terms(at: Array) -> Array:
-    """Return the (n, 6) terms of the polynomial at (n, 2) m: height, slopes, second order."""
+    """Evaluate the terms (n, 6) of the polynomial at (a, b) (n, 2) m: 1, a, b, a^2, a b, b^2."""
     a, b = at.T
     return np.stack([np.ones_like(a), a, b, a * a, a * b, b * b], axis=1)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Region:
-    """One structure."""
+    """A part of the surface that stands off the hull around it."""
 
     side: float  # +1 raised, -1 sunken
     foot: Ints  # vertices of the footprint
@@ -150,23 +165,26 @@ class Region:
     ring: Ints  # vertices of the hull around it
     hull: HullAround  # the hull beneath it
     height: float  # m above that hull, signed
-    bluntness: float  # m, how much lower it is where three times as much of the footprint reaches
+    bluntness: float  # m, fall of the height if three times TOP_M2 has to reach it
 
     def rise(self, found: HullAsFound, vertices: Ints) -> Array:
-        """Measure vertices (n,) above the hull around, m, positive on the region's side."""
+        """Compute the heights (k,) m of vertices (k,) above the hull around.
+
+        Positive on the region's side.
+        """
         return self.rise_of(found.base.vertices[vertices], found.deviation_at(vertices))
 
     def rise_of(self, feet: Array, offset: Array) -> Array:
-        """Measure points above the hull around, m, positive on the region's side.
+        """Compute heights (n,) m of points above the hull around, positive on the region's side.
 
-        `feet`: of the points on the base (n, 3). `offset`: from the base (n,) m.
+        `feet`: of the points on the base (n, 3). `offset`: of the points from the base (n,) m.
         """
         return self.side * (offset - self.hull.offset(feet))
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Relief:
-    """The hull as found with what is asked of it again and again."""
+    """The hull as found, with derived quantities that are used many times."""
 
     found: HullAsFound
     area: Array  # (n,) m2 of its vertices
@@ -175,7 +193,7 @@ class _Relief:
     options: DetectOptions
 
     def clusters(self, rows: Ints) -> list[Ints]:
-        """Cluster vertices closer than `cluster_reach_m`."""
+        """Cluster vertices by DBSCAN with the radius `cluster_reach_m`."""
         label = dbscan(
             self.found.base.vertices[rows],
             self.options.cluster_reach_m,
@@ -187,7 +205,7 @@ class _Relief:
 def find_regions(found: HullAsFound, options: DetectOptions) -> list[Region]:
     """Find raised and sunken regions of measured vertices, the highest first.
 
-    Parts nearer than `cluster_reach_m` are one.
+    Parts of one region are at most `cluster_reach_m` apart.
     """
     off = found.measured & (np.abs(found.height) >= MIN_OFFSET_M)
     relief = _Relief(
@@ -208,7 +226,10 @@ def find_regions(found: HullAsFound, options: DetectOptions) -> list[Region]:
 
 
 def _seeds(relief: _Relief, side: float) -> Iterator[tuple[Ints, Ints]]:
-    """Yield the vertices of each region on that side, and those of neighbours split from it."""
+    """Yield for each region of a side its vertices, and those of neighbours split from it.
+
+    side: +1 for raised, -1 for sunken regions.
+    """
     for cluster in relief.clusters(np.flatnonzero(relief.off & (side * relief.found.height > 0))):
         parts = _split_at_saddles(relief, cluster, side)
         for k, seed in enumerate(parts):
@@ -217,11 +238,11 @@ def _seeds(relief: _Relief, side: float) -> Iterator[tuple[Ints, Ints]]:
 
 
 def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
-    """Split a cluster whose peaks are parted by a saddle below half of either.
+    """Split a cluster of vertices between peaks that are at least twice as high as the saddle.
 
-    Smoothing bridges the hull between neighbours, so that clusters at the threshold may hold both.
+    Smoothing fills the gap between two neighbouring structures, so that one cluster may have both.
     """
-    # Raise the level until the cluster falls apart. Each part then takes the vertices nearest it.
+    # Raise the level until the cluster falls apart. Each vertex goes to the nearest peak.
     height, vertices = side * relief.found.height[rows], relief.found.base.vertices
     level = SADDLE_STEP * MIN_OFFSET_M
     while level < 0.5 * height.max():
@@ -241,7 +262,7 @@ def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
 
 
 def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
-    """Check that a part is wide enough and twice as high as the level that cuts it off."""
+    """Tell whether a part is wide enough, and twice as high as the level above which it lies."""
     area = relief.area[rows]
     wide = area.sum() >= SPECK * relief.options.min_area_m2
     return bool(
@@ -250,9 +271,23 @@ def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
 
 
 def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region | None:
-    """Grow a seed to a region. None if no hull was measured around it to count from.
+    """Grow a seed to a region, and measure its height above the hull around it.
 
-    `foreign`: vertices of its neighbours.
+    Parameters
+    ----------
+    relief
+        The hull as found.
+    seed
+        Vertices of the region at the threshold MIN_OFFSET_M.
+    foreign
+        Vertices of its neighbours, which are not of the region.
+    side
+        +1 raised, -1 sunken.
+
+    Returns
+    -------
+    Region or None
+        None if too little bare hull was measured around it, or if nothing reaches half its height.
     """
     # A ring of bare hull around the seed.
     found, area, base = relief.found, relief.area, relief.found.base.vertices
@@ -269,7 +304,7 @@ def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region |
     if len(ring) < MIN_RING:
         return None
     normal = np.average(found.normal[seed], axis=0, weights=np.maximum(area[seed], 1e-12))
-    # Structures may rise gently: the farther from where it stands off, the more a vertex is hull
+    # A structure may rise gently: vertices of the ring weigh more, the farther from it they are
     clear = (distance[bare] - RING_GAP_M) / width
     hull = fit_hull_around(base[ring], found.deviation_at(ring), area[ring] * clear**2, normal)
     above = side * (found.deviation_at(near) - hull.offset(base[near]))
@@ -297,5 +332,5 @@ def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region |
 
 
 def _height_of_top(height: Array, area: Array, top_m2: float) -> float:
-    """Find the height above which `top_m2` of the area lies, or half of it if that is less."""
+    """Find the height above which `top_m2` of the area lies, or half of the area if it is less."""
     return weighted_quantile(height, area, 1 - min(0.5, top_m2 / area.sum()))
