@@ -17,8 +17,9 @@ struct LinearFactor {
   std::vector<int32_t> blocks;      // that it joins
   std::vector<Eigen::MatrixXd> by;  // derivative by each block of the factor; no columns where it is held
 
-  // Throws StageError naming the factor when it cannot be evaluated. Reuses its memory from call to call.
-  void at(const Model& model, int64_t factor);
+  // Throws StageError naming the factor when it cannot be evaluated. Reuses its memory from call to call. Without derivatives,
+  // `by` is not what it says.
+  void at(const Model& model, int64_t factor, bool with_derivatives = true);
 
  private:
   std::vector<const double*> x_;

@@ -63,7 +63,7 @@ Evaluation evaluate(Model& model, bool with_jacobian) {
   for_slabs(model.factors(), model.options().threads, [&](int64_t begin, int64_t end) {
     LinearFactor linear;
     for (int64_t i = begin; i < end; ++i) {
-      linear.at(model, i);
+      linear.at(model, i, with_jacobian);
       write(model, linear, with_jacobian, first_row[i], out);
     }
   });

@@ -12,6 +12,7 @@ from scipy.special import ndtri  # not scipy.stats, which takes a quarter of a s
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.rotations import cross_matrix
+from hullrecon.threads import in_threads
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.camera_track import CameraTrack
@@ -24,6 +25,7 @@ GRID = 8  # cells of a footprint along each side
 FINE_GRID = 32  # the same for keyframes, where small steps matter
 QUANTILES = 6  # of a relative position along each axis, by which its distribution is sampled
 BLOCK = 1000  # pairs whose quantiles are in memory at a time
+BLOCKS_AT_A_TIME = 2  # of footprints, in threads
 COVARIANCE_BLOCK = 60_000  # pairs whose covariances are computed at a time, each by factoring anew
 GRID_POINTS = 1_000_000  # of footprints, in memory at a time
 MOST_GAIN = 1e3  # nats; a link with more would determine a motion that is as good as unknown
@@ -284,7 +286,9 @@ def _shares_at_quantiles(
 
 def _share_within(image: Array, low: Array, high: Array) -> Array:
     """Compute the share of points (..., n, 2) between two corners (2,) of the image."""
-    return np.asarray(((image >= low) & (image <= high)).all(axis=-1).mean(axis=-1))
+    x, y = image[..., 0], image[..., 1]
+    inside = (x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1])
+    return np.asarray(inside.mean(axis=-1))
 
 
 def _ideal_in_target(relative: Array, depth: Array, camera: CameraModel, grid: int) -> Array:
@@ -318,10 +322,14 @@ def footprint_overlap(
     footprint along each side.
     """
     out, block = np.zeros(len(first)), max(1, GRID_POINTS // grid**2)
-    for start in range(0, len(first), block):
+
+    def fill(start: int) -> None:
         a, b = (nodes[start : start + block] for nodes in (first, second))
         both = (_share(track, *ends, depth_m, camera, grid) for ends in ((a, b), (b, a)))
         out[start : start + block] = np.minimum(*both)
+
+    for _ in in_threads(fill, range(0, len(first), block), most=BLOCKS_AT_A_TIME):
+        pass
     return out
 
 
