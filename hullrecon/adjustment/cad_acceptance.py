@@ -157,7 +157,7 @@ def register(
 
 def lying_side(cad_model: CadModel) -> Finding | None:
     """Say which side a CAD model lies on at the package's guess. None where it is upright."""
-    return find_lying_side(cad_model.mesh, cad_model.chart.ship_axes)
+    return find_lying_side(cad_model.mesh, cad_model.chart.ship_axes, cad_model.guess)
 
 
 def _accept_registration(found: registration.Registration, segments: Segments | None) -> Verdict:

@@ -226,9 +226,10 @@ WARNINGS: dict[str, Words] = {
     "calibration-in-water": "to see to: {file} is the log's CameraInfo; it has to be that of the "
     "camera in water",
     "stations-off": _stations,
-    "hull-on-its-side": "it is symmetric about a level plane and not from port to starboard, so "
-    "hull.pose lays it on its side: was it exported with {port} up? Turn hull.pose by 90 degrees "
-    "about its {forward} axis, so that {port} points up",
+    "hull-on-its-side": lambda port, pose: (
+        "it is symmetric about a level plane and not from port to starboard, so hull.pose lays it "
+        f"on its side: was it exported with {port} up? Then give hull.pose = [{_numbers(pose)}]"
+    ),
     "region-empty": _empty_region,
     "regions-uncounted": lambda count, why: (
         f"{count_noun(count, 'hull.region')} cannot be counted: {why}"

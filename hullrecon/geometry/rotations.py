@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -29,3 +31,14 @@ def cross(first: Array, second: Array) -> Array:
 def roll_pitch_yaw(rotation: Rotation) -> Array:
     """Compute roll, pitch, yaw (n, 3) rad with R = Rz(yaw) Ry(pitch) Rx(roll)."""
     return np.atleast_2d(rotation.as_euler("xyz"))
+
+
+def mount_angles_deg(rotation: Rotation) -> list[float]:
+    """Write one rotation as dive.toml has it: roll, pitch, yaw, deg, to hundredths.
+
+    At a pitch of 90 degrees, where roll and yaw turn about one axis, yaw is 0.
+    """
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Gimbal lock")
+        angles = np.degrees(roll_pitch_yaw(rotation)[0])
+    return [float(angle) for angle in angles.round(2) + 0.0]  # no "-0"

@@ -57,8 +57,9 @@ def describe_bow(hull: Hull, mesh: Mesh) -> tuple[Finding, list[Finding]]:
 
 def check_upright(hull: Hull, mesh: Mesh) -> list[Finding]:
     """Warn of a CAD model that hull.pose lays on its side."""
-    axes = hull_axes(mesh.vertices, up_in(from_mount(hull.pose)), hull.bow)
-    found = find_lying_side(mesh, axes)
+    guess = from_mount(hull.pose)
+    axes = hull_axes(mesh.vertices, up_in(guess), hull.bow)
+    found = find_lying_side(mesh, axes, guess)
     return [] if found is None else [replace(found, where="the CAD model")]
 
 

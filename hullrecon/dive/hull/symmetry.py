@@ -9,11 +9,14 @@ may still fit a survey: a patch of its deck is as plain as one of a ship's side.
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.hull.mirrors import find_openings
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.charts.section_casting import AXES
 from hullrecon.geometry.meshes.mesh import Mesh, face_areas
+from hullrecon.geometry.poses import Poses, up_in
+from hullrecon.geometry.rotations import mount_angles_deg
 from hullrecon.typing import Array, Ints
 
 PLACES = 2000  # points on the skin that are reflected
@@ -23,7 +26,7 @@ NEAR = 1e-3  # of the largest extent: a reflected point that is nearer lies on t
 SYMMETRIC, ASYMMETRIC = 0.98, 0.8
 
 
-def find_lying_side(mesh: Mesh, ship_axes: Array) -> Finding | None:
+def find_lying_side(mesh: Mesh, ship_axes: Array, guess: Poses) -> Finding | None:
     """Report a CAD model that is symmetric about a level plane, and not from port to starboard.
 
     None where that is not so, and for a mesh that ends open at its side: it may be half of a body
@@ -35,13 +38,25 @@ def find_lying_side(mesh: Mesh, ship_axes: Array) -> Finding | None:
         In M.
     ship_axes
         Rows forward, port, up (3, 3) in M, along M's own axes, as the package's guess has them.
+    guess
+        Of T_g_M, by hull.pose (a batch of one).
     """
-    forward, port, up = np.abs(ship_axes).argmax(axis=1).tolist()
+    _, port, up = np.abs(ship_axes).argmax(axis=1).tolist()
     if mirrored_share(mesh, up) < SYMMETRIC or mirrored_share(mesh, port) > ASYMMETRIC:
         return None
     if any(axis == port for axis, _ in find_openings(mesh)):
         return None
-    return Finding("hull-on-its-side", {"forward": AXES[forward], "port": AXES[port]})
+    upright = _turned_up(guess, np.eye(3)[port])
+    return Finding("hull-on-its-side", {"port": AXES[port], "pose": upright})
+
+
+def _turned_up(guess: Poses, axis: Array) -> list[float]:
+    """Turn a pose by a right angle about M's origin until an axis (3,) of M points up.
+
+    Returns the six numbers of dive.toml.
+    """
+    turn = Rotation.from_rotvec(0.5 * np.pi * np.round(np.cross(axis, up_in(guess))))
+    return [*guess.translation[0].round(3).tolist(), *mount_angles_deg(guess.rotation * turn)]
 
 
 def mirrored_share(mesh: Mesh, axis: int) -> float:

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A CAD model that lies on its side is told by its symmetry, and nothing else is."""
 
+import re
+
 import numpy as np
 import pytest
 from dive.hull.shapes import barge, box, spindle
@@ -10,6 +12,7 @@ from hullrecon.dive.check.hull_checks import check_upright
 from hullrecon.dive.config.schema import Hull
 from hullrecon.dive.hull.symmetry import find_lying_side
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.poses import from_mount, up_in
 
 Y_UP = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 
@@ -18,11 +21,11 @@ def test_a_ship_on_her_side_is_named_and_upright_again_when_turned():
     ship = Mesh(barge().vertices @ Y_UP.T, barge().faces)
     (named,) = check_upright(Hull(mesh="h.stl"), ship)
     assert named.sentence.startswith("the CAD model: it is symmetric about a level plane")
-    assert (
-        "exported with y up? Turn hull.pose by 90 degrees about its x axis, so that y points up"
-        in named.sentence
-    )
-    assert check_upright(Hull(mesh="h.stl", pose=(0, 0, 0, -90, 0, 0)), ship) == []
+    assert "exported with y up? Then give hull.pose" in named.sentence
+    (numbers,) = re.findall(r"hull\.pose = \[(.*)\]", named.sentence)
+    upright = Hull(mesh="h.stl", pose=tuple(float(number) for number in numbers.split(",")))
+    assert check_upright(upright, ship) == []
+    assert up_in(from_mount(upright.pose)) == pytest.approx([0, 1, 0])
 
 
 @pytest.mark.parametrize(
@@ -31,4 +34,4 @@ def test_a_ship_on_her_side_is_named_and_upright_again_when_turned():
     ids=["upright", "a box", "a body of revolution", "half of one"],
 )
 def test_a_form_that_may_be_upright_is_not_named(mesh):
-    assert find_lying_side(mesh, np.eye(3)) is None
+    assert find_lying_side(mesh, np.eye(3), from_mount(np.zeros(6))) is None
