@@ -177,7 +177,8 @@ def _refuse_misread_ranges(solved: Estimate, placed: Phase) -> None:
         lies = placed.placement.registration
         off = find_tray_offset(rig, state.path, measured.odometry, returns, lies)
     if off is not None and (tray is None or off[1] < tray[2]):
-        values = {"offset_deg": float(np.degrees(off[0])), "after_mm": 1e3 * off[1]}
+        off_deg = float(np.degrees(off[0]))
+        values = {"offset_deg": off_deg, "add_deg": -off_deg, "after_mm": 1e3 * off[1]}
         raise ContradictionError(Finding("tray-offset", values).sentence)
     if tray is not None:
         convention, before_m, after_m = tray

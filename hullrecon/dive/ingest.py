@@ -80,6 +80,8 @@ class IngestRequest:
     logs: tuple[str, ...]  # relative to the package, as all files
     topics: Mapping[str, str]  # by sensor
     joints: Mapping[str, str]  # name of the servo by record ("tray", "sonar_tray")
+    tray_positive: str = "up"  # or "down": which way it tilts where its logged angle grows
+    tray_offset_deg: float = 0.0  # added to the angles, growing up
     imu_frame: str  # "ned" or "enu"
     imu_mount_deg: tuple[float, float, float] | None = None  # roll, pitch, yaw in the vehicle
     imu_heading: str = "orientation"  # or "rates"
@@ -552,7 +554,16 @@ def _build_joint(record: str, source: _Source) -> JointSamples | None:
         return None
     samples = source.samples("joints", JointSample, joint)
     unit = source.request.log_units.joints.get(record, "rad")
-    return streams.joint_samples(samples, record, joint, source.notes, unit) if samples else None
+    if not samples:
+        return None
+    servo = streams.joint_samples(samples, record, joint, source.notes, unit)
+    return servo if servo is None or record != "tray" else _upwards(servo, source.request)
+
+
+def _upwards(tray: JointSamples, request: IngestRequest) -> JointSamples:
+    """Count the tray's angles from level, growing as it tilts up."""
+    sense = -1.0 if request.tray_positive == "down" else 1.0
+    return replace(tray, angle=sense * tray.angle + np.radians(request.tray_offset_deg))
 
 
 BUILDERS: dict[str, Callable[[_Source], SensorRecord | None]] = {

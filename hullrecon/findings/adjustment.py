@@ -129,7 +129,7 @@ def _other_beams(beams: Sequence[int], before_mm: float, after_mm: float) -> str
 
 
 TRAY_READINGS = {
-    "sign": "grow the other way",
+    "sign": 'grow the other way (give the other tray.positive, "up" or "down")',
     "rad": 'are in radians (tray.joint_unit = "rad")',
     "deg": 'are in degrees (tray.joint_unit = "deg")',
 }
@@ -193,7 +193,8 @@ ERRORS: dict[str, Words] = {
     "other-tray": _other_tray,
     "tray-offset": "the tray's angles are off by {offset_deg:+.0f} degrees, or hull.pose is turned "
     "by as much about the tray's axis: with angles put right by that the ends of the DVL's beams "
-    "lie {after_mm:.0f} mm from the CAD model (root mean square) where hull.pose has it",
+    "lie {after_mm:.0f} mm from the CAD model (root mean square) where hull.pose has it; add "
+    "{add_deg:+.1f} to tray.offset_deg, or correct hull.pose",
 }
 WARNINGS: dict[str, Words] = {
     "explained-as-well": _explained_as_well,

@@ -34,6 +34,11 @@ FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a 
         "mount",
     ): "the IMU sits turned by about {value} degrees about the vehicle's z "
     "axis, beside what imu.mount_deg says",
+    (
+        "IMU's orientation",
+        "body",
+    ): "the IMU sits turned by roll, pitch, yaw of {value} degrees in the vehicle, beside what "
+    "imu.mount_deg says",
     ("IMU's orientation", "axes"): "the orientation is of other axes than imu.frame says: {value}",
     ("IMU's orientation", "sign"): "the orientation has its {value} with the other sign",
     ("IMU's acceleration", "axes"): "the accelerations are along {value} of the orientation's axes",
@@ -88,9 +93,17 @@ def _fault(sensor: str, fault: str, value: str) -> str:
 
 
 def _wrong(
-    sensor: str, fault: str, value: str, kind: str, first: float, second: float, misfit: float
+    sensor: str,
+    fault: str,
+    value: str,
+    kind: str,
+    first: float,
+    second: float,
+    misfit: float,
+    remedy: str = "",
 ) -> str:
-    return f"{sensor}: {_fault(sensor, fault, value)} ({_evidence(kind, first, second)})"
+    said = f"{sensor}: {_fault(sensor, fault, value)} ({_evidence(kind, first, second)})"
+    return f"{said}: {remedy}" if remedy else said
 
 
 def _mended(

@@ -61,6 +61,8 @@ def request_of(settings: StageSettings) -> IngestRequest:
                 "sonar_tray": settings.read_optional("sonar.joint_unit", str) or "rad",
             },
         ),
+        tray_positive=settings.read("tray.positive", str),
+        tray_offset_deg=settings.read("tray.offset_deg", float),
         imu_heading=settings.read("imu.heading", str),
         imu_mount_deg=settings.read_optional("imu.mount_deg", tuple),
         pressure=PressureModel(

@@ -19,6 +19,8 @@ INGEST_KEYS = (
     "topics",
     "tray.joint",
     "tray.joint_unit",
+    "tray.positive",
+    "tray.offset_deg",
     "sonar.joint",
     "sonar.joint_unit",
     "sonar.beam_azimuth_deg",
@@ -48,7 +50,10 @@ INGEST_KEYS = (
 CARRIED = "time_offset"
 WATER_KEYS = ("pressure.density", "pressure.gravity", "pressure.atmosphere")
 # what sensors are held against each other by
-SENSOR_KEYS = (*RIG_KEYS, *WATER_KEYS, "tray.joint_unit", "tray.sigma_deg", "topics")
+SENSOR_KEYS = (
+    *RIG_KEYS, *WATER_KEYS, "imu.frame", "imu.mount_deg", "tray.joint_unit", "tray.positive",
+    "tray.sigma_deg", "topics",
+)  # fmt: skip
 READOUT_KEYS = ("camera.top.readout_s", "camera.bottom.readout_s")
 # Of the rig, what places a sensor. A step that takes the adjusted mounts needs the tray's alone.
 TRAY_KEYS = ("tray.origin",)

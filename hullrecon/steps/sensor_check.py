@@ -20,6 +20,7 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames
 from hullrecon.navigation.sensors.servo import doubtful_angles
 from hullrecon.navigation.suspects.comparisons import Flow, Sensor
+from hullrecon.navigation.suspects.remedies import Conventions
 from hullrecon.navigation.suspects.suspects import Judged, judge
 from hullrecon.records.clock import NS
 from hullrecon.records.sensors import ImageIndex, SensorRecords
@@ -65,7 +66,13 @@ def judge_sensors(
     if apart:
         return Judged(records=records, findings=apart, tried=[])
     records, moved = mend_shifted(records, level)
-    judged = judge(records, rig, atmosphere / (density * gravity), named, flows)
+    mount_deg = settings["imu.mount_deg"]
+    given = Conventions(
+        imu_frame=str(settings["imu.frame"]),
+        imu_mount_deg=mount_deg if isinstance(mount_deg, tuple) else None,
+        tray_positive=str(settings["tray.positive"]),
+    )
+    judged = judge(records, rig, atmosphere / (density * gravity), named, flows, given)
     still = doubtful_angles(
         judged.records.tray,
         str(settings["tray.joint_unit"]),

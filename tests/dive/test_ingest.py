@@ -483,6 +483,13 @@ def test_topics_do_not_apply_to_plain_files(package):
     assert found.records.pressure.depth.tolist() == [0.0]
 
 
+def test_a_tray_that_grows_down_from_another_zero_is_counted_up_from_level(package):
+    logged = run(package)[0].records.tray.angle
+    found = run(package, tray_positive="down", tray_offset_deg=90.0)[0].records
+    assert found.tray.angle == pytest.approx(np.pi / 2 - logged)
+    assert found.sonar_tray.angle[0] == 9.0
+
+
 def test_a_misspelt_joint_is_refused_with_the_nearest_name(package):
     with pytest.raises(
         InputError, match="joint tary is not in the log, which holds other, tray"

@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.dvl_beams import tilted_beams
 from hullrecon.dive.logs.heading import heading_by_rates
-from hullrecon.dive.logs.streams import FRD_FROM_FLU, NED_FROM_ENU
+from hullrecon.dive.logs.samples import ImuSample
+from hullrecon.dive.logs.streams import FRD_FROM_FLU, NED_FROM_ENU, imu_samples
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_mount
@@ -464,6 +467,44 @@ def test_angle_that_grows_the_other_way_is_named(angle):
     (finding,) = found.findings
     assert finding.severity == "error"
     assert "IMU's orientation" in finding.values.get("sensors", [finding.values.get("sensor")])
+
+
+def test_dvl_that_sits_otherwise_is_named_with_the_mount_that_heals():
+    upright = replace(RIG, tray_from_dvl=from_mount([0, 0, 0.08, 0, 0, 0]))
+    (finding,) = judge(dive(), upright, AIR_M, flows=flows()).findings
+    assert (finding.values["sensor"], finding.values["fault"]) == ("DVL", "axes")
+    (mount,) = re.findall(r"give dvl\.mount = (\[.*\])", finding.sentence)
+    assert json.loads(mount) == [0, 0, 0.08, 0, 90, 0]  # that of the dive
+
+
+SIDEWAYS = Rotation.from_euler("ZYX", [0, 0, 90], degrees=True)
+
+
+@pytest.mark.parametrize(
+    ("down", "own", "fault"),
+    [
+        (NED_FROM_ENU, FRD_FROM_FLU, "frame"),
+        (NED_FROM_ENU, Rotation.identity(), "frame"),
+        (Rotation.identity(), SIDEWAYS, "body"),
+    ],
+    ids=["forward, port, up", "east, north, up of forward, starboard, down", "on its side"],
+)
+def test_convention_of_an_imu_is_named_with_the_keys_that_heal(down, own, fault):
+    true = dive()
+    rates, acceleration = (
+        own.inv().apply(axes) for axes in (true.imu.angular_velocity, true.imu.acceleration)
+    )
+    quaternion = (down * Rotation.from_quat(true.imu.quaternion) * own).as_quat()
+    logged = [
+        ImuSample(int(t_ns), *readings)
+        for t_ns, *readings in zip(true.imu.t_ns, quaternion, rates, acceleration, strict=True)
+    ]
+    (finding,) = judged(replace(true, imu=imu_samples(logged, "ned", []))).findings
+    assert (finding.values["sensor"], finding.values["fault"]) == ("IMU's orientation", fault)
+    frame = re.findall(r'imu\.frame = "(\w+)"', finding.sentence) or ["ned"]
+    mount = re.findall(r"imu\.mount_deg = (\[.*?\])", finding.sentence) or ["[0, 0, 0]"]
+    healed = imu_samples(logged, frame[0], [], tuple(json.loads(mount[0])))
+    assert judged(replace(true, imu=healed)).findings == []
 
 
 @pytest.mark.parametrize(

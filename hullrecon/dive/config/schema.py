@@ -147,6 +147,11 @@ class Tray(Section, frozen=True):
         ),
     ] = "tray"
     joint_unit: JointUnit = "rad"
+    positive: Annotated[
+        Literal["up", "down"],
+        Meta(description="which way the tray tilts, its front, where the logged angle grows"),
+    ] = "up"
+    offset_deg: Annotated[Offset, Meta(description="deg, added to the angles, growing up")] = 0.0
     origin: Origin = FROM_LOG
     sigma_deg: Annotated[
         Positive, Meta(description="deg, sigma of the servo's angle, its backlash included")

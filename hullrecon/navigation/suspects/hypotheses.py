@@ -18,6 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.streams import FRD_FROM_FLU, METRES, NED_FROM_ENU, PASCALS
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.rotations import mount_angles_deg
 from hullrecon.navigation.suspects.comparisons import Flow, Sensor
 from hullrecon.records.clock import NS
 from hullrecon.records.sensors import (
@@ -50,6 +51,7 @@ LATE_S = [s * late for late in (*np.arange(0.25, 5.0, 0.25), *range(5, 61)) for 
 
 TURN_STEP_DEG = 5  # of a DVL about its axis, an IMU about the vehicle's: comparisons tolerate it
 FASTEST = 0.03  # rate of a clock that is doubted: quartz is right to 1e-4, a wrong divider is not
+UPRIGHT = 0.7  # mean cosine of the tilt, above which a vehicle is not on its side
 FAR_S = 5.0  # beyond which the clock of a camera is not doubted
 
 Stream = TypeVar("Stream")
@@ -193,7 +195,8 @@ def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
         yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=held)
     for clock in _clocks(imu.t_ns):
         yield clock.of(Sensor.ATTITUDE, replace(records, imu=clock.on(imu)))
-    # The whole instrument: in the other convention, or mounted turned about the vehicle's z.
+    # The whole instrument: in the other convention, mounted turned about the vehicle's z, or on
+    # its side.
     bodies = {
         ("frame", "all axes"): (NED_FROM_ENU * attitude, FRD_FROM_FLU),
         ("frame", "vehicle's axes"): (attitude, FRD_FROM_FLU),
@@ -202,6 +205,9 @@ def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
         if angle:
             imu_from_vehicle = Rotation.from_euler("z", -angle, degrees=True)
             bodies["mount", f"{angle:d}"] = attitude, imu_from_vehicle
+    for name, vehicle_from_imu in _on_its_side():
+        if _uprightness(attitude * vehicle_from_imu.inv()) > UPRIGHT:  # else a DVL sits otherwise
+            bodies["body", name] = attitude, vehicle_from_imu.inv()
     for (fault, value), (rotation, imu_from_vehicle) in bodies.items():
         body = replace(
             imu,
@@ -262,6 +268,22 @@ def _of_camera(
             for flow, late in zip(flows, late_ns, strict=True)
         ]
         yield replace(clock.of(Sensor.CAMERA, records), flows=moved)
+
+
+def _uprightness(attitude: Rotation) -> float:
+    """Compute the mean cosine of the tilt of orientations (n,) with x forward, z down."""
+    return float(np.mean(attitude.apply([0.0, 0.0, 1.0])[:, 2]))
+
+
+def _on_its_side() -> Iterator[tuple[str, Rotation]]:
+    """List how an instrument may be mounted by right angles, its z not the vehicle's up or down.
+
+    Each with its roll, pitch and yaw in the vehicle, deg.
+    """
+    for _, turn in signed_axes():
+        if np.linalg.det(turn) > 0 and turn[2, 2] == 0:
+            rotation = Rotation.from_matrix(turn)
+            yield ", ".join(f"{angle:g}" for angle in mount_angles_deg(rotation)), rotation
 
 
 def _of_other_axes(attitude: Rotation) -> Iterator[tuple[str, Rotation]]:

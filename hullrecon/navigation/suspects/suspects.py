@@ -34,6 +34,7 @@ from hullrecon.navigation.suspects.comparisons import (
     track_of,
 )
 from hullrecon.navigation.suspects.hypotheses import Hypothesis, hypotheses
+from hullrecon.navigation.suspects.remedies import Conventions, find_remedy
 from hullrecon.records.sensors import ImuSamples, SensorRecords
 from hullrecon.rig import Rig
 
@@ -51,6 +52,7 @@ USUAL_ANGLE_DEG = 45  # of mounts
 ANY_FACTOR = ("focal", "ranges", "scale")
 KNOWN_FACTOR = ("medium", "size")
 SAME_DEPTH_M = 0.5  # by which two readings of a pressure may differ that are one
+BY_DEFAULT = Conventions()
 FAULTS = 3  # that are looked for, one after the other
 
 
@@ -92,6 +94,7 @@ def judge(
     atmosphere_m: float,
     topics: Mapping[Sensor, str] = MappingProxyType({}),
     flows: Sequence[Flow] = (),
+    given: Conventions = BY_DEFAULT,
 ) -> Judged:
     """Hold the sensors of a dive against each other.
 
@@ -105,6 +108,8 @@ def judge(
         Of the sensors, for what is said.
     flows
         Features of neighbouring images.
+    given
+        What dive.toml says of the sensors, for the remedies.
     """
     findings: list[Finding] = []
     tried: list[Tried] = []
@@ -135,7 +140,11 @@ def judge(
             findings.append(_describe("sensor-mended", best[0][0], wrong, topics))
             continue
         else:
-            findings.append(_describe("sensor-wrong", best[0][0], wrong, topics))
+            found_wrong = _describe("sensor-wrong", best[0][0], wrong, topics)
+            one = best[0][0]
+            remedy = find_remedy(one.sensor, one.fault, one.value, given, rig.tray_from_dvl)
+            values = {**found_wrong.values, "remedy": remedy}
+            findings.append(replace(found_wrong, values=values))
         break
     return Judged(records=records, findings=findings, tried=tried)
 

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The key of dive.toml that takes a sensor's fault off, where there is one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import mount_angles_deg
+from hullrecon.navigation.suspects.comparisons import Sensor
+from hullrecon.navigation.suspects.hypotheses import signed_axes
+
+OTHER = {"ned": "enu", "enu": "ned", "up": "down", "down": "up"}
+OTHER_SIDE = Rotation.from_euler("x", 180, degrees=True)  # forward, port, up to starboard and down
+
+
+@dataclass(frozen=True, kw_only=True)
+class Conventions:
+    """What dive.toml says of a vehicle's sensors."""
+
+    imu_frame: str = "ned"  # or "enu"
+    imu_mount_deg: tuple[float, float, float] | None = None  # roll, pitch, yaw in the vehicle
+    tray_positive: str = "up"  # or "down"
+
+
+def find_remedy(
+    sensor: Sensor, fault: str, value: str, given: Conventions, tray_from_dvl: Poses
+) -> str:
+    """Name the keys, with their values, that take a fault off. "" where none does.
+
+    Parameters
+    ----------
+    sensor, fault, value
+        As a Hypothesis has them.
+    given, tray_from_dvl
+        By dive.toml.
+    """
+    if sensor is Sensor.DVL and fault in ("axes", "turn"):
+        return _turned_dvl(fault, value, tray_from_dvl)
+    if (sensor, fault) == (Sensor.TRAY, "sign"):
+        unit = f' and tray.joint_unit = "{value}"' if value else ""
+        return f'give tray.positive = "{OTHER[given.tray_positive]}"{unit}'
+    if sensor is not Sensor.ATTITUDE:
+        return ""
+    mount_deg = given.imu_mount_deg or (0.0, 0.0, 0.0)
+    vehicle_from_imu = Rotation.from_euler("ZYX", mount_deg[::-1], degrees=True)
+    frame = f'give imu.frame = "{OTHER[given.imu_frame]}"'
+    # As streams.imu_samples applies frame and mount, one after the other
+    if (fault, value) == ("frame", "all axes"):
+        mount = OTHER_SIDE * vehicle_from_imu * OTHER_SIDE
+        return frame if given.imu_mount_deg is None else f"{frame} and {_mount(mount)}"
+    if (fault, value) == ("frame", "global axes"):
+        return f"{frame} and {_mount(vehicle_from_imu * OTHER_SIDE)}"
+    if (fault, value) == ("frame", "vehicle's axes"):
+        return f"give {_mount(OTHER_SIDE * vehicle_from_imu)}"
+    if fault == "mount":
+        turn = Rotation.from_euler("z", float(value), degrees=True)
+        return f"give {_mount(turn * vehicle_from_imu)}, or correct dvl.mount where that is wrong"
+    if fault == "body":
+        angles_deg = [float(angle) for angle in value.split(", ")]
+        turn = Rotation.from_euler("ZYX", angles_deg[::-1], degrees=True)
+        return f"give {_mount(turn * vehicle_from_imu)}"
+    return ""
+
+
+def _turned_dvl(fault: str, value: str, tray_from_dvl: Poses) -> str:
+    """Give the mount of a DVL whose velocities are right once they are turned."""
+    if fault == "turn":
+        turn = Rotation.from_euler("z", float(value), degrees=True)
+    elif np.linalg.det(axes := dict(signed_axes())[value]) > 0:
+        turn = Rotation.from_matrix(axes)
+    else:
+        return ""  # mirrored: nothing sits so
+    place = tray_from_dvl.translation[0].tolist()
+    angles_deg = mount_angles_deg((tray_from_dvl.rotation * turn)[0])
+    shown = ", ".join(f"{number:g}" for number in [*place, *angles_deg])
+    return f"where the whole DVL sits so, give dvl.mount = [{shown}]"
+
+
+def _mount(vehicle_from_imu: Rotation) -> str:
+    shown = ", ".join(f"{angle:g}" for angle in mount_angles_deg(vehicle_from_imu))
+    return f"imu.mount_deg = [{shown}]"
