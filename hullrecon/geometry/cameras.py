@@ -54,6 +54,7 @@ class CameraModel:
         return np.stack(self._distorted(x, y), axis=1)
 
     def _distorted(self, x: Array, y: Array) -> tuple[Array, Array]:
+        """Apply distortion and intrinsics to ideal coordinates (n,): columns and rows, px (n,)."""
         r2 = x * x + y * y
         radial = 1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
         u = x * radial + 2 * self.p1 * x * y + self.p2 * (r2 + 2 * x * x)
@@ -61,10 +62,10 @@ class CameraModel:
         return self.fx * u + self.cx, self.fy * v + self.cy
 
     def steepest(self, radius: Array) -> Array:
-        """Bound how fast pixels move with ideal coordinates, as far as a radius (n,) from the axis.
+        """Bound the derivative (n,), px, of pixels by ideal coordinates within a radius (n,).
 
-        In px. Along the radius they move by the derivative of r + k1 r^3 + k2 r^5 + k3 r^7, across
-        it by less.
+        The radius is that of ideal coordinates, from the optical axis. In its direction pixels move
+        by the derivative of r + k1 r^3 + k2 r^5 + k3 r^7, across it by less.
         """
         r2 = np.square(radius)
         terms = [3 * self.k1 * r2, 5 * self.k2 * r2**2, 7 * self.k3 * r2**3]

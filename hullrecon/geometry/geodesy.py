@@ -22,7 +22,7 @@ def earth_fixed(latitude_deg: Array, longitude_deg: Array) -> Array:
 
 
 def north_east(latitude_deg: Array, longitude_deg: Array) -> Array:
-    """Compute metres north and east (n, 2) of the first position, in its tangent plane."""
+    """Compute how far positions lie north and east of the first, (n, 2) m, in its tangent plane."""
     at = earth_fixed(latitude_deg, longitude_deg)
     latitude, longitude = np.radians(latitude_deg[0]), np.radians(longitude_deg[0])
     north = [

@@ -10,13 +10,13 @@ from hullrecon.typing import Array, Ints
 
 
 def nearest(points: Array, wanted: Array, count: int, reach: float = np.inf) -> tuple[Array, Ints]:
-    """Find the points (n, k) nearest to each query point (m, k).
+    """Find the `count` points (n, k) that are nearest to each query point (m, k).
 
     Returns
     -------
     distance, row
-        (m, count), nearest first. Without a further point within reach the distance is inf and
-        the row n.
+        (m, count) each, nearest first. Where fewer points are within reach, the distance is inf and
+        the row is n.
     """
     from scipy.spatial import cKDTree
 
@@ -27,7 +27,7 @@ def nearest(points: Array, wanted: Array, count: int, reach: float = np.inf) -> 
 
 
 class Around:
-    """Finds the points (n, k) around a place, with one tree for many queries."""
+    """An index of points (n, k) that finds those around a query point. For many queries."""
 
     def __init__(self, points: Array) -> None:
         from scipy.spatial import cKDTree

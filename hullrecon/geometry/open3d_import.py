@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Import open3d without what only its views in a browser need."""
+"""Import open3d without the packages that only its views in a browser need."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import sys
 from types import ModuleType
 from typing import Any
 
-# What open3d.visualization asks of them as it is imported. They are a second of the second and a
-# half that open3d takes.
+# These packages, with the attributes that open3d.visualization takes from them when it is imported.
+# Without them the import takes half a second instead of one and a half.
 _OF_VIEWS = {
     "dash": ("html", "dcc", "Dash"),
     "plotly": ("graph_objects",),
@@ -18,9 +18,10 @@ _OF_VIEWS = {
 
 
 def import_open3d() -> Any:
-    """Import open3d, and neither dash nor plotly unless they are there already.
+    """Import open3d without dash and plotly, unless these are imported already.
 
-    Then open3d.visualization.draw_plotly cannot be called in this process.
+    Empty modules stand in for them during the import. open3d.visualization.draw_plotly cannot be
+    called in this process then.
     """
     absent = [name for name in _OF_VIEWS if name not in sys.modules]
     for name in absent:

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Levenberg-Marquardt on one pose whose cost is given linearised [Triggs2000].
 
-The cost must stay the same from step to step, as the cost before and after decides whether a step
-is taken. Loops with other unknowns than a pose, or whose cost changes on the way (inliers chosen
-again, weights by the last residuals), are written where they are used, each with its reason:
-vision's for two views (stereo points, two nodes, one camera) and that of two surveys.
+The cost must be one function of the pose, as its values before and after a step decide whether the
+step is taken. Iterations with other unknowns than a pose, or with a cost that changes on the way
+(inliers chosen again, weights by the last residuals), are written where they are used: those of
+vision for two views, and that of two surveys.
 """
 
 from __future__ import annotations
@@ -18,26 +18,28 @@ import numpy as np
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
+# Factor of the information's diagonal that is added to it, at first, at least and at most. A step
+# with the largest damping is too small to lower the cost, so the minimum is reached.
 FIRST_DAMPING = 1e-4
 LEAST_DAMPING = 1e-9
-MOST_DAMPING = 1e6  # no step that small changes anything: the minimum to the precision of the cost
+MOST_DAMPING = 1e6
 
 
 @dataclass(frozen=True, kw_only=True)
 class LinearisedCost:
-    """A cost at a pose."""
+    """A cost at a pose, with its derivatives by the step of an update."""
 
-    cost: float  # half the sum of squares
-    gradient: Array  # (6,) by the step of the update
-    information: Array  # (6, 6)
+    cost: float  # half the chi-square
+    gradient: Array  # (6,) of the cost
+    information: Array  # (6, 6) Gauss-Newton approximation of its Hessian
 
 
 @dataclass(frozen=True, kw_only=True)
 class PoseSolution:
-    """The minimum of a cost."""
+    """The minimum of a cost over a pose."""
 
     pose: Poses  # a batch of one
-    at_minimum: LinearisedCost  # the cost there
+    at_minimum: LinearisedCost  # the cost at this pose
 
 
 def minimise_over_pose(
@@ -55,17 +57,17 @@ def minimise_over_pose(
     Parameters
     ----------
     start
-        A batch of one.
+        Pose to start from, a batch of one.
     linearise
-        Computes the cost at a pose.
+        Computes the cost and its derivatives at a pose.
     update
         Applies a step (6,) to a pose.
     max_iterations
-        Accepted and rejected steps count.
+        Largest number of steps, accepted and rejected ones.
     min_decrease, min_relative_decrease
-        It ends when an accepted step lowers the cost by less than either.
+        The iteration ends when an accepted step lowers the cost by less than either.
     free_directions
-        Computes a basis (6, k) of the steps allowed at a pose. All six by default.
+        Computes a basis (6, k) of the steps that are allowed at a pose. By default all six are.
     """
     pose, here, damping = start, linearise(start), FIRST_DAMPING
     for _ in range(max_iterations):

@@ -54,13 +54,14 @@ class Poses:
         return out
 
     def apply(self, points: ArrayLike) -> Array:
-        """Transform points (n, 3) of b to a, one per pose or with a batch of one."""
+        """Transform points (n, 3) from b to a: each by its own pose, or all by a batch of one."""
         return _turn(self.quaternion, np.asarray(points, float)) + self.translation
 
     def apply_rows(self, rows: Ints | Ints32, points: Array) -> Array:
         """Transform points (n, 3), each by the pose of its row: `self[rows].apply(points)`.
 
-        For many points a pose, whose matrices are computed once.
+        It is faster than that where there are many points for each pose, as the rotation matrices
+        are computed once for each pose.
         """
         return self.turn_rows(rows, points) + self.translation[rows]
 
@@ -83,13 +84,13 @@ class Poses:
         return np.hstack([self.translation, self.rotation.as_rotvec()])
 
 
-# The functions below do the same sums as SciPy's rotations. Those check their arguments for longer
-# than they compute: a search for the hull's pose, which composes thousands of single poses, spent a
-# third of its time there.
+# The functions below compute the same as SciPy's rotations, which take longer to check their
+# arguments than to compute. A search for the hull's pose, which composes thousands of single poses,
+# spent a third of its time in these checks.
 
 
 def _components(quaternion: Array) -> list[Array]:
-    """Split normalised quaternions into x, y, z, w: floats of a batch of one, else arrays (n,)."""
+    """Normalise quaternions (n, 4) and split them: x, y, z, w, (n,) each, floats for n = 1."""
     x, y, z, w = quaternion[0].tolist() if len(quaternion) == 1 else quaternion.T
     norm = np.sqrt(x * x + y * y + z * z + w * w)
     return [x / norm, y / norm, z / norm, w / norm]
@@ -124,7 +125,7 @@ def _rotation_matrices(quaternion: Array) -> Array:
 
 
 def _turn(quaternion: Array, points: Array) -> Array:
-    """Rotate points (n, 3), one a quaternion or with a batch of one."""
+    """Rotate points (n, 3): the i-th by the i-th quaternion, or all by a batch of one."""
     matrix = _rotation_matrices(quaternion)
     if len(matrix) == 1:
         return np.asarray(np.einsum("jk,ik->ij", matrix[0], np.atleast_2d(points)))
@@ -137,7 +138,7 @@ def identity(n: int = 1) -> Poses:
 
 
 def stacked(batches: Sequence[Poses]) -> Poses:
-    """Put batches of poses one after the other."""
+    """Concatenate batches of poses."""
     return Poses(
         np.concatenate([batch.quaternion for batch in batches]),
         np.concatenate([batch.translation for batch in batches]),
@@ -157,7 +158,10 @@ def from_matrix(matrices: ArrayLike) -> Poses:
 
 
 def from_rpy(translation: ArrayLike, roll_pitch_yaw_rad: ArrayLike) -> Poses:
-    """Make poses (n) with R = Rz(yaw) Ry(pitch) Rx(roll) of (n, 3) or (3,)."""
+    """Make poses (n,) from translations and roll, pitch, yaw, both (n, 3) or (3,).
+
+    The rotation is R = Rz(yaw) Ry(pitch) Rx(roll).
+    """
     rpy = np.atleast_2d(np.asarray(roll_pitch_yaw_rad, float))
     return Poses(
         Rotation.from_euler("xyz", rpy).as_quat(),
@@ -166,7 +170,7 @@ def from_rpy(translation: ArrayLike, roll_pitch_yaw_rad: ArrayLike) -> Poses:
 
 
 def up_in(global_from_frame: Poses) -> Array:
-    """Compute up (3,) in a frame from its pose in g (a batch of one), whose z is down."""
+    """Compute the unit vector (3,) that points up in a frame. Its pose in g is a batch of one."""
     return np.asarray(global_from_frame.rotation.inv().apply([0.0, 0.0, -1.0])[0])
 
 
@@ -197,9 +201,16 @@ def tray_poses(origin_m: ArrayLike, angle_rad: ArrayLike) -> Poses:
 
 
 def interpolate(t_ns: Ints, poses: Poses, wanted_ns: Ints) -> Poses:
-    """Interpolate poses at times (m,), linear in translation, slerp in rotation.
+    """Interpolate poses at times: translations linearly, rotations by slerp.
 
-    Outside the span the nearest end is held.
+    Outside the span of the poses, the nearest end is taken.
+
+    Parameters
+    ----------
+    t_ns, poses
+        Times (n,), ascending, and the poses at them.
+    wanted_ns
+        Times (m,) of the result.
     """
     at = np.clip(wanted_ns, t_ns[0], t_ns[-1])
     right = np.clip(np.searchsorted(t_ns, at, side="right"), 1, max(1, len(t_ns) - 1))

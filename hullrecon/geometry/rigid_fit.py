@@ -11,11 +11,11 @@ from hullrecon.typing import Array
 
 
 def fit_rigid(source: Array, target: Array) -> Poses:
-    """Fit the rigid motions that map point sets (s, n, 3), or one set (n, 3), onto target sets.
+    """Fit the rigid motion that maps each point set of `source` onto that of `target`.
 
-    n >= 3.
+    Both are (s, n, 3), or (n, 3) for one set, with n >= 3 corresponding points. Returns s poses.
     """
-    # the rotation that aligns the point sets about their means: the SVD of their covariance
+    # The rotation that aligns two sets about their means follows from the SVD of their covariance
     first, second = (np.asarray(p, float).reshape(-1, *np.shape(p)[-2:]) for p in (source, target))
     mean_first, mean_second = first.mean(axis=1, keepdims=True), second.mean(axis=1, keepdims=True)
     u, _, vt = np.linalg.svd(np.einsum("sni,snj->sij", second - mean_second, first - mean_first))
@@ -30,6 +30,9 @@ def fit_rigid(source: Array, target: Array) -> Poses:
 
 
 def fit_scale(source: Array, target: Array, motion: Poses) -> float:
-    """Fit the scale about the source's mean that maps points (n, 3) onto others after `motion`."""
+    """Fit the scale that, after a rigid motion, maps `source` (n, 3) onto `target` (n, 3).
+
+    It acts about the source's mean.
+    """
     a, b = source - source.mean(axis=0), target - target.mean(axis=0)
     return float(np.sum(motion.rotation.apply(a) * b) / np.sum(a**2))

@@ -8,15 +8,15 @@ import numpy as np
 
 from hullrecon.typing import Array
 
-# one sigma of normal values over the median of their distances from the middle: 1 / Phi^-1(3/4)
+# Ratio of the sigma of normal values to their median absolute deviation: 1 / Phi^-1(3/4)
 NORMAL_MAD = 1.4826
 
 
 def robust_sigma(values: Array, about: float | None = None) -> float:
-    """Estimate the sigma of values (n,) by their median distance from `about`.
+    """Estimate the sigma of values (n,) by their median absolute deviation from `about`.
 
-    Values are taken as normal, with up to half of them outliers. `about` is their median unless
-    given. NaN for no values.
+    The values are assumed normal, with up to half of them outliers. By default `about` is their
+    median. NaN for no values.
     """
     if not len(values):
         return float("nan")
@@ -26,7 +26,7 @@ def robust_sigma(values: Array, about: float | None = None) -> float:
 
 
 def weighted_quantile(values: Array, weight: Array, share: float) -> float:
-    """Find the value at which the cumulated weight reaches that share."""
+    """Find the value, of (n,), at which the cumulated weight (n,) reaches a share of its total."""
     order = np.argsort(values, kind="stable")
     total = np.cumsum(weight[order])
     at = np.searchsorted(total, share * total[-1])

@@ -13,7 +13,7 @@ from hullrecon.typing import Array
 
 
 def cross_matrix(vectors: Array) -> Array:
-    """Build [v]x (..., 3, 3) of vectors (..., 3): `[v]x w = v x w`."""
+    """Build the matrices [v]x (..., 3, 3) of vectors (..., 3), for which [v]x w = v x w."""
     v = np.asarray(vectors, float)
     out = np.zeros((*v.shape, 3))
     out[..., 2, 1], out[..., 0, 2], out[..., 1, 0] = v[..., 0], v[..., 1], v[..., 2]

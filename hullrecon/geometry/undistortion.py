@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The pinhole camera that a distorted camera is resampled to, for programs without distortion."""
+"""Resample images of a distorted camera to a pinhole, for programs that know no distortion."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.typing import Array, Pixels
 
-BORDER_SAMPLES = 400  # points on each side of the image where the distortion is undone
-INVERSE_PX = 0.01  # the farthest that undoing and redoing it may miss
+BORDER_SAMPLES = 400  # points on each side of the image at which the distortion is inverted
+INVERSE_PX = 0.01  # largest error of the distortion applied to its inverse
 
 
 @dataclass(frozen=True)
@@ -21,8 +21,8 @@ class Undistortion:
     """A camera and the pinhole that its images are resampled to."""
 
     source: CameraModel
-    # focal lengths of the camera, an image that was all seen, and the principal point in its
-    # middle, where trainers of Gaussian splats expect it
+    # With the focal lengths of the camera, an image that is wholly inside of the camera's, and the
+    # principal point in its middle, where programs that train Gaussian splats expect it
     pinhole: CameraModel
 
     def pixels(self, pixels: Array) -> Array:
@@ -30,7 +30,7 @@ class Undistortion:
         return self.pinhole.distort(self.source.undistort(pixels))
 
     def holds(self, pixels: Array) -> Array:
-        """Mark pixels (n, 2) that lie in the pinhole's image."""
+        """Tell which pixels (n, 2) lie in the pinhole's image."""
         last = np.array([self.pinhole.width, self.pinhole.height]) - 0.5
         return np.asarray(np.all((pixels >= -0.5) & (pixels <= last), axis=1))
 
@@ -63,10 +63,10 @@ class Undistortion:
 
 
 def undistortion(camera: CameraModel) -> Undistortion:
-    """Choose a pinhole image around the principal point, nearly the largest that was all seen.
+    """Choose a pinhole for a camera, with nearly the largest image that is inside of the camera's.
 
-    Raises InputError if the distortion cannot be undone because it folds the image within its
-    borders.
+    The image is symmetric about the principal point. Raises InputError if the distortion cannot be
+    inverted because it folds the image within its borders.
     """
     columns, rows = (
         np.linspace(0, size - 1, BORDER_SAMPLES) for size in (camera.width, camera.height)

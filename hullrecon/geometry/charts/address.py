@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Hull addresses: the place of a point on the hull in words, no finer than its sigma."""
+"""Hull addresses: the position of a point on the hull in words, no finer than its sigma."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class AddressSigma:
-    """Sigma of a place, m."""
+    """Sigmas of a position on the hull, m."""
 
     along: float  # along the hull
     girth: float  # in girth
@@ -30,7 +30,7 @@ def address(
     depths_m: ArrayLike | None = None,
     sigma: AddressSigma | None = None,
 ) -> list[str]:
-    """Describe points (n, 3) as text.
+    """Describe the positions of points (n, 3) on the hull in words.
 
     'frames 52 to 53 (31.4 ± 0.3 m from AP), port, 2.31 ± 0.05 m girth from keel, 1.8 m below
     waterline'. Digits end where the sigma begins, and an uncertain frame is given as a range.
@@ -39,13 +39,13 @@ def address(
     Parameters
     ----------
     chart, points
-        The hull's chart, and places on it.
+        The hull's chart, and points in its frame.
     frame_spacing_m
-        Of the ship's frames.
+        Distance between the ship's frames. None: no frame numbers are given.
     depths_m
-        (n,) below the water surface, positive down. Left out when absent or NaN.
+        (n,) below the water surface, positive down. Left out where None or NaN.
     sigma
-        Of all points.
+        Of the positions of all points. None: not known.
     """
     at = chart.to_chart(np.atleast_2d(np.asarray(points, float)))
     depths = (
@@ -60,7 +60,7 @@ def address(
 
 
 def is_hull_chart(chart: Chart) -> bool:
-    """Test whether the chart is a ship's, with girth from the keel, and not a plane."""
+    """Tell whether a chart is that of a CAD model, with girth from the keel."""
     return str(chart.to_arrays().get("kind", "plane")) == "axis"
 
 
@@ -70,7 +70,7 @@ def side_of(girth_m: float, sigma_m: float = 0.0) -> str:
 
 
 def frame_words(along_m: float, spacing_m: float, sigma_m: float | None) -> str:
-    """Name the ship's frame at a place, or the range of frames within one sigma."""
+    """Name the ship's frame at a position along the hull, or the frames within one sigma of it."""
     frame, sigma = along_m / spacing_m, 0.0 if sigma_m is None else sigma_m / spacing_m
     if not math.isfinite(sigma) or sigma <= 0.25:
         return f"frame {frame:.{1 if sigma <= 0.1 else 0}f}"
@@ -81,7 +81,7 @@ def frame_words(along_m: float, spacing_m: float, sigma_m: float | None) -> str:
 def _words(
     at: Array, depth_m: float, spacing_m: float | None, hull: bool, sigma: AddressSigma | None
 ) -> str:
-    """Write the address of one chart point (3,). `hull`: the chart is a ship's, not a plane."""
+    """Write the address of one chart point (3,). `hull`: the chart is that of a CAD model."""
     along, girth = float(at[0]), float(at[1])
     along_sigma, girth_sigma = (None, None) if sigma is None else (sigma.along, sigma.girth)
     if not np.isfinite(at[:2]).all():
@@ -111,7 +111,10 @@ def _words(
 
 
 def _metres(value: float, sigma: float | None, most: int) -> str:
-    """Format metres with at most `most` digits, with the sigma unless it rounds to zero."""
+    """Format metres with as many decimals as the sigma has, at most `most`, and the sigma.
+
+    A sigma that rounds to zero is left out.
+    """
     if sigma is None or not math.isfinite(sigma):
         return f"{value:.{most}f} m"
     digits = min(most, max(0, -math.floor(math.log10(max(sigma, 1e-9)))))

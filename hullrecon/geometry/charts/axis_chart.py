@@ -30,12 +30,15 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True)
 class AxisChart:
-    """The chart of a CAD model. All but `axes` is in turned coordinates, metres."""
+    """The chart of a CAD model.
 
-    axes: Array  # (3, 3) rows forward, port, up in M (a turn, no shift)
-    mesh: Mesh  # faces outward
+    Mesh and sections are in the ship's axes (x forward, y port, z up), in metres.
+    """
+
+    axes: Array  # (3, 3) rows forward, port, up in M: rotates M into the ship's axes
+    mesh: Mesh  # with faces oriented outward
     sections: Sections
-    aft_perpendicular: float = 0.0  # where `along` is zero
+    aft_perpendicular: float = 0.0  # m, x at which `along` is zero
 
     @property
     def ship_axes(self) -> Array:
@@ -72,9 +75,15 @@ class AxisChart:
         return points @ self.axes, normals @ self.axes
 
     def _on_skin(self, along: Array, angle: Array, radius: Array) -> tuple[Array, Array]:
-        """Intersect rays with the mesh. Returns points and outward normals (n, 3).
+        """Intersect rays with the mesh: points and outward normals (n, 3), in the ship's axes.
 
-        Over a small hole they are the sections' own point and the closest face's normal.
+        Where the ray passes through a small hole, they are the point interpolated by the sections,
+        and the normal of the closest face.
+
+        Parameters
+        ----------
+        along, angle, radius
+            (n,) x in m, angle about the axis in rad, and interpolated distance from it in m.
         """
         origin, inward = self.sections.rays(along, angle)
         hit = self.mesh.index.cast(origin, inward)
@@ -137,7 +146,7 @@ class AxisChart:
 def build_axis_chart(
     mesh: Mesh, up: Array, bow: str | None = None, aft_perpendicular_m: float | None = None
 ) -> AxisChart:
-    """Build the chart that `chart_for_hull` describes."""
+    """Build the chart of a CAD model. Parameters and exceptions are those of `chart_for_hull`."""
     axes = hull_axes(mesh.vertices, up, bow)
     turned = Mesh(mesh.vertices @ axes.T, mesh.faces)
     sections = cast_sections(turned, choose_axis_height(turned))

@@ -3,8 +3,8 @@
 """The chart of a bent hull without a CAD model: a general cylinder, unrolled.
 
 A survey around a bilge, a keel or a stem turns by more than a plane can show without stretching.
-Such a hull is nearly straight one way and bent the other way. The chart is a cylinder over a plane
-curve, the profile, and one of its coordinates is the length of arc on the profile.
+Such a hull is nearly straight in one direction and bent in the other. The chart is a cylinder over
+a plane curve, the profile. One of its coordinates is the arc length on the profile.
 """
 
 from __future__ import annotations
@@ -23,24 +23,24 @@ from hullrecon.geometry.neighbours import nearest
 from hullrecon.typing import Array
 
 MOST_STRETCH = 1.1  # of a map on a plane, beyond which the hull is unrolled
-FEW = 0.02  # share of the hull that may be stretched more: what stands off it is steep as well
-CELL_M = 0.2  # over which points are averaged
-NEIGHBOURS = 12  # cells that give a normal
-LEAST_WIDTH = 0.2  # of neighbours, to their length: those on a line tell no normal
-FEWEST = 50  # cells of which a form can be told
-NEAR_CELLS = 2.5  # cells from one place to the next on the profile
+FEW = 0.02  # share of cells that may be stretched more, as structures have steep sides
+CELL_M = 0.2  # side of the cells in which points are averaged
+NEIGHBOURS = 12  # cells to which a normal is fitted
+LEAST_WIDTH = 0.2  # of the neighbours, as a share of their length: on a line they give no normal
+FEWEST = 50  # cells, with fewer the hull's shape cannot be told
+NEAR_CELLS = 2.5  # largest distance, in cells, of neighbours on the profile
 SMOOTH_M = 0.3  # shorter bends of the profile are smoothed away
 STEP_M = 0.1  # between the profile's knots
-ROUNDS = 6  # of smoothing the profile and measuring arcs on it anew
-NEWTON_STEPS = 8  # from the nearest knot to the foot of a place
-LEAST_TURN = 0.3  # of a Newton step's divisor, 1 - height / radius of curvature
+ROUNDS = 6  # of smoothing the profile and measuring arc lengths on it again
+NEWTON_STEPS = 8  # from the nearest knot to the foot of a point
+LEAST_TURN = 0.3  # lower limit of a Newton step's divisor, 1 - height / radius of curvature
 
 
 @dataclass(frozen=True)
 class _Profile:
-    """A smooth plane curve by its length, straight beyond its ends."""
+    """A smooth plane curve as a function of its arc length, straight beyond its ends."""
 
-    arc: Array  # (k,) m of the knots, growing
+    arc: Array  # (k,) m, arc lengths of the knots, ascending
     knots: Array  # (k, 2) m
 
     @cached_property
@@ -48,7 +48,7 @@ class _Profile:
         return CubicSpline(self.arc, self.knots)
 
     def at(self, arc: Array) -> tuple[Array, Array, Array]:
-        """Compute places, unit tangents and curvature vectors (n, 2) at arcs (n,)."""
+        """Compute points, unit tangents and curvature vectors, (n, 2) each, at arc lengths (n,)."""
         inside = np.clip(arc, self.arc[0], self.arc[-1])
         beyond = arc - inside
         slope = self._curve(inside, 1)
@@ -58,12 +58,15 @@ class _Profile:
         return self._curve(inside) + tangent * beyond[:, None], tangent, bend
 
     def foot(self, places: Array) -> tuple[Array, Array]:
-        """Find arcs (n,) at which the normals meet places (n, 2), and heights to the left (n,)."""
+        """Project points (n, 2) onto the curve, by Newton steps from the nearest knot.
+
+        Returns the arc lengths (n,) m of their feet, and their heights (n,) m to the left of it.
+        """
         arc = self.arc[nearest(self.knots, places, 1)[1][:, 0]]
         for _ in range(NEWTON_STEPS):
             foot, tangent, bend = self.at(arc)
             off = places - foot
-            # a place beyond the centre of curvature has no foot: the step is kept short there
+            # A point beyond the centre of curvature has no foot. Steps are kept short there.
             turn = np.maximum(1.0 - (off * bend).sum(axis=1), LEAST_TURN)
             arc = arc + (off * tangent).sum(axis=1) / turn
         foot, tangent, _ = self.at(arc)
@@ -143,14 +146,14 @@ def unroll(points: Array, sensors: Array, plane: PlaneChart) -> CylinderChart | 
     points
         (n, 3) on the hull, in the plane's frame.
     sensors
-        (m, 3) from which they were seen, outside the hull.
+        Positions (m, 3) of the sensors that saw them, outside the hull.
     plane
         Fitted to the points.
 
     Returns
     -------
     CylinderChart or None
-        None where the plane does, and where points are too few to tell.
+        None where a plane is good enough, or where points are too few to tell.
     """
     cells = _average_in_cells(points[np.isfinite(points).all(axis=1)])
     if len(cells) < FEWEST:
@@ -167,7 +170,7 @@ def unroll(points: Array, sensors: Array, plane: PlaneChart) -> CylinderChart | 
 
 
 def _average_in_cells(points: Array) -> Array:
-    """Average points (n, d) in cells of CELL_M, so that no leg counts more than another."""
+    """Average points (n, d) in cells of CELL_M, so that denser legs do not count more."""
     _, cell, count = np.unique(
         np.floor(points / CELL_M), axis=0, return_inverse=True, return_counts=True
     )
@@ -191,25 +194,26 @@ def _fit_normals(cells: Array, sensors: Array) -> tuple[Array, Array]:
 
 
 def _straight_and_bent(normal: Array, plane: PlaneChart) -> tuple[Array, int]:
-    """Find the cylinder's axes (3, 3) and which coordinate is bent, from normals (n, 3).
+    """Find the cylinder's axes (3, 3), and which coordinate is bent, from normals (n, 3).
 
-    Normals do not turn along a cylinder. That way is along, or girth where it is steep, at a stem.
+    The straight direction of a cylinder is perpendicular to all its normals. It is along, or girth
+    where it is steep, as at a stem.
     """
     straight = np.linalg.eigh(normal.T @ normal)[1][:, 0]
     kept = int(abs(straight @ SHIP_AXES_IN_G[2]) > np.cos(np.radians(45.0)))
-    # the plane's sense, where the plane has one
+    # In the direction of the plane's axis, unless the two are nearly perpendicular
     share = straight @ plane.axes[kept]
     straight = straight * np.sign(share if abs(share) > 0.5 else straight[np.argmax(abs(straight))])
     outward = plane.axes[2] - straight * (plane.axes[2] @ straight)
     outward = outward / np.linalg.norm(outward)
-    # left-handed, as every chart: along x girth = -outward
+    # Left-handed, as every chart: along x girth = -outward
     if kept == 0:
         return np.stack([straight, np.cross(straight, outward), outward]), 1
     return np.stack([np.cross(outward, straight), straight, outward]), 0
 
 
 def _fit_profile(places: Array, outward: Array) -> Array:
-    """Fit a smooth curve (k, 2) through places (n, 2), to whose left lies outward (n, 2)."""
+    """Fit a smooth curve, knots (k, 2), to points (n, 2), with outward (n, 2) to its left."""
     arc = _first_arc(places)
     for _ in range(ROUNDS):
         knots = _smooth_curve(places, arc)
@@ -222,9 +226,10 @@ def _fit_profile(places: Array, outward: Array) -> Array:
 
 
 def _first_arc(places: Array) -> Array:
-    """Measure the way (n,) m to each place (n, 2) from one end of the curve that they lie on.
+    """Estimate the arc length (n,) m of points (n, 2) along the curve on which they lie.
 
-    The way goes over near places, and over gaps by the shortest bridges.
+    It is the shortest path from one end in a graph of the points' cells. Near cells are connected,
+    and gaps are bridged by the edges of the minimum spanning tree.
     """
     cells = _average_in_cells(places)
     apart = np.linalg.norm(cells[:, None] - cells[None], axis=2)
@@ -236,11 +241,11 @@ def _first_arc(places: Array) -> Array:
 
 
 def _smooth_curve(places: Array, arc: Array) -> Array:
-    """Fit a smoothing spline to places (n, 2) by arc (n,), as knots (k, 2) a step apart."""
+    """Fit a smoothing spline to points (n, 2) over arc lengths (n,): knots (k, 2) STEP_M apart."""
     bins = np.floor(arc / STEP_M)
     at = np.unique(bins)
     middle = np.array([np.median(np.c_[arc, places][bins == b], axis=0) for b in at])
-    # lets bends of SMOOTH_M pass, of places a step apart
+    # Of points STEP_M apart, this stiffness lets bends of SMOOTH_M pass
     stiffness = SMOOTH_M**4 / STEP_M
     fine = np.linspace(middle[0, 0], middle[-1, 0], 4 * len(at) + 1)
     curve = np.stack(

@@ -62,7 +62,10 @@ class Lattice:
 
 
 def lattice_around(points: Array, step_m: float, margin_m: float = 0.0) -> Lattice:
-    """Lay a lattice around chart points (n, 2) with a margin. Rows with NaN are left out."""
+    """Make a lattice around chart points (n, 2) m with a margin. Rows with NaN are left out.
+
+    The middle of its first cell is a multiple of the step.
+    """
     good = points[np.isfinite(points).all(axis=1)]
     low = np.floor((good.min(axis=0) - margin_m) / step_m)
     high = np.ceil((good.max(axis=0) + margin_m) / step_m)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The chart of a dive without a CAD model: the plane that fits what was seen."""
+"""The chart of a dive without a CAD model: a plane fitted to the surveyed points."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.typing import Array, Mask
 
 SHIP_AXES_IN_G = np.diag([1.0, -1.0, -1.0])  # rows forward, port, up: z of g is down
-ROUNDS = 5  # of leaving points out
-TRIALS = 200  # planes through three points
-# a plane lies flat when its normal is within 30 degrees of the vertical
+ROUNDS = 5  # of fitting and leaving outliers out
+TRIALS = 200  # random planes through three points
+# A plane is level, not steep, if its normal is within 30 degrees of the vertical
 STEEP = np.cos(np.radians(30.0))
 
 
@@ -61,27 +61,42 @@ class PlaneChart:
 
 
 def fit_plane_chart(points: Array, toward: Array, up: Array) -> PlaneChart:
-    """Fit a plane to the finite points (n, 3) within 3 robust sigma of it.
+    """Fit a plane to points (n, 3) in g, robustly.
 
-    See `chart_for_points`.
+    A least-median plane is the start. Then the principal plane is fitted to points within 3 robust
+    sigma of the last plane, repeatedly.
+
+    Parameters
+    ----------
+    points
+        (n, 3) m. NaN points are left out.
+    toward
+        Point (3,) on the side to which the normal points.
+    up
+        (3,) up in the points' frame.
+
+    Raises
+    ------
+    InputError
+        With fewer than three finite points.
     """
     usable = points[np.isfinite(points).all(axis=1)]
     if len(usable) < 3:
         raise InputError("a plane needs three points", where=f"{len(usable)} given")
-    kept = usable[_near(_least_median_plane(usable))]
+    kept = usable[_inliers(_least_median_plane(usable))]
     for _ in range(ROUNDS):
         center, directions = _principal(kept)
-        kept = usable[_near((usable - center) @ directions[2])]
+        kept = usable[_inliers((usable - center) @ directions[2])]
     center, directions = _principal(kept)
     normal = directions[2] if (toward - center) @ directions[2] >= 0 else -directions[2]
     girth = _girth_axis(normal, directions[0], up / np.linalg.norm(up))
     return PlaneChart(center, np.stack([np.cross(normal, girth), girth, normal]))
 
 
-def _near(off: Array) -> Mask:
-    """Mark heights (n,) over a plane within 3 robust sigma of their median.
+def _inliers(off: Array) -> Mask:
+    """Tell which heights (n,) over a plane are within 3 robust sigma of their median.
 
-    The nearest three always are.
+    The three nearest to the median always are.
     """
     away = np.abs(off - np.median(off))
     return np.asarray(
@@ -90,7 +105,7 @@ def _near(off: Array) -> Mask:
 
 
 def _least_median_plane(points: Array) -> Array:
-    """Compute heights (n,) over the plane of least median height, of many through three points."""
+    """Compute the heights (n,) of points over the least-median plane, of TRIALS random ones."""
     corner = points[np.random.default_rng(0).integers(0, len(points), (TRIALS, 3))]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     size = np.linalg.norm(normal, axis=1)
@@ -104,9 +119,9 @@ def _least_median_plane(points: Array) -> Array:
 
 
 def _principal(points: Array) -> tuple[Array, Array]:
-    """Compute the mean (3,) and the principal directions (3, 3), longest first.
+    """Compute the mean (3,) and the principal directions of points: rows (3, 3), longest first.
 
-    The directions' signs do not depend on the library.
+    The largest component of each is made positive, as an eigenvector's sign is arbitrary.
     """
     center = points.mean(axis=0)
     _, vectors = np.linalg.eigh((points - center).T @ (points - center))
@@ -116,9 +131,9 @@ def _principal(points: Array) -> tuple[Array, Array]:
 
 
 def _girth_axis(normal: Array, longest: Array, up: Array) -> Array:
-    """Choose the girth's unit vector in the plane.
+    """Choose the unit vector of girth in a plane.
 
-    It points uphill if the plane is steep, else across the longest direction.
+    It points uphill if the plane is steep, otherwise across the survey's longest direction.
     """
     rough = up if abs(normal @ up) < STEEP else np.cross(longest, normal)
     flat = rough - normal * (rough @ normal)

@@ -12,17 +12,17 @@ from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.typing import Array, Mask
 
-CELL_M = 0.05
-MOST_CELLS = 200_000  # of larger parts the cells are wider
+CELL_M = 0.05  # side of a cell
+MOST_CELLS = 200_000  # cells of larger parts are wider
 
-LOOK = 400  # places along and in girth at which it is seen where the chart ends
+LOOK = 400  # points along and in girth at which the chart is sampled to find its ends
 
 Limits = tuple[float, float] | None
 
 
 @dataclass(frozen=True, kw_only=True)
 class RegionCells:
-    """Cells on a surface."""
+    """The n cells of a part of a surface."""
 
     middle: Array  # (n, 3) m in the frame of the chart
     normal: Array  # (n, 3) outward unit
@@ -45,17 +45,17 @@ def region_cells(chart: Chart, mesh: Mesh, along: Limits, girth: Limits) -> Regi
     middle = _grid((ticks[0][1:] + ticks[0][:-1]) / 2, (ticks[1][1:] + ticks[1][:-1]) / 2)
     points, normals = chart.from_chart(middle.reshape(-1, 2))
     area = _areas(chart.from_chart(corner.reshape(-1, 2))[0].reshape(*corner.shape[:2], 3)).ravel()
-    # at a rim, a corner lies beyond it
+    # A cell at a rim has a corner beyond the chart. It counts with its area on the chart.
     area = np.where(np.isfinite(area), area, width.prod() / max(1, size.prod()))
-    on = _near(points, mesh)
+    on = _in_box(points, mesh)
     return RegionCells(middle=points[on], normal=normals[on], area=area[on])
 
 
 def chart_limits(chart: Chart, mesh: Mesh) -> Array:
-    """Find how far the chart of a mesh reaches, (2, 2) rows of low and high, m.
+    """Find the limits of a mesh on its chart: (2, 2) low and high of along, and of girth, m.
 
-    Zeros if the chart has no place on the mesh. An end narrower than a LOOK-th of the mesh's size
-    is left out.
+    Zeros if the chart has no point on the mesh. An end narrower than a LOOK-th of the mesh's size
+    may be missed.
     """
     if not len(mesh.vertices):
         return np.zeros((2, 2))
@@ -65,20 +65,20 @@ def chart_limits(chart: Chart, mesh: Mesh) -> Array:
     )
     limits = np.array([[-farthest, farthest], [-around, around]])
     limits[0] += chart.along_of_origin
-    for _ in range(2):  # the second round is finer, around what the first found
+    for _ in range(2):  # the second round samples the limits of the first more finely
         step = np.diff(limits) / (LOOK - 1)
         at = _grid(*(np.linspace(low, high, LOOK) for low, high in limits)).reshape(-1, 2)
-        at = at[_near(chart.from_chart(at)[0], mesh)]
+        at = at[_in_box(chart.from_chart(at)[0], mesh)]
         if not len(at):
             return np.zeros((2, 2))
         limits = np.stack([at.min(axis=0), at.max(axis=0)], axis=1) + step * [-1, 1]
     return np.asarray(limits)
 
 
-def _near(points: Array, mesh: Mesh) -> Mask:
-    """Mark points (n, 3) that are finite and inside the mesh's bounding box.
+def _in_box(points: Array, mesh: Mesh) -> Mask:
+    """Tell which points (n, 3) are finite and in the mesh's bounding box.
 
-    A plane as chart has no end of its own.
+    A plane as chart has no ends of its own.
     """
     low, high = mesh.vertices.min(axis=0) - CELL_M, mesh.vertices.max(axis=0) + CELL_M
     return np.asarray(((points >= low) & (points <= high)).all(axis=1))

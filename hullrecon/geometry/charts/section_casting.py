@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Casting of a hull's sections: choose the axis, cast rays, tell skin from jumps between parts."""
+"""Cast the sections of a hull: choose the axis, cast rays, tell skin from jumps between parts."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.typing import Array, Mask
 
 AXES = "xyz"
-# cosine of 83 degrees: a line of skin more oblique to the ray is accepted only if its middle is on
-# the mesh
+# Cosine of 83 degrees. A line between the hits of two neighbouring rays that is more oblique to
+# them lies on the skin only if its middle is near the mesh.
 GRAZING = 0.12
-# of such a line's length, the largest distance of its middle from the mesh
+# Largest distance of that middle from the mesh, as a share of the line's length
 OFF_SKIN = 0.1
-NEARLY_ALL = 0.995  # of the skin that the best axis sees
+NEARLY_ALL = 0.995  # least share of the skin that an axis sees, of the largest that any sees
 
 
 def hull_axes(vertices: Array, up: Array, bow: str | None = None) -> Array:
-    """Choose rows forward, port, up in the mesh's frame (3, 3).
+    """Choose the ship's axes: rows (3, 3) forward, port, up in the mesh's frame.
 
-    Up is the frame's axis nearest to `up`. Forward is the longer of the other two axes, reversed if
-    `bow` says so ("-x"). Raises InputError for a bow along another axis.
+    Up is the axis of the frame nearest to `up`. Forward is the longer of the other two axes,
+    reversed if `bow` says so ("-x"). Raises InputError for a bow along another axis.
     """
     size = np.ptp(vertices, axis=0)
     vertical = int(np.argmax(np.abs(up)))
@@ -44,11 +44,11 @@ def hull_axes(vertices: Array, up: Array, bow: str | None = None) -> Array:
 
 
 def first_station(vertices: Array, forward: Array, aft_perpendicular_m: float | None) -> float:
-    """Find where along `forward` (3,) stations count from, m.
+    """Find the coordinate, m, along `forward` (3,) from which stations count.
 
-    That is the aft perpendicular, a coordinate on the mesh's axis. If it is not given, it is the
-    mesh's zero, or the aft end where that zero lies off the ship by more than its length, as in map
-    coordinates.
+    It is the aft perpendicular, which is given as a coordinate on the mesh's axis. If it is None,
+    it is zero, or the aft end of the mesh where zero is farther from the ship than its length, as
+    with map coordinates.
     """
     if aft_perpendicular_m is not None:
         return float(forward.sum()) * aft_perpendicular_m
@@ -75,14 +75,14 @@ def _wrong_bow(bow: str, forward: str, size: Mapping[str, float], vertical: str)
 
 
 def outward_faces(mesh: Mesh, sections: Sections) -> Mesh:
-    """Orient each connected piece of the mesh so that the rays meet its outer side.
+    """Orient each connected piece of a mesh so that the sections' rays meet its outer side.
 
-    Pieces that no ray meets are left as they are.
+    Pieces that no ray meets are left unchanged.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    # the connected piece of each face, by vertices at equal places
+    # The connected piece of each face. Vertices at equal positions are one.
     _, corner = np.unique(mesh.vertices, axis=0, return_inverse=True)
     a, b = np.hstack([corner[mesh.faces[:, [0, 1]]].T, corner[mesh.faces[:, [1, 2]]].T])
     size = int(corner.max()) + 1
@@ -90,7 +90,7 @@ def outward_faces(mesh: Mesh, sections: Sections) -> Mesh:
         coo_array((np.ones(len(a), bool), (a, b)), shape=(size, size)), directed=False
     )
     piece = piece[corner[mesh.faces[:, 0]]]
-    # the rays that meet a piece vote whether its normals point along them
+    # The rays that meet a piece vote whether its normals point along them
     origin, inward = sections.rays(*_pairs(sections))
     hit = mesh.index.cast(origin, inward)
     met = hit.range < sections.reach
@@ -104,9 +104,9 @@ def outward_faces(mesh: Mesh, sections: Sections) -> Mesh:
 
 
 def choose_axis_height(mesh: Mesh) -> float:
-    """Choose the axis' height, m, of nine: the highest that sees nearly all of sides and bottom.
+    """Choose the height of the axis, m: of nine, the highest that sees nearly all of the skin.
 
-    From a high axis rays meet the bottom at fewer grazing angles.
+    From a higher axis, rays meet the bottom at less grazing angles.
     """
     low, high = mesh.vertices[:, 2].min(), mesh.vertices[:, 2].max()
     heights = low + (high - low) * np.linspace(0.1, 0.9, 9)
@@ -118,7 +118,10 @@ def choose_axis_height(mesh: Mesh) -> float:
 
 
 def _seen_area(mesh: Mesh, height: float) -> float:
-    """Measure the skin that rays meet well, m2, without decks (their normals point up)."""
+    """Measure the area of skin, m2, that rays from an axis meet well, without decks.
+
+    Decks have normals that point up.
+    """
     sections = _frame(mesh, height, stations=60, angles=91)
     origin, inward = sections.rays(*_pairs(sections))
     hit = mesh.index.cast(origin, inward)
@@ -130,7 +133,7 @@ def _seen_area(mesh: Mesh, height: float) -> float:
 
 
 def cast_sections(mesh: Mesh, height: float) -> Sections:
-    """Cast the sections of a turned mesh about its axis at the given height."""
+    """Cast the sections of a mesh in the ship's axes about an axis at the given height, m."""
     size = np.ptp(mesh.vertices, axis=0)
     step = float(np.clip(size[0] / 400, size[0] / 2000, 0.3 if size[0] > 60 else 0.25))
     empty = _frame(mesh, height, int(np.ceil(size[0] / step)) + 1, 361)
@@ -153,10 +156,10 @@ def cast_sections(mesh: Mesh, height: float) -> Sections:
 
 
 def _frame(mesh: Mesh, height: float, stations: int, angles: int) -> Sections:
-    """Lay out the grid of stations and angles about the axis, with radius and girth still NaN.
+    """Make a grid of stations and angles about an axis, with radius and girth still NaN.
 
-    The axis is at y = 0, for a half hull too (its mesh ends near y = 0). For a mesh to one side of
-    the middle plane it is in the middle of its beam.
+    The axis is at y = 0, also for a half hull, whose mesh ends near y = 0. For any other mesh to
+    one side of the middle plane it is in the middle of the mesh's beam.
     """
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     beam = high[1] - low[1]
@@ -186,9 +189,9 @@ def _pairs(s: Sections) -> tuple[Array, Array]:
 
 
 def _bridge_gaps(radius: Array) -> Array:
-    """Fill gaps between two hits of a station linearly.
+    """Fill gaps (NaN) between two hits of a station linearly, in radii (k, m).
 
-    On each side nothing is filled beyond the outermost hit, except to the keel.
+    Nothing is filled beyond the outermost hit of each side, except between it and the keel.
     """
     out = radius.copy()
     place = np.arange(radius.shape[1])
@@ -210,7 +213,7 @@ def _points(s: Sections, radius: Array) -> Array:
 
 
 def _girth(s: Sections, radius: Array) -> Array:
-    """Compute the arc (k, m) from phi = 0, negative to starboard."""
+    """Compute the girth (k, m) m: arc length of a section from phi = 0, negative to starboard."""
     chord = np.linalg.norm(np.diff(_points(s, radius)[:, :, 1:], axis=1), axis=2)
     keel = radius.shape[1] // 2
     out = np.zeros_like(radius)
@@ -221,9 +224,9 @@ def _girth(s: Sections, radius: Array) -> Array:
 
 
 def _whole(s: Sections, radius: Array, mesh: Mesh) -> Mask:
-    """Mark cells (k - 1, m - 1) whose four sides lie on the skin.
+    """Tell which cells (k - 1, m - 1) have their four sides on the skin.
 
-    A cell that jumps from one part of the ship to another is not marked.
+    A cell that jumps from one part of the ship to another has not.
     """
     point = _points(s, radius)
     girthwise = _on_skin(point[:, :-1], point[:, 1:], radius[:, :-1], s.angle[1] - s.angle[0], mesh)
@@ -233,9 +236,19 @@ def _whole(s: Sections, radius: Array, mesh: Mesh) -> Mask:
 
 
 def _on_skin(start: Array, stop: Array, radius: Array, turn: float, mesh: Mesh) -> Mask:
-    """Test whether the middles of lines from start to stop (a, b, 3) lie near the mesh.
+    """Tell which lines between the hits of neighbouring rays lie on the skin.
 
-    The tolerance is tighter for lines much longer than their rays' spacing explains.
+    The middle of a line must be near the mesh. The tolerance is tighter for a line that is much
+    longer than the spacing of its rays explains.
+
+    Parameters
+    ----------
+    start, stop
+        Ends of the lines (a, b, 3) m.
+    radius, turn
+        Spacing of the rays at a line is radius (a, b) times turn, m.
+    mesh
+        The hull.
     """
     length = np.linalg.norm(stop - start, axis=2)
     good = np.asarray(length * GRAZING <= radius * turn)

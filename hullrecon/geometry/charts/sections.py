@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sections of a hull as seen from an axis inside it: where rays meet the skin, and the girth.
+"""Sections of a hull in polar coordinates about an axis inside it: radius of the skin, and girth.
 
-Coordinates here are turned: x forward, y port, z up. phi is measured about the axis from straight
-down, port positive.
+Coordinates are in the ship's axes: x forward, y port, z up. The angle phi about the axis is zero
+straight down and positive to port.
 """
 
 from __future__ import annotations
@@ -17,19 +17,21 @@ from hullrecon.typing import Array, Ints, Mask
 
 @dataclass(frozen=True, kw_only=True)
 class Sections:
-    """Rays from an axis to the skin, in turned coordinates."""
+    """A grid of stations and angles about an axis, with radius and girth of the skin."""
 
     axis_y: float  # m
     axis_z: float  # m
-    reach: float  # m, rays start that far out
-    station: Array  # (k,) m
-    angle: Array  # (m,) rad
-    radius: Array  # (k, m) m where the skin is met, bridged over small gaps, NaN beyond the sheer
-    girth: Array  # (k, m) m from phi = 0
-    whole: Mask  # (k - 1, m - 1) cells on the skin
+    reach: float  # m, distance from the axis at which rays start, outside the hull
+    station: Array  # (k,) m, x
+    angle: Array  # (m,) rad, phi
+    radius: (
+        Array  # (k, m) m, of the skin from the axis. Small gaps are bridged, NaN above the sheer
+    )
+    girth: Array  # (k, m) m, arc length from phi = 0
+    whole: Mask  # (k - 1, m - 1) cells that lie on the skin
 
     def rays(self, along: Array, angle: Array) -> tuple[Array, Array]:
-        """Compute origins outside and inward unit directions (n, 3)."""
+        """Compute the rays at x (n,) and angles (n,): origins outside, inward directions (n, 3)."""
         outward = np.stack([np.zeros_like(angle), np.sin(angle), -np.cos(angle)], axis=1)
         axis = np.stack(
             [along, np.full_like(along, self.axis_y), np.full_like(along, self.axis_z)], axis=1
@@ -37,9 +39,9 @@ class Sections:
         return axis + self.reach * outward, -outward
 
     def girth_at(self, points: Array) -> Array:
-        """Compute the girth (n,) of points (n, 3) on the skin.
+        """Compute the girth (n,) m of points (n, 3) on the skin.
 
-        NaN outside the whole cells and for points of another, inner skin.
+        NaN outside the whole cells, and for points of another, inner skin.
         """
         y, z = points[:, 1] - self.axis_y, points[:, 2] - self.axis_z
         angle = np.arctan2(y, -z)
@@ -49,7 +51,10 @@ class Sections:
         return np.where(same & self._inside(points[:, 0], angle), girth, np.nan)
 
     def angle_of(self, along_girth: Array) -> tuple[Array, Array]:
-        """Compute angle and radius (n,) of chart points (n, 2), NaN outside the whole cells."""
+        """Compute angle and radius (n,) of chart points (n, 2), by bisection of the girth.
+
+        The radius is NaN outside the whole cells.
+        """
         row, share = self._cell(self.station, along_girth[:, 0])
         known = np.isfinite(along_girth).all(axis=1)
         low, high = np.zeros(len(row), int), np.full(len(row), len(self.angle) - 1)
@@ -76,10 +81,10 @@ class Sections:
         return angle, np.where(fits, radius, np.nan)
 
     def slack_at(self, along: Array, angle: Array) -> Array:
-        """Bound the distance between skin and bilinear radius, (n,) m.
+        """Bound the difference between the skin's radius and its bilinear interpolation, (n,) m.
 
-        It is the spread of the cell's corners, plus a tenth of the step between stations (a chine
-        or a plate's edge inside the cell).
+        It is the range of the radii at the cell's corners, plus a tenth of the step between
+        stations for a chine or a plate's edge inside the cell.
         """
         row, _ = self._cell(self.station, along)
         column, _ = self._cell(self.angle, angle)
@@ -92,14 +97,22 @@ class Sections:
             )
 
     def _line(self, row: Ints, share: Array, column: Ints) -> Array:
-        """Interpolate the girth at the angle of a column between two stations.
+        """Interpolate the girth (n,) between two stations, at the angle of a column.
 
-        Beyond the sheer it is -inf or inf, so that a search stays inside.
+        Above the sheer it is -inf or inf, so that a bisection stays below it.
+
+        Parameters
+        ----------
+        row, share
+            (n,) first of the two stations, and position between them, 0 to 1.
+        column
+            (n,) number of the angle.
         """
         girth = self.girth[row, column] * (1 - share) + self.girth[row + 1, column] * share
         return np.where(np.isnan(girth), np.where(self.angle[column] < 0, -np.inf, np.inf), girth)
 
     def _blend(self, table: Array, along: Array, angle: Array) -> Array:
+        """Interpolate a table (k, m) bilinearly at x (n,) and angles (n,)."""
         row, a = self._cell(self.station, along)
         column, b = self._cell(self.angle, angle)
         lower = table[row, column] * (1 - b) + table[row, column + 1] * b
@@ -116,9 +129,9 @@ class Sections:
 
     @staticmethod
     def _cell(nodes: Array, at: Array) -> tuple[Ints, Array]:
-        """Find cell and fraction within it of an even grid.
+        """Find cells (n,) of a grid with even nodes (k,), and positions (n,) in them, 0 to 1.
 
-        Clipped to the grid, NaN to the first cell.
+        Values beyond the grid are clipped to it. NaN goes to the first cell.
         """
         place = np.nan_to_num((at - nodes[0]) / (nodes[1] - nodes[0]))
         cell = np.clip(np.floor(place), 0, len(nodes) - 2).astype(np.int64)

@@ -9,7 +9,7 @@ import numpy as np
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.typing import Array
 
-STEP_M = 0.05  # half the stretch of the chart over which a direction is taken
+STEP_M = 0.05  # of the central differences on the chart
 
 
 def tangents_at(chart: Chart, points: Array) -> tuple[Array, Array]:
@@ -22,7 +22,8 @@ def tangents_at(chart: Chart, points: Array) -> tuple[Array, Array]:
 
 
 def _direction(chart: Chart, at: Array, step: Array) -> Array:
+    """Compute unit vectors (n, 3) in the direction of a step (2,) on the chart at points (n, 2)."""
     here, ahead, behind = (chart.from_chart(place)[0] for place in (at, at + step, at - step))
-    # at the chart's rim one side is enough
+    # At the chart's rim a one-sided difference is taken
     ahead, behind = (np.where(np.isfinite(end), end, here) for end in (ahead, behind))
     return np.asarray((ahead - behind) / np.linalg.norm(ahead - behind, axis=1, keepdims=True))

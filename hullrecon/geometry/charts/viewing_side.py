@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How a chart is drawn so that the hull is seen from outside and lettering is not mirrored."""
+"""Find how a chart is drawn so that the hull is seen from outside, with lettering not mirrored."""
 
 from __future__ import annotations
 
@@ -11,11 +11,20 @@ from hullrecon.typing import Array
 
 
 def flips(chart: Chart, along_girth: Array, step_m: float = 0.05) -> tuple[bool, bool]:
-    """Test whether along has to grow to the left, and girth downwards, for chart points (n, 2).
+    """Tell whether along has to grow to the left, and girth downwards, for a viewer outside.
 
-    With along to the right and girth up a hull is seen from inside. On its port side, where girth
-    rises, the CAD model is mirrored along. On the starboard side, where girth falls towards the
-    deck, it is mirrored in girth.
+    With along to the right and girth up, the chart of a CAD model shows the hull from inside. On
+    the port side, where girth grows upwards, along is reversed. On the starboard side, where girth
+    falls towards the deck, girth is reversed.
+
+    Parameters
+    ----------
+    chart
+        The chart.
+    along_girth
+        Chart points (n, 2) m that are shown. The median over them decides.
+    step_m
+        Of the central differences on the chart.
     """
     good = along_girth[np.isfinite(along_girth).all(axis=1)]
     _, normal = chart.from_chart(good)

@@ -55,29 +55,29 @@ class Scene:
         return ClosestPoints(distance=distance, foot=foot, normal=normal, face=face)
 
     def smooth_normals(self, near: ClosestPoints) -> Array:
-        """Compute the normals (n, 3), at finite closest points, of the hull that facets stand for.
+        """Compute the normals (n, 3) of the curved hull that the facets approximate.
 
-        They pass from facet to facet without a jump, but for sharp edges.
+        At finite closest points. They do not jump from facet to facet, except at sharp edges.
         """
         return smooth_normals(self._mesh, near.foot, near.face)
 
     def hit(self, origins: Array, directions: Array) -> tuple[Array, Ints32]:
-        """Cast rays as `cast` does, and tell the faces (n,) that they meet, -1 on a miss."""
+        """Cast rays as `cast` does. Returns ranges (n,) m, and faces (n,) that were met, or -1."""
         if not len(directions):
             return np.zeros(0), np.zeros(0, np.int32)
         hits = self._index.cast(np.broadcast_to(origins, directions.shape), directions)
         return hits.range, hits.face
 
     def cast(self, origins: Array, directions: Array) -> Array:
-        """Measure along unit directions (n, 3) from origins (n, 3) or (3,) to the mesh (n,), m.
+        """Compute the range (n,) m from origins to the mesh, inf for a ray that misses it.
 
-        inf for a ray that misses the mesh.
+        origins (n, 3) or (3,) m. directions (n, 3): unit vectors.
         """
         return self.hit(origins, directions)[0]
 
     def is_free(self, starts: Array, ends: Array) -> Mask:
-        """Mark the straight lines (n,) between points (n, 3) or (3,) that the mesh does not cross.
+        """Tell which straight lines (n,) between points (n, 3) or (3,) the mesh does not cross.
 
-        Where a line meets the mesh only at its end, it is free.
+        A line that meets the mesh only at its end is free.
         """
         return self._index.is_free(*np.broadcast_arrays(starts, ends))

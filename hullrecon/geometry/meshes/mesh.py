@@ -13,12 +13,12 @@ import numpy as np
 from hullrecon.native import MeshIndex
 from hullrecon.typing import Array, Ints32
 
-FACES_AT_ONCE = 1 << 17  # whose corners take 10 MB, and as much again for each vector between them
+FACES_AT_ONCE = 1 << 17  # their corners take 10 MB, and each array of edge vectors as much
 
 
 @dataclass(frozen=True)
 class Mesh:
-    """A triangle mesh, with the index that answers closest points and ray casts on it."""
+    """A triangle mesh, with an index for closest points and ray casts."""
 
     vertices: Array  # (n, 3) m
     faces: Ints32  # (m, 3) rows of vertices, counter-clockwise seen from outside
@@ -45,9 +45,9 @@ def face_normals(mesh: Mesh) -> Array:
 
 
 def vertex_areas(mesh: Mesh) -> Array:
-    """Compute a third of the area of the faces around each vertex (n,), m2.
+    """Compute the share of area of each vertex (n,), m2: a third of the faces around it.
 
-    It is the weight of values at vertices.
+    A sum of values at vertices with these weights is an integral over the mesh.
     """
     third = face_areas(mesh) / 3
     return np.asarray(
@@ -56,7 +56,7 @@ def vertex_areas(mesh: Mesh) -> Array:
 
 
 def vertex_normals(mesh: Mesh) -> Array:
-    """Compute outward unit normals (n, 3), the faces' normals weighted by their angles.
+    """Compute outward unit normals (n, 3): means of the faces' normals, weighted by their angles.
 
     Zero at vertices without a face.
     """
@@ -85,7 +85,7 @@ def corner_angles(mesh: Mesh) -> Array:
 
 
 def corner_shares(corners: Array, points: Array) -> Array:
-    """Compute barycentric shares (n, 3) of points (n, 3) on faces with corners (n, 3, 3)."""
+    """Compute barycentric coordinates (n, 3) of points (n, 3) on faces with corners (n, 3, 3)."""
     to_b, to_c, to_point = (end - corners[:, 0] for end in (corners[:, 1], corners[:, 2], points))
     bb, bc, cc, pb, pc = (
         np.einsum("ni,ni->n", u, v)
@@ -108,5 +108,5 @@ def face_cross_products(mesh: Mesh) -> Array:
 
 
 def _blocks(faces: int) -> Iterator[slice]:
-    """Yield the rows of FACES_AT_ONCE faces at a time, whose corners are in memory together."""
+    """Yield the rows of FACES_AT_ONCE faces at a time, to limit memory."""
     return (slice(k, k + FACES_AT_ONCE) for k in range(0, faces, FACES_AT_ONCE))

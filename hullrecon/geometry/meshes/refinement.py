@@ -11,9 +11,11 @@ import numpy as np
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.typing import Array, Ints, Mask
 
-FLAT = 1e-9  # sine of the sum of two angles opposite an edge, below which they count as half a turn
-# of flips after a split. Lawson's flips end by themselves, except for rounding in nearly degenerate
-# faces.
+# Two angles opposite an edge count as half a turn, and the edge is not flipped, if the sine of
+# their sum is smaller
+FLAT = 1e-9
+# Passes of flips after a split. Lawson's flips end by themselves, except for rounding in nearly
+# degenerate faces.
 MOST_PASSES = 60
 
 
@@ -57,7 +59,7 @@ def refine(
         marked = _mark_edges(table[:, :3], edge, of_face, old_face, limits)
         if not marked.any():
             return Mesh(table[:, :3].copy(), faces.astype(np.int32)), table[:, 3:].copy()
-        # a new vertex in the middle of each marked edge
+        # A new vertex in the middle of each marked edge
         middle = np.full(len(edge), -1)
         middle[marked] = len(table) + np.arange(marked.sum())
         table = np.vstack([table, table[edge[marked]].mean(axis=1)])
@@ -79,7 +81,7 @@ class _Limits:
         self._limit: Array = np.zeros(0)
 
     def exceeded(self, edge: Ints, ends: Array, length: Array) -> Mask:
-        """Mark the edges (e, 2) with end points (e, 2, 3) that are too long."""
+        """Tell which edges (e, 2), with end points (e, 2, 3) and lengths (e,), are too long."""
         if not callable(self._longest_m):
             return np.asarray(length > max(self._longest_m, self._spared_m))
         asked = np.flatnonzero(length > self._spared_m)
@@ -106,10 +108,21 @@ def _edges(faces: Ints) -> tuple[Ints, Ints]:
 def _mark_edges(
     vertices: Array, edge: Ints, of_face: Ints, old_face: Ints, limits: _Limits
 ) -> Mask:
-    """Mark the edges to split next (e,).
+    """Tell which edges (e,) are split next.
 
-    These are the longest edges of those too long, to a factor of two. If edges of the old faces are
-    among them, these are split first.
+    Of the edges that are too long, they are those within a factor of two of the longest. If edges
+    of old faces are among them, these are split first.
+
+    Parameters
+    ----------
+    vertices, edge
+        Positions (n, 3), and edges (e, 2).
+    of_face
+        Rows (m, 3) of each face's edges.
+    old_face
+        Face (m,) of the mesh before refinement from which each face was cut.
+    limits
+        Largest lengths.
     """
     ends = vertices[edge]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
@@ -124,10 +137,16 @@ def _mark_edges(
 
 
 def _close_marks(marked: Mask, length: Array, of_face: Ints) -> Mask:
-    """Mark also the longest edge of each face that is twice as long as a marked edge of the face.
+    """Mark the longest edge of a face too, where it is over twice as long as a marked edge of it.
 
-    This avoids a fan of narrow faces towards where the mesh may stay coarse. `length` (m, 3) is of
-    the faces' edges.
+    Otherwise fans of narrow faces would form towards parts where the mesh may stay coarse.
+
+    Parameters
+    ----------
+    marked
+        Edges (e,) that are split.
+    length, of_face
+        Lengths (m, 3) and rows (m, 3) of each face's edges.
     """
     longest = of_face[np.arange(len(of_face)), np.argmax(length, axis=1)]
     steep = length.max(axis=1)[:, None] > 2 * length
@@ -139,10 +158,21 @@ def _close_marks(marked: Mask, length: Array, of_face: Ints) -> Mask:
 
 
 def _inner_edges(of_face: Ints, old_face: Ints, count: int) -> tuple[Ints, Ints]:
-    """Find the edges (k,) whose two faces were one face before.
+    """Find the edges between two faces that were cut from the same old face.
 
-    of_face (m, 3) are the edges of each face, old_face (m,) the face that each was cut from. The
-    second value (k, 2) is where of_face names each edge, as 3 * face + corner.
+    Parameters
+    ----------
+    of_face
+        Rows (m, 3) of each face's edges.
+    old_face
+        Face (m,) from which each face was cut.
+    count
+        Number of edges.
+
+    Returns
+    -------
+    edges, places
+        Rows (k,) of these edges, and where the two faces have each, (k, 2) as 3 * face + corner.
     """
     flat = of_face.ravel()
     place = np.argsort(flat, kind="stable")
@@ -154,9 +184,21 @@ def _inner_edges(of_face: Ints, old_face: Ints, count: int) -> tuple[Ints, Ints]
 
 
 def _split_faces(faces: Ints, old_face: Ints, middle: Ints, vertices: Array) -> tuple[Ints, Ints]:
-    """Split faces (m, 3) at the new vertices on their edges 0-1, 1-2, 2-0 (m, 3).
+    """Split faces at the new vertices on their edges.
 
-    The new vertex is -1 if an edge stays whole. The second value is the old face (k,) of each part.
+    Parameters
+    ----------
+    faces, old_face
+        Faces (m, 3), and the old face (m,) from which each was cut.
+    middle
+        New vertex (m, 3) on each face's edges 0-1, 1-2 and 2-0. -1 where an edge is not split.
+    vertices
+        Positions (n, 3), new vertices included.
+
+    Returns
+    -------
+    parts, old_face
+        Faces (k, 3), and the old face (k,) of each.
     """
     # Corners a, b, c, and new vertices p on a-b, q on b-c, r on c-a. Faces are turned so that the
     # edges which are split come first.
@@ -181,7 +223,10 @@ def _split_faces(faces: Ints, old_face: Ints, middle: Ints, vertices: Array) -> 
 
 
 def _turn_faces(faces: Ints, middle: Ints, which: Mask, first: Ints) -> Ints:
-    """Turn corners and middles of some faces so that edge `first` becomes 0-1: (6, k)."""
+    """Rotate the corners of some faces so that the edge `first` becomes 0-1.
+
+    Returns (6, k): three corners and three middles of each of the faces `which`.
+    """
     turn = (first[which, None] + np.arange(3)) % 3
     return np.hstack(
         [np.take_along_axis(faces[which], turn, 1), np.take_along_axis(middle[which], turn, 1)]
@@ -191,7 +236,8 @@ def _turn_faces(faces: Ints, middle: Ints, which: Mask, first: Ints) -> Ints:
 def _flip_edges(faces: Ints, old_face: Ints, which: Mask, vertices: Array) -> None:
     """Flip edges of faces, in place, until the parts of every old face are Delaunay [Lawson1977].
 
-    Parts of one face lie in a plane, so its shape does not change.
+    Parts of one old face lie in a plane, so that a flip does not change the surface. Only old faces
+    with a part in `which` are looked at.
     """
     for _ in range(MOST_PASSES):
         # Edges between two parts of one old face, with the corner opposite to each on either side.

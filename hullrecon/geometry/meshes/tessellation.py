@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The distance between a CAD model of flat facets and the curved hull that it represents.
 
-Across an edge with dihedral angle t, facets of widths a and b (square to the edge) follow a circle
-of radius (a + b) / (2 t). Its arc over the chord a rises a^2 t / (4 (a + b)). Heights of that size
-are the tessellation's, not a structure's. When the survey slides along the hull, the pattern of
-facets makes false minima a facet apart, which registration must not take for information.
+Two facets of widths a and b, across an edge at which they meet at an angle t, approximate a circle
+of radius (a + b) / (2 t). Its arc rises above the facet of width a by the sagitta
+a^2 t / (4 (a + b)). Heights of that size come from the tessellation, not from a structure. When the
+survey slides along the hull, the pattern of facets makes false minima a facet apart, which
+registration must not take for information.
 """
 
 from __future__ import annotations
@@ -25,34 +26,34 @@ from hullrecon.geometry.meshes.mesh import (
 from hullrecon.geometry.meshes.topology import find_shared_edges, weld_vertices
 from hullrecon.typing import Array, Ints, Mask
 
-# a sharper edge is drawn on purpose (a chine, a keel), not a curve's facets
-REACH_M = 1.0  # around points, of the facets whose error counts
+REACH_M = 1.0  # largest distance from points of the facets whose error counts
+# A sharper edge is drawn on purpose (a chine, a keel), and not between facets of a curve
 SHARPEST_RAD = np.radians(40.0)
 
 
 @dataclass(frozen=True, kw_only=True)
 class TessellationError:
-    """Error of flat facets against a smooth hull."""
+    """The error of flat facets against a smooth hull."""
 
-    sigma_m: float  # offset
-    length_m: float  # over which it stays the same
+    sigma_m: float  # of the hull's distance from the facets
+    length_m: float  # mean width of a facet, within which the errors are correlated
 
 
 @dataclass(frozen=True, kw_only=True)
 class _SmoothEdges:
-    """Edges (k,) between faces that approximate one curved surface."""
+    """The k edges between faces that approximate one curved surface."""
 
-    first: Ints  # faces
-    second: Ints  # faces
-    width_first: Array  # m
-    width_second: Array  # m
-    angle: Array  # between them, rad
+    first: Ints  # (k,) face on one side
+    second: Ints  # (k,) face on the other side
+    width_first: Array  # (k,) m, of the first face, perpendicular to the edge
+    width_second: Array  # (k,) m, of the second face
+    angle: Array  # (k,) rad, between the two faces' normals
 
 
 def facet_sagitta(mesh: Mesh) -> Array:
-    """Compute the rise of the arc over each face (m,), m.
+    """Compute the sagitta of the hull's arc over each face (m,), m.
 
-    It is the largest over the face's edges, of which sharp edges count as zero.
+    It is the largest of those by the face's edges. Sharp edges have none.
     """
     edges = _smooth_edges(mesh)
     out = np.zeros(len(mesh.faces))
@@ -66,7 +67,7 @@ def facet_sagitta(mesh: Mesh) -> Array:
 
 
 def facet_turn(mesh: Mesh) -> Array:
-    """Compute the largest angle of each face (m,) to a neighbour, rad, without sharp edges."""
+    """Compute the largest angle (m,) rad of each face to a neighbour, sharp edges left out."""
     edges = _smooth_edges(mesh)
     out = np.zeros(len(mesh.faces))
     for face in (edges.first, edges.second):
@@ -75,10 +76,7 @@ def facet_turn(mesh: Mesh) -> Array:
 
 
 def tessellation_error(mesh: Mesh, points: Array) -> TessellationError:
-    """Estimate the error of the facets within reach of points (n, 3), weighted by area.
-
-    Points are in the mesh's frame.
-    """
+    """Estimate the error of the facets within REACH_M of points (n, 3) in the mesh's frame."""
     part = Mesh(mesh.vertices, mesh.faces[_faces_near(mesh, points)])
     edges = _smooth_edges(part)
     if not len(edges.angle):
@@ -94,9 +92,9 @@ def tessellation_error(mesh: Mesh, points: Array) -> TessellationError:
 def smooth_normals(mesh: Mesh, points: Array, faces: Ints) -> Array:
     """Compute the unit normals (n, 3) of the curved hull at points (n, 3) on their faces (n,).
 
-    A facet's own normal jumps to that of the next. So the normals of its corners are interpolated,
-    each the mean, weighted by angle, of the facets around the corner that turn from this one by
-    less than a sharp edge does.
+    The normals of facets jump from one to the next. So normals are interpolated between the corners
+    of a facet. The normal at a corner is the mean, weighted by angle, of those facets around it
+    that are turned from this one by less than a sharp edge is.
     """
     asked, row = np.unique(faces, return_inverse=True)
     at_corner = _corner_normals(mesh, asked)[row.reshape(-1)]
@@ -109,11 +107,11 @@ def _corner_normals(mesh: Mesh, asked: Ints) -> Array:
     """Compute the smooth unit normals (k, 3, 3) at the three corners of some faces (k,)."""
     vertex = weld_vertices(mesh).faces
     normal, angle = face_normals(mesh), corner_angles(mesh).ravel()
-    # the corners of all faces in the order of their vertices
+    # The corners of all faces in the order of their vertices
     order = np.argsort(vertex.ravel(), kind="stable")
     count = np.bincount(vertex.ravel())
     start = np.cumsum(count) - count
-    # each asked corner beside each corner at the same vertex
+    # Pairs of each asked corner with each corner at the same vertex
     own = vertex[asked].ravel()
     corner = np.repeat(np.arange(len(own)), count[own])
     step = np.arange(len(corner)) - np.repeat(np.cumsum(count[own]) - count[own], count[own])
@@ -130,6 +128,7 @@ def _corner_normals(mesh: Mesh, asked: Ints) -> Array:
 
 
 def _faces_near(mesh: Mesh, points: Array) -> Mask:
+    """Tell which faces (m,) may have a point within REACH_M of points (n, 3)."""
     corner = mesh.vertices[mesh.faces]
     middle = corner.mean(axis=1)
     radius = np.linalg.norm(corner - middle[:, None], axis=2).max(axis=1)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which faces of a mesh meet at which edges."""
+"""Find the edges of a mesh, and the faces that meet at them."""
 
 from __future__ import annotations
 
