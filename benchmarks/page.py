@@ -58,7 +58,8 @@ def crowded_report(run: Path, package: Path, out: Path, count: int) -> Path:
     page = "report/index.html"
 
     def write(context: Context[Any]) -> None:
-        failures = deliver(read_survey(context), context.out, only=("objects/", page))
+        only = ("objects/", "report/tiles/", page)
+        failures = deliver(read_survey(context), context.out, only=only)
         assert not failures, failures
 
     artifact = run_stage(replace(report, run=write), sections, inputs, out / "report", package)

@@ -8,15 +8,16 @@ import hashlib
 import json
 import shutil
 import traceback
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from hullrecon.errors import HullreconError
 from hullrecon.report.deliverables import Delivery, writing_order
 from hullrecon.report.export.summary import FileEntry, summary_document
+from hullrecon.report.figures.map_tiles import Stream
 from hullrecon.report.survey import Survey
 
 FOLDER = "deliver"
@@ -76,8 +77,15 @@ class DeliveryFailure:
     traceback: str
 
 
+def _one_by_one(function: Callable[[Any], Any], items: Sequence[Any], _label: str) -> Iterator[Any]:
+    return map(function, items)
+
+
 def deliver(
-    survey: Survey, out: FileWriter, only: Collection[str] | None = None
+    survey: Survey,
+    out: FileWriter,
+    only: Collection[str] | None = None,
+    stream: Stream = _one_by_one,
 ) -> list[DeliveryFailure]:
     """Write the deliverables of a survey, the report last, then summary.json, which lists them.
 
@@ -85,6 +93,8 @@ def deliver(
     ----------
     only
         Names of the deliverables to write, all if None.
+    stream
+        Computes many results in order, as `Context.stream` does on several processes.
 
     Returns
     -------
@@ -96,7 +106,7 @@ def deliver(
     HullreconError, MemoryError, OSError
         What the user, the memory or the disk is at fault for, which concerns all deliverables.
     """
-    delivery = Delivery(survey, DeliverableWriter(out))
+    delivery = Delivery(survey, DeliverableWriter(out), stream)
     failures: list[DeliveryFailure] = []
     for entry in writing_order():
         if entry.name in survey.provenance.missing or not (only is None or entry.name in only):

@@ -42,6 +42,8 @@ from hullrecon.report.export.tables import (
     trajectory_table,
     trajectory_tum,
 )
+from hullrecon.report.figures.map_tiles import FOLDER as TILES
+from hullrecon.report.figures.map_tiles import Stream, stream_tiles
 from hullrecon.report.figures.plots import draw_all_plots
 from hullrecon.report.figures.style import Plot
 from hullrecon.report.foxglove.dive_result import dive_result_mcap
@@ -75,6 +77,7 @@ class Delivery:
 
     survey: Survey
     out: FileSink
+    stream: Stream  # computes many results, on several processes where there are
     failed: dict[str, str] = field(default_factory=dict)  # reason by name of the deliverable
 
     @property
@@ -358,6 +361,11 @@ def _write_plots(to: Delivery) -> None:
         to.out.write(f"plots/{plot.name}.csv", csv_text(plot.table))
 
 
+def _write_tiles(to: Delivery) -> None:
+    for name, webp in stream_tiles(to.survey, to.stream):
+        to.out.write(name, webp)
+
+
 def _write_schemas(to: Delivery) -> None:
     """Write the schema of each document that was delivered, and of summary.json."""
     folder = resources.files("hullrecon.report") / SCHEMAS
@@ -424,6 +432,7 @@ DELIVERABLES: tuple[Deliverable, ...] = (
     _copy("change/", _copied("change/", "change")),
     _file("dive_result.mcap", _always, lambda to: dive_result_mcap(to.survey)),
     Deliverable(name="plots/", needs=_always, write=_write_plots),
+    Deliverable(name=f"{TILES}/", needs=_always, write=_write_tiles),
     Deliverable(name=f"{SCHEMAS}/", needs=_always, write=_write_schemas, is_about_others=True),
     replace(
         _file("report/report.pdf", lambda _: why_no_pdf() or "", lambda to: render_pdf(to.page)),

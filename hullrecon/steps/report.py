@@ -67,7 +67,7 @@ def run(context: Context[ReportOptions]) -> None:
     A deliverable that cannot be written gives a warning. Its traceback is in TRACEBACKS of the
     step's folder.
     """
-    failures = deliver(read_survey(context), context.out)
+    failures = deliver(read_survey(context), context.out, stream=context.stream)
     for failure in failures:
         context.warn(f"{failure.name} could not be written: {failure.reason}")
     if failures:

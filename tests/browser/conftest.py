@@ -14,6 +14,7 @@ from playwright.sync_api import Browser
 
 from benchmarks.chromium import NoBrowserError, Visit, browser, find_browser, visit
 from benchmarks.page import crowded_report
+from hullrecon.report.figures import map_pictures
 
 OBJECTS = 500
 
@@ -39,6 +40,14 @@ def report(demo_run: Path) -> Path:
 @pytest.fixture(scope="session")
 def crowded(demo_run: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return crowded_report(demo_run, SAMPLE, tmp_path_factory.mktemp("crowded"), OBJECTS)
+
+
+@pytest.fixture(scope="session")
+def tiled(demo_run: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The demo's page as if its mosaics were too large for it, with tiles beside it."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(map_pictures, "MOST_PIXELS", 1e5)
+        return crowded_report(demo_run, SAMPLE, tmp_path_factory.mktemp("tiled"), 1)
 
 
 @pytest.fixture

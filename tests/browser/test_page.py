@@ -14,7 +14,7 @@ import pytest
 from browser.conftest import OBJECTS
 from browser.pages import violations
 from browser.pictures import picture_at_rest, share_changed
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, Locator
 
 from benchmarks.chromium import NARROW, WIDE, Visit, visit
 
@@ -74,6 +74,40 @@ def test_each_layer_of_the_map_changes_its_pixels(page: Visit) -> None:
         after = picture_at_rest(shown)
         assert share_changed(before, after) > 0.0005, name
         before = after
+
+
+def come_closer(seen: Visit) -> Locator:
+    """Zoom the map in, and return it once it is at rest."""
+    shown = seen.page.locator("#map")
+    shown.scroll_into_view_if_needed()
+    for _ in range(6):
+        seen.page.locator(".leaflet-control-zoom-in").click()
+        picture_at_rest(shown)
+    return shown
+
+
+HIDE_TILES = "document.querySelectorAll('.map-tile').forEach((one) => (one.style.display = 'none'))"
+
+
+def test_a_mosaic_sharpens_when_one_comes_closer(
+    chromium: Browser, tiled: Path, tmp_path: Path
+) -> None:
+    with visit(chromium, tiled) as seen:
+        shown = come_closer(seen)
+        for tile in shown.locator(".map-tile").all():
+            assert tile.evaluate("one => one.decode().then(() => one.naturalWidth)") > 0
+        sharp = picture_at_rest(shown)
+        seen.page.evaluate(HIDE_TILES)
+        blurred = picture_at_rest(shown)
+        assert share_changed(sharp, blurred) > 0.05
+        assert seen.messages == []
+    # handed on without its folder, the page shows what it holds itself
+    alone = tmp_path / "index.html"
+    alone.write_bytes(tiled.read_bytes())
+    with visit(chromium, alone) as seen:
+        shown = come_closer(seen)
+        seen.page.wait_for_function("document.querySelectorAll('.map-tile').length === 0")
+        assert share_changed(picture_at_rest(shown), blurred) < 0.001
 
 
 def test_a_click_on_an_object_of_the_map_opens_its_card(page: Visit) -> None:

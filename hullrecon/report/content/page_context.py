@@ -29,6 +29,7 @@ from hullrecon.report.content.quality import quality_tables
 from hullrecon.report.content.rejected import rejected_groups, settings_rows
 from hullrecon.report.figures.hull_map import HullMap, hull_map
 from hullrecon.report.figures.map_pictures import form_png, survey_layers
+from hullrecon.report.figures.map_tiles import index_tiles
 from hullrecon.report.figures.plan_view import survey_plan
 from hullrecon.report.figures.ship_view import ship_svg
 from hullrecon.report.figures.style import Plot
@@ -62,14 +63,15 @@ def page_context(
 ) -> PageContext:
     """Build the variables of the page's template."""
     view = hull_map(survey)
+    tiles = index_tiles(survey, deliverables)
     with ThreadPoolExecutor(2) as beside:  # what takes longest, mostly outside the interpreter
-        drawn = beside.submit(survey_layers, survey, view) if view else None
+        drawn = beside.submit(survey_layers, survey, view, tiles) if view else None
         packed = beside.submit(make_scene, survey, view)
         deviation = deviation_map(survey, view) if view else None
     layers, scene = drawn.result() if drawn else [], packed.result()
     dive = survey.facts.dive
     figures = deviation_figures(survey)
-    data = {**page_data(survey, view, layers), "scene": scene and scene.document}
+    data = {**page_data(survey, view, layers, tiles), "scene": scene and scene.document}
     quality, mosaics = quality_tables(survey), survey.mosaics.named()
     sections = _sections(
         survey,

@@ -18,24 +18,34 @@ from __future__ import annotations
 import json
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
 from hullrecon.records.links import NodePairs
 from hullrecon.report.figures.hull_map import ChartedObject, HullMap
 from hullrecon.report.figures.map_pictures import MapLayer, palette
+from hullrecon.report.figures.map_tiles import TILE_PX, TileIndex
 from hullrecon.report.survey import Survey
 from hullrecon.typing import Array, Mask
 
 PageData = Mapping[str, object]
 
 
-def page_data(survey: Survey, view: HullMap | None, layers: Sequence[MapLayer]) -> PageData:
-    """Build the document of #report-data, without its scene."""
+def page_data(
+    survey: Survey,
+    view: HullMap | None,
+    layers: Sequence[MapLayer],
+    tiles: Mapping[str, TileIndex] = MappingProxyType({}),
+) -> PageData:
+    """Build the document of #report-data, without its scene.
+
+    `tiles` has the tiles beside the page, by the name of their layer.
+    """
     objects = [] if view is None else [_object(placed, view) for placed in view.objects]
     return {
         "frame": str(survey.track.frame),
-        "map": None if view is None else _map(survey, view, layers),
+        "map": None if view is None else _map(survey, view, layers, tiles),
         "objects": objects,
         "scene": None,
     }
@@ -59,7 +69,12 @@ def image_uri(layer: MapLayer) -> str:
     return "data:image/webp;base64," + b64encode(layer.webp).decode()
 
 
-def _map(survey: Survey, view: HullMap, layers: Sequence[MapLayer]) -> PageData:
+def _map(
+    survey: Survey,
+    view: HullMap,
+    layers: Sequence[MapLayer],
+    tiles: Mapping[str, TileIndex],
+) -> PageData:
     """Describe the map: its bounds, axes and layers, the path and the links."""
     hull, in_ship = survey.facts.hull, survey.is_in_hull_frame
     outside = view.extent.outside
@@ -69,14 +84,14 @@ def _map(survey: Survey, view: HullMap, layers: Sequence[MapLayer]) -> PageData:
         "y_sign": outside.y_sign,
         "axes": ["along", "girth"] if in_ship else ["along", "across"],
         "frame_spacing": hull.frame_spacing if hull is not None and in_ship else None,
-        "layers": [_layer(layer) for layer in layers],
+        "layers": [_layer(layer, tiles.get(layer.name)) for layer in layers],
         "path": [_rounded(outside.to_map(piece)) for piece in _pieces(view.path)],
         "links": _links(survey.facts.node_pairs, view),
     }
 
 
-def _layer(layer: MapLayer) -> PageData:
-    """Describe a layer of the map with its legend."""
+def _layer(layer: MapLayer, tiles: TileIndex | None) -> PageData:
+    """Describe a layer of the map with its legend and its tiles."""
     legend = layer.legend
     return {
         "id": layer.name,
@@ -84,6 +99,12 @@ def _layer(layer: MapLayer) -> PageData:
         "image": image_id(layer),
         "bounds": list(layer.bounds),
         "note": layer.note,
+        "tiles": tiles and {
+            "folder": f"tiles/{layer.name}",  # beside the page
+            "step_m": tiles.step_m,
+            "side_px": TILE_PX,
+            "levels": tiles.levels,
+        },
         "legend": legend and {
             "label": legend.label,
             "low": round(legend.low, 6),

@@ -7,10 +7,11 @@ A layer fills a rectangle of the map coordinates. Layers come from `survey_layer
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -31,12 +32,16 @@ from hullrecon.report.format_limits import WEBP_SIDE_PX, reduction
 from hullrecon.report.survey import Survey
 from hullrecon.typing import Array, Floats32, Mask, Pixels
 
+if TYPE_CHECKING:
+    from rasterio.windows import Window
+
 # of a mosaic: 10 m² at 1 mm a pixel in some 4 MB. The delivered GeoTIFF has all pixels.
 MOST_PIXELS = 12e6
 FIELD_STEP_M = 0.005  # a pixel of a field, which is smooth over centimetres
 MOST_FIELD_PIXELS = 2.5e6  # 10 m by 6 m at FIELD_STEP_M, far below what a canvas may have
 FORM_PX = 1200  # longer side of a map of the form, before it is drawn into its frame
 MOST_NARROW = 12.0  # sides of a map of the form, as drawn
+BLACK = 15  # the darkest of a stretched picture, so that it stands out from what is not there
 MOSAIC_TITLES = {"optical": "Camera mosaic", "sonar": "Sonar mosaic"}
 RASTERS = {  # the delivered raster of a layer
     "optical": "ortho_optical.tif",
@@ -60,8 +65,11 @@ class MapLayer:
     note: str = ""  # sentences that a reader of the map needs
 
 
-def survey_layers(survey: Survey, view: HullMap) -> list[MapLayer]:
-    """Draw the layers of a dive, the first shown first: mosaics, form, sigma, coverage."""
+def survey_layers(survey: Survey, view: HullMap, tiled: Collection[str] = ()) -> list[MapLayer]:
+    """Draw the layers of a dive, the first shown first: mosaics, form, sigma, coverage.
+
+    `tiled` names the mosaics of which tiles at full resolution lie beside the page.
+    """
     rasters, layers = survey.provenance.copies, list[MapLayer]()
     for name, mosaic in survey.mosaics.named().items():
         if RASTERS[name] in rasters:
@@ -70,11 +78,14 @@ def survey_layers(survey: Survey, view: HullMap) -> list[MapLayer]:
     if view.found is not None and survey.surfaces.as_found is not None:
         fields = survey_fields(survey, view.found)
         layers += [field_layer(view.found, field, view.extent) for field in fields]
-    return [replace(layer, note=f"{layer.note} {_resolution(layer, rasters)}") for layer in layers]
+    return [
+        replace(layer, note=f"{layer.note} {_resolution(layer, rasters, layer.name in tiled)}")
+        for layer in layers
+    ]
 
 
-def _resolution(layer: MapLayer, rasters: Mapping[str, Path]) -> str:
-    """Say at what resolution a layer is shown, and which delivered raster is finer."""
+def _resolution(layer: MapLayer, rasters: Mapping[str, Path], has_tiles: bool) -> str:
+    """Say at what resolution a layer is shown, and where it is finer."""
     shown, raster = f"Shown at {_millimetres(layer.step_m)} a pixel", RASTERS.get(layer.name)
     if raster is None or raster not in rasters:
         return f"{shown}."
@@ -82,12 +93,25 @@ def _resolution(layer: MapLayer, rasters: Mapping[str, Path]) -> str:
 
     with rasterio.open(rasters[raster]) as source:
         full_m = float(source.res[0])
-    finer = full_m < 0.999 * layer.step_m
-    return f"{shown}; {raster} has {_millimetres(full_m)}." if finer else f"{shown}."
+    if full_m >= 0.999 * layer.step_m:
+        return f"{shown}."
+    if has_tiles:
+        return (
+            f"{shown}, closer up at {_millimetres(full_m)} from the folder tiles beside this page."
+        )
+    return f"{shown}; {raster} has {_millimetres(full_m)}."
 
 
 def _millimetres(step_m: float) -> str:
     return f"{1000 * step_m:.1f} mm" if step_m < 0.01 else f"{1000 * step_m:.0f} mm"
+
+
+def page_reduction(ortho: Path) -> float:
+    """Compute the factor, at least 1, by which a mosaic is reduced for its picture in the page."""
+    import rasterio
+
+    with rasterio.open(ortho) as source:
+        return reduction(source.width, source.height, WEBP_SIDE_PX, MOST_PIXELS)
 
 
 def mosaic_layer(name: str, title: str, ortho: Path, note: str = "") -> MapLayer:
@@ -96,47 +120,81 @@ def mosaic_layer(name: str, title: str, ortho: Path, note: str = "") -> MapLayer
     It is transparent where nothing was seen.
     """
     import rasterio
-    from rasterio.enums import Resampling
 
+    shrink = page_reduction(ortho)
     with rasterio.open(ortho) as source:
-        shrink = reduction(source.width, source.height, WEBP_SIDE_PX, MOST_PIXELS)
-        shape = (max(1, round(source.height / shrink)), max(1, round(source.width / shrink)))
-        bands = (1, 2, 3) if source.count >= 3 else (1, 1, 1)
-        picture = source.read(bands, out_shape=(3, *shape), resampling=Resampling.average)
-        seen = source.dataset_mask(out_shape=shape)
         left, bottom, right, top = (float(v) for v in source.bounds)
         step_m = float(source.res[0]) * shrink
-    rgba = np.empty((*shape, 4), np.uint8)
-    rgba[..., 3] = seen
-    _stretch(np.asarray(picture, np.uint8), rgba)
-    del picture, seen  # a mosaic of MOST_PIXELS takes 100 MB more while it is encoded
+    bands, seen = read_mosaic(ortho, shrink)
+    rgba = ContrastStretch.of(bands, seen).apply(bands, seen)
+    del bands, seen  # a mosaic of MOST_PIXELS takes 100 MB more while it is encoded
     bounds = (left, bottom, right, top)
     return MapLayer(
         name=name, title=title, webp=webp_bytes(rgba), bounds=bounds, step_m=step_m, note=note
     )
 
 
-def _stretch(picture: Pixels, rgba: Pixels) -> None:
-    """Spread the brightness of bands (3, h, w) over the range, as water leaves a third of it.
+def read_mosaic(ortho: Path, shrink: float, window: Window | None = None) -> tuple[Pixels, Pixels]:
+    """Read an ortho (GeoTIFF), or a window of its pixels, reduced by averaging.
 
-    Colour is amplified less, or it would glare. `rgba`: (h, w, 4) is given the bands, and says by
-    its alpha what was seen. Row by row, as a picture of floats would take 100 MB and more.
+    Returns
+    -------
+    bands
+        (3, h, w), red, green and blue. A mosaic of one band has it three times.
+    seen
+        (h, w), 0 where nothing was seen.
     """
-    sums = np.zeros(3 * 255 + 1, np.int64)
-    for row, alpha in enumerate(rgba[..., 3]):
-        total = picture[:, row].sum(axis=0, dtype=np.int64)
-        sums += np.bincount(total[alpha > 0], minlength=len(sums))
-    if not sums.any():
-        rgba[..., :3] = np.moveaxis(picture, 0, 2)
-        return
-    share = np.cumsum(sums) / sums.sum()
-    low, high = (float(np.searchsorted(share, percent / 100)) / 3 for percent in (0.5, 99.5))
-    gain = np.float32(220 / max(high - low, 25.0))
-    for row in range(picture.shape[1]):
-        bands = picture[:, row].astype(np.float32)
-        gray = bands.mean(axis=0)
-        color = 15 + (gray - np.float32(low)) * gain + (bands - gray) * min(gain, np.float32(1.25))
-        rgba[row, :, :3] = np.clip(color, 0, 255).T
+    import rasterio
+    from rasterio.enums import Resampling
+
+    with rasterio.open(ortho) as source:
+        sides = (source.height, source.width) if window is None else (window.height, window.width)
+        shape = (max(1, round(sides[0] / shrink)), max(1, round(sides[1] / shrink)))
+        numbers = (1, 2, 3) if source.count >= 3 else (1, 1, 1)
+        bands = source.read(
+            numbers, window=window, out_shape=(3, *shape), resampling=Resampling.average
+        )
+        seen = source.dataset_mask(out_shape=shape, window=window)
+    return np.asarray(bands, np.uint8), np.asarray(seen, np.uint8)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContrastStretch:
+    """Spreads the brightness of a picture over the range, as water leaves a third of it.
+
+    Colour is amplified less, or it would glare.
+    """
+
+    low: float  # brightness that becomes BLACK
+    gain: float
+
+    @classmethod
+    def of(cls, bands: Pixels, seen: Pixels) -> ContrastStretch:
+        """Choose the stretch by what was seen of a picture (3, h, w)."""
+        sums = np.zeros(3 * 255 + 1, np.int64)
+        for row, alpha in enumerate(seen):
+            total = bands[:, row].sum(axis=0, dtype=np.int64)
+            sums += np.bincount(total[alpha > 0], minlength=len(sums))
+        if not sums.any():
+            return cls(low=BLACK, gain=1.0)  # changes nothing
+        share = np.cumsum(sums) / sums.sum()
+        low, high = (float(np.searchsorted(share, percent / 100)) / 3 for percent in (0.5, 99.5))
+        return cls(low=low, gain=220 / max(high - low, 25.0))
+
+    def apply(self, bands: Pixels, seen: Pixels) -> Pixels:
+        """Stretch a picture (3, h, w) to RGBA (h, w, 4).
+
+        Row by row, as a picture of floats would take 100 MB and more.
+        """
+        rgba = np.empty((*seen.shape, 4), np.uint8)
+        rgba[..., 3] = seen
+        low, gain = np.float32(self.low), np.float32(self.gain)
+        for row in range(bands.shape[1]):
+            picture = bands[:, row].astype(np.float32)
+            gray = picture.mean(axis=0)
+            color = BLACK + (gray - low) * gain + (picture - gray) * min(gain, np.float32(1.25))
+            rgba[row, :, :3] = np.clip(color, 0, 255).T
+        return rgba
 
 
 def field_layer(found: ChartedSurface, field: MapField, extent: Extent) -> MapLayer:

@@ -4,6 +4,7 @@ import * as L from "leaflet/dist/leaflet-src.esm.js";
 import { showCoordinates } from "./map_coordinates.js";
 import { spreadNumbers } from "./map_numbers.js";
 import { makePanel } from "./map_panel.js";
+import { makeTiles } from "./map_tiles.js";
 import { pictureUri } from "./pictures.js";
 
 const CLOSEST_PX_PER_M = 4000; // four screen pixels for a pixel of the finest mosaic
@@ -78,6 +79,7 @@ function stackPictures(map, layers) {
   let current = null;
   let opacity = 1;
   const ground = layers.find((layer) => !layer.legend);
+  const tiles = makeTiles(map);
 
   function overlay(layer) {
     if (!made.has(layer.id)) {
@@ -91,7 +93,8 @@ function stackPictures(map, layers) {
     const below = current && ground && current !== ground && opacity < 1 ? ground : null;
     for (const [id, picture] of made) if (id !== current?.id && id !== below?.id) picture.remove();
     if (below) overlay(below).setOpacity(1).setZIndex(1).addTo(map);
-    if (current) overlay(current).setOpacity(opacity).setZIndex(2).addTo(map);
+    if (current) overlay(current).setOpacity(opacity).setZIndex(below ? 3 : 1).addTo(map);
+    tiles.show(below ?? (opacity === 1 ? current : null)); // of a faint picture they would be seen twice
     map.getContainer().dataset.picture = current?.id ?? "";
   }
 
