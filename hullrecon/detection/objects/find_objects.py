@@ -277,13 +277,9 @@ def _rejection_reason(
     region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
     shapes = _views_with_shape(found, region, area)
     core = float(area[region.core].sum())
-    least = options.min_height_m + _height_of_facets(found, region)
+    facets = _height_of_facets(found, region)
     checks = (
-        (
-            abs(region.height) < least,
-            f"only {abs(region.height):.3f} m off the hull around it, of "
-            f"{least:.3f} m needed there",
-        ),
+        (abs(region.height) < options.min_height_m + facets, _too_low(region.height, facets)),
         (core < options.min_area_m2, f"only {1e4 * core:.0f} cm2 above half its height"),
         (on < options.min_landmarks, f"only {on} landmark{'' if on == 1 else 's'}"),
         (agree < MIN_AGREEMENT, f"only {100 * agree:.0f} % of its landmarks agree"),
@@ -294,6 +290,14 @@ def _rejection_reason(
         ),
     )
     return next((reason for failed, reason in checks if failed), "")
+
+
+def _too_low(height: float, facets: float) -> str:
+    """Say how high a region is that is too low for an object, and what facets may explain of it."""
+    said = f"only {abs(height):.3f} m off the hull around it"
+    if facets < 0.0005:
+        return said
+    return f"{said}, of which the CAD model's flat facets may account for {facets:.3f} m"
 
 
 def _height_of_facets(found: HullAsFound, region: Region) -> float:
