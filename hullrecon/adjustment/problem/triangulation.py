@@ -144,5 +144,6 @@ def reprojection_errors(
         if camera is None or pose is None:
             continue
         in_camera = pose.inverse().apply_rows(tracks.node, landmark[tracks.landmark])
-        error[:] = np.linalg.norm(camera.project(in_camera) - pixels, axis=1)
+        u, v = (camera.project(in_camera) - pixels).T  # numpy's norm takes thrice as long
+        error[:] = np.sqrt(u * u + v * v)
     return errors[0], errors[1]

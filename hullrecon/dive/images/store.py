@@ -19,6 +19,7 @@ from hullrecon.records.serialisation import from_arrays
 from hullrecon.typing import Pixels
 
 CAMERAS = tuple(camera.key for camera in Camera)
+Encoded = bytes  # of an image, in a class that has a method of that name
 LARGEST_BYTES = 4 * LARGEST_PIXELS  # of one image in a file, unpacked pixels with some room
 
 
@@ -41,7 +42,9 @@ class ImageStore:
 
     def bytes(self, i: int) -> bytes:
         """Read the encoded image i, as it was logged. Raises InputError when its file is gone."""
-        index = self.index
+        return self._bytes(self.index, i)
+
+    def _bytes(self, index: ImageIndex, i: int) -> Encoded:
         file = str(index.file[i])
         path = self.ingest / f"images_{self.camera}.bin"
         if file:
@@ -63,7 +66,8 @@ class ImageStore:
 
     def read(self, i: int) -> Pixels | None:
         """Decode image i into (h, w, 3) RGB. None for one that is unusable or does not decode."""
-        return decode(self.bytes(i), int(self.index.bits)) if self.index.usable[i] else None
+        index = self.index
+        return decode(self._bytes(index, i), int(index.bits)) if index.usable[i] else None
 
 
 @lru_cache(maxsize=8)

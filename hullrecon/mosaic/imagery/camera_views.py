@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -135,7 +135,7 @@ class CameraView:
         away = np.ascontiguousarray(points.T) - self.center[:, None]
         return self._camera_from_frame @ away
 
-    @property
+    @cached_property
     def _camera_from_frame(self) -> Array:
         return np.asarray(self.pose.rotation.as_matrix()[0].T)
 
