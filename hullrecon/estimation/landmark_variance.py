@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Variance of landmarks along the hull's normals: their own, and what they have in common.
+"""Split the variance of landmarks along the hull's normals into an own and a common part.
 
-See docs/methods.md 12.
+See docs/methods.md 12. The common part moves a landmark and its neighbours alike.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.records.solution import HullPose
 from hullrecon.typing import Array
 
-NEIGHBOURS = 32  # of a landmark, whose variances are compared
+NEIGHBOURS = 32  # of a landmark, with whose variances its own is compared
 MIN_SIGMA_M = 0.001  # no landmark is better than its texture's roughness
 
 
@@ -24,23 +24,23 @@ MIN_SIGMA_M = 0.001  # no landmark is better than its texture's roughness
 class VarianceAlongNormals:
     """Variance of landmarks along the hull's normals."""
 
-    own: Array  # (n,) m2 of each landmark alone, no less than its texture's roughness
-    # (n,) m2 of the hull's pose and of the dive's place, which move neighbours as one
+    own: Array  # (n,) m2, independent from landmark to landmark, at least MIN_SIGMA_M^2
+    # (n,) m2, from errors of the hull's pose and of the path, which move neighbours alike
     common: Array
 
 
 def variance_along_normals(
     position: Array, normal: Array, covariance: Array, hull_pose: HullPose | None
 ) -> VarianceAlongNormals:
-    """Split the variance of landmarks along normals into their own and what they have in common.
+    """Split the variance of landmarks along normals into their own and a common part.
 
     Parameters
     ----------
     position, normal, covariance
-        (n, 3), (n, 3), (n, 3, 3), all in one frame.
+        (n, 3) m, (n, 3) and (n, 3, 3) m2, all in one frame.
     hull_pose
-        Whose error the covariances hold as a sum; None where they hold none. It moves all landmarks
-        as one, and is no noise of theirs however large it is.
+        Whose covariance was added to those of the landmarks. None: it was not. It moves all
+        landmarks alike, so it is a common part however large it is.
     """
     rest = covariance - _pose_covariance(position, normal, covariance, hull_pose)
     whole, alone = along_normals(normal, covariance), along_normals(normal, rest)
@@ -57,26 +57,28 @@ def along_normals(normal: Array, covariance: Array) -> Array:
 
 
 def pose_jacobian(points: Array, normals: Array, hull_pose: HullPose) -> Array:
-    """Compute how points (n, 3) in M move along normals by an error of the hull's pose, (n, 6).
+    """Compute the Jacobian (n, 6) of points (n, 3) in M, along normals (n, 3), by the hull's pose.
 
-    Translation in g, rotation perturbed on the right about the survey's middle.
+    The pose is perturbed by a translation in g, and by a rotation on the right about the survey's
+    middle.
     """
     return np.asarray(np.einsum("ni,nij->nj", normals, _motion_by_pose(points, hull_pose)))
 
 
 def _motion_by_pose(points: Array, hull_pose: HullPose) -> Array:
-    """Compute how points (n, 3) in M move by an error of the hull's pose: (n, 3, 6)."""
+    """Compute the Jacobian (n, 3, 6) of points (n, 3) in M by an error of the hull's pose."""
     to_hull = hull_pose.global_from_hull.rotation.as_matrix()[0].T
     shift = np.broadcast_to(-to_hull, (len(points), 3, 3))
     return np.concatenate([shift, cross_matrix(points - hull_pose.survey_center)], axis=2)
 
 
 def shared_variance(position: Array, normal: Array, covariance: Array) -> Array:
-    """Compute the part (n,) of variances along normals that neighbours have in common.
+    """Estimate the part (n,) m2 of variances along normals that neighbours have in common.
 
-    What moves all landmarks is in every neighbour's covariance: the common part is no larger than
-    the second smallest of their variances along this normal. Along their own normals, which lean
-    otherwise, they would have another part of it: tens of metres where no depth was measured.
+    An error that moves all landmarks is in the covariance of every neighbour. So the common part is
+    at most the second smallest of the neighbours' variances along this landmark's normal. Their
+    variances along their own normals, which have other directions, would not compare: an error of
+    tens of metres, as of the depth where it was not measured, is in them to another part.
     """
     if not len(position):
         return np.zeros(0)
@@ -95,7 +97,8 @@ def _pose_covariance(
 ) -> Array:
     """Compute the part of covariances (n, 3, 3) that comes from the hull's pose.
 
-    Zero where it is no part of them (a solve's own marginals hold its correlations too).
+    Zero where it cannot be a part of them because it is larger. Marginals of a solve, for example,
+    contain its correlations with the landmarks.
     """
     nothing = np.zeros_like(covariance)
     if hull_pose is None:

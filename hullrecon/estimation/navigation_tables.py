@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of a native problem that come from navigation, and the prior that fixes frame g."""
+"""Build the tables of a native problem from navigation, and the prior that fixes frame g."""
 
 from __future__ import annotations
 
@@ -11,15 +11,17 @@ from hullrecon.geometry.poses import Poses, pose_vector
 from hullrecon.records.trajectory import Attitude, Odometry
 from hullrecon.typing import Array, Ints
 
-BRIDGED_M_S = 0.05  # of a step's sigma over its time: no DVL that sees the bottom is so bad
-LONGEST_STEP_S = 5.0  # between nodes, over which a velocity goes on
-# Variance of a velocity's change in a second, of a vehicle that turns at the end of a leg
+# Sigma of a step over its time, from which the step was bridged without a DVL. No DVL with a lock
+# has so large a sigma.
+BRIDGED_M_S = 0.05
+LONGEST_STEP_S = 5.0  # between nodes, for which a constant velocity is assumed
+# Density of the white acceleration of a vehicle that turns at the end of a leg
 MANOEUVRES_M2_S3 = 0.01
-FREE_RAD_S = 1e2  # sigma of the change of turn, which is left to the IMU
+FREE_RAD_S = 1e2  # sigma of the change of turn rate, which the IMU determines
 
 
 def attitude_table(attitude: Attitude, depth_weight: float = 1.0) -> native.AttitudeTable:
-    """Build the table of depth, roll and pitch; depth_weight multiplies the sigma of depths."""
+    """Build the table of depth, roll and pitch. `depth_weight` multiplies the sigmas of depths."""
     return native.AttitudeTable(
         node=attitude.node.astype(np.int32),
         measured=np.stack([attitude.depth, attitude.roll, attitude.pitch], axis=1),
@@ -35,13 +37,13 @@ def tray_table(
     Parameters
     ----------
     tray_rad
-        As measured.
+        (n,) as measured.
     direction
-        (n,) sense in which the backlash lies.
+        (n,) +1 or -1, side of its backlash on which the tray hangs.
     sigma_rad
-        Of a reading.
+        Of a reading of the angle.
     unread_rad
-        (n,) sigma of what it may have turned where it was not read.
+        (n,) sigma of the turn since the nearest reading, 0 where the angle was read.
     """
     return native.TrayTable(
         node=np.arange(len(tray_rad), dtype=np.int32),
@@ -56,9 +58,10 @@ def odometry_table(
 ) -> native.OdometryTable:
     """Build the table of odometry.
 
-    A wrong scale stretches the true motion, not the noise of the measured one: taken from what was
-    measured, the derivative by the scale lets a shorter scale explain noise across the motion away,
-    where images tell its direction (errors in variables).
+    The derivative by the DVL's scale is the motion of the present path, and not the measured one,
+    as a wrong scale stretches the true motion and not the measurement's noise. With the measured
+    motion, and images that determine its direction, a shorter scale would explain noise across the
+    direction (errors in variables).
 
     Parameters
     ----------
@@ -67,7 +70,7 @@ def odometry_table(
     tray_rad, tray_from_dvl
         Angles (n,) and mount that dead reckoning used.
     path
-        (n,) in g as it is known by now.
+        (n,) in g, the present estimate.
     """
     motion = path[odometry.first].inverse() @ path[odometry.second]
     by_navigation = odometry.by_navigation.copy()
@@ -86,11 +89,12 @@ def odometry_table(
 
 
 def velocity_table(odometry: Odometry, t_ns: Ints) -> native.VelocityTable:
-    """Build the constant-velocity rows of steps that were bridged, to their neighbours.
+    """Build the constant-velocity table of steps without DVL and their neighbouring steps.
 
-    Odometry alone gives each bridged step, where the DVL was silent, an independent error of many
-    times its length. One camera does not measure lengths: with it, steps would then shrink to
-    nothing wherever that suits the directions. t_ns (n,): of the nodes.
+    Where the DVL gave nothing, odometry has a sigma of many times a step's length, independent from
+    step to step. A single camera does not measure lengths, so such steps could shrink to nothing.
+
+    t_ns (n,): stamps of the nodes.
     """
     duration_s = (t_ns[odometry.second] - t_ns[odometry.first]) * 1e-9
     sigma_m_s = np.sqrt(odometry.covariance[:, 0, 0]) / np.maximum(duration_s, 1e-3)
@@ -114,11 +118,11 @@ def velocity_table(odometry: Odometry, t_ns: Ints) -> native.VelocityTable:
 
 
 def gauge_prior(nodes: Poses, attitude: Attitude) -> native.PosePriors:
-    """Build the prior that fixes g by the first pose.
+    """Build the prior of the first pose, which fixes the frame g.
 
-    x, y and heading are that pose's; depth, roll and pitch are left to their sensors where there
-    are any. A depth that nothing measured is part of the gauge: held loosely relative to links of a
-    tenth of a millimetre, it is undetermined as far as double precision can tell.
+    x, y and heading of g are those of this pose. Depth, roll and pitch have wide priors where
+    sensors measure them. A depth that was not measured has a tight prior too: with a wide one,
+    beside links of a tenth of a millimetre, it would be undetermined in double precision.
     """
     tight_m, tight_rad = 1e-4, 1e-5
     free_m = 10.0 if attitude.has_depth.any() else tight_m
@@ -134,7 +138,11 @@ def gauge_prior(nodes: Poses, attitude: Attitude) -> native.PosePriors:
 def mount_prior_table(
     nominal: Poses | None, sqrt_information: Array | None, found: Poses | None
 ) -> native.MotionPrior | None:
-    """Build the prior of a mount; None where it is held, or absent from rig or state (`found`)."""
+    """Build the prior of a mount. None where the mount is held.
+
+    A mount is held if it has no `sqrt_information` (6, 6), or is absent from the rig (`nominal`) or
+    from the state (`found`).
+    """
     if nominal is None or sqrt_information is None or found is None:
         return None
     return native.MotionPrior(value=pose_vector(nominal), sqrt_information=sqrt_information)

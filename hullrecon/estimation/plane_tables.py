@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Planes of the hull in a native problem."""
+"""Add planes of the hull to a native problem."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hullrecon.records.planes import TiedPlanes
 
 
 def with_planes(problem: native.Problem, planes: TiedPlanes | None) -> native.Problem:
-    """Add planes as unknowns, the ranges to them and their pairs to a problem."""
+    """Add planes to a problem: as unknowns, with the DVL's ranges to them and pairs of them."""
     if planes is None:
         return problem
     return replace(

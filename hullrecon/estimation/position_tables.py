@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The table of a native problem that holds positions from outside, and their fit to the path."""
+"""Add position fixes (USBL, GNSS) to a native problem, and compare them with a solved path."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.records.trajectory import PositionTies
 from hullrecon.typing import Array
 
-ROUNDS = 50  # of the first alignment, each weighted by the residuals of the last
-OUTLIER_SIGMAS = 5.0
-DISAGREE_SIGMAS = 3.0
-MEDIAN_OF_NORM = float(np.sqrt(2 * np.log(2)))  # of two normal numbers
+ROUNDS = 50  # of the first alignment, each weighted by the residuals of the one before
+OUTLIER_SIGMAS = 5.0  # in units of the robust rms of all, if that is above one
+DISAGREE_SIGMAS = 3.0  # robust rms, beyond which position fixes and navigation disagree
+MEDIAN_OF_NORM = float(np.sqrt(2 * np.log(2)))  # median length of two unit normal numbers
 
 
 def with_positions(problem: native.Problem, ties: PositionTies | None) -> native.Problem:
-    """Add measured positions to a problem, and start g in their frame at the best fit."""
+    """Add position fixes to a problem, with a start value of g's position and heading."""
     if ties is None:
         return problem
     pose = problem.unknowns.pose
@@ -39,9 +39,10 @@ def with_positions(problem: native.Problem, ties: PositionTies | None) -> native
 
 
 def place_path(ties: PositionTies, path: Poses) -> Array:
-    """Fit where a path lies on positions: north and east of g's origin, heading of its x axis (3,).
+    """Fit a path to position fixes: north and east of g's origin, m, heading of its x axis, rad.
 
-    By the least sum of distances in sigmas, which outliers hardly move.
+    The sum of distances in sigmas is minimised by reweighted least squares. Outliers hardly change
+    it.
     """
     at = path[ties.node].apply(ties.antenna)[:, :2]
     weight = 1 / ties.sigma**2
@@ -59,18 +60,18 @@ def place_path(ties: PositionTies, path: Poses) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class PositionFit:
-    """How positions lie to a solved path."""
+    """How well position fixes agree with a solved path."""
 
-    count: int
+    count: int  # number of fixes
     span_s: float  # from the first to the last
-    sigma_m: float  # their median
-    rms: float  # of residuals in sigmas, by the median, so that outliers do not count
-    outliers: int  # farther than OUTLIER_SIGMAS of that
-    heading: float  # rad, of g's x axis in their frame
+    sigma_m: float  # median sigma
+    rms: float  # of residuals in sigmas, estimated from their median so that outliers do not count
+    outliers: int  # number of fixes beyond OUTLIER_SIGMAS
+    heading: float  # rad, of g's x axis from north
     heading_sigma: float  # rad
 
     def facts(self) -> dict[str, object]:
-        """Return the numbers for a step's document."""
+        """Collect the figures for adjust.json."""
         return {
             "count": self.count,
             "span_s": self.span_s,
@@ -82,7 +83,7 @@ class PositionFit:
         }
 
     def disagreement(self) -> str | None:
-        """Say that positions and navigation contradict each other, where they do."""
+        """Write a warning that position fixes and navigation disagree. None where they agree."""
         if self.rms <= DISAGREE_SIGMAS:
             return None
         return (
@@ -99,9 +100,9 @@ def fit_of_positions(
     world_covariance: Array,
     options: native.Options,
 ) -> PositionFit | None:
-    """Compare positions with the path of a problem at its solution.
+    """Compare position fixes with the path of a problem at its solution. None without fixes.
 
-    world_covariance (3, 3): of Unknowns.world there.
+    world_covariance (3, 3): of Unknowns.world at the solution.
     """
     if ties is None:
         return None

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is scored, as arrays: read from deliver/, or taken from a solution."""
+"""Read the deliverables that are scored as arrays."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ class TimedPoses:
     t_s: Array  # (n,) since 1970
     poses: Poses  # hull_from_vehicle
     sigma: Array | None = None  # (n, 3) m of x, y, z in the frame that was delivered, or None
-    hull_from_delivered: Poses = field(default_factory=identity)  # where that frame lies
-    has_depth: bool = True  # z of g counts from the water's surface, else from the first pose
+    hull_from_delivered: Poses = field(default_factory=identity)  # pose of that frame in M
+    has_depth: bool = True  # z of g counts from the water's surface; else from the first pose
 
     def rows(self, which: Mask) -> TimedPoses:
         """Select some rows of the path."""
@@ -53,16 +53,16 @@ class TimedPoses:
         return replace(self, t_s=self.t_s[which], poses=self.poses[which], sigma=sigma)
 
 
-WORDS = ("side",)  # columns of trajectory.csv that hold no numbers
-UNIT = re.compile(r"_(m|m2|m3|rad|s)$")  # what a heading may end in
+WORDS = ("side",)  # columns of trajectory.csv without numbers
+UNIT = re.compile(r"_(m|m2|m3|rad|s)$")  # unit at the end of a column's name
 
 
 @dataclass(frozen=True, kw_only=True)
 class PointCloud:
-    """points (n, 3) and what a PLY says of each, by name."""
+    """The vertices of a PLY."""
 
-    points: Array
-    fields: Fields = field(default_factory=dict)
+    points: Array  # (n, 3) m
+    fields: Fields = field(default_factory=dict)  # (n,) each property, by name
 
 
 def read_table(path: Path) -> dict[str, Array]:
@@ -104,7 +104,7 @@ def columns(table: dict[str, Array], names: tuple[str, ...]) -> Array:
 def read_cloud(path: Path) -> PointCloud:
     """Read the vertices of a binary little-endian PLY.
 
-    Raises InputError when it is something else or cut short.
+    Raises InputError for any other file, and for one that is cut short.
     """
     raw = path.read_bytes()
     end = raw.find(b"end_header\n")
@@ -121,9 +121,9 @@ def read_cloud(path: Path) -> PointCloud:
 
 
 def deliver_folder(folder: Path) -> Path:
-    """Find deliver/ of a run, or take the folder itself when it is one.
+    """Find the folder deliver/ of a run, or take the folder itself if it holds deliverables.
 
-    Raises InputError when it holds no deliverable.
+    Raises InputError when there are none.
     """
     for candidate in (folder / "deliver", folder):
         if any(
@@ -139,7 +139,7 @@ def deliver_folder(folder: Path) -> Path:
 
 
 def _vertex_layout(lines: list[str]) -> tuple[int, np.dtype[np.void]]:
-    """Read count and row type of the first element, which must be the vertices."""
+    """Read number and row type of a PLY's vertices, the first element of its header."""
     count, row = 0, list[tuple[str, str]]()
     for line in lines:
         fields = line.split()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which structures were found, how high, and what was reported that is none."""
+"""Score reported objects: structures found, their heights, and false reports."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ Match = tuple[ReportedObject, TrueStructure | None]
 
 
 def score_objects(found: Sequence[ReportedObject], truth: Truth, motion: Poses) -> Figures:
-    """Score reported objects against the nearest structures within reach.
+    """Score reported objects, each matched to the nearest true structure within reach.
 
-    `motion`: the rigid motion that takes our trajectory onto the true one.
+    `motion`: the rigid motion that aligns the delivered trajectory with the true one.
     """
     reports = [_move(found_object, motion) for found_object in found]
     structures, due = truth.structures(), truth.due()
@@ -56,7 +56,7 @@ def score_objects(found: Sequence[ReportedObject], truth: Truth, motion: Poses) 
 def find_reported(
     structure: TrueStructure, found: Sequence[ReportedObject], truth: Truth, motion: Poses
 ) -> ReportedObject | None:
-    """Find the report of a structure with the most images. None when it was missed."""
+    """Find the report of a structure, of several that with most images. None if it was missed."""
     moved = [_move(found_object, motion) for found_object in found]
     own = [
         d
@@ -67,7 +67,7 @@ def find_reported(
 
 
 def reach_m(structure: TrueStructure) -> float:
-    """Bound the distance of a report's centre from its structure's."""
+    """Compute the largest distance, m, of a report's centre from that of its structure."""
     return 0.10 + 0.5 * max(structure.extent)
 
 

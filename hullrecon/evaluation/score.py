@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The deliverables of a run against the truth of its dive, with units."""
+"""Score the deliverables of a run against the truth of its dive."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from hullrecon.geometry.poses import Poses, identity
 from hullrecon.records.deliverables import ReportedObject
 
 MISSING = "missing"
-# figures by deliverable, MISSING in place of one that was not delivered
+# Figures by deliverable, or MISSING for one that was not delivered
 Score = dict[str, Figures | str]
 
 
@@ -71,13 +71,14 @@ def score_run(run: Path, package: Path) -> Score:
 
 
 class _DeliveryReader:
-    """Reads deliverables in M.
+    """Read deliverables in M.
 
-    What stands in g (a dive without a CAD model) is moved to where its path begins in truth.
+    Those of a dive without a CAD model are in g. They are moved so that the path begins at the true
+    pose.
     """
 
     def __init__(self, deliver: Path, truth: Truth) -> None:
-        """Find the motion into M of what was delivered in g: its path begins at the true pose."""
+        """Find the motion from g to M where the deliverables are in g."""
         summary = deliver / "summary.json"
         frame = (
             msgspec.json.decode(summary.read_bytes(), type=_SummaryFile).frame
@@ -95,6 +96,7 @@ class _DeliveryReader:
             self._hull_from_delivered = start
 
     def trajectory(self, path: Path) -> TimedPoses:
+        """Read trajectory.csv in M."""
         track = read_trajectory(path)
         moved = self._hull_from_delivered
         return (
@@ -104,11 +106,13 @@ class _DeliveryReader:
         )
 
     def cloud(self, path: Path) -> PointCloud:
+        """Read a PLY in M."""
         cloud = read_cloud(path)
         moved = self._hull_from_delivered
         return cloud if moved is None else replace(cloud, points=moved.apply(cloud.points))
 
     def objects(self, path: Path) -> list[ReportedObject]:
+        """Read objects.json in M."""
         try:
             found = list(msgspec.json.decode(path.read_bytes(), type=_ObjectsFile).objects)
         except msgspec.MsgspecError as error:
@@ -129,7 +133,7 @@ def unit_of(name: str) -> str:
 
 
 def table_rows(figures: Score) -> list[tuple[str, str, str]]:
-    """List (figure, value, unit) for a table, with four digits."""
+    """List rows (figure, value with four digits, unit) of a table of the score."""
     rows = list[tuple[str, str, str]]()
     for part, values in figures.items():
         if isinstance(values, str):
@@ -142,7 +146,7 @@ def table_rows(figures: Score) -> list[tuple[str, str, str]]:
 
 
 def without_nan(figures: Mapping[str, object]) -> dict[str, object]:
-    """Put null in place of NaN, which JSON does not have."""
+    """Replace NaN, which JSON does not have, by None, also in nested mappings."""
     return {name: _without_nan(value) for name, value in figures.items()}
 
 

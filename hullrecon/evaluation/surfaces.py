@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Errors of surfaces and landmarks against the steel as built."""
+"""Score surfaces and landmarks against the true hull."""
 
 from __future__ import annotations
 
@@ -14,14 +14,23 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.records.solution import LABEL_BOUNDARY_M
 from hullrecon.typing import Array, Mask
 
-_UNCLEAR_M = 0.02  # nearer the label boundary than this, neither label is wrong
+_UNCLEAR_M = 0.02  # a landmark nearer to the label boundary may have either label
 
 
 def score_surface(cloud: PointCloud, truth: Truth, motion: Poses, min_support: int) -> Figures:
-    """Score vertices with enough support where the true surface is known.
+    """Score the vertices of a surface that have enough support, where the true surface is known.
 
-    Figures named aligned_ are after the motion. `motion`: the rigid motion that takes our
-    trajectory onto the true one. `min_support`: views or returns behind a vertex.
+    Parameters
+    ----------
+    cloud
+        Vertices in M, with support and sigma.
+    truth
+        Of the dive.
+    motion
+        The rigid motion that aligns the delivered trajectory with the true one. Figures named
+        aligned_ are after it.
+    min_support
+        Least number of views or returns of a vertex.
     """
     keep = truth.near(cloud.points, 0.25)
     for points in (cloud.points, motion.apply(cloud.points)):
@@ -48,9 +57,10 @@ def score_surface(cloud: PointCloud, truth: Truth, motion: Poses, min_support: i
 
 
 def score_landmarks(cloud: PointCloud, truth: Truth, motion: Poses) -> Figures:
-    """Score landmarks' distances to the steel, and their labels.
+    """Score the landmarks' distances to the true hull, and their labels.
 
-    Label 0 is right where the steel leaves the CAD model.
+    Label 0 is right where the true hull is off the CAD model by more than the label boundary.
+    `motion` aligns the delivered trajectory with the true one.
     """
     keep = truth.near(cloud.points, 0.5)
     distance, _, aligned = _distances(cloud.points[keep], truth, motion)
@@ -76,9 +86,16 @@ def score_landmarks(cloud: PointCloud, truth: Truth, motion: Poses) -> Figures:
 
 
 def _score_labels(foot: Array, off: Mask, cad_model: Scene) -> Figures:
-    """Compute recall and precision of label 0, given feet (n, 3) on the true steel.
+    """Compute recall and precision of label 0.
 
-    `off`: landmarks with label 0.
+    Parameters
+    ----------
+    foot
+        Nearest points on the true hull (n, 3).
+    off
+        (n,) whether the landmark has label 0.
+    cad_model
+        In M.
     """
     away = np.abs(cad_model.closest(foot).distance)
     clear = np.abs(away - LABEL_BOUNDARY_M) > _UNCLEAR_M
@@ -92,23 +109,23 @@ def _score_labels(foot: Array, off: Mask, cad_model: Scene) -> Figures:
 
 
 def _distances(points: Array, truth: Truth, motion: Poses) -> tuple[Array, Array, Array]:
-    """Measure points against the steel.
+    """Compute the distances of points to the true hull.
 
     Returns
     -------
     distance
-        as delivered (n,).
+        (n,) m, as delivered.
     foot
-        on the steel (n, 3).
+        (n, 3) m, nearest points on the true hull, as delivered.
     aligned
-        after the trajectory's alignment (n,).
+        (n,) m, distances after the alignment of the trajectory.
     """
     here, there = truth.built.closest(points), truth.built.closest(motion.apply(points))
     return np.abs(here.distance), here.foot, np.abs(there.distance)
 
 
 def _sigma_coverage(distance: Array, aligned: Array, sigma: Array) -> Figures:
-    """Compute the share of errors that their sigmas (n,) cover."""
+    """Compute the shares of errors (n,), as delivered and aligned, that are within their sigmas."""
     known = np.isfinite(sigma) & (sigma > 0)
     return {
         "share_within_1.96_sigma": _share(distance[known] < 1.96 * sigma[known]),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Score the path and the cameras of a run against the truth."""
+"""Score the path and the camera poses of a run against the truth."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from hullrecon.typing import Array
 
 
 def rms(values: Array) -> float:
-    """Compute the root mean square, NaN of nothing."""
+    """Compute the root mean square of values. NaN for no values."""
     return float(np.sqrt(np.mean(np.square(values)))) if np.size(values) else float("nan")
 
 
@@ -29,7 +29,7 @@ def rms_length(vectors: Array) -> float:
 
 
 def score_cameras(model: Path, truth: Truth) -> Figures:
-    """Score the top camera of a COLMAP model whose images are named by their stamp."""
+    """Score the positions of the top camera in a COLMAP model, whose images are named by stamps."""
     import pycolmap
 
     stamps, centres = list[int](), list[Array]()
@@ -42,7 +42,10 @@ def score_cameras(model: Path, truth: Truth) -> Figures:
 
 
 def centre_figures(t_s: Array, centres: Array, truth: Truth) -> Figures:
-    """Score camera centres (n, 3) in M at times t_s (n,) that have a true frame."""
+    """Score camera centres (n, 3) in M at times t_s (n,), as delivered and after two alignments.
+
+    Times without a true frame within a millisecond are left out.
+    """
     row = np.array([int(np.argmin(np.abs(truth.t_s - t))) for t in t_s], np.int64)
     known = np.abs(truth.t_s[row] - t_s) <= 1e-3
     if known.sum() < 3:
@@ -65,11 +68,11 @@ Figures = dict[str, float | int | list[int] | dict[str, float]]  # by name, its 
 
 
 def score_trajectory(track: TimedPoses, truth: Truth) -> tuple[Figures, Poses]:
-    """Score a trajectory, and fit the motion that takes it onto the true one.
+    """Score a trajectory, and fit the rigid motion that aligns it with the true one.
 
-    A CAD model that is off by a centimetre over the whole surveyed patch cannot be told from a
-    shift of the dive; so surfaces, landmarks and objects are scored as delivered and again after
-    this motion.
+    A CAD model that is off by a centimetre over the whole surveyed patch cannot be distinguished
+    from a shift of the dive. So surfaces, landmarks and objects are scored both as delivered and
+    after this motion.
     """
     ours = track.rows((track.t_s >= truth.t_s.min() - 1e-6) & (track.t_s <= truth.t_s.max() + 1e-6))
     if len(ours.t_s) < 3:
@@ -95,10 +98,10 @@ def score_trajectory(track: TimedPoses, truth: Truth) -> tuple[Figures, Poses]:
 
 
 def hull_from_start(track: TimedPoses, truth: Truth) -> Poses:
-    """Place g, in which a track is told, so that its path begins at the true pose.
+    """Compute the pose of g in M with which a track in g begins at the true pose.
 
-    Level is the water's, and so is the depth if it was measured. The rest is that of the first pose
-    that has a truth: sigmas are relative to it.
+    g is level, and its z is the true depth where depth was measured. Its other coordinates and
+    heading follow from the first pose that has a truth, to which the sigmas are relative.
     """
     inside = np.flatnonzero(
         (track.t_s >= truth.t_s.min() - 1e-6) & (track.t_s <= truth.t_s.max() + 1e-6)
@@ -115,7 +118,10 @@ def hull_from_start(track: TimedPoses, truth: Truth) -> Poses:
 
 
 def _by_direction(error: Array, positions: Array, cad_model: Scene) -> Figures:
-    """Compute the RMSE along the hull, over its girth and off it, at each pose."""
+    """Compute the RMSE of errors (n, 3) in three directions at the hull nearest to each pose.
+
+    They are along the hull, in girth and along the normal.
+    """
     normal = positions - cad_model.closest(positions).foot
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     along = np.array([1.0, 0.0, 0.0]) - normal * normal[:, :1]
@@ -125,9 +131,9 @@ def _by_direction(error: Array, positions: Array, cad_model: Scene) -> Figures:
 
 
 def _consistency(error: Array, sigma: Array | None) -> Figures:
-    """Compare errors with their sigmas by axis of the delivered frame.
+    """Compare errors (n, 3) with their sigmas (n, 3), by axis of the delivered frame.
 
-    One sigma holds the error 68 % of the time when it is right.
+    With right sigmas, 68 % of the errors are within one sigma.
     """
     if sigma is None:
         return {}
@@ -141,7 +147,10 @@ def _consistency(error: Array, sigma: Array | None) -> Figures:
 
 
 def _covered_share(ours_s: Array, true_s: Array) -> float:
-    """Compute the share of the true frames with a pose within three quarters of a period."""
+    """Compute the share of true frames that have a delivered pose near in time.
+
+    Near is within three quarters of the frames' median period.
+    """
     step = np.median(np.diff(true_s))
     ordered = np.sort(ours_s)
     right = np.clip(np.searchsorted(ordered, true_s), 1, len(ordered) - 1)

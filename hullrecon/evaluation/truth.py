@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 Document = TypeVar("Document")
 Point = tuple[float, float, float]
-RIM_M = 0.02  # as wide as the faces of a simulated true surface
+RIM_M = 0.02  # width of the rim of the true surface, as large as its faces are
 
 
 class MotionEntry(msgspec.Struct, frozen=True, kw_only=True):
@@ -78,13 +78,13 @@ class _HullSection(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True, kw_only=True)
 class Truth:
-    """What is true of a dive."""
+    """The truth of a simulated dive."""
 
-    t_s: Array  # (n,) of the camera frames
-    poses: Poses  # hull_from_vehicle (n) at these
-    servo_t_s: Array
-    servo_rad: Array  # angle of the servo at servo_t_s
-    global_from_hull: Poses
+    t_s: Array  # (n,) times of the camera frames
+    poses: Poses  # (n,) hull_from_vehicle at these
+    servo_t_s: Array  # (k,) times of the servo's angle
+    servo_rad: Array  # (k,) angle of the tray
+    global_from_hull: Poses  # a batch of one
     mounts: TrueMounts
     objects: Sequence[TrueStructure]  # structures and painted marks
     built_mesh: Mesh  # the hull as it is, in M
@@ -92,7 +92,7 @@ class Truth:
 
     @cached_property
     def built(self) -> Scene:
-        """Index the hull as it is, to cast rays at."""
+        """The hull as it is, for closest points and rays."""
         return Scene(self.built_mesh)
 
     @cached_property
@@ -102,9 +102,9 @@ class Truth:
         return cKDTree(self.built_mesh.vertices)
 
     def near(self, points: Array, reach_m: float) -> Mask:
-        """Mark points (n, 3) close to a vertex of the true surface.
+        """Tell which points (n, 3) are within reach of a vertex of the true surface.
 
-        Elsewhere nothing is known of it.
+        The truth says nothing of the hull elsewhere.
         """
         distance, _ = self._vertices.query(points, distance_upper_bound=reach_m)
         return np.asarray(np.isfinite(distance))
@@ -118,19 +118,19 @@ class Truth:
         )
 
     def beyond(self, feet: Array) -> Mask:
-        """Mark closest points (n, 3) on the rim of the true surface.
+        """Tell which closest points (n, 3) are on the rim of the true surface.
 
-        What they belong to may lie beyond it.
+        The points whose closest points they are may lie beyond the surface.
         """
         distance, _ = self._rim.query(feet, distance_upper_bound=RIM_M)
         return np.asarray(np.isfinite(distance))
 
     def vehicle_at(self, t_s: Array) -> Poses:
-        """Interpolate hull_from_vehicle at those times, held at both ends."""
+        """Interpolate hull_from_vehicle at times (n,). Beyond the ends, the end's pose is taken."""
         return interpolate(_nanoseconds(self.t_s), self.poses, _nanoseconds(t_s))
 
     def cameras_at(self, rows: Ints) -> Poses:
-        """Place the top camera at frames by row.
+        """Compute the poses hull_from_top of the top camera at frames, by their rows (n,).
 
         Raises InputError where truth/ states no camera.
         """
@@ -144,7 +144,7 @@ class Truth:
         )
 
     def structures(self) -> list[TrueStructure]:
-        """List what stands out of the hull or is cut into it, without paint."""
+        """List the structures that stand off the hull or are cut into it, without painted marks."""
         return [o for o in self.objects if not o.painted and abs(o.height) > 0]
 
     def due(self) -> list[TrueStructure]:

@@ -1,6 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""From returns on the chart to a triangulated surface with its sigma (docs/methods.md 11)."""
+"""Build a triangulated surface with its sigma from points on the chart (docs/methods.md 11).
+
+The offsets of DVL returns or landmarks from the chart's base surface are regressed at the nodes of
+a grid on the chart. The grid is refined, and its vertices are moved along the chart's normals.
+"""
 
 from __future__ import annotations
 
@@ -32,30 +36,30 @@ from hullrecon.typing import Array, Ints, Mask
 
 Facts = dict[str, object]
 GRID_STEP_M = 0.2  # spacing of the chart's grid, subdivided afterwards
-ROUGHNESS_SIGMA_M = 0.01  # one sigma of a single return about the smooth hull
-# cosine between the chart's normal and the datum's below which a height places nothing
+ROUGHNESS_SIGMA_M = 0.01  # sigma of a single return about the smooth hull
+# Least cosine between the normals of chart and datum with which a height becomes an offset
 MIN_FACING = 0.2
-STRUCTURE_SIGMAS = 3.0  # off a smooth surface beyond which an observation is of a structure
-# of the kernel's lengths: side of a cell where there are more observations than one regression
-# takes
+STRUCTURE_SIGMAS = 3.0  # an observation farther off a smooth surface is of a structure
+# Side of a cell of averaging, as a share of the kernel's lengths, where there are more observations
+# than one regression takes
 WIDE_CELL = 0.05
-# observations that the marginal likelihood looks at: a step of the search takes some 10 ms
+# Observations from which the marginal likelihood is computed: a step of the search takes some 10 ms
 LIKELIHOOD_POINTS = 400
 
 
 @dataclass(frozen=True, kw_only=True)
 class SurfacePoints(Rows):
-    """Points (n) that the surface is regressed on, in the chart's frame, without outliers."""
+    """The n points from which the surface is regressed, in the chart's frame, without outliers."""
 
-    point: Array  # (n, 3)
-    noise: Array  # (n,) m, white
-    pose_sigma: Array  # (n,) m, shared by neighbours
-    # (n,) bool: the surface covers what lies around it (returns, else landmarks)
+    point: Array  # (n, 3) m
+    noise: Array  # (n,) m, sigma of the part that is independent from point to point
+    pose_sigma: Array  # (n,) m, sigma of the part that neighbours have in common
+    # (n,) whether the surface covers the hull around the point: returns, or landmarks without any
     gives_support: Mask
 
 
-# offset (m,) m and sigma (m,) m at places wanted (m, 2) of the chart, and facts, from points of the
-# chart (n, 3) and the observations there
+# From chart points (n, 3), the observations there, and chart points wanted (k, 2), computes offsets
+# (k,) m and sigmas (k,) m, with facts for surface.json
 Regression = Callable[[Array, SurfacePoints, Array, SurfaceOptions], tuple[Array, Array, Facts]]
 
 
@@ -71,14 +75,20 @@ def gaussian_process(
     Parameters
     ----------
     charted
-        the points on the chart (n, 3).
+        Along, girth and offset (n, 3) m of the observations.
+    observed
+        The observations (n,).
     wanted
-        places of the chart (m, 2).
+        Along and girth (k, 2) m at which offsets are predicted.
+    options
+        The section [surface] of dive.toml.
+    form
+        Class of the kernel.
 
     Returns
     -------
     offset, sigma, facts
-        at the places (m,) m, and facts for surface.json.
+        (k,) m each, and facts for surface.json.
     """
     noise = np.hypot(observed.noise, ROUGHNESS_SIGMA_M)
     seen = cell_means(charted[:, :2], charted[:, 2], noise, options.cell_m)
@@ -89,7 +99,7 @@ def gaussian_process(
         few = _on_smooth_hull(kernel, _sample(seen), middle)
         limit = (4 * options.cell_m, 60.0)
         kernel, scale = maximise_likelihood(kernel, few.at, few.offset - middle, few.noise, limit)
-    # a smooth hull is seen as well by means over a fraction of the kernel's lengths
+    # Means over a fraction of the kernel's lengths describe a smooth hull as well
     if len(seen.at) > MOST:
         seen = cell_means(
             charted[:, :2],
@@ -121,10 +131,28 @@ def build_surface(
 ) -> tuple[Surface, Facts]:
     """Build the surface (deviation NaN), with facts for surface.json.
 
-    Without a datum, offsets from the chart's base surface are regressed: far from returns the mean
-    is the base surface. With a datum, heights over that plane are: the chart only numbers places,
-    its shape does not enter the mean. Where the chart stands too steep on the datum there is no
-    surface.
+    Without a datum, offsets from the chart's base surface are regressed. Far from returns the
+    result is then the base surface. With a datum, heights above that plane are regressed instead,
+    and the shape of the chart does not enter the result. Where the chart is too steep on the datum
+    there is no surface.
+
+    Parameters
+    ----------
+    observed
+        Points of the hull.
+    chart
+        On which they are regressed.
+    options
+        The section [surface] of dive.toml.
+    datum
+        Plane from which heights are regressed. None: offsets from the chart are.
+    regression
+        The method of regression.
+
+    Raises
+    ------
+    StageError
+        Where no return lies on the chart, or where they are too sparse.
     """
     # Points on the chart, (along, girth, what is regressed).
     charted = chart.to_chart(observed.point)
@@ -159,9 +187,10 @@ def build_surface(
 def _heights_to_offsets(
     height: Array, sigma: Array, at: Array, chart: Chart, datum: PlaneChart
 ) -> tuple[Array, Array]:
-    """Convert heights (n,) over the datum to offsets along the chart's normals.
+    """Convert heights (n,) m above the datum to offsets (n,) m along the chart's normals.
 
-    NaN where the chart is too steep on the datum.
+    NaN where the chart is too steep on the datum. Sigmas are converted too. at (n, 2): on the
+    chart.
     """
     base, normal = chart.from_chart(at)
     lean = normal @ datum.axes[2]
@@ -170,10 +199,10 @@ def _heights_to_offsets(
 
 
 def _on_smooth_hull(kernel: Kernel, seen: Observations, middle: float) -> Observations:
-    """Leave out observations beyond three sigmas of a smooth surface by this kernel.
+    """Leave out observations beyond STRUCTURE_SIGMAS of a smooth surface with this kernel.
 
-    The likelihood knows no outliers: it would take what stands off the hull for noise and flatten
-    the hull.
+    The marginal likelihood has no outliers. It would take structures for noise, and flatten the
+    hull.
     """
     off = (
         seen.offset
@@ -184,7 +213,10 @@ def _on_smooth_hull(kernel: Kernel, seen: Observations, middle: float) -> Observ
 
 
 def _sample(seen: Observations) -> Observations:
-    """Sample half as a compact part, where short lengths show, half spread evenly."""
+    """Choose LIKELIHOOD_POINTS observations: half from a compact part, half spread evenly.
+
+    The compact part shows short correlation lengths.
+    """
     far = np.linalg.norm(
         (seen.at - np.median(seen.at, axis=0)) / np.maximum(np.std(seen.at, axis=0), 1e-9), axis=1
     )
@@ -194,7 +226,19 @@ def _sample(seen: Observations) -> Observations:
 
 
 def _lift_to_space(mesh: Mesh, offset: Array, sigma: Array, support: Ints, chart: Chart) -> Surface:
-    """Move the chart's mesh into space and drop faces that it cannot place."""
+    """Move the vertices of a mesh on the chart into space, and drop faces outside the chart.
+
+    Faces are oriented outward.
+
+    Parameters
+    ----------
+    mesh
+        With vertices along, girth, 0.
+    offset, sigma, support
+        Of the vertices (n,).
+    chart
+        Whose points and normals place the vertices.
+    """
     base, normal = chart.from_chart(mesh.vertices[:, :2])
     vertices = base + normal * offset[:, None]
     placed = np.asarray(np.isfinite(vertices).all(axis=1))
@@ -212,14 +256,17 @@ def _lift_to_space(mesh: Mesh, offset: Array, sigma: Array, support: Ints, chart
 
 
 def _nearest(at: Array, values: Array, wanted: Array) -> Array:
+    """Look up the value (n,) of the point (n, 2) nearest to each wanted point (k, 2)."""
     return np.asarray(values[nearest(at, wanted, 1)[1][:, 0]])
 
 
 def supported_lattice(at: Array, step_m: float, reach_m: float) -> Mesh:
-    """Triangulate the chart's grid nodes within `reach_m` of a return at (n, 2).
+    """Triangulate the nodes of a grid on the chart that lie within `reach_m` of a return.
 
-    Vertices are (along, girth, 0), faces look along along x girth. Nodes that no whole cell uses
-    are left out.
+    Only cells with four such nodes have faces. Vertices are (along, girth, 0), and faces are
+    counter-clockwise in (along, girth).
+
+    at (n, 2): returns on the chart, m. step_m: of the grid.
     """
     from scipy.spatial import cKDTree
 

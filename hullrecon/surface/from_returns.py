@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""From a survey's DVL returns (its landmarks where no DVL was carried) to the hull's surface."""
+"""Estimate the hull's surface from a survey's DVL returns, or landmarks where there is no DVL."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ from hullrecon.typing import Array, Ints, Mask
 
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
-    """How far the surface depends on the CAD model that it is compared with."""
+    """Facts on how far the surface depends on the CAD model that it is compared with."""
 
-    reference: str  # what the returns' offsets were regressed from
+    reference: str  # surface from which offsets were regressed: "cad" or "survey"
     note: str | None  # what a comparison with the CAD model is worth, None without one
 
 
@@ -40,20 +40,21 @@ class CadHull:
     """A hull with a CAD model, in M."""
 
     mesh: Mesh
-    up: Sequence[float] | Array = (0.0, 0.0, 1.0)  # (3,) roughly up
-    bow: str | None = None  # as `chart_for_hull` has it
-    aft_perpendicular_m: float | None = None  # as `chart_for_hull` has it
+    # As parameters of `chart_for_hull`
+    up: Sequence[float] | Array = (0.0, 0.0, 1.0)
+    bow: str | None = None
+    aft_perpendicular_m: float | None = None
 
     def chart(self, points: Array, sensors: Array) -> Chart:
-        """Unroll the CAD model, whatever points and sensors are."""
+        """Make the chart of the CAD model. Points and sensors are not needed."""
         return chart_for_hull(self.mesh, self.up, self.bow, self.aft_perpendicular_m)
 
     def on_hull(self, label: Ints) -> Mask:
-        """Mark the landmarks (n,) labelled as lying on the CAD model's surface."""
+        """Tell which landmarks (n,) are labelled as on the CAD model's surface."""
         return np.asarray(label == 1)
 
     def deviation(self, vertices: Array) -> Array:
-        """Measure the signed distance (n,) m of vertices (n, 3), outward positive."""
+        """Compute signed distances (n,) m of vertices (n, 3) to the CAD model, outward positive."""
         return Scene(self.mesh).closest(vertices).distance
 
     def comparison(self, poses_are_adjusted: bool) -> Comparison:
@@ -72,15 +73,15 @@ class UnknownHull:
     """A hull without a CAD model: everything stays in g."""
 
     def chart(self, points: Array, sensors: Array) -> Chart:
-        """Fit a plane or a cylinder to points (n, 3), its normals towards the sensors (m, 3)."""
+        """Fit a plane or a cylinder to points (n, 3), with normals towards the sensors (k, 3)."""
         return chart_for_points(points, toward=sensors)
 
     def on_hull(self, label: Ints) -> Mask:
-        """Mark every landmark (n,): nothing tells those on the hull from others."""
+        """Take every landmark (n,), as labels are not known."""
         return np.ones(len(label), bool)
 
     def deviation(self, vertices: Array) -> Array:
-        """Return NaN (n,), as there is nothing to deviate from."""
+        """Return NaN (n,), as there is no CAD model."""
         return np.full(len(vertices), np.nan)
 
     def comparison(self, poses_are_adjusted: bool) -> Comparison:
@@ -93,8 +94,8 @@ HullReference = CadHull | UnknownHull
 
 Facts = dict[str, object]
 OUTLIER_NEIGHBOURS = 30  # with which a return is compared [Ozog2016 3.2.2.1]
-# chart to regress offsets on, plane over which heights are regressed instead, and what surface.json
-# says of it, from the points (n, 3), their chart and where the sensors were (m, 3)
+# From points (n, 3), their chart and positions of the sensors (k, 3), chooses the chart on which
+# offsets are regressed, or a plane from which heights are, with facts for surface.json
 Reference = Callable[[Array, Chart, Array], tuple[Chart, PlaneChart | None, Facts]]
 
 
@@ -107,15 +108,15 @@ def own_chart(
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceInputs:
-    """What a surface is made of."""
+    """The inputs of a surface."""
 
     hull: HullReference
-    track: VehicleTrack  # the vehicle in the surface's frame
+    track: VehicleTrack  # of the vehicle, in the surface's frame
     rig: Rig
     returns: Returns | None  # None where no DVL was carried
-    range_sigma_m: float  # white part of a range
+    range_sigma_m: float  # independent part of a range's sigma
     solution: Solution | None  # None before the adjustment
-    chart: Chart | None  # the adjustment's, None where it left none
+    chart: Chart | None  # of the adjustment. None: it is made here
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,7 +136,21 @@ def surface_from_survey(
 ) -> ChartedResult:
     """Estimate the hull's surface in the frame of the track.
 
-    Raises StageError where there is too little to make one of.
+    Parameters
+    ----------
+    survey
+        Path, returns and landmarks.
+    options
+        The section [surface] of dive.toml.
+    regression
+        The method of regression.
+    reference
+        Chooses the surface from which offsets are regressed.
+
+    Raises
+    ------
+    StageError
+        Where there are too few returns and landmarks.
     """
     # Where the beams ended, and the landmarks on the hull
     returns, counts = _points_of_returns(survey, options)
@@ -165,16 +180,16 @@ def surface_from_survey(
 
 @dataclass(frozen=True, kw_only=True)
 class _ReturnPoints:
-    """Where the beams of the returns that count ended."""
+    """The ends of the beams that are used."""
 
-    points: Array  # (n, 3)
-    node: Ints  # (n,) that each belongs to
+    points: Array  # (n, 3) m
+    node: Ints  # (n,) node to which each return is attached
 
 
 def _points_of_returns(
     survey: SurfaceInputs, options: SurfaceOptions
 ) -> tuple[_ReturnPoints, Facts]:
-    """Place the returns without flagged ones and outliers, and count these."""
+    """Compute the ends of the returns without flagged ones and outliers, and count these."""
     returns = survey.returns
     if returns is None:
         return _ReturnPoints(points=np.zeros((0, 3)), node=np.zeros(0, np.int64)), {"returns": 0}
@@ -191,7 +206,10 @@ def _points_of_returns(
 
 
 def _find_inliers(points: Array, flagged: Mask, options: SurfaceOptions) -> Mask:
-    """Mark the points (n, 3) that count. Raises StageError with fewer than four."""
+    """Tell which points (n, 3) are used: finite ones, not flagged (n,), and no outliers.
+
+    Raises StageError with fewer than four.
+    """
     inlier = ~flagged & np.isfinite(points).all(axis=1)
     if inlier.sum() < 4:
         raise StageError("the DVL gave fewer than four returns", where="surface")
@@ -208,7 +226,7 @@ class _LandmarkPoints:
 
 
 def _find_landmarks(survey: SurfaceInputs, options: SurfaceOptions) -> _LandmarkPoints:
-    """Find landmarks on the hull that three images saw; none before the adjustment."""
+    """Select landmarks on the hull with three observations or more. None before the adjustment."""
     if survey.solution is None:
         return _LandmarkPoints(points=np.zeros((0, 3)), covariance=np.zeros((0, 3, 3)))
     landmarks = survey.solution.landmarks
@@ -223,9 +241,9 @@ def _find_landmarks(survey: SurfaceInputs, options: SurfaceOptions) -> _Landmark
 def _measure_landmarks(
     landmarks: _LandmarkPoints, survey: SurfaceInputs, chart: Chart
 ) -> SurfacePoints:
-    """Give landmarks their own sigma along the normals and the one that they share.
+    """Compute the landmarks' sigmas along the normals: their own, and that common to neighbours.
 
-    Landmarks share the hull's pose and the dive's place.
+    Errors of the hull's pose and of the path's position are common to neighbours.
     """
     n = len(landmarks.points)
     if survey.solution is None or n == 0:
@@ -249,7 +267,7 @@ def _measure_landmarks(
 
 
 def _add_sigmas(returns: _ReturnPoints, survey: SurfaceInputs, chart: Chart) -> SurfacePoints:
-    """Give returns the sigma of their ranges, and of their poses along the normals."""
+    """Give returns the sigma of their ranges, and that of their nodes' poses along the normals."""
     points, poses = returns.points, survey.track.poses[returns.node]
     _, normals = chart.from_chart(chart.to_chart(points)[:, :2])
     shared = pose_sigma_along(
@@ -268,7 +286,7 @@ def _add_sigmas(returns: _ReturnPoints, survey: SurfaceInputs, chart: Chart) -> 
 
 
 def _join(returns: SurfacePoints, landmarks: SurfacePoints) -> SurfacePoints:
-    """Join both. Landmarks support the surface where there are no returns."""
+    """Join returns and landmarks. Landmarks give support only where there are no returns at all."""
     n, alone = len(landmarks.point), not len(returns.point)
     return SurfacePoints(
         point=np.vstack([returns.point, landmarks.point]),
@@ -281,10 +299,10 @@ def _join(returns: SurfacePoints, landmarks: SurfacePoints) -> SurfacePoints:
 def statistical_inliers(
     points: Array, neighbours: int = OUTLIER_NEIGHBOURS, deviations: float = 1.0
 ) -> Mask:
-    """Reject points (n, 3) far from their neighbours [Rusu2008; Ozog2016 3.2.2.1].
+    """Tell which points (n, 3) are not far from their neighbours [Rusu2008; Ozog2016 3.2.2.1].
 
-    A point belongs whose mean distance to its neighbours is within so many standard deviations of
-    the mean of all. [Ozog2016] takes 30 neighbours and one standard deviation.
+    A point is an inlier if its mean distance to its neighbours is at most `deviations` standard
+    deviations above the mean of all. [Ozog2016] takes 30 neighbours and one standard deviation.
     """
     count = min(neighbours, len(points) - 1)
     if count < 1:
@@ -299,8 +317,8 @@ def move_to_hull_frame(
 ) -> VehicleTrack:
     """Move a track from g to M by a first guess of the hull's pose (a batch of one).
 
-    `sigma_m`: of the guess, along M's axes (3,). It is added to the covariance and soon exceeds the
-    rest of it.
+    `sigma_m` (3,): of the guess along M's axes. It is added to the covariance, of which it soon is
+    the largest part.
     """
     hull_from_global = global_from_hull.inverse()
     turn = np.zeros((6, 6))
@@ -313,20 +331,20 @@ def move_to_hull_frame(
 
 
 def pose_sigma_along(normals: Array, levers: Array, covariance: Array, rotation: Array) -> Array:
-    """Propagate poses' covariances to points along the normals, (m,) m.
+    """Compute the sigmas (n,) m of points along normals due to the vehicle's poses.
 
     A point R p + t moves by dt + R (w x p).
 
     Parameters
     ----------
     normals
-        (m, 3) in the result's frame.
+        (n, 3) in the result's frame.
     levers
-        point minus vehicle (m, 3).
+        (n, 3) m from the vehicle to the points, in the result's frame.
     covariance
-        (m, 6, 6) of translation and of rotation, right-perturbed in v.
+        (n, 6, 6) of the poses: translation, then rotation perturbed on the right in v.
     rotation
-        of the vehicle (m, 3, 3).
+        (n, 3, 3) of the vehicle.
     """
     lever_v = np.einsum("nji,nj->ni", rotation, levers)
     normal_v = np.einsum("nji,nj->ni", rotation, normals)

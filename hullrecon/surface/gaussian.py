@@ -16,28 +16,36 @@ from hullrecon.errors import StageError
 from hullrecon.rows import Rows
 from hullrecon.typing import Array, Ints
 
-MOST = 6000  # observations of a tile, those around it among them: the regression is cubic in them
-OUTLIER_SIGMAS = 2.0  # of the surface, beyond which an observation loses weight
-ROUNDS = 4  # of weighing outliers down
-MARGIN = 0.5  # of the kernel's lengths, around a tile
-BLEND = 0.25  # of these, to either side of its border
+MOST = 6000  # observations of a tile and its margin at most: the regression's time is cubic in them
+OUTLIER_SIGMAS = 2.0  # from the surface, beyond which an observation loses weight
+ROUNDS = 4  # of reweighting outliers
+# Width of the margin around a tile from which observations are taken, and of the band on either
+# side of its border in which tiles are blended, as shares of the kernel's lengths
+MARGIN = 0.5
+BLEND = 0.25
 
 
 @dataclass(frozen=True, kw_only=True)
 class Observations(Rows):
-    """Means of returns over cells of the chart (n)."""
+    """Means of points over n cells of the chart."""
 
     at: Array  # (n, 2) m on the chart
     offset: Array  # (n,) m from the base surface
-    noise: Array  # (n,) m
-    count: Ints  # (n,) returns behind each
+    noise: Array  # (n,) m, sigma of the mean
+    count: Ints  # (n,) number of points that were averaged
 
 
 def cell_means(at: Array, offset: Array, noise: Array, cell_m: float | Array) -> Observations:
-    """Average over the cells of a grid, weighted, in the grid's order.
+    """Average points over the cells of a grid, weighted by their noise, in the grid's order.
 
-    The noise (n,) is white, so means have less of it. `cell_m`: side of a cell, or its two sides
-    along and in girth.
+    Parameters
+    ----------
+    at, offset
+        (n, 2) m on the chart, and (n,) m.
+    noise
+        (n,) m, sigma of each point, independent of the others.
+    cell_m
+        Side of a cell, or its sides along and in girth (2,).
     """
     corner = np.floor(at / cell_m).astype(np.int64)
     _, cell = np.unique(corner, axis=0, return_inverse=True)
@@ -55,11 +63,11 @@ def cell_means(at: Array, offset: Array, noise: Array, cell_m: float | Array) ->
 
 @dataclass(frozen=True, kw_only=True)
 class Prediction:
-    """The field at the places asked for (m)."""
+    """The predicted field at n points."""
 
-    mean: Array  # (m,) m
-    sigma: Array  # (m,) m
-    tiles: int  # how many gave them
+    mean: Array  # (n,) m
+    sigma: Array  # (n,) m
+    tiles: int  # number of tiles in which it was regressed
 
 
 @dataclass(frozen=True)
@@ -70,19 +78,38 @@ class Box:
     high: Array
 
     def around(self, at: Array, by: Array) -> Ints:
-        """Find the points (n, 2) inside the box or within (2,) m of it."""
+        """List the points (n, 2) in the box, or within `by` (2,) m of it along either axis."""
         return np.flatnonzero(((at >= self.low - by) & (at <= self.high + by)).all(axis=1))
 
     def weight(self, at: Array, by: Array) -> Array:
-        """Weigh points (n, 2) from 1 inside to 0 at (2,) m beyond the border."""
+        """Compute blending weights (n,) of points (n, 2): from 1 inside to 0 outside of the box.
+
+        They fall linearly over a band that reaches `by` (2,) m to either side of the border.
+        """
         inside = np.minimum(at - (self.low - by), (self.high + by) - at) / (2 * by)
         return np.asarray(np.clip(inside, 0, 1).prod(axis=1))
 
 
 def regress(kernel: Kernel, seen: Observations, wanted: Array, most: int = MOST) -> Prediction:
-    """Predict a zero-mean field at places (m, 2) of the chart, outliers weighed down.
+    """Predict a zero-mean field at points (k, 2) of the chart, with outliers weighted down.
 
-    Raises NotPositiveDefiniteError as `fit` does.
+    The chart is split into tiles, which are regressed separately and blended at their borders.
+
+    Parameters
+    ----------
+    kernel
+        Covariance function of the field.
+    seen
+        Observations.
+    wanted
+        Points (k, 2) m.
+    most
+        Observations of a tile and its margin.
+
+    Raises
+    ------
+    NotPositiveDefiniteError
+        As `fit` does.
     """
     lengths = np.array(kernel.length)
     corners = np.vstack([seen.at, wanted])
@@ -105,7 +132,7 @@ def regress(kernel: Kernel, seen: Observations, wanted: Array, most: int = MOST)
 
 
 def _predict(kernel: Kernel, seen: Observations, wanted: Array) -> tuple[Array, Array]:
-    """Predict mean and sigma (m,). Without observations the kernel decides."""
+    """Predict mean and sigma (k,) at points (k, 2). Without observations they are the prior's."""
     if not len(seen.at):
         return np.zeros(len(wanted)), np.full(len(wanted), kernel.sigma)
     found = fit_robust(kernel, seen.at, seen.offset, seen.noise)
@@ -113,9 +140,9 @@ def _predict(kernel: Kernel, seen: Observations, wanted: Array) -> tuple[Array, 
 
 
 def _split(box: Box, at: Array, margin: Array, most: int) -> Iterator[Box]:
-    """Split a box until each part, with its margin, holds at most `most` observations.
+    """Split a box until each part has, with its margin (2,) m, at most `most` observations (n, 2).
 
-    Parts no larger than their margins are not split.
+    Parts that are no larger than their margins are not split.
     """
     size = (box.high - box.low) / margin
     if len(box.around(at, margin)) <= most or size.max() <= 1:
@@ -129,27 +156,26 @@ def _split(box: Box, at: Array, margin: Array, most: int) -> Iterator[Box]:
         yield from _split(part, at, margin, most)
 
 
-CHUNK = 2000  # points predicted at once, and rows of a covariance: bounds memory at n x 2000
-SMALL = 1500  # rows; below, LAPACK beats the sparse factor whatever the fill
+CHUNK = 2000  # points predicted at once, and rows of a covariance at once: limits memory
+SMALL = 1500  # rows of a matrix, up to which a dense factorisation is faster whatever the fill
 
 
 @dataclass(frozen=True)
 class Kernel:
-    """A covariance function that vanishes beyond its length, so that its matrices are sparse.
+    """A covariance function that is zero beyond its lengths, so that its matrices are sparse.
 
-    It is the Melkumyan-Ramos function of each axis, multiplied: positive definite.
+    It is the product of the Melkumyan-Ramos functions of the two axes, which is positive definite.
     """
 
     length: tuple[float, float]  # m along the hull and in girth, at which the covariance is zero
     sigma: float  # m, of the field
 
     NAME: ClassVar[str] = "product"  # as surface.json has it
-    NORM: ClassVar[float] = (
-        np.inf
-    )  # of a gap in units of the lengths; from 1 on there is no covariance
+    # Norm of a gap in units of the lengths, in which the covariance is zero from 1 on
+    NORM: ClassVar[float] = np.inf
 
     def matrix(self, a: Array, b: Array) -> sparse.csr_array:
-        """Compute covariances (n, m) between points (n, 2) and (m, 2) of the chart."""
+        """Compute covariances (n, k) between points (n, 2) and (k, 2) of the chart."""
         from scipy.spatial import cKDTree
 
         scale = np.array(self.length)
@@ -172,7 +198,7 @@ class Kernel:
         return self.matrix(at, at)
 
     def correlation(self, gap: Array) -> Array:
-        """Compute correlations (k,) at gaps (k, 2) in units of the lengths."""
+        """Compute correlations (n,) at gaps (n, 2) in units of the lengths."""
         return np.asarray(compact(np.abs(gap[:, 0])) * compact(np.abs(gap[:, 1])))
 
 
@@ -187,24 +213,24 @@ def compact(r: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Regression:
-    """A field of offsets conditioned on observations (n)."""
+    """A field of offsets conditioned on n observations."""
 
     kernel: Kernel
-    at: Array  # (n, 2) on the chart
-    noise: Array  # (n,) m, one sigma of each observation: 1/sqrt(beta) in [Ozog2016]
-    weights: Array
-    factor: Factor
+    at: Array  # (n, 2) m on the chart
+    noise: Array  # (n,) m, sigma of each observation: 1/sqrt(beta) in [Ozog2016]
+    weights: Array  # (n,) of the observations' kernels, whose sum is the mean
+    factor: Factor  # of the observations' covariance
 
     def mean(self, wanted: Array) -> Array:
-        """Predict values at (m, 2) [Ozog2016 eq. 3.2]."""
+        """Predict the field at points (k, 2) [Ozog2016 eq. 3.2]."""
         starts = range(0, len(wanted), CHUNK)
         parts = [self.kernel.matrix(wanted[i : i + CHUNK], self.at) @ self.weights for i in starts]
         return np.concatenate([np.zeros(0), *parts])
 
     def sigma(self, wanted: Array, noise: float = 0.0) -> Array:
-        """Predict the surface's sigmas at (m, 2) [Ozog2016 eq. 3.3].
+        """Predict the sigma of the field at points (k, 2) [Ozog2016 eq. 3.3].
 
-        With the noise of a return they are those of what the next return would measure.
+        With the noise of a return, it is that of the offset which another return would measure.
         """
         parts = [
             self._explained_variance(wanted[i : i + CHUNK]) for i in range(0, len(wanted), CHUNK)
@@ -213,16 +239,16 @@ class Regression:
         return np.asarray(np.sqrt(np.maximum(0.0, self.kernel.sigma**2 - variance) + noise**2))
 
     def _explained_variance(self, wanted: Array) -> Array:
+        """Compute by how much the observations lower the prior variance at points (k, 2)."""
         cross = self.kernel.matrix(self.at, wanted).toarray()
         return np.asarray(np.einsum("nm,nm->m", cross, self.factor.solve(cross)))
 
 
 def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
-    """Condition a zero-mean field on values (n,) m at (n, 2) with noise (n,) m.
+    """Condition a zero-mean field on values (n,) m with noise (n,) m at points (n, 2).
 
-    By their covariance K + I/beta [Ozog2016 eq. 3.1].
-
-    Raises NotPositiveDefiniteError when the kernel is no covariance on these points.
+    The values' covariance is K + I/beta [Ozog2016 eq. 3.1]. Raises NotPositiveDefiniteError when
+    the kernel is no covariance on these points.
     """
     return _condition(kernel, kernel.covariance(at), at, values, noise)
 
@@ -237,10 +263,10 @@ def _condition(
 
 
 def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
-    """Condition the field with outliers weighed down.
+    """Condition a zero-mean field as `fit` does, with outliers weighted down iteratively.
 
-    Beyond OUTLIER_SIGMAS of the surface an observation loses weight by the square of how much
-    farther it lies.
+    The noise of an observation beyond OUTLIER_SIGMAS from the surface grows in proportion to its
+    distance.
     """
     covariance = kernel.covariance(at)
     result = _condition(kernel, covariance, at, values, noise)
@@ -255,13 +281,25 @@ def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regres
 def maximise_likelihood(
     start: Kernel, at: Array, values: Array, noise: Array, limit: tuple[float, float]
 ) -> tuple[Kernel, float]:
-    """Estimate the field's lengths and sigma and a factor on the noise.
+    """Estimate the kernel's lengths and sigma, and a factor on the noise, by marginal likelihood.
 
-    `limit`: m, within which lengths stay.
+    Parameters
+    ----------
+    start
+        Kernel from which the search starts.
+    at, values, noise
+        Observations: (n, 2) m, (n,) m and (n,) m.
+    limit
+        Least and largest length, m.
+
+    Returns
+    -------
+    kernel, factor
+        The estimated kernel, and the factor on the noise.
     """
     from scipy.optimize import minimize
 
-    # searched are logarithms of both lengths (m), sigma (m) and the factor on the noise
+    # Unknowns: logarithms of both lengths (m), of sigma (m) and of the factor on the noise
     gap = at[:, None, :] - at[None, :, :]
     low = np.log([limit[0], limit[0], 1e-3, 0.3])
     high = np.log([limit[1], limit[1], 1.0, 10.0])
@@ -295,9 +333,9 @@ def maximise_likelihood(
 
 
 def _log_likelihood(covariance: Array, values: Array, noise: Array) -> float:
-    """Return the log marginal likelihood [Ozog2016 eq. 3.1].
+    """Compute the log marginal likelihood of values (n,) with covariance (n, n) and noise (n,).
 
-    It is minus infinity where the kernel is no covariance on these points.
+    [Ozog2016 eq. 3.1]. It is minus infinity where the covariance is not positive definite.
     """
     try:
         lower = linalg.cholesky(covariance + np.diag(noise**2), lower=True)
@@ -331,6 +369,8 @@ def factorise(matrix: sparse.csr_array) -> Factor:
 
 
 class _Dense:
+    """A dense Cholesky factorisation by LAPACK."""
+
     def __init__(self, matrix: sparse.csr_array) -> None:
         try:
             dense = matrix.toarray(order="F")  # in LAPACK's order, so that it needs no copy
@@ -343,7 +383,7 @@ class _Dense:
 
 
 class _Sparse:
-    """SuperLU held to the diagonal: the pivots of U are then those of L D L^T."""
+    """A sparse factorisation by SuperLU with diagonal pivots: U's diagonal is then D of L D L^T."""
 
     def __init__(self, matrix: sparse.csr_array) -> None:
         """Factorise.
