@@ -1,14 +1,16 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The difference that a hull's curvature makes of two planes on it, by two characteristic radii.
+"""The difference between two tangent planes of a curved hull, by two characteristic radii.
 
-As in [Ozog2016 2.3.4, B.6]. Azimuth runs about z of the vehicle, elevation towards z. Where the
-vehicle moves by t_a and t_e across the normal of a plane at the distance p, the normal leans by t_a
-/ (radius_azimuth + p) and t_e / (radius_elevation + p). The print adds t_y over radius_azimuth and
-t_z over radius_elevation whatever the normal's direction; that holds for a normal along +x of the
-vehicle alone, has the wrong sign in azimuth for a vehicle that looks ahead at the hull, and forgets
-that the vehicle's way is longer than that on the hull. The printed distance stays, too; here the
-plane touches the surface that has curved away meanwhile.
+As in [Ozog2016 2.3.4, B.6], corrected. Azimuth is the angle about z of the vehicle, elevation that
+towards z. Where the vehicle moves by t_a and t_e perpendicular to the normal of a plane at the
+distance p, the normal turns by t_a / (radius_azimuth + p) and t_e / (radius_elevation + p).
+
+[Ozog2016] adds t_y over radius_azimuth and t_z over radius_elevation for any direction of the
+normal. That holds for a normal along +x of the vehicle alone. It has the wrong sign in azimuth for
+a vehicle that looks ahead at the hull, and does not take into account that the vehicle moves
+farther than its foot on the hull. It also keeps the distance of the plane. Here the second plane
+touches the surface, which has curved away.
 """
 
 from __future__ import annotations
@@ -21,18 +23,21 @@ from hullrecon.typing import Array
 def curvature_difference(
     plane: Array, moved: Array, radius_azimuth: Array, radius_elevation: Array
 ) -> Array:
-    """Compute by how much a plane differs from one seen after the vehicle has moved, (m, 3) m.
-
-    In the vehicle frame of the first pose: PlanePairTable.measured.
+    """Compute the plane seen after the vehicle has moved minus the plane seen before.
 
     Parameters
     ----------
     plane
-        (m, 3) m seen by the first pose.
+        (n, 3) m, seen from the first pose, in its vehicle frame.
     moved
-        (m, 3) m, the second pose's origin in the vehicle frame of the first.
+        (n, 3) m, the second pose's origin in the vehicle frame of the first.
     radius_azimuth, radius_elevation
-        (m,) m of the hull; positive of a convex one, inf is flat.
+        (n,) m of the hull, positive where it is convex, inf where it is flat.
+
+    Returns
+    -------
+    Array
+        (n, 3) m in the vehicle frame of the first pose, as PlanePairTable.measured.
     """
     distance = np.linalg.norm(plane, axis=-1, keepdims=True)
     n = plane / distance
@@ -65,21 +70,21 @@ def curvature_information(
     covariance: Array,
     floor_m: float,
 ) -> Array:
-    """Compute the sqrt_information (m, 3, 3) of plane pairs.
+    """Compute the square root of information (n, 3, 3) of plane pairs.
 
-    Of diag(difference^2) + C S C' + floor^2 [Ozog2016 2.3.4]; C is the derivative of the difference
-    by the poses.
+    It is that of the covariance diag(difference^2) + C S C' + floor^2 [Ozog2016 2.3.4], where C is
+    the derivative of the difference by the poses.
 
     Parameters
     ----------
     plane, moved, radius_azimuth, radius_elevation
-        As in `curvature_difference`.
+        As for `curvature_difference`.
     rotation
-        (m, 3, 3) global_from_vehicle of the first pose.
+        (n, 3, 3) global_from_vehicle of the first pose.
     covariance
-        S (m, 14, 14) of both poses, as `pair_covariance` gives it.
+        S (n, 14, 14) of both poses, as of `pair_covariance`.
     floor_m
-        Sigma of what no radius explains (frames, weld seams, the fit of the patches).
+        Sigma of causes other than curvature (frames, weld seams, the fit of the patches).
     """
     h = 1e-4
 

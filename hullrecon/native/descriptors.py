@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Descriptors of keypoints that were found."""
+"""Compute descriptors of detected keypoints."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from hullrecon.typing import Array, Floats32, Ints, Pixels
 
 
 def describe_keypoints(levels: Sequence[Floats32], keypoints: Array, level: Ints) -> Pixels:
-    """Describe keypoints by SIFT: descriptors (n, 128) of length 512 but for rounding.
+    """Compute SIFT descriptors (n, 128) of keypoints, of length 512 except for rounding.
 
-    Raises InputError for keypoints that are not in their level, and levels narrower than 10 px.
+    Raises InputError for keypoints outside of their level, and for levels narrower than 10 px.
 
     Parameters
     ----------

@@ -12,9 +12,9 @@ from hullrecon.typing import Array, Floats32, Ints, Ints32
 def draw_triangles(
     points: Array, faces: Ints | Ints32, values: Array, shape: tuple[int, int]
 ) -> Floats32:
-    """Draw faces (m, 3) with values at their corners, linear between them.
+    """Draw faces (m, 3) into a picture, with values interpolated linearly between their corners.
 
-    Of faces that overlap the last is seen. A pixel is drawn where its middle lies on a face.
+    Where faces overlap, the last is drawn. A pixel is drawn if its middle lies on a face.
 
     Parameters
     ----------

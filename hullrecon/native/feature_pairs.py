@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Features of two images pair by pair: near ones, distances of descriptors, best ones."""
+"""Pairs of features of two images, in C++: in regions, by descriptor distances, the best ones."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from hullrecon.typing import Array, Floats32, Ints
 def pairs_in_regions(
     center: Array, half_width: Array, form: Array | None, points: Array
 ) -> tuple[Ints, Ints]:
-    """Find the pairs (row of center, row of points) of points within a region of a center.
+    """Find the points in regions: pairs (row of center, row of points), sorted by both.
 
-    In order of both. What is not finite pairs with nothing. Raises InputError for shapes that do
-    not fit.
+    A region is a rectangle, or the part of it in an ellipse. Centers and points that are not finite
+    have no pairs. Raises InputError for shapes that do not fit.
 
     Parameters
     ----------
     center, half_width
-        (n, 2) of the regions.
+        (n, 2) px, middles of the rectangles and half their sides.
     form
-        (n, 3) where given: `xx dx^2 + 2 xy dx dy + yy dy^2 <= 1` within the region.
+        (n, 3) xx, xy, yy of the ellipses xx dx^2 + 2 xy dx dy + yy dy^2 <= 1. None: rectangles.
     points
-        (m, 2).
+        (k, 2) px.
     """
     import hullrecon._native as _native  # compiled; loads the solver's libraries
 
@@ -36,9 +36,9 @@ def pairs_in_regions(
 
 
 def descriptor_distances(a: Floats32, b: Floats32, first: Ints, second: Ints) -> Floats32:
-    """Compute the Euclidean distances (m,) of rows `first` of a (n, w) and `second` of b (k, w).
+    """Compute the Euclidean distances (m,) of descriptors: rows `first` of a and `second` of b.
 
-    Raises InputError for rows that are not there.
+    Descriptors a are (n, w), b (k, w). Rows are (m,) each. Raises InputError for rows out of range.
     """
     import hullrecon._native as _native
 
@@ -47,10 +47,12 @@ def descriptor_distances(a: Floats32, b: Floats32, first: Ints, second: Ints) ->
 
 
 def best_and_next(key: Ints, distance: Floats32) -> tuple[Ints, Floats32]:
-    """Find the row of the least distance of each key, and each key's second least distance.
+    """Find for each key the row with the least distance, and the second least distance.
 
-    Rows are in order of the keys, the first of equals; the second least is inf where there is none.
-    key (m,): not negative; distance (m,).
+    Rows are in the order of the keys. Of equal distances the first row is taken. The second least
+    distance is inf where a key has one row only.
+
+    key (m,): not negative. distance (m,): of the same rows.
     """
     import hullrecon._native as _native
 

@@ -21,9 +21,9 @@ class Closest:
     # or vertex)
     distance: Array
     point: Array  # (n, 3) on the mesh
-    # (n, 3) unit, of the signed distance (the pseudonormal where the distance is nothing)
+    # (n, 3) unit, gradient of the signed distance (the pseudonormal where the distance is zero)
     gradient: Array
-    face: Ints32  # (n,)
+    face: Ints32  # (n,) face on which the closest point lies
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,11 +36,11 @@ class Hits:
 
 
 class MeshIndex:
-    """Closest points and ray casts on a mesh: vertices (n, 3) m, faces (m, 3), outward.
+    """An index for closest points and ray casts on a mesh: vertices (n, 3) m, faces (m, 3).
 
-    Faces are counter-clockwise from outside. Vertices with equal coordinates count as one.
-    `threads`: 0 = all cores; the answer does not depend on it. Raises InputError for shapes,
-    indices or numbers that cannot be.
+    Faces are counter-clockwise seen from outside. Vertices with equal coordinates count as one.
+    `threads`: 0 takes all cores. The result does not depend on it. Raises InputError for wrong
+    shapes, indices out of range and numbers that are not finite.
     """
 
     def __init__(self, vertices: ArrayLike, faces: ArrayLike, *, threads: int = 0) -> None:
@@ -64,9 +64,9 @@ class MeshIndex:
         return Closest(distance=distance, point=point, gradient=gradient, face=face)
 
     def cast(self, origins: ArrayLike, directions: ArrayLike) -> Hits:
-        """Find the first crossings of rays, origins (n, 3) and directions (n, 3).
+        """Find the first crossings of rays from origins (n, 3) m along directions (n, 3).
 
-        With either side of a face. Directions need not be unit vectors; ranges are metres.
+        Both sides of a face count. Directions need not be unit vectors, and ranges are in metres.
         """
         distance, face, normal = self._index.cast(
             np.asarray(origins, float), np.asarray(directions, float), self._threads
@@ -74,9 +74,10 @@ class MeshIndex:
         return Hits(range=distance, face=face, normal=normal)
 
     def is_free(self, starts: ArrayLike, ends: ArrayLike) -> Mask:
-        """Mark the straight lines, from starts (n, 3) to ends (n, 3), that no face crosses.
+        """Tell which straight lines from starts (n, 3) to ends (n, 3) no face crosses, (n,).
 
-        A face at the end itself does not count. Faster than `cast`, which finds the first face.
+        A face at the end itself does not count. This is faster than `cast`, which finds the first
+        face.
         """
         free: Mask = self._index.is_free(
             np.asarray(starts, float), np.asarray(ends, float), self._threads

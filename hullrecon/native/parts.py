@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Solving a problem in parts that share poses and nodes, by the same steps as the whole."""
+"""Solve a problem in parts that share poses and field nodes, by the same steps as the whole."""
 
 from __future__ import annotations
 
@@ -22,16 +22,17 @@ from hullrecon.typing import Array, Ints32, Mask
 
 @dataclass(frozen=True, kw_only=True)
 class Part:
-    """A part of a problem, with rows of its own numbers.
+    """A part of a problem, with its own numbering of poses, landmarks etc.
 
-    Every factor and every prior is in one part alone. What factors of several parts meet is shared:
-    it starts from the same value in each, and has a number among all that are shared, from 0 on.
-    Globals are shared by all. A prior that a free global has anyway (navigation, intrinsics, world,
-    lenses) gets a sigma of 1e150 in all parts but one, which is as good as none.
+    Every factor and every prior is in a single part. An unknown that factors of several parts meet
+    is shared. It is in each of these parts, with the same start value, and has a number among all
+    shared unknowns, from 0 on. Globals are shared by all parts. A global that always has a prior
+    (navigation, intrinsics, world, lenses) has a sigma of 1e150 in all parts but one.
     """
 
     problem: Problem
-    shared_poses: Ints32 = integers(0, 2)  # (k, 2) row here, number
+    # (k, 2) each: number in this part, number among all shared unknowns
+    shared_poses: Ints32 = integers(0, 2)
     shared_nodes: Ints32 = integers(0, 2)  # of the deviation field
     shared_planes: Ints32 = integers(0, 2)
     shared_switches: Ints32 = integers(0, 2)  # of links
@@ -39,7 +40,7 @@ class Part:
 
 @dataclass(frozen=True, kw_only=True)
 class PartResult:
-    """The unknowns of a part at the end, and what became of its rows, as in Result."""
+    """The solution of a part: its unknowns, and labels, distances and hits as in Result."""
 
     unknowns: Unknowns
     label: Ints32
@@ -63,25 +64,25 @@ def solve_parts(
 ) -> PartsResult:
     """Find the unknowns of least cost of a problem in parts.
 
-    Landmarks and whatever else a part does not share are eliminated inside it; what parts leave on
-    shared blocks and globals is joined (docs/schur.md, *Parts*). Sums have the order of the parts,
-    and the bytes do not depend on the number of threads.
+    Landmarks and other unknowns of a single part are eliminated in it. The reduced systems of all
+    parts, on shared unknowns and globals, are added and solved (docs/schur.md, *Parts*). Sums have
+    the order of the parts, and the bytes of the result do not depend on the number of threads.
 
     Parameters
     ----------
     parts
-        Taken one after the other.
+        Read one after the other. With a folder, the arrays of a part are not needed after it was
+        read, so that a generator has one part in memory at a time.
     options
         Of the solve.
     folder
-        Of temporary files that hold what is large of each part while others are at work; its
-        arrays are not needed once it was taken, so of a generator's parts one at a time is in
-        memory. None: all are, all the time. The bytes are the same.
+        For temporary files, which hold the large arrays of parts that are not at work. None: all
+        parts stay in memory. The bytes of the result are the same.
 
     Raises
     ------
     InputError
-        Where parts do not fit together; else as `solve`.
+        Where parts do not fit together, otherwise as `solve`.
     OSError
         Where the folder's disk is full.
     """
@@ -101,11 +102,11 @@ def covariance_parts(
     *,
     of_landmarks: bool = True,
 ) -> tuple[Covariance, ...]:
-    """Compute what `covariance` does of a problem in parts, at their start values.
+    """Compute the marginal covariances of a problem in parts at the start values, by part.
 
-    Marginals are those of the whole problem; each part has those of its own rows. Leverages are of
-    its own factors. Parts and folder are as in `solve_parts`, of_landmarks as in `covariance`.
-    Raises as `covariance`, and OSError.
+    They are marginals of the whole problem, for the unknowns of each part. Leverages are those of
+    the part's own factors. `parts` and `folder` are as for `solve_parts`, `of_landmarks` as for
+    `covariance`. Raises as `covariance`, and OSError.
     """
     import hullrecon._native as _native
 

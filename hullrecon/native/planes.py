@@ -18,9 +18,9 @@ from hullrecon.typing import Array, Ints32
 
 @dataclass(frozen=True, kw_only=True)
 class PlaneTable(Rows):
-    """Where the planes of Unknowns.plane are held."""
+    """The anchors of the planes in Unknowns.plane."""
 
-    anchor: Ints32 = integers(0)  # (p,) nodes
+    anchor: Ints32 = integers(0)  # (p,) node in whose vehicle frame each plane is given
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,7 +28,7 @@ class PlaneSightingTable(Rows):
     """Planes seen from poses [Ozog2016 eq. 2.2].
 
     sqrt_information @ (plane in the vehicle frame of the node - measured). A sighting from the
-    anchor joins no poses.
+    plane's anchor constrains the plane alone, and no poses.
     """
 
     node: Ints32 = integers(0)  # (m,)
@@ -48,13 +48,13 @@ class PlanePairTable(Rows):
 
     first: Ints32 = integers(0)  # (m,) planes
     second: Ints32 = integers(0)  # (m,) planes, others than first
-    # (m, 3) m difference by the curvature between them; zeros where it is left to sqrt_information
+    # (m, 3) m difference due to curvature; zeros where sqrt_information allows for it instead
     measured: Array = floats(0, 3)
     sqrt_information: Array = floats(0, 3, 3)  # (m, 3, 3)
     point: Array = floats(0, 3)  # (m, 3) m on the second plane, in the vehicle frame of its anchor
-    # (m, 3) m where the difference has that point, in the vehicle frame of the first's anchor
+    # (m, 3) m value of y for which `measured` holds, in the vehicle frame of the first's anchor
     place: Array = floats(0, 3)
-    # (m, 3, 3) derivative of the difference by y; zeros where it has none
+    # (m, 3, 3) derivative of the difference by y; zeros where it is constant
     by_place: Array = floats(0, 3, 3)
 
 
@@ -62,9 +62,9 @@ class PlanePairTable(Rows):
 class PlaneRangeTable(Rows):
     """Ranges of single DVL beams to planes [Ozog2016 eq. 2.4, its sign and square corrected].
 
-    (predicted - measured) / sigma, under Huber's loss (Options.huber_range). Predicted is -(h + n .
-    o) / (n . d) for a beam from o along d and a plane n . x = -h, in the vehicle frame of the node.
-    Columns are as in RangeTable.
+    (predicted - measured) / sigma, under Huber's loss (Options.huber_range). The predicted range is
+    -(h + n . o) / (n . d) for a beam from o along d and a plane n . x = -h, in the vehicle frame of
+    the node. Columns are as in RangeTable.
     """
 
     node: Ints32 = integers(0)  # (m,)

@@ -1,14 +1,16 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A bundle adjustment problem as tables: unknowns, measurements, what is held [Ozog2016 4.2].
+"""A bundle adjustment problem as tables: unknowns, priors, measurements [Ozog2016 4.2].
 
-Quaternions are x y z w; motions are 7 numbers, x y z qx qy qz qw. The tangent of a motion is
-(translation, rotation) with the rotation perturbed on the right and the translation added in the
-parent frame; that of a pose block (translation 3, rotation 3, tray 1). The hull frame of a problem
-may be shifted from M to the middle of the survey; the mesh is given in that frame. sqrt_information
-(6, 6) is the square root of an information matrix, by which a residual is multiplied.
+Quaternions are x y z w, and motions are 7 numbers x y z qx qy qz qw. The tangent of a motion is
+(translation, rotation): the translation is added in the parent frame, the rotation is perturbed on
+the right. The tangent of a pose block is (translation 3, rotation 3, tray 1). The hull frame of a
+problem may be shifted from M to the middle of the survey, and the mesh is in that frame.
+sqrt_information (6, 6) is the square root of an information matrix, by which a residual is
+multiplied.
 
-m, the number of rows, differs from table to table; a table left out has none.
+In shapes, m is the number of rows of a table, and differs from table to table. A table that is left
+out has no rows.
 """
 
 from __future__ import annotations
@@ -24,8 +26,8 @@ from hullrecon.native.planes import PlanePairTable, PlaneRangeTable, PlaneSighti
 from hullrecon.rows import Rows
 from hullrecon.typing import Array, Ints32
 
-# Displacement of a lens: for either axis a sum of products of Legendre polynomials over the image,
-# of unit rms, by total degree from 2 to LENS_DEGREE, then by that along u
+# The displacement of a lens is, for either axis, a sum of products of Legendre polynomials over the
+# image, of unit rms. They are ordered by total degree, 2 to LENS_DEGREE, then by that along u.
 LENS_DEGREE = 5
 LENS_MODES = (LENS_DEGREE + 1) * (LENS_DEGREE + 2) // 2 - 3  # of one axis
 
@@ -36,10 +38,10 @@ class Unknowns:
 
     pose: Array  # (n, 8) global_from_vehicle and the tray's angle, x y z qx qy qz qw tray
     landmark: Array = floats(0, 3)  # (L, 3) m in g
-    T_g_M: Array = motion()  # (7,) as are the next three
-    T_s_ct: Array = motion()
-    T_ct_cb: Array = motion()
-    T_s_d: Array = motion()
+    T_g_M: Array = motion()  # (7,)
+    T_s_ct: Array = motion()  # (7,)
+    T_ct_cb: Array = motion()  # (7,)
+    T_s_d: Array = motion()  # (7,)
     # (6,) DVL scale, heading drift rad/s, roll and pitch bias rad, depth bias m, tray backlash rad
     navigation: Array = floats(6)
     # (F,) m, normal offsets of the hull from the CAD model, outward positive, at the nodes of the
@@ -53,8 +55,8 @@ class Unknowns:
     # (3,) north and east of g's origin m, heading of its x axis rad; unknown where there are
     # positions
     world: Array = floats(3)
-    # (2 LENS_MODES,) px of the modes of u, then of v: pixel p sees what the intrinsics put at p +
-    # displacement; unknown where Problem.lenses is given
+    # (2 LENS_MODES,) px, amplitudes of the modes for u, then for v: pixel p shows what the
+    # intrinsics put at p + displacement. Unknown where Problem.lenses is given
     lens_top: Array = floats(2 * LENS_MODES)
     lens_bottom: Array = floats(2 * LENS_MODES)
 
@@ -69,7 +71,7 @@ class CadMesh:
 
 @dataclass(frozen=True, kw_only=True)
 class LeverArms:
-    """Where the tray's axis and the pressure sensor sit in the vehicle frame."""
+    """Positions of the tray's axis and of the pressure sensor in the vehicle frame."""
 
     tray: Array = floats(3)  # (3,) m
     pressure: Array = floats(3)  # (3,) m
@@ -79,8 +81,8 @@ class LeverArms:
 class MotionPrior:
     """A prior on a motion x [Ozog2016 eq. 4.8].
 
-    sqrt_information times (translation, rotation vector) of value^-1 x. The translation is in the
-    axes of the value.
+    Its residual is sqrt_information times (translation, rotation vector) of value^-1 x, so that the
+    translation is in the axes of the child.
     """
 
     value: Array  # (7,)
@@ -107,7 +109,7 @@ class SparseRows:
 
 @dataclass(frozen=True, kw_only=True)
 class Priors:
-    """Priors by unknown; None: there is none. That of a held block is left out."""
+    """Priors by unknown. None: there is no prior. Priors of held blocks are ignored."""
 
     pose: PosePriors = PosePriors()
     T_g_M: MotionPrior | None = None
@@ -116,17 +118,16 @@ class Priors:
     T_s_d: MotionPrior | None = None
     navigation_sigma: Array = field(default_factory=lambda: np.ones(6))  # (6,) about zero
     intrinsics_sigma: Array = field(default_factory=lambda: np.ones(9))  # (9,) about the start
-    # as good as none
-    # (3,) about zero
+    # (3,) about zero, so wide as to have no effect
     world_sigma: Array = field(default_factory=lambda: np.array([1e4, 1e4, 10.0]))
-    deviation: SparseRows = SparseRows()  # rows that whiten the deviation field
+    deviation: SparseRows = SparseRows()  # square root of the deviation field's information
 
 
 @dataclass(frozen=True, kw_only=True)
 class AttitudeTable(Rows):
-    """Depth, roll, pitch [Ozog2016 eq. 4.9].
+    """Depth, roll, pitch [Ozog2016 eq. 4.9]: (predicted - measured) / sigma.
 
-    z of the pressure sensor + depth bias, roll + its bias, pitch + its bias, less measured.
+    Predicted are z of the pressure sensor, roll and pitch, each plus its bias.
     """
 
     node: Ints32 = integers(0)  # (m,)
@@ -149,8 +150,8 @@ class OdometryTable(Rows):
     """Relative motion of two poses [Ozog2016 eq. 4.11].
 
     sqrt_information @ (e - by_navigation @ (scale, drift) - by_mount @ Log(R_mount^-1 R_s_d) -
-    by_tray * (mean tray angle - tray)), e = (t_ij - t_z in the axes of vehicle i, Log(R_z^-1
-    R_ij)), T_ij = T_i^-1 T_j. Each by_* is a derivative of the measured motion z in these same
+    by_tray * (mean tray angle - tray)), with e = (t_ij - t_z in the axes of vehicle i, Log(R_z^-1
+    R_ij)) and T_ij = T_i^-1 T_j. Each by_* is a derivative of the measured motion z in these
     coordinates.
     """
 
@@ -161,8 +162,8 @@ class OdometryTable(Rows):
     by_navigation: Array = floats(0, 6, 2)  # (m, 6, 2) by DVL scale error and heading drift
     by_mount: Array = floats(0, 6, 3)  # (m, 6, 3) by the rotation of T_s_d away from mount
     by_tray: Array = floats(0, 6)  # (m, 6) by the mean tray angle of the two nodes away from tray
-    tray: Array = floats(0)  # (m,) rad that dead reckoning used
-    mount: Array = motion()  # (7,) that dead reckoning used
+    tray: Array = floats(0)  # (m,) rad, mean tray angle that dead reckoning used
+    mount: Array = motion()  # (7,) T_s_d that dead reckoning used
 
     SHARED: ClassVar = frozenset({"mount"})
 
@@ -171,9 +172,10 @@ class OdometryTable(Rows):
 class VelocityTable(Rows):
     """Constant velocity over three poses in a row, across a gap of sensors [KimEustice2009 II-A].
 
-    (mean velocity from the second to the third - that from the first to the second) / sigma,
-    translation in the axes of the second vehicle, rotation vector of each step over its time. Under
-    white acceleration of density q, (m/s^2)^2 s, sigma^2 = q (before + after) / 3.
+    (mean velocity from the second to the third - mean velocity from the first to the second) /
+    sigma. Its translation is in the axes of the second vehicle. Its rotation is the rotation vector
+    of each step over the step's time. With a white acceleration of density q, (m/s^2)^2 s, sigma^2
+    = q (before + after) / 3.
     """
 
     first: Ints32 = integers(0)  # (m,) nodes
@@ -186,10 +188,10 @@ class VelocityTable(Rows):
 
 @dataclass(frozen=True, kw_only=True)
 class PositionTable(Rows):
-    """Positions from outside (USBL, GPS): (predicted - measured) / sigma, north and east.
+    """Position fixes (USBL, GNSS): (predicted - measured) / sigma, north and east.
 
-    Under Huber's loss on the norm of both rows (Options.huber_position). Predicted is where
-    Unknowns.world has the antenna.
+    Huber's loss is on the norm of both rows (Options.huber_position). The predicted position is
+    that of the antenna, with g placed by Unknowns.world.
     """
 
     node: Ints32 = integers(0)  # (m,)
@@ -200,23 +202,23 @@ class PositionTable(Rows):
 
 @dataclass(frozen=True, kw_only=True)
 class StereoTable(Rows):
-    """Landmarks in both images [Ozog2016 eq. 4.12].
+    """Observations of landmarks by both cameras of a node [Ozog2016 eq. 4.12].
 
-    One Huber loss on the norm of the 4 rows (Options.huber_stereo); a point behind its camera costs
-    10^4 px a row, without derivative.
+    One Huber loss is on the norm of the 4 rows (Options.huber_stereo). A landmark behind the camera
+    has a residual of 10^4 px in each row, without derivative.
     """
 
     node: Ints32 = integers(0)  # (m,)
     landmark: Ints32 = integers(0)  # (m,)
     pixel: Array = floats(0, 4)  # (m, 4) raw: top u v, bottom u v
-    sigma_ratio: Array = floats(0)  # (m,) sigma of a coordinate in Problem.sigma_px; empty: 1
+    sigma_ratio: Array = floats(0)  # (m,) sigma of a coordinate over Problem.sigma_px; empty: 1
 
 
 @dataclass(frozen=True, kw_only=True)
 class MonoTable(Rows):
-    """Landmarks in one image [Ozog2016 eq. 4.13].
+    """Observations of landmarks by one camera of a node [Ozog2016 eq. 4.13].
 
-    Loss and sigma_ratio are as in StereoTable, on 2 rows (Options.huber_mono).
+    Loss and sigma_ratio are as in StereoTable, for 2 rows (Options.huber_mono).
     """
 
     node: Ints32 = integers(0)  # (m,)
@@ -228,27 +230,27 @@ class MonoTable(Rows):
 
 @dataclass(frozen=True, kw_only=True)
 class LensTable:
-    """Displacements of the top and the bottom lens with their prior; empty: there are none."""
+    """The prior of the displacements of top and bottom lens; empty: they are no unknowns."""
 
-    image_size: Array = floats(0, 2)  # (2, 2) px, width and height
-    sigma_px: Array = floats(0, 2 * LENS_MODES)  # (2, 2 LENS_MODES)
-    expected_px: Array = floats(0, 2 * LENS_MODES)  # (2, 2 LENS_MODES)
+    image_size: Array = floats(0, 2)  # (2, 2) px, width and height of each camera
+    sigma_px: Array = floats(0, 2 * LENS_MODES)  # (2, 2 LENS_MODES) of each mode's amplitude
+    expected_px: Array = floats(0, 2 * LENS_MODES)  # (2, 2 LENS_MODES) mean of the prior
 
 
 @dataclass(frozen=True, kw_only=True)
 class FieldNodes(Rows):
-    """Where rows stand in the deviation field; empty without a field."""
+    """The nodes of the deviation field around each row's point; empty without a field."""
 
     index: Ints32 = integers(0, 4)  # (m, 4) nodes
-    weight: Array = floats(0, 4)  # (m, 4)
+    weight: Array = floats(0, 4)  # (m, 4) bilinear weights
 
 
 @dataclass(frozen=True, kw_only=True)
 class RangeTable(Rows):
     """Ray-cast ranges [Ozog2016 eq. 4.14]: (predicted - measured) / sigma.
 
-    Predicted is the distance to the CAD model moved outward by the field: cast - field /
-    cos(incidence).
+    The predicted range is the distance along the beam to the CAD model, moved outward by the
+    deviation field: cast - field / cos(incidence).
     """
 
     node: Ints32 = integers(0)  # (m,)
@@ -262,7 +264,10 @@ class RangeTable(Rows):
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceTable(Rows):
-    """Distance of landmarks to the CAD model minus the field [Ozog2016 eqs 4.4, 4.5, 4.7]."""
+    """Distances of landmarks to the hull: to the CAD model, minus the deviation field.
+
+    Their cost is that of a mixture of two labels [Ozog2016 eqs 4.4, 4.5, 4.7].
+    """
 
     landmark: Ints32 = integers(0)  # (m,)
     weight: Array = floats(0)  # (m,) multiplies the cost of the mixture
@@ -274,7 +279,7 @@ class Problem:
     """Unknowns at their start values, priors and measurements."""
 
     unknowns: Unknowns
-    # blocks held, any of "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation",
+    # Blocks that are held, any of "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation",
     # "intrinsics_top", "intrinsics_bottom", "world", "lens_top", "lens_bottom", "tray" (every
     # pose's tray angle)
     constant: tuple[str, ...] = ()
@@ -287,7 +292,7 @@ class Problem:
     stereo: StereoTable = StereoTable()
     mono: MonoTable = MonoTable()
     lenses: LensTable = LensTable()
-    sigma_px: float = 1.0  # of a pixel coordinate, but for a row's sigma_ratio
+    sigma_px: float = 1.0  # of an image coordinate, times the row's sigma_ratio
     ranges: RangeTable = RangeTable()
     surface: SurfaceTable = SurfaceTable()
     links: LinkTable = LinkTable()
@@ -299,13 +304,13 @@ class Problem:
     positions: PositionTable = PositionTable()
 
     def hold(self, *blocks: str) -> Problem:
-        """Hold these blocks too."""
+        """Hold further blocks."""
         return replace(self, constant=tuple(sorted({*self.constant, *blocks})))
 
     def free(self, *blocks: str) -> Problem:
-        """Make these blocks unknown."""
+        """Make blocks unknown that were held."""
         return replace(self, constant=tuple(name for name in self.constant if name not in blocks))
 
     def started_from(self, unknowns: Unknowns) -> Problem:
-        """Take other values of the unknowns."""
+        """Take other start values of the unknowns."""
         return replace(self, unknowns=unknowns)

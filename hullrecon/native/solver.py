@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Solving a Problem in C++: the optimum, residuals with their Jacobian, marginal covariances."""
+"""Solve a Problem in C++, and evaluate its residuals, Jacobian and marginal covariances."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from hullrecon.native.problem import LENS_MODES, Problem, Unknowns
 from hullrecon.typing import Array, Ints, Ints32, Mask
 
-# apart in the record of a solve
+# Factors of the pose graph, and the order of all factors in records and evaluations
 GRAPH_FACTORS = ("link", "plane", "plane_pair", "plane_range", "velocity", "position")
 FACTORS = (
     "prior",
@@ -33,13 +33,13 @@ class Options:
     """Options of `solve`.
 
     Huber thresholds apply to the norm of a factor's whitened rows, which grows with their number:
-    2.508 of four rows and 1.856 of two leave the same 17.9 % of normal measurements in the linear
-    branch as the customary 1.345 of one row; inf switches one off.
+    with 2.508 for four rows and 1.856 for two, the same 17.9 % of normally distributed measurements
+    are in the linear branch as with the customary 1.345 for one row. inf: no robust loss.
     """
 
     method: str = "maxmix"  # naive | geva | maxmix
-    # schur: landmarks eliminated by our own code, the fastest; ceres: the oracle, the same steps
-    # and optimum, several times slower
+    # schur: our own solver, which eliminates the landmarks; ceres: Ceres, the reference in tests,
+    # with the same steps and optimum, several times slower
     core: str = "schur"
     sigma_on: float = 0.02  # m, label 1
     sigma_off: float = 1.0  # m, label 0
@@ -63,28 +63,28 @@ DEFAULTS = Options()
 
 @dataclass(frozen=True, kw_only=True)
 class IterationRecord:
-    """What the solver did, one row an iteration (k,), the start first.
+    """The solver's record: a row for each of k iterations, the start first.
 
-    Of a step that was not accepted, cost_by_factor and the counts are those of the last accepted
-    point.
+    In a row of a step that was not accepted, cost_by_factor and the counts are those of the last
+    accepted point.
     """
 
-    cost: Array  # at the point tried, robustified
+    cost: Array  # robustified, at the point that was tried
     cost_change: Array
     step_norm: Array
     gradient_norm: Array  # largest entry
-    radius: Array
+    radius: Array  # of the trust region
     accepted: Mask
     seconds: Array  # since the start
     cost_by_factor: dict[str, Array]  # name -> (k,)
-    on_surface: Ints  # landmarks labelled 1
-    label_changes: Ints
-    rays_missed: Ints
+    on_surface: Ints  # number of landmarks with label 1
+    label_changes: Ints  # number of labels that changed
+    rays_missed: Ints  # number of beams that miss the CAD model
 
 
 @dataclass(frozen=True, kw_only=True)
 class Result:
-    """The unknowns at the end, and what became of rows."""
+    """The solution: the unknowns, with labels and hits of surface and range rows."""
 
     unknowns: Unknowns
     label: Ints32  # (m,) of each row of the surface table, 1 = on the hull
@@ -122,27 +122,27 @@ class Evaluation:
 
 @dataclass(frozen=True, kw_only=True)
 class Covariance:
-    """Marginal covariances in tangent coordinates at the start values; zero where a block is held.
+    """Marginal covariances in tangent coordinates at the start values. Zero where a block is held.
 
-    Give `solve`'s unknowns as start.
+    For those at a solution, the problem must start from the unknowns of `solve`.
     """
 
     pose: Array  # (n, 7, 7)
-    pose_T_g_M: Array  # (n, 7, 6) with T_g_M
-    landmark: Array  # (L, 3, 3), none unless asked for, as are the next
-    landmark_T_g_M: Array  # (L, 3, 6)
-    T_g_M: Array  # (6, 6) as are the next four
-    T_s_ct: Array
-    T_ct_cb: Array
-    T_s_d: Array
-    navigation: Array
+    pose_T_g_M: Array  # (n, 7, 6) cross covariance with T_g_M
+    landmark: Array  # (L, 3, 3), L = 0 if landmarks were not asked for
+    landmark_T_g_M: Array  # (L, 3, 6) cross covariance with T_g_M
+    T_g_M: Array  # (6, 6)
+    T_s_ct: Array  # (6, 6)
+    T_ct_cb: Array  # (6, 6)
+    T_s_d: Array  # (6, 6)
+    navigation: Array  # (6, 6)
     intrinsics_top: Array  # (9, 9)
     intrinsics_bottom: Array  # (9, 9)
     world: Array  # (3, 3)
     deviation: Array  # (F,) variances
-    deviation_T_g_M: Array  # (F, 6)
-    # unknowns determined by a kind of factors (FACTORS) that meet no landmark: the squares of their
-    # whitened residuals are expected to sum up to their rows less that
+    deviation_T_g_M: Array  # (F, 6) cross covariance with T_g_M
+    # Number of unknowns that each kind of factor (FACTORS) determines, of kinds that meet no
+    # landmark. The expected chi-square of a kind is the number of its rows less its leverage.
     leverage_by_factor: dict[str, float]
     # (2 LENS_MODES, 2 LENS_MODES) px2
     lens_top: Array = field(default_factory=lambda: np.zeros((2 * LENS_MODES, 2 * LENS_MODES)))
@@ -165,10 +165,10 @@ class PairCovariance:
 def solve(problem: Problem, options: Options = DEFAULTS) -> Result:
     """Find the unknowns of least cost by Levenberg-Marquardt with the landmarks eliminated.
 
-    Core schur: the same input gives the same bytes for any number of threads. Core ceres: for one
-    thread only; more differ in the last digits. Ctrl-C is honoured between iterations. Tables that
-    are NumPy arrays of the right type are read in place and never written to. Raises InputError or
-    UsageError naming the table or option, StageError when the start cannot be evaluated.
+    With the core schur, the same input gives the same bytes for any number of threads, with ceres
+    only for one thread. Ctrl-C is honoured between iterations. Tables that are NumPy arrays of the
+    right type are read in place, and never written to. Raises InputError or UsageError that names
+    the table or option, and StageError when the start values cannot be evaluated.
     """
     import hullrecon._native as _native  # compiled; loads the solver's libraries
 
@@ -180,7 +180,7 @@ def solve(problem: Problem, options: Options = DEFAULTS) -> Result:
 def evaluate(problem: Problem, options: Options = DEFAULTS, *, jacobian: bool = True) -> Evaluation:
     """Evaluate residuals and their sparse Jacobian at the start values.
 
-    jacobian: False leaves its rows empty and `columns` too, which takes a tenth of the memory.
+    jacobian: False leaves the Jacobian and `columns` empty, which takes a tenth of the memory.
     Raises as `solve`.
     """
     import hullrecon._native as _native
@@ -193,11 +193,11 @@ def covariance(
 ) -> Covariance:
     """Compute marginals of the inverse of the information at the start values.
 
-    Huber rows are weighted by rho', surface rows by their label. Landmarks are eliminated, the rest
-    factored sparse, and only the entries on the factor's pattern are inverted. Raises StageError
-    naming the unknowns that nothing determines; else as `solve`.
+    Rows with Huber's loss are weighted by rho', surface rows by their label. Landmarks are
+    eliminated, the rest is factored sparse, and only entries in the factor's pattern are inverted.
+    Raises StageError that names the unknowns that nothing determines, otherwise as `solve`.
 
-    of_landmarks: False leaves those of landmarks out, a third of the time.
+    of_landmarks: False leaves the covariances of landmarks out, which takes a third of the time.
     """
     import hullrecon._native as _native
 
@@ -205,22 +205,28 @@ def covariance(
 
 
 def covariance_from(marginals: dict[str, Any]) -> Covariance:
-    """Build the covariance, zero of landmarks with a hull that is held."""
+    """Build a Covariance from the solver's marginals.
+
+    With a held hull pose, the solver leaves out the landmarks' cross covariances, which are zero.
+    """
     if not len(marginals["landmark_T_g_M"]):
         marginals["landmark_T_g_M"] = np.zeros((len(marginals["landmark"]), 3, 6))
     return Covariance(**marginals)
 
 
 def pair_covariance(problem: Problem, pairs: Ints32, options: Options = DEFAULTS) -> PairCovariance:
-    """Compute the joint covariance of any pairs (m, 2) of poses.
+    """Compute the joint covariances of pairs (m, 2) of poses at the start values.
 
-    From the information at the start as `covariance` has it. Pairs need no factor between them and
-    may be many: each pose to which pairs are given, that end which more pairs have, costs one
-    sparse solve along its path in the elimination tree, each pair one product. A candidate link's
-    innovation: add it to the problem's links without a kernel, take its rows J and r from
-    `evaluate`; then r' (J S J' + 1)^-1 r is chi-square with as many degrees of freedom as rows, S
-    being the joint covariance here of the problem without it. Raises as `covariance`; InputError
-    naming "pairs".
+    The information is that of `covariance`. Two poses of a pair need no factor between them. There
+    may be many pairs: of each pair the pose that is in more pairs is taken, each such pose costs
+    one sparse solve along its path in the elimination tree, and each pair one product.
+
+    The innovation of a candidate link follows from it. Add the link to the problem without a
+    kernel, and take its rows J and r from `evaluate`. Then r' (J S J' + 1)^-1 r is a chi-square
+    with as many degrees of freedom as rows, where S is the joint covariance of the problem without
+    the link.
+
+    Raises as `covariance`, and InputError that names "pairs".
     """
     import hullrecon._native as _native
 

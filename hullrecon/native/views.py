@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a mosaic does with every view at every texel: project, rank, blend."""
+"""The operations of a mosaic on every view at every texel, in C++: project, rank and blend."""
 
 from __future__ import annotations
 
@@ -21,12 +21,14 @@ def project_into(
     size: tuple[int, int],
     widest: float,
 ) -> tuple[Array, Array]:
-    """Project points (n, 3) to pixels (n, 2) of an image.
+    """Project points to pixels of an image, with their distances from the image's middle.
 
     Parameters
     ----------
+    points
+        (n, 3) m.
     camera_from_frame, center
-        Rotation (3, 3) into the camera, and where it is in the points' frame (3,).
+        Rotation (3, 3) into the camera, and its position (3,) m in the points' frame.
     lens
         fx, fy, cx, cy, k1, k2, p1, p2, k3 (9,).
     size
@@ -37,10 +39,10 @@ def project_into(
     Returns
     -------
     pixel
-        NaN behind the camera.
+        (n, 2) px, NaN behind the camera.
     ratio
-        Distance from the image's middle over half its diagonal (n,), NaN where the image does not
-        hold the point.
+        (n,) distance from the image's middle over half its diagonal, NaN where the image does not
+        show the point.
     """
     import hullrecon._native as _native  # compiled; loads the solver's libraries
 
@@ -49,7 +51,7 @@ def project_into(
 
 
 def incidence(points: Array, normals: Array, sensor: Array) -> Array:
-    """Compute cosines of the incidence (n,) of a sensor (3,) at points with normals (n, 3)."""
+    """Compute the cosine (n,) of a sensor's (3,) incidence at points (n, 3) with normals (n, 3)."""
     import hullrecon._native as _native
 
     cosine: Array = _native.incidence(points, normals, sensor)
@@ -57,9 +59,17 @@ def incidence(points: Array, normals: Array, sensor: Array) -> Array:
 
 
 def insert_view(best_view: Ints32, best_cost: Floats32, view: int, cost: Floats32) -> None:
-    """Put a view into the list of best views (places, n) of each texel that it costs less at.
+    """Insert a view into the list of best views of each texel at which it costs less than another.
 
-    Changes both lists, which are sorted by cost (n,). Of equals the first view comes first.
+    Both lists are changed in place. They stay sorted by cost, and of views with equal costs that
+    which was inserted first comes first.
+
+    Parameters
+    ----------
+    best_view, best_cost
+        Views, and their costs, (k, n): the k best of each of n texels.
+    view, cost
+        Number of the view, and its cost (n,).
     """
     import hullrecon._native as _native
 
@@ -73,23 +83,25 @@ def least_tangents(
     points: Array,
     normals: Array,
 ) -> Array:
-    """Bound tangents (n,) of the incidence up to which nothing hides blocks of a surface.
+    """Bound the tangents (n,) of the incidence below which nothing occludes blocks of a surface.
 
     Parameters
     ----------
     top, top_normal
-        The outermost point of each cell of the chart (m, 3), with the chart's normal there (m, 3).
+        The outermost point of each cell of the chart (c, 3), with the chart's normal there (c, 3).
     limits
-        Side of a cell, the distance from which on nothing stands in the way, and the relief up to
-        which nothing is hidden, m.
+        Side of a cell, the distance beyond which points do not occlude, and the height up to which
+        they do not, m.
     points, normals
-        Of each block (n, k, 3), on the surface and of the chart; NaN where there is no surface.
+        Of each block (n, k, 3): points of the surface and normals of the chart, NaN where there is
+        no surface.
 
     Returns
     -------
     Array
-        The least distance of a cell over its height above the block, both on the safe side. inf
-        where no cell stands out, and for a block without a point.
+        The least ratio of a cell's distance to its height above the block, with a lower bound of
+        the distance and an upper bound of the height. inf where no cell is high enough, and for a
+        block without a point.
     """
     import hullrecon._native as _native
 
@@ -104,11 +116,11 @@ class BlendSums:
     value: Floats32  # (n, bands, channels) weight x band
     weight: Floats32  # (n, bands)
     moment: Floats32  # (n, 3) of weight, weight x intensity, weight x intensity squared
-    views: NDArray[np.uint8]  # (n,) how many
+    views: NDArray[np.uint8]  # (n,) number of views
 
     @classmethod
     def zero(cls, bands: int, channels: int, texels: int) -> BlendSums:
-        """Make the sums over no view."""
+        """Make empty sums for a number of bands, channels and texels."""
         return cls(
             value=np.zeros((texels, bands, channels), np.float32),
             weight=np.zeros((texels, bands), np.float32),
@@ -124,17 +136,19 @@ class BlendSums:
         ratio: Array,
         steepness: ArrayLike,
     ) -> None:
-        """Add a view at some texels (rows, each once).
+        """Add a view at k texels.
 
         Parameters
         ----------
         bands
-            (h, w, channels) of the picture, which they sum to; one channel or three.
+            (h, w, channels) each, which sum to the picture, of one or three channels.
+        rows
+            (k,) texels, each once.
         pixel
-            (rows, 2) in the picture, which is sampled bilinearly and goes on past its border as it
-            ends.
+            (k, 2) px in the picture. It is sampled bilinearly, and continued beyond its border by
+            the border's values.
         ratio
-            r / R of each row.
+            (k,) r / R of each texel.
         steepness
             k of B_k(r) = exp(-k r/R) / (1 + exp(-2 k r/R)), the weight in each band.
         """
