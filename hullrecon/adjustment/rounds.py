@@ -346,6 +346,7 @@ def _outlier_limit(before: Estimate, final: bool) -> Callable[[Array], Array]:
 
 
 def _describe_round(number: int, result: native.Result, chosen: Selection, weights: Weights) -> str:
+    """Write the line of a round for the log. weights: those for the next round."""
     record = result.iterations
     cost = reached_cost(record.cost, record.accepted)
     return (

@@ -136,6 +136,17 @@ def region_facts(
 
     The region is fixed to the ship. So how much of the survey lies within it depends on the hull
     pose, from which the sigmas follow. A sensor that was not carried has None.
+
+    Parameters
+    ----------
+    region
+        Limits along and in girth.
+    base, scene
+        The hull, and its mesh for rays.
+    views, sonar
+        Images of the top camera and pings. None where the sensor was not carried.
+    hull_pose
+        With its covariance.
     """
     cells = region_cells(base.chart, base.mesh, region.along, region.girth)
     patches = HullPatches(

@@ -108,7 +108,17 @@ def _variance(rows: Array, covariance: Array) -> Array:
 def _fit_patch(
     points: Array, normals: Array, deviation: Array, weight: Array, chart: Chart
 ) -> _Fit:
-    """Fit level and tilts by least squares weighted by area, without outliers of earlier fits."""
+    """Fit level and tilts by least squares weighted by area, without outliers of earlier fits.
+
+    Parameters
+    ----------
+    points, normals
+        Vertices (n, 3) m, and normals (n, 3) of the CAD model there.
+    deviation, weight
+        (n,) m, and (n,) m2: zero where the vertex is not bare hull.
+    chart
+        Along which the patch is tilted.
+    """
     columns = _rigid_columns(points, normals, weight, chart)
     for _ in range(3):
         scaled = columns * weight[:, None]

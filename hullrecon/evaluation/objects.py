@@ -20,6 +20,9 @@ Match = tuple[ReportedObject, TrueStructure | None]
 def score_objects(found: Sequence[ReportedObject], truth: Truth, motion: Poses) -> Figures:
     """Score reported objects, each matched to the nearest true structure within reach.
 
+    Heights are compared for structures that must be found (`Truth.due`). Of several reports of one
+    structure, that with the nearest height is taken.
+
     `motion`: the rigid motion that aligns the delivered trajectory with the true one.
     """
     reports = [_move(found_object, motion) for found_object in found]
@@ -77,6 +80,7 @@ def _move(found: ReportedObject, motion: Poses) -> ReportedObject:
 
 
 def _nearest(found: ReportedObject, structures: Sequence[TrueStructure]) -> TrueStructure | None:
+    """Find the structure nearest to a report. None if none is within its reach."""
     gaps = [float(np.linalg.norm(np.subtract(found.center, o.center))) for o in structures]
     near = [(gap, k) for k, gap in enumerate(gaps) if gap <= reach_m(structures[k])]
     return structures[min(near)[1]] if near else None

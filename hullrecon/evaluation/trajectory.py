@@ -118,9 +118,10 @@ def hull_from_start(track: TimedPoses, truth: Truth) -> Poses:
 
 
 def _by_direction(error: Array, positions: Array, cad_model: Scene) -> Figures:
-    """Compute the RMSE of errors (n, 3) in three directions at the hull nearest to each pose.
+    """Compute the RMSE of errors (n, 3) in three directions of the hull nearest to each pose.
 
-    They are along the hull, in girth and along the normal.
+    They are along the hull, in girth and along the normal. positions (n, 3) m in M: of the true
+    poses.
     """
     normal = positions - cad_model.closest(positions).foot
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)

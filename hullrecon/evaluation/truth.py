@@ -193,6 +193,7 @@ def read_mesh(path: Path, metres_per_unit: float = 1.0) -> Mesh:
 
 
 def _cad_model(package: Path) -> Scene | None:
+    """Read the CAD model that dive.toml of a package names. None without one."""
     try:
         section = tomllib.loads((package / "dive.toml").read_text(encoding="utf-8")).get("hull")
         hull = None if section is None else msgspec.convert(section, _HullSection)
@@ -204,6 +205,7 @@ def _cad_model(package: Path) -> Scene | None:
 
 
 def _read_document(path: Path, kind: type[Document]) -> Document:
+    """Decode a JSON document of truth/. Raises InputError where it cannot be read."""
     try:
         return msgspec.json.decode(path.read_bytes(), type=kind)
     except (OSError, msgspec.MsgspecError) as error:

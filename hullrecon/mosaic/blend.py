@@ -143,6 +143,15 @@ def choose_views(
     Costs are those of `view_cost`. Rays that test for occlusion take much of the time. So views are
     first ranked without them, and only the best are tested. Texels at which a best view is occluded
     are ranked again, with all views tested.
+
+    Parameters
+    ----------
+    surface, patch, window
+        The surface, its points at the texels of a tile, and the tile's rows and columns.
+    image_views, windows
+        Views by number, and the texels that each may see.
+    limits
+        Which views are used.
     """
     best = _no_views(window.shape)
     for block, near in _blocks(patch, window, image_views, windows):
@@ -348,6 +357,17 @@ def blend(
 
     The variance of a texel is that of its views' intensities, weighted by the mean of the bands'
     weights.
+
+    Parameters
+    ----------
+    patch
+        The surface at the texels of a tile.
+    choice
+        The views of each texel, by their numbers in `image_views`.
+    image_views
+        All views.
+    channels
+        Of the images.
     """
     shape = choice.view.shape[1:]
     sums = BlendSums.zero(len(STEEPNESS), channels, shape[0] * shape[1])

@@ -266,7 +266,7 @@ def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regres
     """Condition a zero-mean field as `fit` does, with outliers weighted down iteratively.
 
     The noise of an observation beyond OUTLIER_SIGMAS from the surface grows in proportion to its
-    distance.
+    distance. Parameters are those of `fit`.
     """
     covariance = kernel.covariance(at)
     result = _condition(kernel, covariance, at, values, noise)

@@ -320,6 +320,7 @@ def _outliers(evidence: HullPoseEvidence, pose: Poses, factor: CholeskyFactor) -
 
 
 def _select(evidence: HullPoseEvidence, kept: Mask) -> HullPoseEvidence:
+    """Keep some points (n,) of the evidence."""
     loose = evidence.loose
     return replace(
         evidence,
@@ -431,7 +432,10 @@ def _contradiction(evidence: HullPoseEvidence, pose: Poses) -> Array:
 def _profile(
     evidence: HullPoseEvidence, pose: Poses, direction: Array
 ) -> profile_likelihood.Profile:
-    """Compute the posterior along a unit `direction` of M, over three sigmas of the guess."""
+    """Compute the posterior of a shift along a unit direction (3,) of M.
+
+    It is computed within three sigmas of the guess to either side of `pose`.
+    """
     valley = _valley(evidence, pose, direction)
     return profile_likelihood.profile(
         valley,

@@ -67,6 +67,7 @@ def find_weak_directions(
 
 
 def _sentence(kind: str, axis: int, sigma: float) -> str:
+    """Write the warning of a weak direction. axis: of the ship, 0 forward. sigma: m or rad."""
     if kind == "position":
         return (
             f"The position {_DIRECTIONS[axis]} is uncertain by {sigma:.2f} m (one sigma): the "

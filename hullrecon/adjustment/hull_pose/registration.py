@@ -143,7 +143,8 @@ def _register_from(
 def _distant_starts(points: Array, cad_model: CadModel, center: Array) -> list[Poses]:
     """Find the DISTANT_STARTS poses of a coarse grid at which points (n, 3) in g fit best.
 
-    The grid reaches 8 m along the hull, 2 m across and 25 degrees in yaw from the guess.
+    The grid reaches 8 m along the hull, 2 m across and 25 degrees in yaw from the guess of
+    `cad_model`. Yaw turns about `center` (3,) in M.
     """
     hull_from_ship = cad_model.chart.ship_axes.T
     rotate = cad_model.guess.rotation.as_matrix()[0] @ hull_from_ship
@@ -288,9 +289,9 @@ def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
 
 
 def _gicp(points: Array, target: Array, starts: list[Poses]) -> list[Poses]:
-    """Register points in g to samples in M by generalised ICP from each start.
+    """Register points (n, 3) in g to samples `target` (k, 3) in M by generalised ICP.
 
-    Returns the pose global_from_hull for each start.
+    Returns a pose global_from_hull for each start, which is one too.
     """
     o3d = import_open3d()
 

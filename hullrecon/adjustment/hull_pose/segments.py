@@ -133,7 +133,10 @@ def _end_towards(segments: Segments, segment: int, other: int) -> int:
 def _relative_covariance(
     problem: native.Problem, settings: native.Options, first: Ints, second: Ints
 ) -> Array:
-    """Compute the covariance (m, 6, 6) of the second node's pose minus the first node's, in g."""
+    """Compute the covariance (m, 6, 6) of the second node's pose relative to the first, in g.
+
+    problem, settings: the path at its solution. first, second (m,): nodes of each pair.
+    """
     # (m, 14, 14): of each node its translation in g, rotation in the vehicle's axes, tray angle
     joint = native.pair_covariance(
         problem, np.column_stack([first, second]).astype(np.int32), settings
@@ -292,7 +295,17 @@ def _from_within(points: Array, beams: Array, global_from_hull: Poses, mesh: Mes
 
 
 def _move(nodes: Poses, of_node: Ints, moved: list[Poses]) -> Poses:
-    """Move nodes (n,) by the motion of their segment. Between segments, interpolate the motion."""
+    """Move nodes (n,) by the motion of their segment. Between segments, interpolate the motion.
+
+    Parameters
+    ----------
+    nodes
+        The path, global_from_vehicle.
+    of_node
+        (n,) segment of each node, -1 between segments.
+    moved
+        Motion of each segment in g.
+    """
     known = np.flatnonzero(of_node >= 0)
     at = np.clip(np.arange(len(of_node)), known[0], known[-1])
     after = np.searchsorted(known, at)

@@ -198,7 +198,10 @@ def _unknowns(m: Measurements, state: State, chosen: Selection) -> native.Unknow
 def _held_blocks(
     priors: native.Priors, state: State, systematic_errors: bool, hold_hull_pose: bool
 ) -> tuple[str, ...]:
-    """List the blocks of the problem that are held, as mounts without a prior are."""
+    """List the blocks of the problem that are held. Mounts without a prior are held too.
+
+    systematic_errors, hold_hull_pose: as for `assemble`.
+    """
     held = {"intrinsics_top", "intrinsics_bottom"}
     if not systematic_errors:
         held |= {"navigation", "T_s_d"}

@@ -88,7 +88,10 @@ def read_tracks(tracks: Tracks | None, of: Mask | None = None) -> Iterator[Block
 
 
 def _read_block(tracks: Tracks, rows: slice, of: Mask | None) -> list[Block]:
-    """Read rows of tracks. Empty where none are of the landmarks wanted."""
+    """Read rows of tracks as a block. Empty where no row is of a wanted landmark.
+
+    of (L,): landmarks that are wanted. None: all.
+    """
     landmark = read_rows(tracks.landmark, rows)
     if of is None:
         return [Block(rows=rows, tracks=_read(tracks, landmark, rows))]
@@ -126,6 +129,7 @@ def _whole_landmarks(landmark: Ints) -> Iterator[tuple[slice, Ints]]:
 
 
 def _read(tracks: Tracks, landmark: Ints, rows: slice) -> Tracks:
+    """Read rows of tracks into memory. landmark: of these rows, read before."""
     return Tracks(
         landmark=landmark,
         node=read_rows(tracks.node, rows),

@@ -94,6 +94,7 @@ def _find(
     rays = np.zeros(count, np.int32)
 
     def look_at(block: Block) -> None:
+        """Select the observations of a block of landmarks, and the landmarks. Fills the arrays."""
         own = block.landmarks
         if triangulate_first:
             landmark[own] = _triangulated(block, poses, m)

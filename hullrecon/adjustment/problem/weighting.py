@@ -105,6 +105,13 @@ def estimate_pixel_sigmas(
     response farther (docs/methods.md 6). So residuals are grouped by response. Corners, which have
     no response, are one group. Residuals of landmarks with many observations are used. Each
     landmark absorbs three coordinates of its residuals, which their redundancy takes into account.
+
+    Parameters
+    ----------
+    m, state, chosen
+        Measurements, solution of a round, and which measurements entered.
+    weights
+        That the round used.
     """
     if m.tracks is None or state.mounts.tray_from_top is None:
         return replace(weights.by_response, pixel=MIN_SIGMA_PX)

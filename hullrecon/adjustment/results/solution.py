@@ -142,6 +142,7 @@ def build_solution(m: Measurements, adjusted: Adjusted, marginals: native.Covari
 
 
 def _hull_pose(hull: HullState | None, marginals: native.Covariance) -> HullPose | None:
+    """Build the record of the hull's pose. None without a CAD model."""
     if hull is None:
         return None
     return HullPose(
@@ -152,6 +153,7 @@ def _hull_pose(hull: HullState | None, marginals: native.Covariance) -> HullPose
 
 
 def _deviation_field(hull: HullState | None, marginals: native.Covariance) -> DeviationField | None:
+    """Build the record of the deviation field with its sigmas. None without a field."""
     if hull is None or hull.grid is None:
         return None
     sigma = np.sqrt(np.maximum(marginals.deviation, 0))

@@ -149,6 +149,19 @@ class _Displacement:
 
     @staticmethod
     def of(key: str, nominal: Poses, rows: Array, found: Poses, covariance: Array) -> _Displacement:
+        """Compute the displacement of a mount.
+
+        Parameters
+        ----------
+        key
+            Of the mount in dive.toml.
+        nominal, found
+            Poses parent_from_child, as in dive.toml and as estimated.
+        rows
+            Square root (6, 6) of the prior's information.
+        covariance
+            (6, 6) of the estimate, its translation in the parent's axes.
+        """
         by, to_child = displacement(nominal, found)
         return _Displacement(
             key=key,

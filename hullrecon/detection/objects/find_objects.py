@@ -272,7 +272,16 @@ def _rejection_reason(
 ) -> str:
     """Give the first reason why a region is not reported as an object. Empty if it is reported.
 
-    supporting: number of landmarks on its core that stand off as it does, and their share.
+    Parameters
+    ----------
+    found, evidence
+        The hull as found, and the region.
+    area
+        (n,) m2 of the vertices of the base.
+    supporting
+        Number of landmarks on the region's core that stand off as it does, and their share.
+    options
+        With the limits.
     """
     region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
     shapes = _views_with_shape(found, region, area)

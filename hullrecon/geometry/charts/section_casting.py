@@ -58,9 +58,16 @@ def first_station(vertices: Array, forward: Array, aft_perpendicular_m: float | 
 
 
 def _wrong_bow(bow: str, forward: str, size: Mapping[str, float], vertical: str) -> InputError:
-    """Build the error for a bow along an axis that the ship does not lie along.
+    """Build the error for a bow along an axis that is not the ship's longitudinal axis.
 
-    `size` holds the CAD model's length along each axis, m.
+    Parameters
+    ----------
+    bow
+        As given, "+x" to "-z".
+    forward, vertical
+        Names of the ship's longitudinal and vertical axes.
+    size
+        Length of the CAD model along each axis, m.
     """
     other = bow[1]
     is_vertical = f"{other} is up or down by hull.pose, and " if other == vertical else ""

@@ -266,9 +266,11 @@ def _flip_edges(faces: Ints, old_face: Ints, which: Mask, vertices: Array) -> No
 
 
 def _angle_excess(vertices: Array, edge: Ints, opposite: Ints) -> Array:
-    """Compute minus the sine of the sum of the two angles (k,) opposite each edge.
+    """Compute minus the sine (k,) of the sum of the two angles opposite each edge.
 
-    Positive if the edge is to be flipped.
+    It is positive where the sum is above half a turn, so that the edge has to be flipped.
+
+    edge (k, 2): vertices. opposite (k, 2): the third vertices of its two faces.
     """
     a, b = vertices[edge[:, 0]], vertices[edge[:, 1]]
     cosine, sine = np.zeros((2, len(edge))), np.zeros((2, len(edge)))

@@ -149,13 +149,28 @@ def _compress(
 ) -> tuple[CompressedTiles, Level]:
     """Compress the blocks of a picture, and halve it in the same pass.
 
-    Returns the tiles of the picture of half the size, and the compressed blocks.
+    Parameters
+    ----------
+    picture
+        In full size, or an overview.
+    predictor
+        TIFF's, as for `predict`.
+    nodata
+        As for `write_cog`.
+    scratch
+        File for the compressed blocks and tiles.
+
+    Returns
+    -------
+    reduced, level
+        The tiles of the picture of half the size, and where the compressed blocks are.
     """
     shape = (BLOCK // 2, BLOCK // 2, picture.bands)
     reduced = CompressedTiles(shape, picture.tiles.dtype, scratch)
     level = Level(width=picture.width, height=picture.height, at=[], sizes=[])
 
     def make(window: Window) -> tuple[bytes, bytes]:
+        """Compress the block of a window, and the tile of the picture of half the size."""
         block = picture.read(window)
         # Beyond the edge `read` gives zero, which would be a value of a raster of metres
         if nodata is not None and nodata != 0:
