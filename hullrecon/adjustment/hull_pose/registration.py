@@ -291,7 +291,7 @@ def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
 def _gicp(points: Array, target: Array, starts: list[Poses]) -> list[Poses]:
     """Register points (n, 3) in g to samples `target` (k, 3) in M by generalised ICP.
 
-    Returns a pose global_from_hull for each start, which is one too.
+    Returns the registered pose global_from_hull for each start, itself such a pose.
     """
     o3d = import_open3d()
 
@@ -306,7 +306,7 @@ def _gicp(points: Array, target: Array, starts: list[Poses]) -> list[Poses]:
         register.registration_generalized_icp(
             surveyed,
             sampled,
-            1.0,
+            1.0,  # m, largest distance of a pair
             start.inverse().matrix()[0],
             register.TransformationEstimationForGeneralizedICP(),
             register.ICPConvergenceCriteria(max_iteration=40),

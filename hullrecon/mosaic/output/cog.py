@@ -23,7 +23,7 @@ from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.output.tile_store import (
     CompressedTiles,
     append,
-    mean_of_squares,
+    block_means,
     read_at,
 )
 from hullrecon.threads import in_threads
@@ -199,9 +199,9 @@ def halve(block: NDArray[np.generic], nodata: float | None) -> NDArray[np.generi
         known = np.isfinite(values) if np.isnan(nodata) else values != nodata
         weight = known.astype(np.float32)
         values[~known] = 0
-    total = mean_of_squares(weight, 2)
+    total = block_means(weight, 2)
     values *= weight
-    mean = mean_of_squares(values, 2) / np.maximum(total, 1e-9)
+    mean = block_means(values, 2) / np.maximum(total, 1e-9)
     if nodata is None:
         mean[..., -1:] = total
     else:

@@ -40,7 +40,7 @@ def read_at(file: BinaryIO, at: int, length: int) -> bytes:
         return file.read(length)
 
 
-def mean_of_squares(picture: Floats32, side: int) -> Floats32:
+def block_means(picture: Floats32, side: int) -> Floats32:
     """Reduce a picture (h, w, bands) by the mean of each square of `side` pixels a side."""
     import cv2
 
@@ -150,8 +150,8 @@ class TileStore:
         show.
         """
         seen = (color[..., -1:] > 0).astype(np.float32)
-        share = mean_of_squares(seen, self.reduction)
-        mean = mean_of_squares(color[..., :-1] * seen, self.reduction)
+        share = block_means(seen, self.reduction)
+        mean = block_means(color[..., :-1] * seen, self.reduction)
         mean /= np.maximum(share, self.reduction**-2)
         small = np.concatenate([mean, 255 * np.minimum(1, 2 * share)], axis=2)
         return np.asarray(np.rint(small).astype(np.uint8))
