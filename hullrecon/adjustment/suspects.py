@@ -193,9 +193,9 @@ def _try_readout(
 def _try_depths(problem: native.Problem, settings: native.Options, before: float) -> list[Trial]:
     """Solve without depths, then with depths multiplied by a factor and shifted by a constant.
 
-    A pressure sensor that is stuck reads a constant but for its noise. Its readings fit a constant
-    then, and what they cost against it is the most that they may cost against the path. Empty
-    without depths.
+    Depths that are left out are expected to lower chi-square by one for each row. A pressure sensor
+    that is stuck may have less noise than stated. Then the chi-square of its readings about their
+    mean is expected instead. Empty without depths.
 
     Parameters
     ----------

@@ -51,7 +51,7 @@ class AxisChart:
         return -self.aft_perpendicular
 
     def to_chart(self, points: Array) -> Array:
-        """See `Chart`."""
+        """Project points onto the mesh, and look up the girth of their feet. See `Chart`."""
         turned = np.atleast_2d(np.asarray(points, float)) @ self.axes.T
         out = np.full(turned.shape, np.nan)
         known = np.isfinite(turned).all(axis=1)
@@ -65,7 +65,7 @@ class AxisChart:
         return out
 
     def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
-        """See `Chart`."""
+        """Find the angle of each girth, and the skin along its ray. See `Chart.from_chart`."""
         at = np.atleast_2d(np.asarray(along_girth, float)) + np.array([self.aft_perpendicular, 0.0])
         angle, radius = self.sections.angle_of(at)
         points, normals = np.full((len(at), 3), np.nan), np.full((len(at), 3), np.nan)

@@ -98,7 +98,7 @@ class CylinderChart:
         return _Profile(self.arc, self.profile)
 
     def to_chart(self, points: Array) -> Array:
-        """See `Chart`."""
+        """Project points onto the profile; the other coordinate is straight. See `Chart`."""
         local = (np.atleast_2d(np.asarray(points, float)) - self.origin) @ self.axes.T
         out = np.full(local.shape, np.nan)
         known = np.isfinite(local).all(axis=1)
@@ -107,7 +107,7 @@ class CylinderChart:
         return out
 
     def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
-        """See `Chart`."""
+        """Find the points and normals of the profile at their arc lengths. See `Chart`."""
         at = np.atleast_2d(np.asarray(along_girth, float))
         points, normals = np.full((len(at), 3), np.nan), np.full((len(at), 3), np.nan)
         known = np.isfinite(at).all(axis=1)

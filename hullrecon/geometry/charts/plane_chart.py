@@ -39,11 +39,11 @@ class PlaneChart:
         return float(-self.origin @ self.axes[0])
 
     def to_chart(self, points: Array) -> Array:
-        """See `Chart`."""
+        """Project points onto the plane. See `Chart.to_chart`."""
         return np.asarray((np.atleast_2d(points) - self.origin) @ self.axes.T)
 
     def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
-        """See `Chart`."""
+        """Compute points of the plane. See `Chart.from_chart`."""
         at = np.atleast_2d(np.asarray(along_girth, float))
         points = self.origin + at @ self.axes[:2]
         normals = np.tile(self.axes[2], (len(at), 1))
