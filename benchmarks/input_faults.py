@@ -28,6 +28,7 @@ Message = Any  # of rosbags
 Edit = Callable[[Message, float], None]  # changes a message of a topic, t seconds into the dive
 Files = Callable[[Path], None]  # changes files of a package other than its log
 Random = np.random.Generator
+ANGLES = ("roll", "pitch", "yaw")
 CAMERAS = ("/camera/top/image_raw/compressed", "/camera/bottom/image_raw/compressed")
 VELOCITY = ("velocity.x", "velocity.y", "velocity.z")
 RATES = ("angular_velocity.x", "angular_velocity.y", "angular_velocity.z")
@@ -173,6 +174,29 @@ def lost_as_zero(start_s: float, seconds: float, covariance: float) -> Edit:
     return edit
 
 
+def jumping(at_s: float, by: float, name: str) -> Edit:
+    """Add a constant to a field from some time on."""
+
+    def edit(message: Message, t_s: float) -> None:
+        setattr(message, name, getattr(message, name) + (by if t_s >= at_s else 0.0))
+
+    return edit
+
+
+def stuck(at_s: float) -> Edit:
+    """Repeat the positions of joints from some time on."""
+    kept: list[np.ndarray] = []
+
+    def edit(message: Message, t_s: float) -> None:
+        if t_s >= at_s or not kept:
+            kept[:] = kept or [message.position]
+            message.position = kept[0] if t_s >= at_s else message.position
+        else:
+            kept[:] = [message.position]
+
+    return edit
+
+
 def along_axis(message: Message, t_s: float) -> None:
     """Write distances along the DVL's axis for ranges along its beams."""
     message.range = message.range * np.array([beam.z for beam in message.beam_unit_vec])
@@ -196,6 +220,25 @@ def calibration(
 def halved(k: list[float], d: list[float]) -> None:
     """Make a calibration one of pictures half as large."""
     k[:6] = [value / 2 for value in k[:6]]
+
+
+def mounted(begins: str, angle: int, degrees: float) -> Files:
+    """Turn a mount or pose in dive.toml by an angle of its three. begins: of its line."""
+
+    def files(package: Path) -> None:
+        path = package / "dive.toml"
+
+        def turn(line: re.Match[str]) -> str:
+            six = json.loads(line[2])
+            six[3 + angle] += degrees
+            return line[1] + json.dumps(six)
+
+        text, count = re.subn(rf"(?m)^(?={begins})(\w+ = )(\[.*\])$", turn, path.read_text())
+        if count != 1:
+            raise SystemExit(f"dive.toml has {count} lines {begins}")
+        path.write_text(text)
+
+    return files
 
 
 def toml(key: str, change: Callable[[str], str]) -> Files:
@@ -247,6 +290,7 @@ def _pressure(random: Random) -> dict[str, Fault]:
     unit, factor = units[random.integers(4)]
     air = 101325.0 + random.normal(0, 2000)
     gain = pick(random, 0.7, 0.85, 1.2, 1.5)
+    jump_m, at_s = sign(random) * random.uniform(0.4, 1.0), random.uniform(6, 18)
 
     def housing(message: Message, t_s: float) -> None:
         message.fluid_pressure = air + 30 * np.sin(t_s / 7) + random.normal(0, 8)
@@ -261,6 +305,9 @@ def _pressure(random: Random) -> dict[str, Fault]:
         "pressure-dead": fault(changed(lambda _: air, name), f"{air:.0f} Pa"),
         "pressure-enclosure": fault(housing, "air in a housing"),
         "pressure-gauge": fault(gauge, "above the air's"),
+        "pressure-jump": fault(
+            jumping(at_s, 1025 * 9.81 * jump_m, name), f"{jump_m:+.2f} m at {at_s:.0f} s"
+        ),
         "pressure-scale": fault(
             changed(lambda p: 101325 + gain * (p - 101325), name), f"depth times {gain:g}"
         ),
@@ -268,12 +315,14 @@ def _pressure(random: Random) -> dict[str, Fault]:
 
 
 def _dvl(random: Random) -> dict[str, Fault]:
-    factor = pick(random, 0.001, 1000, 0.85, 1.15, 1.25)
+    factor = pick(random, 0.001, 1000, 0.85, 1.1, 1.15, 1.25)
     axes = str(random.choice(list(SWAPS)))
     start, seconds = float(random.uniform(5, 15)), float(random.uniform(2, 6))
     lost = lost_as_zero(start, seconds, pick(random, 1e-5, 1000.0, 0.0))
     nearer = pick(random, 0.85, 0.92, 1.08)
     angle = sign(random) * float(random.uniform(10, 170))
+    mount = int(random.integers(3))
+    mount_deg = pick(random, -90, -45, 45, 90, 180)
     order = random.permutation(4)
     while (order == np.arange(4)).all():
         order = random.permutation(4)
@@ -285,6 +334,11 @@ def _dvl(random: Random) -> dict[str, Fault]:
         "dvl-scale": fault(scaled(factor, *VELOCITY), f"velocity times {factor:g}"),
         "dvl-axes": fault(turned(SWAPS[axes], "velocity"), axes),
         "dvl-turned": fault(turned(about_z(angle), "velocity"), f"{angle:.0f} degrees about z"),
+        "dvl-mount": Fault(
+            sensor="dvl",
+            files=mounted(r"mount = \[0.0, 0.0, 0.08", mount, mount_deg),
+            size=f"{ANGLES[mount]} off by {mount_deg:.0f} degrees",
+        ),
         "dvl-beams": fault(
             changed(lambda ranges: np.asarray(ranges)[order], "range"),
             f"beams in the order {' '.join(str(beam + 1) for beam in order)}",
@@ -302,6 +356,13 @@ def _imu(random: Random) -> dict[str, Fault]:
     mount_deg = sign(random) * float(random.uniform(10, 170))
     felt = str(random.choice(list(SWAPS)))
 
+    swing_deg, slow_s = float(random.uniform(3, 12)), float(random.uniform(15, 60))
+
+    def swinging(message: Message, t_s: float) -> None:
+        """Write a heading that steel bends."""
+        by = swing_deg * np.sin(2 * np.pi * t_s / slow_s)
+        attitude(lambda r: Rotation.from_euler("z", by, degrees=True) * r)(message, t_s)
+
     def sits_turned(message: Message, t_s: float) -> None:
         """Write what an IMU measures that is turned about the vehicle's z axis."""
         mount = about_z(mount_deg)
@@ -316,8 +377,9 @@ def _imu(random: Random) -> dict[str, Fault]:
     return {
         "imu-convention": fault(with_body, "ENU and FLU, of all that it measures"),
         "imu-turned": fault(sits_turned, f"{mount_deg:.0f} degrees about z"),
+        "imu-swing": fault(swinging, f"{swing_deg:.0f} degrees in {slow_s:.0f} s"),
         "imu-felt-axes": fault(turned(SWAPS[felt], "linear_acceleration"), felt),
-        "imu-angle": fault(mirrored, f"{('yaw', 'pitch', 'roll')[angle]} grows the other way"),
+        "imu-angle": fault(mirrored, f"{ANGLES[::-1][angle]} grows the other way"),
         "imu-rates-deg": fault(scaled(180 / np.pi, *RATES), "deg/s"),
         "imu-rates-axes": fault(turned(SWAPS[axes], "angular_velocity"), axes),
         "imu-enu": fault(attitude(lambda r: NED * r * FLIP)),
@@ -330,6 +392,7 @@ def _imu(random: Random) -> dict[str, Fault]:
 
 def _joints(random: Random) -> dict[str, Fault]:
     off, lag = sign(random) * random.uniform(5, 20), sign(random) * random.uniform(0.2, 2.0)
+    quarter, at_s = pick(random, -90, 90, 180), max(0.0, random.uniform(-10, 15))
 
     def fault(change: Callable[[np.ndarray], np.ndarray], size: str = "") -> Fault:
         return Fault(
@@ -346,6 +409,10 @@ def _joints(random: Random) -> dict[str, Fault]:
         "joint-sign": fault(np.negative),
         "joint-dead": fault(np.zeros_like, "zero"),
         "joint-offset": fault(lambda x: x + np.radians(off), f"{off:.1f} degrees"),
+        "joint-quarter": fault(lambda x: x + np.radians(quarter), f"{quarter:.0f} degrees"),
+        "joint-stuck": Fault(
+            sensor="joints", edits={"/joint_states": stuck(at_s)}, size=f"from {at_s:.0f} s on"
+        ),
         "joint-late": Fault(
             sensor="joints", edits={"/joint_states": stamped(lag)}, size=f"{lag:+.2f} s"
         ),
@@ -373,7 +440,7 @@ def _cameras(random: Random, kind: str) -> dict[str, Fault]:
     topics = CAMERAS[: len(both)]
     late, shift = sign(random) * random.uniform(0.08, 0.6), sign(random) * random.uniform(15, 50)
     air, small = pick(random, 1 / 1.333, 1.333), sign(random) * random.uniform(0.01, 0.06)
-    few = sign(random) * random.uniform(2, 8)
+    few, rolled = sign(random) * random.uniform(2, 8), pick(random, -90, 90, 180)
 
     def lens(
         change: Callable[[list[float], list[float]], None], size: str = "", of: Sequence[str] = both
@@ -422,6 +489,11 @@ def _cameras(random: Random, kind: str) -> dict[str, Fault]:
         "camera-turned": shown(lambda i: i[::-1, ::-1], "pictures by 180 degrees"),
         "camera-mirrored": shown(lambda i: i[:, ::-1], "pictures"),
         "camera-late": clock(topics, late),
+        "camera-mount": Fault(
+            sensor="camera",
+            files=mounted(r"mount = \[0.0, 0.0, -0.05", 0, rolled),
+            size=f"roll off by {rolled:.0f} degrees",
+        ),
     }
     if kind == "stereo":
         found["camera-swapped"] = Fault(sensor="camera", files=swap_cameras)
@@ -445,6 +517,16 @@ def _cad(random: Random) -> dict[str, Fault]:
     def y_up(of: trimesh.Trimesh) -> None:
         of.apply_transform(trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0]))
 
+    def turned_over(of: trimesh.Trimesh) -> None:
+        of.apply_transform(trimesh.transformations.rotation_matrix(np.pi, [1, 0, 0]))
+
+    def on_end(of: trimesh.Trimesh) -> None:
+        of.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, [0, 1, 0]))
+
+    def in_radians(numbers: str) -> str:
+        six = json.loads(numbers)
+        return json.dumps([*six[:3], *np.radians(six[3:]).round(6).tolist()])
+
     def plated(of: trimesh.Trimesh) -> None:
         """Give the plates a thickness, with the inner faces as a yard exports them."""
         inner = of.vertices - 0.015 * of.vertex_normals
@@ -455,6 +537,9 @@ def _cad(random: Random) -> dict[str, Fault]:
     return {
         "cad-precision": fault(mesh(in_map), "in map coordinates"),
         "cad-axes": fault(mesh(y_up), "y upwards"),
+        "cad-over": fault(mesh(turned_over), "upside down"),
+        "cad-end": fault(mesh(on_end), "on its end"),
+        "cad-pose": fault(toml("pose", in_radians), "hull.pose in radians"),
         "cad-plates": fault(mesh(plated), "inner faces of its plates"),
         "cad-unit": fault(toml("units", lambda _: f'"{unit}"'), unit),
         "cad-scale": fault(mesh(lambda m: m.apply_scale(stretch)), f"times {stretch:g}"),

@@ -27,6 +27,7 @@ from hullrecon.records.trajectory import Returns, VehiclePath, VehicleTrack
 from hullrecon.typing import Array, Ints
 
 HELD_SIGMA = 1e-6  # m or rad: of a coordinate whose sigma dive.toml gives as zero
+DEPTH_BIAS = 4  # place among the errors of navigation
 LEAST_ERROR_SIGMA = 1e-9  # of an error of navigation that dive.toml gives as zero
 
 TraySensor: TypeAlias = Camera | Literal["tray", "dvl"]
@@ -201,6 +202,12 @@ class Rig:
     def with_priors(self, **priors: Array | float | None) -> Rig:
         """Replace some of the priors, by their names in RigPriors."""
         return replace(self, priors=replace(self.priors, **priors))  # type: ignore[arg-type]
+
+    def with_depth_offset(self, sigma_m: float) -> Rig:
+        """Add another sigma, in squares, to the prior of the constant error of depths."""
+        sigma = self.priors.navigation_sigma.copy()
+        sigma[DEPTH_BIAS] = np.hypot(sigma[DEPTH_BIAS], sigma_m)
+        return self.with_priors(navigation_sigma=sigma)
 
     @property
     def mounts(self) -> Mounts:

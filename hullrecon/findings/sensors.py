@@ -225,6 +225,15 @@ def _late(sensor: str, seconds: float) -> str:
     )
 
 
+def _depth_steps(by_m: Sequence[float], first: str, offset_m: float) -> str:
+    steps = ", ".join(f"{step:+.2f}" for step in by_m)
+    return (
+        f"pressure: the depth steps by {steps} m at once ({first}), where the DVL saw no such "
+        "motion; it was taken off. Which of the levels is right is not known: heights are known to "
+        f"{offset_m:.2f} m (one sigma)"
+    )
+
+
 def _drifting(sensors: Sequence[str], per_cent: float) -> str:
     return (
         f"{' or '.join(sensors)}: its readings fit the other sensors' with a clock that runs "
@@ -252,6 +261,7 @@ WARNINGS: dict[str, Words] = {
     "sensors-late": _late,
     "sensors-drift": _drifting,
     "sensors-part": _contradict,
+    "depth-steps": _depth_steps,
     "images-blank-some": "{blank} of {count} images, spread over the dive, show no feature: they "
     "are black, white or out of focus, and tell nothing",
     "images-frozen-some": "{same} of {count} images, spread over the dive, are one picture to "

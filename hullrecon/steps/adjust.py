@@ -31,7 +31,6 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import Attitude
-from hullrecon.rig import rig_with_priors
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
 from hullrecon.typing import Ints
 
@@ -102,7 +101,7 @@ def _measurements(context: Context[Options]) -> Measurements:
         start=inputs.links.path.path() if inputs.links is not None else None,
         planes=inputs.links.planes if inputs.links is not None else None,
         positions=inputs.navigate.positions,
-        rig=rig_with_priors(settings, inputs.ingest.camera_models),
+        rig=inputs.rig(settings),
         cad_model=_cad_model(
             inputs.ingest.hull,
             settings.read_optional("hull", schema.Hull),

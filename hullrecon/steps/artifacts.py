@@ -56,6 +56,7 @@ from hullrecon.records.trajectory import (
     Trajectory,
     TrajectoryErrorModel,
 )
+from hullrecon.rig import Rig, rig_with_priors
 from hullrecon.typing import Arrays
 
 Record = TypeVar("Record")
@@ -183,6 +184,11 @@ class NavigateArtifact(StepArtifact):
     returns = OptionalFile("returns.npz", Returns)  # of the DVL, None if no DVL was carried
     positions = OptionalFile("positions.npz", PositionTies)  # from outside, that bound the path
     facts = JsonFile("navigation.json")
+
+    @property
+    def depth_offset_m(self) -> float:
+        """Largest difference of two levels of the depths, which stepped, m. Else 0."""
+        return float(str(self.facts.get("depth_offset_m", 0.0)))
 
 
 class LinksArtifact(StepArtifact):
@@ -352,6 +358,14 @@ class InputArtifacts:
                 values[section] = with_value(values[section], name, mount.value)
             values[key] = mount.value
         return settings.replaced(values)
+
+    def rig(self, settings: StageSettings) -> Rig:
+        """Build the rig with its priors, by settings that hold the log's mounts.
+
+        That of depths is wider where their level stepped.
+        """
+        rig = rig_with_priors(settings, self.ingest.camera_models)
+        return rig.with_depth_offset(self.navigate.depth_offset_m)
 
     @property
     def camera_models(self) -> dict[Camera, CameraModel]:

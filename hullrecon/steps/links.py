@@ -13,7 +13,6 @@ from hullrecon.navigation.pose_graph.graph import GraphSolution, PoseGraph
 from hullrecon.navigation.pose_graph.ties import describe_parts
 from hullrecon.records.links import COMMON_FEATURE, no_links
 from hullrecon.records.serialisation import to_arrays
-from hullrecon.rig import rig_with_priors
 from hullrecon.steps.artifacts import COMMON_FEATURES, InputArtifacts
 from hullrecon.vision.compared_pairs import CommonFeatures
 from hullrecon.vision.link_images import NavigatedDive, PathSolver, link_images
@@ -66,7 +65,7 @@ def pose_graph(inputs: InputArtifacts, settings: StageSettings, kernel: str = KE
         trajectory=navigate.trajectory,
         odometry=navigate.odometry,
         attitude=navigate.attitude,
-        rig=rig_with_priors(settings, inputs.ingest.camera_models),
+        rig=inputs.rig(settings),
         kernel=kernel,
         positions=navigate.positions,
     )
@@ -78,7 +77,7 @@ def _link_images(
     """Link the images and write the links. Returns figures and the path solved with them."""
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
-    rig = rig_with_priors(settings, inputs.ingest.camera_models)
+    rig = inputs.rig(settings)
     worker = MatchWorker(
         features=context.inputs["features"],
         rig=rig,

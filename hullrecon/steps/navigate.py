@@ -106,7 +106,11 @@ def run(context: Context[NoOptions]) -> None:
         lambda: _by_dvl(context, judged.records, delay, sigmas),
         lambda: _by_stereo(context, judged.records, delay, sigmas),
     )
-    facts = {"suspects": [one.document() for one in judged.tried], **found.facts}
+    facts = {
+        "suspects": [one.document() for one in judged.tried],
+        "depth_offset_m": judged.depth_offset_m,
+        **found.facts,
+    }
     # offsets of clocks are told by what follows, which estimates them
     told = [one for one in judged.findings if one.code != "sensors-late"]
     if not facts.get("clocks"):
@@ -180,8 +184,13 @@ def _check_rig(context: Context[NoOptions], records: SensorRecords) -> Delay | N
 
 
 def _sigmas(context: Context[NoOptions], judged: Judged) -> NavigationSigmas:
-    """Collect the sigmas of navigation, wide for a tray whose readings tell nothing."""
+    """Collect the sigmas of navigation.
+
+    They are wide for a tray whose readings tell nothing, and for depths whose level stepped.
+    """
     sigmas = sigmas_from_settings(_ingest_and_settings(context)[1])
+    depth_m = float(np.hypot(sigmas.depth_bias_m, judged.depth_offset_m))
+    sigmas = replace(sigmas, depth_bias_m=depth_m)
     untold = any(finding.code in TELL_NOTHING for finding in judged.findings)
     return replace(sigmas, tray_untold_rad=UNTOLD_RAD) if untold else sigmas
 

@@ -20,6 +20,7 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames
 from hullrecon.navigation.sensors.servo import doubtful_angles
 from hullrecon.navigation.suspects.comparisons import Flow, Sensor
+from hullrecon.navigation.suspects.depth_steps import depth_steps
 from hullrecon.navigation.suspects.remedies import Conventions
 from hullrecon.navigation.suspects.suspects import Judged, judge
 from hullrecon.records.clock import NS
@@ -66,6 +67,10 @@ def judge_sensors(
     if apart:
         return Judged(records=records, findings=apart, tried=[])
     records, moved = mend_shifted(records, level)
+    stepped = depth_steps(records, rig)
+    if stepped is not None:
+        records = replace(records, pressure=stepped.mended)
+        moved += [stepped.finding(named.get(Sensor.PRESSURE, ""))]
     mount_deg = settings["imu.mount_deg"]
     given = Conventions(
         imu_frame=str(settings["imu.frame"]),
@@ -78,7 +83,9 @@ def judge_sensors(
         str(settings["tray.joint_unit"]),
         float(np.radians(_number(settings["tray.sigma_deg"]))),
     )
-    return replace(judged, findings=[*moved, *judged.findings, *still])
+    offset_m = 0.0 if stepped is None else stepped.largest_offset_m
+    findings = [*moved, *judged.findings, *still]
+    return replace(judged, findings=findings, depth_offset_m=offset_m)
 
 
 def describe_sensors(

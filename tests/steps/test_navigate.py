@@ -141,6 +141,25 @@ def test_a_tray_of_zeros_alone_is_known_to_ten_degrees(ingest: Path, tmp_path: P
     np.testing.assert_allclose(np.degrees(attitude.tray_sigma), 10.0)
 
 
+def test_depths_that_step_are_put_on_one_level_that_is_less_known(
+    ingest: Path, tmp_path: Path
+) -> None:
+    logged = from_arrays(PressureSamples, load_arrays(ingest / "pressure.npz"))
+    noise = 0.02 * np.random.default_rng(1).standard_normal(len(logged.t_ns))
+    stepped = logged.depth + noise + 0.5 * (logged.t_ns > 13 * SECOND)
+    keep(ingest, "pressure", PressureSamples(t_ns=logged.t_ns, depth=stepped))
+    out = run(ingest, tmp_path / "navigate")
+    attitude = from_arrays(Attitude, load_arrays(out / "attitude.npz"))
+    np.testing.assert_allclose(attitude.depth, 2.0, atol=0.05)
+    remarks = json.loads((out / "navigation.json").read_text())["remarks"]
+    assert any("the depth steps by +0.5" in remark for remark in remarks)
+    (ingest / "cameras.json").write_text("{}")
+    inputs = InputArtifacts({"ingest": ingest, "navigate": out})
+    rig = inputs.rig(inputs.mounted(settings_for(stage("adjust"), sections())))
+    sigma_m = np.hypot(schema.Pressure().bias_sigma_m, 0.5)
+    assert rig.priors.navigation_sigma[4] == pytest.approx(sigma_m, abs=0.02)
+
+
 def test_the_step_leaves_what_makes_its_poses_wrong(ingest: Path, tmp_path: Path) -> None:
     out = run(ingest, tmp_path / "navigate")
     path = from_arrays(Trajectory, load_arrays(out / "trajectory.npz"))

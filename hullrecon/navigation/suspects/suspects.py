@@ -86,6 +86,7 @@ class Judged:
     records: SensorRecords
     findings: list[Finding]
     tried: list[Tried]  # those that explain most, by contradiction
+    depth_offset_m: float = 0.0  # by which the level of depths may be off, where it stepped
 
 
 def judge(
