@@ -84,7 +84,7 @@ def find_segments(
     odometry
         Motion between its nodes. Only where its sigma is large is the path's covariance computed.
     node
-        Node (m,) of each return that is not flagged.
+        Node (k,) of each return that is not flagged.
 
     Returns
     -------
@@ -133,11 +133,11 @@ def _end_towards(segments: Segments, segment: int, other: int) -> int:
 def _relative_covariance(
     problem: native.Problem, settings: native.Options, first: Ints, second: Ints
 ) -> Array:
-    """Compute the covariance (m, 6, 6) of the second node's pose relative to the first, in g.
+    """Compute the covariance (k, 6, 6) of the second node's pose relative to the first, in g.
 
-    problem, settings: the path at its solution. first, second (m,): nodes of each pair.
+    problem, settings: the path at its solution. first, second (k,): nodes of each pair.
     """
-    # (m, 14, 14): of each node its translation in g, rotation in the vehicle's axes, tray angle
+    # (k, 14, 14): of each node its translation in g, rotation in the vehicle's axes, tray angle
     joint = native.pair_covariance(
         problem, np.column_stack([first, second]).astype(np.int32), settings
     ).pose
@@ -178,7 +178,7 @@ def register_segments(
     nodes
         The path (n,), global_from_vehicle.
     points, node
-        Ends of the returns (m, 3) in g, and their nodes (m,).
+        Ends of the returns (k, 3) m in g, and their nodes (k,).
     cad_model
         With the guess of its pose.
     sigma_range

@@ -99,8 +99,8 @@ def plan_along(problem: native.Problem, place_m: Array, axis: str, wanted: Wante
     bytes_of_pose = _bytes_of_poses(problem)
     whole_mb = float(bytes_of_pose.sum()) / 1e6
     if wanted == "auto":
-        # The part at work gets what the parts at rest leave of the budget, but at least half of it:
-        # otherwise a very long dive would have countless tiny parts.
+        # The part at work gets what the parts at rest leave of the budget. Where these alone take
+        # more than half of it, the part at work gets half of the budget nevertheless.
         for_work_mb = max(SOLVER_MB - AT_REST * whole_mb, SOLVER_MB / 2)
         needed = int(np.ceil((1 - AT_REST) * whole_mb / for_work_mb))
         count = 1 if whole_mb <= SOLVER_MB else min(MOST_PARTS, needed)

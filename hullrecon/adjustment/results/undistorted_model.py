@@ -82,7 +82,7 @@ def undistort_model(folder: Path) -> UndistortedModel:
         )
     for rig in delivered.rigs.values():
         reconstruction.add_rig(rig)
-    seen = _observations(delivered, undistortions)
+    seen = _undistort_observations(delivered, undistortions)
     images = _add_images(reconstruction, delivered, seen)
     _add_points(reconstruction, delivered, seen)
     reconstruction.update_point_3d_errors()
@@ -109,7 +109,7 @@ def camera_of(camera: pycolmap.Camera) -> CameraModel:
     )
 
 
-def _observations(
+def _undistort_observations(
     delivered: Reconstruction, undistortions: dict[int, Undistortion]
 ) -> _Observations:
     """Compute the observations in the undistorted images, of points that keep two or more.

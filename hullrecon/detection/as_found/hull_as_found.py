@@ -68,8 +68,8 @@ class Unfused:
     normal: Array  # (n, 3) outward
     hull: Array  # (n,) m, smooth offset of the hull from the base
     height: Array  # (n,) m above that hull by regression, 0 where no landmark is near
-    features: Array  # (m, 3) landmarks
-    feature_height: Array  # (m,) m of the landmarks above the hull
+    features: Array  # (l, 3) m, landmarks
+    feature_height: Array  # (l,) m, of the landmarks above the hull
 
 
 # Returns the moved vertices (n, 3), their heights (n,) m above the hull, and the number of views

@@ -129,7 +129,7 @@ def find_shape_hits(
     views
         Images of the top camera.
     features, deviation
-        Landmarks (m, 3) m, and their signed distances (m,) m from the hull.
+        Landmarks (l, 3) m, and their signed distances (l,) m from the hull.
     vertices
         Of the mesh (n, 3) m.
     options

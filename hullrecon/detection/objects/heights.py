@@ -60,9 +60,9 @@ def local_heights(
     at, normal
         Vertices (n, 3) m with outward normals (n, 3).
     feet
-        Of the landmarks on the base (m, 3).
+        Of the landmarks on the base (l, 3) m.
     height, sigma
-        Of the landmarks (m,), metres.
+        Of the landmarks (l,) m.
     neighbours
         Nearest landmarks that are used, at most.
     reach_m

@@ -146,7 +146,7 @@ def unroll(points: Array, sensors: Array, plane: PlaneChart) -> CylinderChart | 
     points
         (n, 3) on the hull, in the plane's frame.
     sensors
-        Positions (m, 3) of the sensors that saw them, outside the hull.
+        Positions (s, 3) of the sensors that saw them, outside the hull.
     plane
         Fitted to the points.
 
@@ -179,9 +179,11 @@ def _average_in_cells(points: Array) -> Array:
 
 
 def _fit_normals(cells: Array, sensors: Array) -> tuple[Array, Array]:
-    """Fit unit normals to neighbouring cells (n, 3), towards the nearest sensor (m, 3).
+    """Fit a plane to the neighbours of each cell: unit normals towards the nearest sensor.
 
     Returns cells and normals (k, 3), without the cells whose neighbours lie on a line.
+
+    cells (n, 3), sensors (s, 3): positions, m.
     """
     around = cells[nearest(cells, cells, NEIGHBOURS)[1]]
     around = around - around.mean(axis=1, keepdims=True)
