@@ -56,6 +56,7 @@ def find_fitting_beams(
     _, at, beam = np.unique(returns.beam, axis=0, return_index=True, return_inverse=True)
     if not 2 <= len(at) <= MOST_BEAMS:
         return None
+    # Directions in the order of the beams of one ping, and the number in it of each return's beam
     of_ping = np.flatnonzero(returns.t_ns == returns.t_ns[_first_whole(returns, len(at))])
     directions = returns.beam[of_ping]
     number = np.array([np.flatnonzero(beam[of_ping] == k)[0] for k in range(len(at))])[beam]

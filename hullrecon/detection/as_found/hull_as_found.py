@@ -253,6 +253,7 @@ def surface_on_cad_model(cad_model: Mesh, surface: Surface, edge_m: float) -> Su
     distance, row = nearest(
         surface.vertices, mesh.vertices, min(4, len(surface.vertices)), 2 * edge_m
     )
+    # Weights of the nearest vertices of the surface by the inverse square of their distance
     known = np.isfinite(distance[:, 0])
     weight = np.where(np.isfinite(distance), 1 / (distance + 1e-3) ** 2, 0.0)
     weight[known] /= weight[known].sum(axis=1, keepdims=True)

@@ -36,7 +36,7 @@ class RasterBands:
 
     @property
     def creation_options(self) -> dict[str, object]:
-        """Choose how GDAL stores the bands."""
+        """GDAL's options by which the bands are stored: colours, alpha, order and predictor."""
         if self.names[-1] != "alpha":
             return {"predictor": 3 if self.dtype.startswith("float") else 2}
         photometric = "RGB" if len(self.names) == 4 else "MINISBLACK"
