@@ -22,9 +22,9 @@ from hullrecon.adjustment.hull_pose.other_headings import (
     describe_height,
     describe_turn,
     find_fitting_heading,
-    height_off,
+    height_below_guess,
     stated_model,
-    turn_of,
+    turn_from_guess,
 )
 from hullrecon.adjustment.hull_pose.other_units import find_fitting_unit
 from hullrecon.adjustment.hull_pose.segments import Segments, find_segments, register_segments
@@ -180,8 +180,8 @@ def _accept_registration(found: registration.Registration, segments: Segments | 
             f"sigma of it, wherever {what}{ANYBODY}",
         )
     if found.sigmas_off > MAX_SIGMAS_OFF:
-        turn = turn_of(found)
-        lower_m = height_off(found)
+        turn = turn_from_guess(found)
+        lower_m = height_below_guess(found)
         reason = (
             f"it fits only {found.sigmas_off:.0f} times farther from hull.pose than "
             "hull.pose_sigma says"
@@ -226,7 +226,7 @@ def _add_fitting_unit_and_heading(
         )
         fitting.append((read.fitness, words))
     turned = None
-    if turn_of(found) is None:  # else that is the reason
+    if turn_from_guess(found) is None:  # otherwise the reason names the turn already
         turned = find_fitting_heading(points, stated, range_sigma_m)
     if turned is not None:
         fitting.append((turned[1], describe_turn(turned[0])))

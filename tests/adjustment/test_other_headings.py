@@ -13,8 +13,8 @@ from hullrecon.adjustment.hull_pose.other_headings import (
     describe_height,
     describe_turn,
     find_fitting_heading,
-    height_off,
-    turn_of,
+    height_below_guess,
+    turn_from_guess,
 )
 from hullrecon.adjustment.hull_pose.registration import perturb_pose, register
 from hullrecon.geometry.poses import Poses
@@ -38,13 +38,13 @@ def model():
 def test_small_turn_is_told_from_a_guess_that_is_elsewhere():
     found = register(turned(25.0), model(), 0.01)
     assert found.sigmas_off > 3.5
-    assert np.degrees(turn_of(found)) == pytest.approx(25.0, abs=3.0)
-    assert "imu.mount_deg" in describe_turn(turn_of(found))
-    assert "hull.pose" in describe_turn(turn_of(found))
+    assert np.degrees(turn_from_guess(found)) == pytest.approx(25.0, abs=3.0)
+    assert "imu.mount_deg" in describe_turn(turn_from_guess(found))
+    assert "hull.pose" in describe_turn(turn_from_guess(found))
     elsewhere = perturb_pose(PLACE, found.center, np.r_[0.0, 0.0, -1.5, np.zeros(3)])
     away = register(POINTS, replace(model(), guess=elsewhere), 0.01)
     assert away.sigmas_off > 3.5
-    assert turn_of(away) is None
+    assert turn_from_guess(away) is None
 
 
 @pytest.mark.parametrize("lower_m", [10.1, -3.0])
@@ -52,13 +52,13 @@ def test_depths_that_are_all_off_are_told_from_a_turn(lower_m):
     found = register(POINTS, model(), 0.01)
     lower = Poses(PLACE.quaternion, PLACE.translation + np.r_[0.0, 0.0, lower_m])
     off = replace(found, global_from_hull=lower, sigmas_off=10.0, cad_model=_wider(found, 10.0))
-    assert height_off(off) == pytest.approx(lower_m, abs=0.05)
-    assert turn_of(off) is None
-    words = describe_height(height_off(off))
+    assert height_below_guess(off) == pytest.approx(lower_m, abs=0.05)
+    assert turn_from_guess(off) is None
+    words = describe_height(height_below_guess(off))
     assert f"{abs(lower_m):.1f} m {'lower' if lower_m > 0 else 'higher'}" in words
     assert ("pressure.unit" in words) == (lower_m == 10.1)
     aside = Poses(PLACE.quaternion, PLACE.translation + np.r_[8.0, 8.0, lower_m])
-    assert height_off(replace(off, global_from_hull=aside)) is None
+    assert height_below_guess(replace(off, global_from_hull=aside)) is None
 
 
 def _wider(found, times):

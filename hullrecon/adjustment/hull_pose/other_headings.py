@@ -36,7 +36,7 @@ def stated_model(found: Registration) -> CadModel:
     return replace(found.cad_model, guess_sigma=found.cad_model.guess_sigma / found.sigmas_off)
 
 
-def turn_of(found: Registration) -> float | None:
+def turn_from_guess(found: Registration) -> float | None:
     """Compute by which heading, rad, the hull is turned from the guess.
 
     None where the guess is not contradicted, or not in its heading alone.
@@ -44,7 +44,7 @@ def turn_of(found: Registration) -> float | None:
     return None if found.sigmas_off <= GUESS_SIGMAS else _turn_from(stated_model(found), found)
 
 
-def height_off(found: Registration) -> float | None:
+def height_below_guess(found: Registration) -> float | None:
     """Compute how far below the guess the hull lies, m.
 
     None where the guess is not contradicted, or not in its height alone.

@@ -14,7 +14,7 @@ from hullrecon import native
 from hullrecon.adjustment.bundle_adjustment import Adjusted
 from hullrecon.adjustment.cad_acceptance import Placement
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
-from hullrecon.adjustment.hull_pose.other_headings import describe_turn, turn_of
+from hullrecon.adjustment.hull_pose.other_headings import describe_turn, turn_from_guess
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.partition import join
 from hullrecon.adjustment.problem import intrinsics, iteration_history, lens, weighting
@@ -326,7 +326,7 @@ def _placement_warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
     sentences = [*_shape_warnings(adjusted.placement), *_segment_warnings(adjusted.placement)]
     if found.sigmas_off <= 1:
         return sentences
-    turn = turn_of(found)
+    turn = turn_from_guess(found)
     if turn is not None:
         return [
             *sentences,
