@@ -208,6 +208,8 @@ NOTES: dict[str, Words] = {
     "dvl-sensors-ignored": _of_dvl,
     "angles-in-degrees": "angles reach {largest_rad:.1f} rad; are they in degrees (give "
     'sonar.joint_unit = "deg" then)?',
+    "angles-wrap": "its angles jump by a whole turn {jumps} times, as where they are counted from "
+    "0 to 360 degrees: they were joined",
     "joint-absent": "no reading of {joint} is in the log; it is taken as fixed at 0 degrees",
     "joint-before-window": "at the start of the time window as last read, at {time}",
     # the DVL's beams

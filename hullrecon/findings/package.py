@@ -230,6 +230,11 @@ WARNINGS: dict[str, Words] = {
         "it is symmetric about a level plane and not from port to starboard, so hull.pose lays it "
         f"on its side: was it exported with {port} up? Then give hull.pose = [{_numbers(pose)}]"
     ),
+    "hull-under-water": lambda top_m, bottom_m, up, pose: (
+        f"hull.pose puts it wholly under the water, {top_m:.1f} to {bottom_m:.1f} m deep: does its "
+        f"{up} point down? Then give hull.pose = [{_numbers(pose)}]. Else its origin is another "
+        "point than that of hull.pose, or the depth of that is wrong, or its angles are in radians"
+    ),
     "region-empty": _empty_region,
     "regions-uncounted": lambda count, why: (
         f"{count_noun(count, 'hull.region')} cannot be counted: {why}"

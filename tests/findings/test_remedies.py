@@ -67,6 +67,8 @@ APPLIED = {
     "topics-of-depths": "dive/check/test_topics.py::test_types_of_depths_that_are_advised_are_read",
     "hull-on-its-side": "dive/hull/test_symmetry.py::"
     "test_a_ship_on_her_side_is_named_and_upright_again_when_turned",
+    "hull-under-water": "dive/hull/test_symmetry.py::"
+    "test_a_ship_under_water_is_named_and_afloat_again_when_turned_over",
     "tray-offset": "dive/test_ingest.py::"
     "test_a_tray_that_grows_down_from_another_zero_is_counted_up_from_level",
     "other-tray": "dive/test_ingest.py::"

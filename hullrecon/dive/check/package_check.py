@@ -19,6 +19,7 @@ from hullrecon.dive.check.consistency_checks import (
 )
 from hullrecon.dive.check.contents import describe_start_offset
 from hullrecon.dive.check.hull_checks import (
+    check_afloat,
     check_upright,
     describe_bow,
     describe_regions,
@@ -291,7 +292,11 @@ def _check_hull_pose(
             refuse_far_hull(hull, mesh)
         with problems.collect():
             bow, stations_off = describe_bow(hull, mesh)
-            return [bow], [*check_upright(hull, mesh), *stations_off]
+            return [bow], [
+                *check_upright(hull, mesh),
+                *check_afloat(hull, mesh),
+                *stations_off,
+            ]
     return [], []
 
 

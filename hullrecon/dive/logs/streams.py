@@ -81,6 +81,7 @@ FARTHEST_MEDIAN_M = 100.0  # of the DVL's ranges at a hull: the instruments reac
 LEAST_ROUNDED, ON_GRID = 20, 1e-3
 LEAST_LEVELS = 4  # different values; a simulated vehicle may go at few speeds
 COARSEST_SHARE = 0.25  # of the median speed; a rounding by that turns its direction by 7 degrees
+NEARLY_A_TURN = 1.5 * np.pi  # rad, farther than a servo turns from one reading to the next
 WHOLE_TURN_DEG = 360.0
 LEAST_UNIT = 0.1  # share of an IMU's quaternions that are of unit length; fewer are so by chance
 METRES_A_SECOND = {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3}
@@ -597,9 +598,10 @@ def joint_samples(
     notes += _describe_lost(f"joint {name}", good)
     if not good.any():
         return None
-    cut = np.degrees(windows(angle[good]))
-    refuse_two_sensors(f"joint {name}", np.abs(cut - cut[:, :1]), "degrees")
     largest_rad = float(np.abs(angle[good]).max())
+    joined = _join_turns(angle[good], f"joint {name}", notes)
+    cut = np.degrees(windows(joined))
+    refuse_two_sensors(f"joint {name}", np.abs(cut - cut[:, :1]), "degrees")
     if largest_rad > 2 * np.pi and record == "tray":
         is_degrees = unit == "rad" and largest_rad <= WHOLE_TURN_DEG
         raise InputError(
@@ -611,7 +613,17 @@ def joint_samples(
         )
     if largest_rad > 2 * np.pi:
         notes.append(Finding("angles-in-degrees", {"largest_rad": largest_rad}, f"joint {name}"))
-    return JointSamples(t_ns=_times(samples)[good], angle=angle[good])
+    return JointSamples(t_ns=_times(samples)[good], angle=joined)
+
+
+def _join_turns(angle: Array, name: str, notes: list[Finding]) -> Array:
+    """Join angles (n,) rad that are counted anew from 0 after each whole turn."""
+    jumps = int(np.count_nonzero(np.abs(np.diff(angle)) > NEARLY_A_TURN))
+    if not jumps:
+        return angle
+    notes.append(Finding("angles-wrap", {"jumps": jumps}, name))
+    joined = np.unwrap(angle, discont=NEARLY_A_TURN)
+    return np.asarray(joined - 2 * np.pi * np.round(np.median(joined) / (2 * np.pi)))
 
 
 def _describe_lost(name: str, good: Mask) -> list[Finding]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from dive.hull.shapes import barge, box, spindle
 
-from hullrecon.dive.check.hull_checks import check_upright
+from hullrecon.dive.check.hull_checks import check_afloat, check_upright
 from hullrecon.dive.config.schema import Hull
 from hullrecon.dive.hull.symmetry import find_lying_side
 from hullrecon.geometry.meshes.mesh import Mesh
@@ -26,6 +26,18 @@ def test_a_ship_on_her_side_is_named_and_upright_again_when_turned():
     upright = Hull(mesh="h.stl", pose=tuple(float(number) for number in numbers.split(",")))
     assert check_upright(upright, ship) == []
     assert up_in(from_mount(upright.pose)) == pytest.approx([0, 1, 0])
+
+
+def test_a_ship_under_water_is_named_and_afloat_again_when_turned_over():
+    ship = Mesh(barge().vertices * [1, -1, -1], barge().faces)
+    given = Hull(mesh="h.stl", pose=(1.0, 2.0, 3.5, 180.0, 0.0, -90.0))
+    assert check_afloat(given, barge()) == []
+    (named,) = check_afloat(given, ship)
+    (numbers,) = re.findall(
+        r"does its z point down\? Then give hull\.pose = \[(.*?)\]", named.sentence
+    )
+    afloat = Hull(mesh="h.stl", pose=tuple(float(number) for number in numbers.split(",")))
+    assert check_afloat(afloat, ship) == []
 
 
 @pytest.mark.parametrize(

@@ -248,6 +248,15 @@ def test_joint_angles_in_degrees_are_refused_until_their_unit_is_given():
     ]
 
 
+def test_angles_that_are_counted_from_0_to_360_degrees_are_joined():
+    true = np.radians([3.0, 0.5, -0.5, -2.0, 1.0])
+    notes = []
+    logged = [JointSample(t, "tray", a) for t, a in enumerate(true % (2 * np.pi))]
+    found = streams.joint_samples(logged, "tray", "tray", notes)
+    assert found.angle == pytest.approx(true)
+    assert "jump by a whole turn 2 times" in notes[0].sentence
+
+
 def test_a_sonars_rotator_may_turn_more_than_once():
     notes = []
     found = streams.joint_samples([JointSample(0, "pan", 9.0)], "sonar_tray", "pan", notes)

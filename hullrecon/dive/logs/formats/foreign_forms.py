@@ -53,6 +53,18 @@ BY_MAGIC: tuple[tuple[bytes, str, str], ...] = (
     ),
     (b"\x1f\x8b", PACKED, "where it is the log, unpack it first (gunzip)"),
     (b"7z\xbc\xaf", "a packed archive", "unpack it first"),
+    (b"ULog", "a log of PX4", TO_MCAP),
+    (b"PAR1", "a table of Parquet", f"write its sensors as {TABLES}"),
+    (b":SA", "the text that a DVL of Teledyne sends (PD6)", f"have it write PD0, or {TO_TABLES}"),
+    *(
+        (
+            command,
+            "the serial protocol of a Water Linked DVL",
+            f"log the JSON that it sends over TCP, or {TO_TABLES}",
+        )
+        for command in (b"wrz,", b"wrx,", b"wru,")
+    ),
+    *((talker, "NMEA sentences", TO_TABLES) for talker in (b"$P", b"$D", b"$G", b"$S", b"$V")),
     (b"\x89HDF", "an HDF5 or NetCDF file", f"write its sensors as {TABLES}"),
 )
 BY_SUFFIX = {
@@ -60,7 +72,7 @@ BY_SUFFIX = {
     ".svlog": ("a log of SonarView", TO_MCAP),
     ".npz": ("an archive of NumPy arrays", f"write its sensors as {TABLES}"),
     ".mat": ("a file of MATLAB", f"write {TABLES}"),
-    ".zip": ("a packed archive", "unpack it first"),
+    **dict.fromkeys((".zip", ".tar", ".tgz"), ("a packed archive", "unpack it first")),
     ".csv": ("one table", f"give its folder, with {TABLES}"),
     ".xtf": ("a side-scan recording", "side scans are not read"),
     ".jsf": ("a side-scan recording", "side scans are not read"),
@@ -85,6 +97,8 @@ def describe_file(path: Path, start: bytes) -> tuple[str, str]:
         )
     if is_page(start):
         return "a page of the web or XML", "fetch the file itself"
+    if path.name.lower().endswith((".tar.gz", ".tgz")):
+        return BY_SUFFIX[".tar"]
     known = [(what, remedy) for magic, what, remedy in BY_MAGIC if start.startswith(magic)]
     return (known or [BY_SUFFIX.get(suffix, ("", ""))])[0]
 
