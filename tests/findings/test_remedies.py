@@ -161,7 +161,7 @@ FOLLOWED = {
     "test_images_of_which_none_is_whole_are_refused_until_they_are",
     "dive/images/sink.py::_check_size": "dive/images/test_images.py::"
     "test_images_unlike_calibration_are_refused_early_with_sizes",
-    "dive/images/store.py::bytes": "dive/images/test_images.py::"
+    "dive/images/store.py::_bytes": "dive/images/test_images.py::"
     "test_an_image_file_that_is_gone_is_an_input_error",
     "dive/ingest.py::_nothing_read": "dive/test_ingest.py::test_nothing_readable_is_an_input_error",
     "dive/ingest.py::_check_silence": "dive/check/test_package_check.py::"
