@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,7 @@ DVL_REACH_M = 0.08  # from a vertex of the DVL's surface, whose edges are 0.1 m
 BRIDGE_CELLS = 6
 MIN_HOLE_M2 = 0.03  # least area of a hole in what the camera saw
 SONAR_GRAZING = 0.25 * GRAZING  # cosine of the flattest incidence that gives a sonar return
+CUBE_M = 0.5  # patches in one cube are ruled out at once where a fan passes it
 # Least area of a hole in what the DVL saw: its returns lie decimetres apart, and its surface ends
 # 0.4 m from a return, so that a smaller hole is a notch of the rim
 MIN_HOLE_BY_DVL_M2 = 0.16
@@ -51,6 +53,39 @@ class HullPatches:
     mesh: Mesh  # whose vertices (n, 3) are the middles of the patches
     normal: Array  # (n, 3) outward
     area: Array  # (n,) m2
+
+    @cached_property
+    def cubes(self) -> _Cubes:
+        """Group the patches by place."""
+        return _group_in_cubes(self.mesh.vertices)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Cubes:
+    """Points grouped in cubes, each within a sphere."""
+
+    order: Ints  # (n,) rows of the points, cube by cube
+    start: Ints  # (k + 1,) where each cube's begin
+    middle: Array  # (k, 3) m
+    radius: Array  # (k,) m
+
+    def rows(self, which: Mask) -> Ints:
+        """List the rows of the points in some cubes (k,)."""
+        spans = zip(self.start[:-1][which], self.start[1:][which], strict=True)
+        return np.concatenate([self.order[:0], *(self.order[a:b] for a, b in spans)])
+
+
+def _group_in_cubes(points: Array) -> _Cubes:
+    cube = np.floor(points / CUBE_M).astype(np.int64)
+    order = np.lexsort(cube.T)
+    cube = cube[order]
+    first = np.ones(len(cube), bool)
+    first[1:] = (cube[1:] != cube[:-1]).any(axis=1)
+    start = np.append(np.flatnonzero(first), len(cube))
+    middle = np.add.reduceat(points[order], start[:-1]) / np.diff(start)[:, None]
+    away = np.linalg.norm(points[order] - np.repeat(middle, np.diff(start), axis=0), axis=1)
+    radius = np.maximum.reduceat(away, start[:-1])
+    return _Cubes(order=order, start=start, middle=middle, radius=radius)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -253,12 +288,13 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
     """
     pings, result_from_sonar = sonar.pings, sonar.poses
     bearing = np.arctan2(pings.directions[:, 1], pings.directions[:, 2])  # in the fan's plane
-    columns = np.ascontiguousarray(hull.mesh.vertices.T), np.ascontiguousarray(hull.normal.T)
     out_of_plane = result_from_sonar.rotation.as_matrix()[:, :, 0]
     seen = np.zeros(len(hull.area), bool)
     for ping in range(len(result_from_sonar)):
         center = result_from_sonar.translation[ping]
-        rows = np.flatnonzero(_near_fan(*columns, center, out_of_plane[ping], sonar) & ~seen)
+        rows = hull.cubes.rows(_meets_fan(hull.cubes, center, out_of_plane[ping], sonar))
+        rows = rows[~seen[rows]]
+        rows = rows[_near_fan(hull, rows, center, out_of_plane[ping], sonar)]
         # In the fan: by range, elevation out of its plane, and bearing
         local = result_from_sonar[ping].inverse().apply(hull.mesh.vertices[rows])
         distance = np.maximum(np.linalg.norm(local, axis=1), 1e-9)
@@ -276,30 +312,45 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
     return seen
 
 
+def _meets_fan(cubes: _Cubes, center: Array, out_of_plane: Array, sonar: SonarSurvey) -> Mask:
+    """Mark the cubes (k,) that reach into the sonar's fan, as far as their spheres tell."""
+    ray = cubes.middle - center
+    farthest = np.linalg.norm(ray, axis=1) + cubes.radius
+    return np.asarray(
+        (farthest - 2 * cubes.radius <= sonar.pings.range_m[-1])
+        & (np.abs(ray @ out_of_plane) - cubes.radius <= _elevation_sine(sonar) * farthest)
+    )
+
+
 def _near_fan(
-    points: Array, normals: Array, center: Array, out_of_plane: Array, sonar: SonarSurvey
+    hull: HullPatches, rows: Ints, center: Array, out_of_plane: Array, sonar: SonarSurvey
 ) -> Mask:
-    """Tell which points may be in a ping's fan: a fast first test that rules out nearly all.
+    """Tell which of some patches may be in a ping's fan: a fast first test.
 
     Tested are range, elevation (to rounding) and incidence, without computing angles.
 
     Parameters
     ----------
-    points, normals
-        (3, n) m and unit vectors.
+    rows
+        The patches.
     center, out_of_plane
         (3,) of the sonar: position, and its x axis.
     sonar
         Range and aperture.
     """
-    ray = points - center[:, None]
-    distance = np.sqrt(np.square(ray).sum(axis=0))
-    elevation = np.sin(min(sonar.half_elevation_rad, np.pi / 2))
+    ray = hull.mesh.vertices[rows] - center
+    distance = np.linalg.norm(ray, axis=1)
+    facing = -np.einsum("ni,ni->n", ray, hull.normal[rows])
     return np.asarray(
         (distance <= sonar.pings.range_m[-1])
-        & (np.abs(out_of_plane @ ray) <= (elevation + 1e-9) * distance)
-        & (-(ray * normals).sum(axis=0) > (SONAR_GRAZING - 1e-9) * distance)
+        & (np.abs(ray @ out_of_plane) <= _elevation_sine(sonar) * distance)
+        & (facing > (SONAR_GRAZING - 1e-9) * distance)
     )
+
+
+def _elevation_sine(sonar: SonarSurvey) -> float:
+    """Compute the sine of half the aperture out of the fan, rounded up."""
+    return float(np.sin(min(sonar.half_elevation_rad, np.pi / 2)) + 1e-9)
 
 
 def sonar_facts(
