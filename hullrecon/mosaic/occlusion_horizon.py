@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.charts.chart import Chart
-from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh, blocks_of_faces
 from hullrecon.native import least_tangents
-from hullrecon.typing import Array, Floats32, Ints, Ints32
+from hullrecon.typing import Array, Floats32, Ints, Ints32, Mask
 
 # Side of a cell of the chart. The outermost point of the surface in each is kept. With cells of
 # 0.1 m, rays are cast for four times as many texels near relief.
@@ -48,10 +48,7 @@ def build_occlusion_horizon(
         Largest distance of a view.
     """
     charted = chart.to_chart(mesh.vertices)
-    corner = charted[mesh.faces][..., :2]
-    corner = np.where(np.isfinite(corner), corner, np.roll(corner, 1, axis=1))
-    low, high = corner.min(axis=1), corner.max(axis=1)
-    near = ((high >= bounds[0] - span_m) & (low <= bounds[1] + span_m)).all(axis=1)
+    near = _meet(charted[:, :2], mesh.faces, bounds + np.array([[-span_m], [span_m]]))
     used, between = np.unique(mesh.faces[near]), _points_between(mesh.vertices, mesh.faces[near])
     point = np.concatenate([mesh.vertices[used], between])
     charted = np.concatenate([charted[used], chart.to_chart(between)])
@@ -61,16 +58,29 @@ def build_occlusion_horizon(
     )
 
 
+def _meet(charted: Array, faces: Ints32, limits: Array) -> Mask:
+    """Mark the faces (m,) of charted vertices (n, 2) that reach into limits (2, 2) of the chart."""
+    out = np.zeros(len(faces), bool)
+    for rows in blocks_of_faces(len(faces)):
+        corner = charted[faces[rows]]
+        corner = np.where(np.isfinite(corner), corner, np.roll(corner, 1, axis=1))
+        low, high = corner.min(axis=1), corner.max(axis=1)
+        out[rows] = ((high >= limits[0]) & (low <= limits[1])).all(axis=1)
+    return out
+
+
 def _points_between(vertices: Array, faces: Ints32) -> Array:
     """Cover the faces that are larger than a cell with points (n, 3) at most CELL_M apart."""
-    corner = vertices[faces]
-    edge = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max(axis=1, initial=0)
-    parts = np.ceil(edge / CELL_M).astype(np.int64)
+    parts = np.zeros(len(faces), np.int64)
+    for rows in blocks_of_faces(len(faces)):
+        corner = vertices[faces[rows]]
+        edge = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max(axis=1, initial=0)
+        parts[rows] = np.ceil(edge / CELL_M)
     covers = [np.zeros((0, 3))]
     for count in np.unique(parts[parts > 1]).tolist():
         first, second = np.mgrid[: count + 1, : count + 1].reshape(2, -1)
         share = np.stack([count - first - second, first, second], axis=1) / count
-        covers.append((share[share[:, 0] >= 0] @ corner[parts == count]).reshape(-1, 3))
+        covers.append((share[share[:, 0] >= 0] @ vertices[faces[parts == count]]).reshape(-1, 3))
     return np.concatenate(covers)
 
 

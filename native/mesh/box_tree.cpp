@@ -7,22 +7,33 @@
 
 namespace hullrecon {
 
-BoxTree::BoxTree(const std::vector<Triangle>& faces) : order_(faces.size()) {
-  for (const Triangle& t : faces) {
+BoxTree::BoxTree(std::vector<Triangle> faces) : order_(faces.size()), triangle_(std::move(faces)) {
+  for (const Triangle& t : triangle_) {
     for (const Vec3& corner : {t.a, t.b, t.c}) margin_ = std::max(margin_, kMargin * corner.cwiseAbs().maxCoeff());
   }
   std::iota(order_.begin(), order_.end(), 0);
-  nodes_.reserve(faces.size() / 2 + 1);
-  build(faces, {0, static_cast<int32_t>(faces.size())});
-  triangle_.reserve(faces.size());
-  for (int32_t face : order_) triangle_.push_back(faces[face]);
+  nodes_.reserve(order_.size() / 2 + 1);
+  build({0, static_cast<int32_t>(order_.size())});
+  arrange();
+}
+
+// Cycle by cycle: a second copy would be the largest array of all.
+void BoxTree::arrange() {
+  std::vector<bool> placed(order_.size());
+  for (size_t first = 0; first < order_.size(); ++first) {
+    if (placed[first]) continue;
+    const Triangle kept = triangle_[first];
+    size_t at = first;
+    for (size_t from = order_[at]; from != first; at = from, from = order_[at]) triangle_[at] = triangle_[from], placed[at] = true;
+    triangle_[at] = kept, placed[at] = true;
+  }
 }
 
 // Median split of the centroids along their longest side, ties by face: the tree is the same on every run.
-int32_t BoxTree::split(const std::vector<Triangle>& faces, Range range) {
+int32_t BoxTree::split(Range range) {
   const int32_t middle = range.first + (range.last - range.first + 1) / 2;
   if (range.last - range.first < 2) return middle;
-  const auto centre = [&](int32_t face) { return Vec3(faces[face].a + faces[face].b + faces[face].c); };
+  const auto centre = [&](int32_t face) { return Vec3(triangle_[face].a + triangle_[face].b + triangle_[face].c); };
   Vec3 low = centre(order_[range.first]), high = low;
   for (int32_t i = range.first; i < range.last; ++i) {
     const Vec3 at = centre(order_[i]);
@@ -35,24 +46,24 @@ int32_t BoxTree::split(const std::vector<Triangle>& faces, Range range) {
   return middle;
 }
 
-int32_t BoxTree::build(const std::vector<Triangle>& faces, Range range) {
+int32_t BoxTree::build(Range range) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const auto at = static_cast<int32_t>(nodes_.size());
   nodes_.emplace_back();
-  const int32_t half = split(faces, range);
-  const std::array<int32_t, 5> cut{range.first, split(faces, {range.first, half}), half, split(faces, {half, range.last}),
+  const int32_t half = split(range);
+  const std::array<int32_t, 5> cut{range.first, split({range.first, half}), half, split({half, range.last}),
                                    range.last};
   for (int k = 0; k < 4; ++k) {
     Vec3 low = Vec3::Constant(kInfinite), high = -low;
     for (int32_t i = cut[k]; i < cut[k + 1]; ++i) {
-      const Triangle& t = faces[order_[i]];
+      const Triangle& t = triangle_[order_[i]];
       low = low.cwiseMin(t.a).cwiseMin(t.b).cwiseMin(t.c), high = high.cwiseMax(t.a).cwiseMax(t.b).cwiseMax(t.c);
     }
     for (int axis = 0; axis < 3; ++axis) {
       nodes_[at].boxes.low[axis][k] = low[axis] - margin_, nodes_[at].boxes.high[axis][k] = high[axis] + margin_;
     }
     const int32_t count = cut[k + 1] - cut[k];
-    const int32_t child = count == 0 ? -1 : count <= kLeaf ? cut[k] : build(faces, {cut[k], cut[k + 1]});
+    const int32_t child = count == 0 ? -1 : count <= kLeaf ? cut[k] : build({cut[k], cut[k + 1]});
     nodes_[at].first[k] = child, nodes_[at].count[k] = count <= kLeaf ? count : 0;
   }
   return at;

@@ -46,7 +46,7 @@ inline void squared_gaps(const Boxes& boxes, const Vec3& low, const Vec3& high, 
 
 class BoxTree {
  public:
-  explicit BoxTree(const std::vector<Triangle>& faces);
+  explicit BoxTree(std::vector<Triangle> faces);
 
   // Calls visit(face, triangle) of every triangle in boxes whose bound is at most limit(), nearer boxes first.
   // bound(boxes, out): of each child no more than any triangle in it could be; limit(): may fall as triangles are visited.
@@ -64,8 +64,9 @@ class BoxTree {
   struct Range {
     int32_t first, last;
   };
-  int32_t build(const std::vector<Triangle>& faces, Range range);
-  int32_t split(const std::vector<Triangle>& faces, Range range);
+  int32_t build(Range range);  // with triangle_ by face still, as split
+  int32_t split(Range range);
+  void arrange();
 
   double margin_ = 0;
   std::vector<Node> nodes_;

@@ -72,7 +72,7 @@ MeshIndex::MeshIndex(std::vector<Vec3> vertices, std::vector<std::array<int32_t,
     if (face_normal_.back().squaredNorm() < 0.5) face_normal_.back().setZero();
   }
   for (const Vec3& v : vertices_) size_ = std::max(size_, v.cwiseAbs().maxCoeff());
-  tree_ = std::make_unique<BoxTree>(triangles);
+  tree_ = std::make_unique<BoxTree>(std::move(triangles));
 }
 
 // Of equal vertices the first.

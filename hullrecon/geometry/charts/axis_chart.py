@@ -27,6 +27,8 @@ from hullrecon.geometry.charts.sections import Sections
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.typing import Array
 
+POINTS_AT_ONCE = 1 << 17  # that are charted: each takes some 500 bytes until it is
+
 
 @dataclass(frozen=True)
 class AxisChart:
@@ -53,6 +55,14 @@ class AxisChart:
     def to_chart(self, points: Array) -> Array:
         """Project points onto the mesh, and look up the girth of their feet. See `Chart`."""
         turned = np.atleast_2d(np.asarray(points, float)) @ self.axes.T
+        out = np.empty(turned.shape)
+        for start in range(0, len(turned), POINTS_AT_ONCE):
+            rows = slice(start, start + POINTS_AT_ONCE)
+            out[rows] = self._chart_turned(turned[rows])
+        return out
+
+    def _chart_turned(self, turned: Array) -> Array:
+        """Chart points (n, 3) in turned coordinates."""
         out = np.full(turned.shape, np.nan)
         known = np.isfinite(turned).all(axis=1)
         if known.any():

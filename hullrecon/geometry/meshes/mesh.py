@@ -73,7 +73,7 @@ def vertex_normals(mesh: Mesh) -> Array:
 def corner_angles(mesh: Mesh) -> Array:
     """Compute the angle of each face at each of its corners (m, 3), rad."""
     out = np.zeros(mesh.faces.shape)
-    for rows in _blocks(len(out)):
+    for rows in blocks_of_faces(len(out)):
         corner = mesh.vertices[mesh.faces[rows]]
         for k in range(3):
             a, b = corner[:, (k + 1) % 3] - corner[:, k], corner[:, (k + 2) % 3] - corner[:, k]
@@ -101,12 +101,12 @@ def corner_shares(corners: Array, points: Array) -> Array:
 def face_cross_products(mesh: Mesh) -> Array:
     """Compute (b - a) x (c - a) of each face (m, 3): twice the area along the normal."""
     out = np.empty(mesh.faces.shape)
-    for rows in _blocks(len(out)):
+    for rows in blocks_of_faces(len(out)):
         a, b, c = mesh.vertices[mesh.faces[rows]].transpose(1, 0, 2)
         out[rows] = np.cross(b - a, c - a)
     return out
 
 
-def _blocks(faces: int) -> Iterator[slice]:
+def blocks_of_faces(count: int) -> Iterator[slice]:
     """Yield the rows of FACES_AT_ONCE faces at a time, to limit memory."""
-    return (slice(k, k + FACES_AT_ONCE) for k in range(0, faces, FACES_AT_ONCE))
+    return (slice(k, k + FACES_AT_ONCE) for k in range(0, count, FACES_AT_ONCE))
