@@ -11,13 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.geometry.neighbours import nearest
+from hullrecon.geometry.neighbours import Nearest
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.records.solution import HullPose
 from hullrecon.typing import Array
 
 NEIGHBOURS = 32  # of a landmark, with whose variances its own is compared
 MIN_SIGMA_M = 0.001  # no landmark is better than its texture's roughness
+AT_ONCE = 1 << 15  # landmarks that are compared with their neighbours
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,11 +83,15 @@ def shared_variance(position: Array, normal: Array, covariance: Array) -> Array:
     """
     if not len(position):
         return np.zeros(0)
-    _, row = nearest(position, position, min(NEIGHBOURS, len(position)))
-    least = np.full((2, len(position)), np.inf)
-    for neighbour in row.T:
-        least = np.sort([*least, along_normals(normal, covariance[neighbour])], axis=0)[:2]
-    best = least[min(1, row.shape[1] - 1)]
+    near, best = Nearest(position), np.empty(len(position))
+    for start in range(0, len(position), AT_ONCE):
+        rows = slice(start, start + AT_ONCE)
+        _, row = near(position[rows], min(NEIGHBOURS, len(position)))
+        least = np.full((2, len(row)), np.inf)
+        for neighbour in row.T:
+            variance = along_normals(normal[rows], covariance[neighbour])
+            least = np.sort([*least, variance], axis=0)[:2]
+        best[rows] = least[min(1, row.shape[1] - 1)]
     return np.asarray(
         np.maximum(best - MIN_SIGMA_M**2, 0.0).clip(max=along_normals(normal, covariance))
     )
@@ -100,10 +105,14 @@ def _pose_covariance(
     Zero where it cannot be a part of them because it is larger. Marginals of a solve, for example,
     contain its correlations with the landmarks.
     """
-    nothing = np.zeros_like(covariance)
+    found = np.zeros_like(covariance)
     if hull_pose is None:
-        return nothing
-    motion = _motion_by_pose(position, hull_pose)
-    found = np.asarray(motion @ hull_pose.covariance @ motion.transpose(0, 2, 1))
-    held = along_normals(normal, found) <= along_normals(normal, covariance) * (1 + 1e-6)
-    return found if held.all() else nothing
+        return found
+    for start in range(0, len(position), AT_ONCE):
+        rows = slice(start, start + AT_ONCE)
+        motion = _motion_by_pose(position[rows], hull_pose)
+        found[rows] = motion @ hull_pose.covariance @ motion.transpose(0, 2, 1)
+        whole = along_normals(normal[rows], covariance[rows])
+        if not (along_normals(normal[rows], found[rows]) <= whole * (1 + 1e-6)).all():
+            return np.zeros_like(covariance)
+    return found

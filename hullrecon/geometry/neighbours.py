@@ -18,12 +18,23 @@ def nearest(points: Array, wanted: Array, count: int, reach: float = np.inf) -> 
         (m, count) each, nearest first. Where fewer points are within reach, the distance is inf and
         the row is n.
     """
-    from scipy.spatial import cKDTree
+    return Nearest(points)(wanted, count, reach)
 
-    distance, row = cKDTree(points).query(
-        wanted, k=[*range(1, count + 1)], distance_upper_bound=reach
-    )
-    return np.asarray(distance, np.float64), np.asarray(row, np.int64)
+
+class Nearest:
+    """Finds the points (n, k) nearest to query points as `nearest` does, with one tree."""
+
+    def __init__(self, points: Array) -> None:
+        from scipy.spatial import cKDTree
+
+        self._tree = cKDTree(points)
+
+    def __call__(self, wanted: Array, count: int, reach: float = np.inf) -> tuple[Array, Ints]:
+        """Find the nearest to each query point (m, k). Returns as `nearest`."""
+        distance, row = self._tree.query(
+            wanted, k=[*range(1, count + 1)], distance_upper_bound=reach
+        )
+        return np.asarray(distance, np.float64), np.asarray(row, np.int64)
 
 
 class Around:

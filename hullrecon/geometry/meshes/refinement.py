@@ -99,10 +99,12 @@ class _Limits:
 
 def _edges(faces: Ints) -> tuple[Ints, Ints]:
     """Find unique edges (e, 2), and each face's rows of its edges 0-1, 1-2, 2-0 (m, 3)."""
-    following = np.roll(faces, -1, axis=1)
-    low, high = np.minimum(faces, following), np.maximum(faces, following)
     size = int(faces.max()) + 1 if len(faces) else 1
-    key, back = np.unique((low * size + high).ravel(), return_inverse=True)
+    following = np.roll(faces, -1, axis=1)
+    both = np.minimum(faces, following)  # lower * size + higher, with few arrays of all corners
+    both *= size
+    both += np.maximum(faces, following, out=following)
+    key, back = np.unique(both, return_inverse=True)
     return np.stack([key // size, key % size], axis=1), back.reshape(-1, 3)
 
 
