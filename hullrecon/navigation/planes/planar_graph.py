@@ -125,7 +125,7 @@ class PlanarGraph:
         pairs = smooth.roughened(rough)
 
         # Worth a tie are pairs that tell more than the path without planes does.
-        known = _joint(alone, patches, pairs)
+        known = joint if solved is alone else _joint(alone, patches, pairs)
         gains = is_informative(patches, pairs, path, rig, known)
         gains &= is_placed(patches, pairs, path, rig, known)
         pairs, joint = pairs.rows(gains), joint[gains]

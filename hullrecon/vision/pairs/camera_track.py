@@ -88,11 +88,14 @@ class CameraTrack:
     def __len__(self) -> int:
         return len(self.global_from_camera)
 
+    def relative_poses(self, first: Ints, second: Ints) -> Array:
+        """Compute second_from_first (m, 4, 4) for m pairs of nodes."""
+        poses = self.global_from_camera
+        return (poses[second].inverse() @ poses[first]).matrix()
+
     def motions(self, first: Ints, second: Ints) -> list[Motion]:
         """Compute second_from_first with its covariance for m pairs of nodes."""
-        relative = (
-            self.global_from_camera[second].inverse() @ self.global_from_camera[first]
-        ).matrix()
+        relative = self.relative_poses(first, second)
         floor = np.diag(np.repeat([WHITE_TRANSLATION_M**2, WHITE_ROTATION_RAD**2], 3))
         covariance = self.errors.relative_covariance(first, second) + floor
         return [Motion(*pair) for pair in zip(relative, covariance, strict=True)]

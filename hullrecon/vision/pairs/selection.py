@@ -27,6 +27,8 @@ QUANTILES = 6  # of a relative position along each axis, by which its distributi
 BLOCK = 1000  # pairs whose quantiles are in memory at a time
 BLOCKS_AT_A_TIME = 2  # of footprints, in threads
 COVARIANCE_BLOCK = 60_000  # pairs whose covariances are computed at a time, each by factoring anew
+REFERENCE_M = 2.0  # side of the cubes in which a node's sigmas are taken relative to one of them
+SETTLED_MARGIN = 1.01  # on bounds of sigmas, for their rounding
 GRID_POINTS = 1_000_000  # of footprints, in memory at a time
 MOST_GAIN = 1e3  # nats; a link with more would determine a motion that is as good as unknown
 
@@ -223,7 +225,11 @@ def expect_overlap(
     for start in range(0, len(first), COVARIANCE_BLOCK):
         source, target = (nodes[start : start + COVARIANCE_BLOCK] for nodes in (first, second))
         depth = np.nan_to_num(depth_m[source], nan=1.0)
-        relative, covariance = scene_in_target(track, source, target, depth)
+        relative = track.relative_poses(source, target)
+        # A pair known well enough needs no covariance of its own.
+        covariance = np.zeros((len(source), 3, 3))
+        rest = ~_is_settled(track, source, target, depth, camera)
+        covariance[rest] = scene_in_target(track, source[rest], target[rest], depth[rest])[1]
         for k in range(0, len(source), BLOCK):
             rows = slice(k, k + BLOCK)
             share = _shares_at_quantiles(relative[rows], covariance[rows], depth[rows], camera)
@@ -242,14 +248,61 @@ def scene_in_target(
     The covariance (m, 3, 3) is that of the scene's centre in the target camera (docs/methods.md
     (59)). The centre is the point on the optical axis of the source at `depth` (m,).
     """
-    relative = (
-        track.global_from_camera[target].inverse() @ track.global_from_camera[source]
-    ).matrix()
-    middle = np.stack([0 * depth, 0 * depth, depth], axis=1)
-    unit = np.broadcast_to(np.eye(3), (len(source), 3, 3))
-    by_motion = np.concatenate([unit, -relative[:, :3, :3] @ cross_matrix(middle)], axis=2)
+    relative = track.relative_poses(source, target)
+    by_motion = _point_by_motion(relative, _middle(depth))
     covariance = track.errors.relative_covariance(source, target)
     return relative, by_motion @ covariance @ by_motion.swapaxes(1, 2)
+
+
+def _middle(depth: Array) -> Array:
+    """Place the middles (m, 3) of scenes at depths (m,) in their cameras."""
+    return np.stack([0 * depth, 0 * depth, depth], axis=1)
+
+
+def _point_by_motion(relative: Array, point: Array) -> Array:
+    """Derive points (m, 3), moved by target_from_source (m, 4, 4), by that motion: (m, 3, 6)."""
+    unit = np.broadcast_to(np.eye(3), (len(point), 3, 3))
+    return np.concatenate([unit, -relative[:, :3, :3] @ cross_matrix(point)], axis=2)
+
+
+def _is_settled(
+    track: CameraTrack, source: Ints, target: Ints, depth: Array, camera: CameraModel
+) -> Mask:
+    """Mark pairs (m,) whose quantiles all show the same share, as bounds on their sigmas tell.
+
+    Two nodes' error is the difference of theirs relative to a third node, so its sigma is at most
+    the sum of theirs. One node in each cube is such a third for the sources around it: the
+    covariances of few nodes with many cost far less than those of all pairs.
+    """
+    nodes, n = np.unique(np.concatenate([source, target])), len(track)
+    cube = np.floor(track.global_from_camera.translation[nodes] / REFERENCE_M)
+    _, first, number = np.unique(cube, axis=0, return_index=True, return_inverse=True)
+    third = np.zeros(n, np.int64)
+    third[nodes] = nodes[first][number.reshape(-1)]
+    key = np.unique(np.concatenate([end * n + third[source] for end in (source, target)]))
+    covariance = track.errors.relative_covariance(key // n, key % n)
+    scene = _middle(depth)
+    in_target = track.relative_poses(source, target)
+    seen = np.einsum("mij,mj->mi", in_target[:, :3, :3], scene) + in_target[:, :3, 3]
+    sigma_m = np.zeros(len(source))
+    for end, point in ((source, scene), (target, seen)):
+        row = np.searchsorted(key, end * n + third[source])
+        by_motion = _point_by_motion(track.relative_poses(end, third[source]), point)
+        variance = np.sum((by_motion @ covariance[row]) * by_motion, axis=(1, 2))
+        sigma_m += np.sqrt(np.maximum(variance, 0.0))
+    farthest = np.hypot(*np.repeat(_quantiles().max(), 2)) * sigma_m / depth
+    low, high = _image_limits(camera)
+    return np.asarray(SETTLED_MARGIN * farthest < 0.5 * (high - low).min() / GRID)
+
+
+def _quantiles() -> Array:
+    return np.asarray(ndtri((np.arange(QUANTILES) + 0.5) / QUANTILES))
+
+
+def _image_limits(camera: CameraModel) -> tuple[Array, Array]:
+    """Compute the ideal coordinates (2,) of an image's first and last corner."""
+    low, high = camera.undistort([[-0.5, -0.5], [camera.width - 0.5, camera.height - 0.5]])
+    return low, high
 
 
 def _shares_at_quantiles(
@@ -273,11 +326,10 @@ def _shares_at_quantiles(
     """
     values, vectors = np.linalg.eigh(covariance[:, :2, :2])
     root = vectors * np.sqrt(np.maximum(values, 0))[:, None]
-    quantile = ndtri((np.arange(QUANTILES) + 0.5) / QUANTILES)
-    drawn = np.stack(np.meshgrid(quantile, quantile), axis=-1).reshape(-1, 2)
+    drawn = np.stack(np.meshgrid(_quantiles(), _quantiles()), axis=-1).reshape(-1, 2)
     shift = np.einsum("mij,qj->mqi", root, drawn) / depth[:, None, None]
     image = _ideal_in_target(relative, depth, camera, GRID)
-    low, high = camera.undistort([[-0.5, -0.5], [camera.width - 0.5, camera.height - 0.5]])
+    low, high = _image_limits(camera)
     out = np.repeat(_share_within(image, low, high)[:, None], len(drawn), axis=1)
     uncertain = np.flatnonzero((np.abs(shift) > 0.5 * (high - low) / GRID).any(axis=(1, 2)))
     out[uncertain] = _share_within(image[uncertain, None] + shift[uncertain, :, None], low, high)
@@ -337,11 +389,8 @@ def _share(
     track: CameraTrack, source: Ints, target: Ints, depth_m: Array, camera: CameraModel, grid: int
 ) -> Array:
     """Compute the share (m,) of each source's footprint that its target sees."""
-    poses = track.global_from_camera
-    relative = (poses[target].inverse() @ poses[source]).matrix()
-    image = _ideal_in_target(relative, depth_m[source], camera, grid)
-    low, high = camera.undistort([[-0.5, -0.5], [camera.width - 0.5, camera.height - 0.5]])
-    share = _share_within(image, low, high)
+    image = _ideal_in_target(track.relative_poses(source, target), depth_m[source], camera, grid)
+    share = _share_within(image, *_image_limits(camera))
     return np.asarray(np.where(np.isfinite(depth_m[source]), share, np.nan))
 
 
