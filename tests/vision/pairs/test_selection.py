@@ -285,6 +285,23 @@ def test_where_no_depth_is_known_nothing_overlaps_probably():
     assert found[0] == 0.0
 
 
+def test_pairs_known_well_need_no_covariance_of_their_own():
+    """Every node is asked for once, relative to one of them: 50 sigmas, not 2500."""
+    asked = []
+
+    class Errors(KnownErrors):
+        def relative_covariance(self, first, second):
+            asked.append(len(first))
+            return super().relative_covariance(first, second)
+
+    places = np.random.default_rng(0).uniform(0, 1, (50, 2))
+    first, second = (x.ravel() for x in np.meshgrid(np.arange(50), np.arange(50)))
+    errors = Errors(np.diag(np.repeat(np.square([0.01, 0.001]), 3)))
+    at = CameraTrack(global_from_camera=track(places).global_from_camera, errors=errors)
+    expect_overlap(at, first, second, np.ones(50), CAMERA, 0.15)
+    assert sum(asked) == 50
+
+
 def test_many_pairs_give_what_each_gives_alone():
     places = np.random.default_rng(0).uniform(0, 2, (50, 2))
     first, second = (x.ravel() for x in np.meshgrid(np.arange(50), np.arange(50)))
