@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -17,6 +17,7 @@ FLAT = 1e-9
 # Passes of flips after a split. Lawson's flips end by themselves, except for rounding in nearly
 # degenerate faces.
 MOST_PASSES = 60
+EDGES_AT_ONCE = 1 << 18  # whose end points, and vectors between them, are in memory
 
 
 def refine(
@@ -80,8 +81,8 @@ class _Limits:
         self._key: Ints = np.zeros(0, np.int64)
         self._limit: Array = np.zeros(0)
 
-    def exceeded(self, edge: Ints, ends: Array, length: Array) -> Mask:
-        """Tell which edges (e, 2), with end points (e, 2, 3) and lengths (e,), are too long."""
+    def exceeded(self, edge: Ints, vertices: Array, length: Array) -> Mask:
+        """Tell which edges (e, 2) between vertices (n, 3), of lengths (e,), are too long."""
         if not callable(self._longest_m):
             return np.asarray(length > max(self._longest_m, self._spared_m))
         asked = np.flatnonzero(length > self._spared_m)
@@ -90,7 +91,7 @@ class _Limits:
         _, old, new = np.intersect1d(self._key, key, assume_unique=True, return_indices=True)
         limit[new] = self._limit[old]
         unknown = np.flatnonzero(np.isnan(limit))
-        limit[unknown] = self._longest_m(ends[asked[unknown]].mean(axis=1))
+        limit[unknown] = self._longest_m(vertices[edge[asked[unknown]]].mean(axis=1))
         self._key, self._limit = key, limit
         out = np.zeros(len(edge), bool)
         out[asked] = length[asked] > limit
@@ -127,9 +128,11 @@ def _mark_edges(
     limits
         Largest lengths.
     """
-    ends = vertices[edge]
-    length = _lengths(ends[:, 1] - ends[:, 0])
-    marked = limits.exceeded(edge, ends, length)
+    length = np.empty(len(edge))
+    for rows in _blocks(len(edge)):
+        ends = vertices[edge[rows]]
+        length[rows] = _lengths(ends[:, 1] - ends[:, 0])
+    marked = limits.exceeded(edge, vertices, length)
     if not marked.any():
         return marked
     marked &= length >= np.ldexp(1.0, np.frexp(length[marked].max())[1] - 1)
@@ -274,16 +277,23 @@ def _angle_excess(vertices: Array, edge: Ints, opposite: Ints) -> Array:
 
     edge (k, 2): vertices. opposite (k, 2): the third vertices of its two faces.
     """
-    a, b = vertices[edge[:, 0]], vertices[edge[:, 1]]
-    cosine, sine = np.zeros((2, len(edge))), np.zeros((2, len(edge)))
-    for side in (0, 1):
-        at = vertices[opposite[:, side]]
-        to_a, to_b = a - at, b - at
-        size = _lengths(to_a) * _lengths(to_b)
-        size = np.where(size > 0, size, 1.0)
-        cosine[side] = np.einsum("ij,ij->i", to_a, to_b) / size
-        sine[side] = _lengths(np.cross(to_a, to_b)) / size
-    return np.asarray(-(cosine[0] * sine[1] + sine[0] * cosine[1]))
+    out = np.empty(len(edge))
+    for rows in _blocks(len(edge)):
+        a, b = vertices[edge[rows, 0]], vertices[edge[rows, 1]]
+        cosine, sine = np.zeros((2, len(a))), np.zeros((2, len(a)))
+        for side in (0, 1):
+            at = vertices[opposite[rows, side]]
+            to_a, to_b = a - at, b - at
+            size = _lengths(to_a) * _lengths(to_b)
+            size = np.where(size > 0, size, 1.0)
+            cosine[side] = np.einsum("ij,ij->i", to_a, to_b) / size
+            sine[side] = _lengths(np.cross(to_a, to_b)) / size
+        out[rows] = -(cosine[0] * sine[1] + sine[0] * cosine[1])
+    return out
+
+
+def _blocks(edges: int) -> Iterator[slice]:
+    return (slice(k, k + EDGES_AT_ONCE) for k in range(0, edges, EDGES_AT_ONCE))
 
 
 def _lengths(vectors: Array) -> Array:

@@ -296,7 +296,7 @@ def test_pairs_known_well_need_no_covariance_of_their_own():
 
     places = np.random.default_rng(0).uniform(0, 1, (50, 2))
     first, second = (x.ravel() for x in np.meshgrid(np.arange(50), np.arange(50)))
-    errors = Errors(np.diag(np.repeat(np.square([0.01, 0.001]), 3)))
+    errors = Errors(np.diag(np.repeat(np.square([0.003, 0.001]), 3)))
     at = CameraTrack(global_from_camera=track(places).global_from_camera, errors=errors)
     expect_overlap(at, first, second, np.ones(50), CAMERA, 0.15)
     assert sum(asked) == 50
