@@ -18,8 +18,8 @@ Stamps are taken as they are: clocks are compared in navigation/clocks.
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence, Set
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
 
@@ -27,8 +27,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.streams import GRAVITY_M_S2
-from hullrecon.geometry.poses import Poses, interpolate, stacked, tray_poses
+from hullrecon.geometry.poses import Poses, interpolate, tray_poses
 from hullrecon.geometry.robust import robust_sigma
+from hullrecon.geometry.rotations import cross
 from hullrecon.navigation.clocks.comparisons import (
     felt_in_global,
     hull_normals,
@@ -96,6 +97,16 @@ class Flow:
     t_ns: tuple[int, int]
     first: Array  # (m, 2) ideal coordinates
     second: Array  # (m, 2)
+
+    @cached_property
+    def rays(self) -> Array:
+        """Build the rays (m, 3) of the first image."""
+        return np.column_stack([self.first, np.ones(len(self.first))])
+
+    @cached_property
+    def shift(self) -> Array:
+        """Compute the median motion (2,) of the features."""
+        return np.asarray(np.median(self.second - self.first, axis=0))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -204,41 +215,146 @@ RESTS_ON = {
 OF_TRACK = {kind for kind, sensors in RESTS_ON.items() if Sensor.DVL in sensors}
 
 
-def compare(
-    records: SensorRecords,
-    rig: Rig,
-    flows: Sequence[Flow] = (),
-    kinds: Set[str] = RESTS_ON.keys(),
-    track: Track | None = None,
-    hull: HullPlanes | None = None,
-) -> list[Comparison]:
-    """Make the comparisons of some kinds for which the dive has readings and motion enough.
+class Motions:
+    """What a dive's records tell of its motion, each part computed when it is first asked for.
 
-    track, hull: of the DVL, where they are known already.
+    A hypothesis leaves most readings as they are. What follows from these alone is taken from the
+    motions `before` it.
     """
+
+    def __init__(
+        self,
+        records: SensorRecords,
+        rig: Rig,
+        flows: Sequence[Flow] = (),
+        before: Motions | None = None,
+    ) -> None:
+        self.records, self.rig, self.flows, self._before = records, rig, flows, before
+
+    @cached_property
+    def turn(self) -> Comparison | None:
+        """Compare the IMU's rates and orientation. None without readings enough."""
+        imu, before = self.records.imu, self._before
+        if imu is None or len(imu.t_ns) < 2:
+            return None
+        if before is not None and before.records.imu is not None and self._leaves(_turns):
+            then_ns = before.records.imu.t_ns  # of all stamps that are moved together
+            if np.array_equal(imu.t_ns - imu.t_ns[0], then_ns - then_ns[0]):
+                return before.turn
+        return compare_rates(imu)
+
+    @cached_property
+    def track(self) -> Track | None:
+        """Integrate the DVL's velocity. None without DVL or IMU."""
+        dvl, before = self.records.dvl, None if self._before is None else self._before.track
+        if dvl is None or before is None or not self._leaves(_attitudes):
+            return track_of(self.records, self.rig)
+        if self._leaves(_velocities):
+            return before
+        if not np.array_equal(_heard(self.records), before.rows):
+            return track_of(self.records, self.rig)
+        return before.with_velocity(dvl.velocity[before.rows])
+
+    @cached_property
+    def felt(self) -> Integral | None:
+        """Integrate the accelerations from the track's start. None without such or a track."""
+        track, imu = self.track, self.records.imu
+        if track is None or imu is None:
+            return None
+        if self._before is not None and self._leaves(_accelerations):
+            before = self._before.track
+            if before is not None and before.t_ns[0] == track.t_ns[0]:
+                return self._before.felt
+        return velocity_felt(imu, int(track.t_ns[0]))
+
+    @cached_property
+    def sinking(self) -> Sinking | None:
+        """Smooth the depth along the track. None without readings or track enough."""
+        track, pressure = self.track, self.records.pressure
+        if track is None or pressure is None:
+            return None
+        if self._before is not None and self._leaves(_depths):
+            before = self._before.track
+            if before is not None and np.array_equal(before.t_ns, track.t_ns):
+                return self._before.sinking
+        return sinking_of(pressure, track.t_ns)
+
+    @cached_property
+    def hull(self) -> HullPlanes | None:
+        """Fit planes to the DVL's ranges. None without DVL."""
+        dvl = self.records.dvl
+        if self._before is not None and self._leaves(_ranges):
+            return self._before.hull
+        return None if dvl is None else hull_planes(dvl)
+
+    @cached_property
+    def views(self) -> Views | None:
+        """Look up how the camera moved between images. None without images or track enough."""
+        dvl, hull, track = self.records.dvl, self.hull, self.track
+        if dvl is None or hull is None or track is None:
+            return None
+        return views_of(dvl.t_ns, hull, self.rig, self.flows, track)
+
+    def _leaves(self, readings: Callable[[SensorRecords], Sequence[object]]) -> bool:
+        """Tell whether the records hold the same readings, not only equal ones, as before."""
+        if self._before is None:
+            return False
+        now, before = readings(self.records), readings(self._before.records)
+        return len(now) == len(before) and all(a is b for a, b in zip(now, before, strict=True))
+
+
+def _turns(records: SensorRecords) -> Sequence[object]:
+    return () if records.imu is None else (records.imu.quaternion, records.imu.angular_velocity)
+
+
+def _accelerations(records: SensorRecords) -> Sequence[object]:
+    imu = records.imu
+    return () if imu is None else (imu.t_ns, imu.quaternion, imu.acceleration)
+
+
+def _velocities(records: SensorRecords) -> Sequence[object]:
+    return () if records.dvl is None else (records.dvl.velocity,)
+
+
+def _ranges(records: SensorRecords) -> Sequence[object]:
+    return () if records.dvl is None else (records.dvl.ranges,)
+
+
+def _depths(records: SensorRecords) -> Sequence[object]:
+    return () if records.pressure is None else (records.pressure.t_ns, records.pressure.depth)
+
+
+def _attitudes(records: SensorRecords) -> Sequence[object]:
+    """List what the attitude at the pings follows from."""
+    dvl, imu = records.dvl, records.imu
+    if dvl is None or imu is None:
+        return ()
+    return dvl.t_ns, imu.t_ns, imu.quaternion, records.tray
+
+
+def compare(motions: Motions, kinds: Set[str] = RESTS_ON.keys()) -> list[Comparison]:
+    """Make the comparisons of some kinds for which the dive has readings and motion enough."""
     found: list[Comparison | None] = []
-    imu, dvl, pressure = records.imu, records.dvl, records.pressure
+    imu, dvl, pressure = motions.records.imu, motions.records.dvl, motions.records.pressure
     if pressure is not None and "level" in kinds:
         found.append(compare_level(pressure))
-    if imu is not None and len(imu.t_ns) > 1 and "turn" in kinds:
-        found.append(compare_rates(imu))
+    if "turn" in kinds:
+        found.append(motions.turn)
     if imu is not None and "gravity" in kinds:
         found.append(compare_gravity(imu))
-    if kinds & OF_TRACK and track is None:
-        track = track_of(records, rig)
+    track = motions.track if kinds & OF_TRACK else None
     if track is None or dvl is None:
         return [one for one in found if one is not None]
-    if "depth" in kinds:
-        found.append(compare_depth(records, track))
-    if imu is not None and "push" in kinds:
-        found.append(compare_push(imu, track))
-    if kinds & {"flow", "view", "range", "hull"}:
-        planes = hull_planes(dvl) if hull is None else hull
-        views = views_of(dvl.t_ns, planes, rig, flows, track) if kinds & {"flow", "view"} else []
-        found.append(compare_flow(views) if "flow" in kinds else None)
-        found.append(compare_view(views) if "view" in kinds else None)
-        if kinds & {"range", "hull"}:
-            found += compare_ranges(dvl.t_ns, planes, track)
+    if "depth" in kinds and motions.sinking is not None:
+        found.append(compare_depth(motions.sinking, track))
+    if "push" in kinds and motions.felt is not None:
+        found.append(compare_push(motions.felt, track))
+    if "flow" in kinds and motions.views is not None:
+        found.append(compare_flow(motions.views))
+    if "view" in kinds and motions.views is not None:
+        found.append(compare_view(motions.views))
+    if kinds & {"range", "hull"} and motions.hull is not None:
+        found += compare_ranges(dvl.t_ns, motions.hull, track)
     return [one for one in found if one is not None]
 
 
@@ -293,14 +409,12 @@ def compare_gravity(imu: ImuSamples) -> Comparison | None:
     )
 
 
-def compare_push(imu: ImuSamples, track: Track) -> Comparison | None:
+def compare_push(felt: Integral, track: Track) -> Comparison | None:
     """Compare the change of the DVL's velocity with the integral of the IMU's accelerations.
 
-    None without accelerations, or of a sensor that has gravity taken off or gives nothing else.
+    None of a sensor that gives gravity alone.
     """
-    t_s, felt = track.way.t_s, velocity_felt(imu, int(track.t_ns[0]))
-    if felt is None:
-        return None
+    t_s = track.way.t_s
     windows = _windows(track.t_ns, PUSHED_S, (t_s >= felt.t_s[0]) & (t_s <= felt.t_s[-1]))
     if len(windows) < LEAST_WINDOWS:
         return None
@@ -334,6 +448,7 @@ def compare_push(imu: ImuSamples, track: Track) -> Comparison | None:
 class Track:
     """The path and attitude of the DVL at the pings with a velocity."""
 
+    rows: Ints  # (n,) of all pings
     t_ns: Ints  # (n,)
     global_from_dvl: Rotation  # (n,)
     global_from_vehicle: Rotation  # (n,)
@@ -346,12 +461,16 @@ class Track:
 
         The tilt is TILT_RAD, about each of its axes in turn.
         """
-        own = self.global_from_dvl.inv().apply(self.way.signal)
-        turned = [
-            integral(self.way.t_s, self.global_from_dvl.apply(np.cross(axis, own))[:, 2]).total
-            for axis in np.eye(3)
-        ]
-        return np.asarray(TILT_RAD * np.stack(turned, axis=1))
+        # v sinks by (R (a x v))_z = a . (v x r), where a is the tilt's axis and r the last row of R
+        rotation = self.global_from_dvl.as_matrix()
+        own = np.einsum("nij,ni->nj", rotation, self.way.signal)
+        turned = integral(self.way.t_s, cross(own, rotation[:, 2])).total
+        return np.asarray(TILT_RAD * turned)
+
+    def with_velocity(self, velocity: Array) -> Track:
+        """Integrate another velocity (n, 3) of the same pings, in the DVL's axes."""
+        way = integral(self.way.t_s, self.global_from_dvl.apply(velocity))
+        return replace(self, way=way)
 
 
 def track_of(records: SensorRecords, rig: Rig) -> Track | None:
@@ -359,18 +478,18 @@ def track_of(records: SensorRecords, rig: Rig) -> Track | None:
     dvl, imu = records.dvl, records.imu
     if dvl is None or imu is None or len(imu.t_ns) < 2:
         return None
-    heard = np.isfinite(dvl.velocity).all(axis=1)
-    heard &= (dvl.t_ns >= imu.t_ns[0]) & (dvl.t_ns <= imu.t_ns[-1])
-    if heard.sum() < LEAST_WINDOWS:
+    rows = _heard(records)
+    if len(rows) < LEAST_WINDOWS:
         return None
-    t_ns = dvl.t_ns[heard]
+    t_ns = dvl.t_ns[rows]
     held = Poses(imu.quaternion, np.zeros((len(imu.t_ns), 3)))
     global_from_vehicle = interpolate(imu.t_ns, held, t_ns).rotation
     tray = tray_poses(rig.tray_origin, servo(records.tray, int(t_ns[0])).angle_at(t_ns))
     global_from_dvl = global_from_vehicle * tray.rotation * rig.tray_from_dvl.rotation
-    velocity = global_from_dvl.apply(dvl.velocity[heard])
+    velocity = global_from_dvl.apply(dvl.velocity[rows])
     at = tray.apply(np.tile(rig.tray_from_dvl.translation, (len(t_ns), 1)))
     return Track(
+        rows=rows,
         t_ns=t_ns,
         global_from_dvl=global_from_dvl,
         global_from_vehicle=global_from_vehicle,
@@ -379,36 +498,56 @@ def track_of(records: SensorRecords, rig: Rig) -> Track | None:
     )
 
 
-def compare_depth(records: SensorRecords, track: Track) -> Comparison | None:
-    """Compare the change of the pressure sensor's depth with that of the DVL's path."""
-    pressure = records.pressure
-    if pressure is None:
-        return None
+def _heard(records: SensorRecords) -> Ints:
+    """List the rows of the pings with a velocity while the IMU was logged."""
+    dvl, imu = records.dvl, records.imu
+    if dvl is None or imu is None:
+        return np.zeros(0, np.int64)
+    inside = (dvl.t_ns >= imu.t_ns[0]) & (dvl.t_ns <= imu.t_ns[-1])
+    return np.flatnonzero(inside & np.isfinite(dvl.velocity).all(axis=1))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sinking:
+    """The depth by the pressure sensor along a track."""
+
+    windows: Ints  # (m, 2) rows of the track, between which depths are compared
+    depth: Array  # (n,) m, smoothed
+    sigma: float  # m, what smoothing leaves of the readings' noise
+
+
+def sinking_of(pressure: PressureSamples, ping_ns: Ints) -> Sinking | None:
+    """Smooth the depth at the pings of a track. None without readings or motion enough."""
     read = np.isfinite(pressure.depth)
     read_ns, depth = pressure.t_ns[read], pressure.depth[read]
     if len(read_ns) < LEAST_WINDOWS:
         return None
-    inside = (track.t_ns >= read_ns[0]) & (track.t_ns <= read_ns[-1])
-    windows = _windows(track.t_ns, SUNK_S, inside)
+    windows = _windows(ping_ns, SUNK_S, (ping_ns >= read_ns[0]) & (ping_ns <= read_ns[-1]))
     if len(windows) < LEAST_WINDOWS:
         return None
-    start = int(track.t_ns[0])
-    read_s, t_s = seconds(read_ns, start), track.way.t_s
+    start = int(ping_ns[0])
+    read_s, t_s = seconds(read_ns, start), seconds(ping_ns, start)
     # noise of a reading by second differences, and what smoothing leaves of it
     white = robust_sigma(np.diff(depth, n=2), about=0.0) / np.sqrt(6)
-    left = white * np.sqrt(period(read_s) / (2 * np.sqrt(np.pi) * SMOOTH_S))
-    smooth = local_line(read_s, depth, t_s, SMOOTH_S)[0][:, 0]
-    way = _over(track.way.total, windows)
-    sunk = _over(smooth, windows) - way[:, 2] + _over(track.lever[:, 2], windows)
-    rate = track.way.signal[:, 2]
-    late = LATE_S * _over(rate, windows)
+    return Sinking(
+        windows=windows,
+        depth=local_line(read_s, depth, t_s, SMOOTH_S)[0][:, 0],
+        sigma=float(white * np.sqrt(period(read_s) / (2 * np.sqrt(np.pi) * SMOOTH_S))),
+    )
+
+
+def compare_depth(sinking: Sinking, track: Track) -> Comparison:
+    """Compare the change of the pressure sensor's depth with that of the DVL's path."""
+    windows = sinking.windows
+    sunk, way = _over(sinking.depth, windows), _over(track.way.total, windows)
+    late = LATE_S * _over(track.way.signal[:, 2], windows)
     return Comparison(
         kind="depth",
         sensors=frozenset({Sensor.PRESSURE, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}),
-        residual=sunk,
-        sigma=np.sqrt(2 * left**2 + DEPTH_SIGMA_M**2 + (ROUGH_SHARE * late) ** 2),
+        residual=sunk - way[:, 2] + _over(track.lever[:, 2], windows),
+        sigma=np.sqrt(2 * sinking.sigma**2 + DEPTH_SIGMA_M**2 + (ROUGH_SHARE * late) ** 2),
         nuisance=np.column_stack([_over(track.sunk_by_tilt, windows), SCALE * way[:, 2], late]),
-        first=_over(smooth, windows),
+        first=sunk,
         second=way[:, 2],
     )
 
@@ -470,79 +609,78 @@ def compare_ranges(ping_ns: Ints, hull: HullPlanes, track: Track) -> list[Compar
 
 
 @dataclass(frozen=True, kw_only=True)
-class View:
-    """A pair of images, with the motion and the plane of hull that other sensors give it."""
+class Views:
+    """Pairs of images, with the motions and the planes of hull that other sensors give them."""
 
-    flow: Flow
-    second_from_first: Poses  # of the upper camera, by DVL, attitude and tray
-    late: Array  # (3,) rad by which that turns otherwise where stamps are late by LATE_S
+    flows: Sequence[Flow]  # n
+    path: Poses  # global_from_dvl at the pings of path_ns
+    path_ns: Ints
+    dvl_from_top: Poses
     tray_axis: Array  # (3,) in the camera
-    away: Array  # (3,) normal of the hull in the first camera
-    depth: float  # m, of that plane
+    away: Array  # (n, 3) normals of the hull in the first camera
+    depth: Array  # (n,) m, of these planes
+
+    @cached_property
+    def second_from_first(self) -> Poses:
+        """Compute the motions (n) of the upper camera by DVL, attitude and tray."""
+        return self._moved(0)
+
+    @cached_property
+    def late(self) -> Array:
+        """Compute by how much that turns otherwise where stamps are late by LATE_S, (n, 3) rad."""
+        later = self._moved(round(LATE_S * NS))
+        return np.asarray((later.rotation * self.second_from_first.rotation.inv()).as_rotvec())
+
+    def _moved(self, late_ns: int) -> Poses:
+        at = np.array([flow.t_ns for flow in self.flows], np.int64) + late_ns
+        top = interpolate(self.path_ns, self.path, at.T.ravel()) @ self.dvl_from_top
+        return top[len(at) :].inverse() @ top[: len(at)]
 
 
 def views_of(
     ping_ns: Ints, hull: HullPlanes, rig: Rig, flows: Sequence[Flow], track: Track
-) -> list[View]:
+) -> Views | None:
     """Look up how the upper camera moved between two images, and the plane of hull in front of it.
 
-    ping_ns: of all pings.
+    None without images or motion enough. ping_ns: of all pings.
     """
+    flows = [f for f in flows if track.t_ns[0] <= f.t_ns[0] and f.t_ns[1] <= track.t_ns[-1]]
     if rig.tray_from_top is None or len(flows) < LEAST_WINDOWS:
-        return []
+        return None
     # the ping with a plane of hull that is nearest to each first image
     common, _, of = np.intersect1d(track.t_ns, ping_ns[hull.ping], return_indices=True)
     if len(common) < LEAST_WINDOWS:
-        return []
+        return None
+    first_ns = np.array([flow.t_ns[0] for flow in flows], np.int64)
+    near = of[np.abs(common[:, None] - first_ns).argmin(axis=0)]
     dvl_from_top = rig.tray_from_dvl.inverse() @ rig.tray_from_top
-    flows = [f for f in flows if track.t_ns[0] <= f.t_ns[0] and f.t_ns[1] <= track.t_ns[-1]]
-    at = np.array([flow.t_ns for flow in flows], np.int64).reshape(-1, 2)
-    near = of[np.abs(common[:, None] - at[:, 0]).argmin(axis=0)]
-    # the camera's motion, and how it would turn if images were a little later than stamped
-    path = Poses(track.global_from_dvl.as_quat(), track.way.total)
-    moved, later = (
-        _step(interpolate(track.t_ns, path, (at + late_ns).T.ravel()), dvl_from_top)
-        for late_ns in (0, round(LATE_S * NS))
+    return Views(
+        flows=flows,
+        path=Poses(track.global_from_dvl.as_quat(), track.way.total),
+        path_ns=track.t_ns,
+        dvl_from_top=dvl_from_top,
+        tray_axis=rig.tray_from_top.rotation.inv().apply([0.0, 1.0, 0.0])[0],
+        away=dvl_from_top.rotation.inv().apply(hull.normal[near]),
+        depth=hull.distance[near] - hull.normal[near] @ dvl_from_top.translation[0],
     )
-    late = (later.rotation * moved.rotation.inv()).as_rotvec()
-    # the plane in the camera's axes
-    away = dvl_from_top.rotation.inv().apply(hull.normal[near])
-    depth = hull.distance[near] - hull.normal[near] @ dvl_from_top.translation[0]
-    tray_axis = rig.tray_from_top.rotation.inv().apply([0.0, 1.0, 0.0])[0]
-    return [
-        View(
-            flow=flow,
-            second_from_first=moved[k],
-            late=late[k],
-            tray_axis=tray_axis,
-            away=away[k],
-            depth=float(depth[k]),
-        )
-        for k, flow in enumerate(flows)
-    ]
 
 
-def _step(path: Poses, mount: Poses) -> Poses:
-    """Compute second_from_first of what is mounted on the first and second half of some poses."""
-    top = path @ mount
-    half = len(path) // 2
-    return top[half:].inverse() @ top[:half]
-
-
-def compare_flow(views: Sequence[View]) -> Comparison | None:
+def compare_flow(views: Views) -> Comparison | None:
     """Compare the motion of features with what DVL, attitude and tray make of it."""
     seen, made = [], []
-    for view in views:
-        first, second = view.flow.first, view.flow.second
-        rays = np.column_stack([first, np.ones(len(first))])
-        slope = rays @ view.away
-        if view.depth <= 0 or (slope <= 0).any():
+    turned, moved = (
+        views.second_from_first.rotation.as_matrix(),
+        views.second_from_first.translation,
+    )
+    for k, flow in enumerate(views.flows):
+        slope = flow.rays @ views.away[k]
+        if views.depth[k] <= 0 or (slope <= 0).any():
             continue
-        points = view.second_from_first.apply(rays * (view.depth / slope)[:, None])
+        points = (flow.rays * (views.depth[k] / slope)[:, None]) @ turned[k].T + moved[k]
         if (points[:, 2] <= 0).any():
             continue
-        made.append(np.median(points[:, :2] / points[:, 2:] - first, axis=0))
-        seen.append(np.median(second - first, axis=0))
+        made.append(np.median(points[:, :2] / points[:, 2:] - flow.first, axis=0))
+        seen.append(flow.shift)
     if len(seen) < LEAST_WINDOWS:
         return None
     by_images, by_dvl = np.array(seen), np.array(made)
@@ -558,29 +696,20 @@ def compare_flow(views: Sequence[View]) -> Comparison | None:
     )
 
 
-def compare_view(views: Sequence[View]) -> Comparison | None:
+def compare_view(views: Views) -> Comparison | None:
     """Compare the camera's turn that features show with the turn by attitude and tray.
 
     The direction of motion counts too: with a wrong distortion, motion across the view looks in
     part like a turn. About the tray's own axis, where its backlash is, the turns tell little.
     """
-    views = [view for view in views if view.depth > 0]
-    if len(views) < LEAST_WINDOWS:
+    rows = np.flatnonzero(views.depth > 0)
+    if len(rows) < LEAST_WINDOWS:
         return None
-    turn, sigma = fit_turns(
-        stacked([v.second_from_first for v in views]),
-        [v.flow.first for v in views],
-        [v.flow.second for v in views],
-    )
-    backlash = TILT_RAD * np.array([view.tray_axis for view in views])
-    lag = np.array([view.late for view in views])
-    made = np.array(
-        [
-            v.second_from_first.rotation.as_rotvec()[0]
-            + np.cross([0.0, 0.0, 1.0], v.second_from_first.translation[0]) / v.depth
-            for v in views
-        ]
-    )
+    moved, flows = views.second_from_first[rows], [views.flows[k] for k in rows.tolist()]
+    turn, sigma = fit_turns(moved, [flow.first for flow in flows], [flow.second for flow in flows])
+    backlash, lag = TILT_RAD * views.tray_axis, views.late[rows]
+    shift = cross(np.array([0.0, 0.0, 1.0]), moved.translation) / views.depth[rows, None]
+    made = moved.rotation.as_rotvec() + shift
     return Comparison(
         kind="view",
         sensors=SEEN - {Sensor.DVL},  # of which the way's direction alone counts

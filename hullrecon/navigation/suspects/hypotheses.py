@@ -189,31 +189,33 @@ def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
         )
         if name:
             turned["sign", name] = Rotation.from_euler("ZYX", angles * signs)
-    turned |= {("axes", name): turn for name, turn in _of_other_axes(attitude)}
-    for (fault, value), rotation in turned.items():
-        held = replace(records, imu=replace(imu, quaternion=rotation.as_quat()))
+    quaternions = {key: rotation.as_quat() for key, rotation in turned.items()}
+    quaternions |= {("axes", name): turned for name, turned in _of_other_axes(attitude)}
+    for (fault, value), quaternion in quaternions.items():
+        held = replace(records, imu=replace(imu, quaternion=quaternion))
         yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=held)
     for clock in _clocks(imu.t_ns):
         yield clock.of(Sensor.ATTITUDE, replace(records, imu=clock.on(imu)))
     # The whole instrument: in the other convention, mounted turned about the vehicle's z, or on
     # its side.
     bodies = {
-        ("frame", "all axes"): (NED_FROM_ENU * attitude, FRD_FROM_FLU),
-        ("frame", "vehicle's axes"): (attitude, FRD_FROM_FLU),
+        ("frame", "all axes"): (NED_FROM_ENU, FRD_FROM_FLU),
+        ("frame", "vehicle's axes"): (Rotation.identity(), FRD_FROM_FLU),
     }
     for angle in range(TURN_STEP_DEG - 180, 181, TURN_STEP_DEG):
         if angle:
             imu_from_vehicle = Rotation.from_euler("z", -angle, degrees=True)
-            bodies["mount", f"{angle:d}"] = attitude, imu_from_vehicle
+            bodies["mount", f"{angle:d}"] = Rotation.identity(), imu_from_vehicle
     for name, vehicle_from_imu in _on_its_side():
         if _uprightness(attitude * vehicle_from_imu.inv()) > UPRIGHT:  # else a DVL sits otherwise
-            bodies["body", name] = attitude, vehicle_from_imu.inv()
+            bodies["body", name] = Rotation.identity(), vehicle_from_imu.inv()
     for (fault, value), (rotation, imu_from_vehicle) in bodies.items():
+        axes = imu_from_vehicle.as_matrix()
         body = replace(
             imu,
-            quaternion=(rotation * imu_from_vehicle).as_quat(),
-            angular_velocity=imu_from_vehicle.inv().apply(imu.angular_velocity),
-            acceleration=imu_from_vehicle.inv().apply(imu.acceleration),
+            quaternion=_chained(rotation, attitude.as_quat(), imu_from_vehicle),
+            angular_velocity=imu.angular_velocity @ axes,
+            acceleration=imu.acceleration @ axes,
         )
         held = replace(records, imu=body)
         yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=held)
@@ -286,21 +288,36 @@ def _on_its_side() -> Iterator[tuple[str, Rotation]]:
             yield ", ".join(f"{angle:g}" for angle in mount_angles_deg(rotation)), rotation
 
 
-def _of_other_axes(attitude: Rotation) -> Iterator[tuple[str, Rotation]]:
-    """List what orientations (n,) may be of other axes: a vehicle's, global ones, or both.
+def _of_other_axes(attitude: Rotation) -> Iterator[tuple[str, Array]]:
+    """List what orientations may be of other axes: a vehicle's, global ones, or both.
 
     Exchanged components of a quaternion and frames that were chained in the wrong order are such.
     Of the global axes only the one that points down counts: nothing here tells the heading.
+    Yields quaternions (n, 4).
     """
     turns = [("+x +y +z", np.eye(3)), *signed_axes()]
     proper = [(name, turn) for name, turn in turns if np.linalg.det(turn) > 0]
-    downwards = {name[-2:]: turn for name, turn in reversed(proper)}
+    own = {name: Rotation.from_matrix(turn) for name, turn in proper}
+    downwards = {name[-2:]: name for name in reversed(own)}
     for inverse, logged in (("", attitude), (", and it is inverted", attitude.inv())):
+        quaternion = logged.as_quat()
         for down, globally in downwards.items():
-            for name, own in proper:
-                if inverse or down != "+z" or not np.array_equal(own, np.eye(3)):
-                    turned = Rotation.from_matrix(globally) * logged * Rotation.from_matrix(own)
+            for name, turn in own.items():
+                if inverse or (down, name) != ("+z", "+x +y +z"):
+                    turned = _chained(own[globally], quaternion, turn)
                     yield f"{name} for those of the vehicle, {down} downwards{inverse}", turned
+
+
+def _chained(first: Rotation, quaternion: Array, last: Rotation) -> Array:
+    """Multiply quaternions (n, 4) with one rotation from the left and one from the right.
+
+    Both at once are a matrix: hundreds of hypotheses turn each reading of an IMU.
+    """
+    x, y, z, w = first.as_quat()
+    left = np.array([[w, -z, y, x], [z, w, -x, y], [-y, x, w, z], [-x, -y, -z, w]])
+    x, y, z, w = last.as_quat()
+    right = np.array([[w, z, -y, x], [-z, w, x, y], [y, -x, w, z], [-x, -y, -z, w]])
+    return np.asarray(quaternion @ (left @ right).T)
 
 
 @dataclass(frozen=True, kw_only=True)

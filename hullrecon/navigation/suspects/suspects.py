@@ -21,17 +21,13 @@ from hullrecon.dive.logs.heading import heading_by_rates
 from hullrecon.findings.finding import Finding
 from hullrecon.navigation.suspects.comparisons import (
     GAIN,
-    OF_TRACK,
     RESTS_ON,
     Comparison,
     Flow,
-    HullPlanes,
+    Motions,
     Sensor,
-    Track,
     compare,
     compare_rates,
-    hull_planes,
-    track_of,
 )
 from hullrecon.navigation.suspects.hypotheses import Hypothesis, hypotheses
 from hullrecon.navigation.suspects.remedies import Conventions, find_remedy
@@ -115,11 +111,12 @@ def judge(
     findings: list[Finding] = []
     tried: list[Tried] = []
     for _ in range(FAULTS):
-        base = compare(records, rig, flows)
+        motions = Motions(records, rig, flows)
+        base = compare(motions)
         wrong = [c for c in base if c.accuses]
         if not wrong:
             break
-        found = _try_all(records, rig, atmosphere_m, base, flows)
+        found = _try_all(motions, atmosphere_m, base)
         tried += [one for _, one in found[:SHOWN]]
         best = explain_best(found)
         sensors = list(dict.fromkeys(h.sensor for h, _ in best))
@@ -202,11 +199,9 @@ def _depths(best: Sequence[Hypothesis]) -> list[list[object]]:
 
 
 def _try_all(
-    records: SensorRecords,
-    rig: Rig,
+    motions: Motions,
     atmosphere_m: float,
     base: Sequence[Comparison],
-    flows: Sequence[Flow],
 ) -> list[tuple[Hypothesis, Tried]]:
     """Make the comparisons again under each hypothesis. Those that explain most come first.
 
@@ -217,19 +212,15 @@ def _try_all(
     wrong = sorted((c for c in base if c.accuses), key=lambda c: list(RESTS_ON).index(c.kind))
     suspects = frozenset().union(*(c.sensors for c in wrong))
     before = sum(c.chi2 for c in base)
-    track = track_of(records, rig)
-    hull = None if records.dvl is None else hull_planes(records.dvl)
     solved: list[tuple[float, Hypothesis, _Again]] = []
     unsolved: list[tuple[float, Hypothesis, _Again]] = []
-    for one in hypotheses(records, suspects, atmosphere_m, flows, rig.top):
+    records, flows, camera = motions.records, motions.flows, motions.rig.top
+    for one in hypotheses(records, suspects, atmosphere_m, flows, camera):
         own = [c for c in wrong if one.sensor in c.sensors]
         is_constant = one.fault == "constant"
         if not own or (is_constant and not all(c.stands_still for c in own if c.second.any())):
             continue
-        # what the hypothesis leaves as it is need not be computed again
-        is_moved = one.sensor in {Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}
-        seen = hull if _has_same_hull(one.mended, records) else None
-        again = _Again(one, rig, flows, None if is_moved else track, seen)
+        again = _Again(one, motions)
         left = None if is_constant else next((c for c in own if not again.solves(c)), None)
         if left is None:
             # at best, comparisons not made again yet fall to nothing
@@ -237,7 +228,8 @@ def _try_all(
             gain += sum(c.chi2 for c in base if one.sensor in c.sensors and not c.accuses)
             solved.append((before - gain, one, again))
         else:
-            unsolved.append((_chi2_left(left, again.made(left.kind)) - left.chi2, one, again))
+            worse = _chi2_left(left, again.made(left.kind)) - left.chi2
+            unsolved = sorted([*unsolved, (worse, one, again)], key=lambda found: found[0])[:SHOWN]
     # Make the other comparisons of those that may still be the best, and of some that failed.
     tried: list[tuple[Hypothesis, Tried]] = []
     best = np.inf
@@ -245,39 +237,23 @@ def _try_all(
         if least <= best + GAIN or len(tried) < SHOWN:
             tried.append((one, _weigh(one, base, again)))
             best = min(best, tried[-1][1].chi2) if tried[-1][1].explains else best
-    for _, one, again in sorted(unsolved, key=lambda found: found[0])[:SHOWN]:
+    for _, one, again in unsolved:
         tried.append((one, _weigh(one, base, again)))
     return sorted(tried, key=lambda pair: (not pair[1].explains, pair[1].chi2))
-
-
-def _has_same_hull(mended: SensorRecords, records: SensorRecords) -> bool:
-    """Tell whether a hypothesis leaves the DVL's ranges as they are."""
-    before, after = records.dvl, mended.dvl
-    return before is None or after is None or before.ranges is after.ranges
 
 
 class _Again:
     """Comparisons under a hypothesis, each made when it is asked for."""
 
-    def __init__(
-        self,
-        one: Hypothesis,
-        rig: Rig,
-        flows: Sequence[Flow],
-        track: Track | None,
-        hull: HullPlanes | None,
-    ) -> None:
-        self._records, self._rig, self._hull = one.mended, rig, hull
-        self._flows = flows if one.flows is None else one.flows
-        self._track = track
+    def __init__(self, one: Hypothesis, before: Motions) -> None:
+        flows = before.flows if one.flows is None else one.flows
+        self._motions = Motions(one.mended, before.rig, flows, before)
         self._made: dict[str, Comparison | None] = {}
 
     def made(self, kind: str) -> Comparison | None:
         """Make a comparison of one kind. None without readings or motion enough."""
         if kind not in self._made:
-            if self._track is None and kind in OF_TRACK:
-                self._track = track_of(self._records, self._rig)
-            found = compare(self._records, self._rig, self._flows, {kind}, self._track, self._hull)
+            found = compare(self._motions, {kind})
             self._made |= {kind: None, **{c.kind: c for c in found}}
         return self._made[kind]
 

@@ -9,6 +9,7 @@ hull seems to bend, and an orientation tells that it did not (docs/methods.md, S
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -16,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.geometry.rotations import cross_matrix
-from hullrecon.typing import Array
+from hullrecon.typing import Array, Ints
 
 MOST_FEATURES = 120  # of a pair: twelve pairs of as many know a turn to 0.05 degrees
 LEAST_SIGMA = 0.0003  # of a feature's place, ideal coordinates: a tenth of a pixel
@@ -81,6 +82,12 @@ def _rays(features: Sequence[Array]) -> Array:
     """Choose rays (n, m, 3) to at most MOST_FEATURES of each image, NaN beyond its number."""
     rays = np.full((len(features), min(MOST_FEATURES, max(map(len, features))), 3), np.nan)
     for ray, of in zip(rays, features, strict=True):
-        rows = np.unique(np.linspace(0, len(of) - 1, MOST_FEATURES).astype(np.int64))
+        rows = _spread(len(of))
         ray[: len(rows), :2], ray[: len(rows), 2] = of[rows], 1.0
     return rays
+
+
+@cache
+def _spread(count: int) -> Ints:
+    """Spread at most MOST_FEATURES rows over so many."""
+    return np.unique(np.linspace(0, count - 1, MOST_FEATURES).astype(np.int64))
