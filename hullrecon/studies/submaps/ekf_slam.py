@@ -13,6 +13,7 @@ from hullrecon.studies.association.point_sets import Association, PointSets, chi
 from hullrecon.studies.submaps.effort import Effort
 from hullrecon.studies.submaps.models import (
     Car,
+    block_diagonal,
     invert,
     invert_jacobian,
     observe,
@@ -116,8 +117,8 @@ class EkfMap:
         nis = self.update(landmarks, scan.readings[readings], noise) if found.pairs else 0.0
         self._judge(scan, landmarks, readings)
         best = distance.min(axis=0, initial=np.inf)
-        new = np.setdiff1d(np.flatnonzero(best > chi_square(NEW_CONFIDENCE, 2)), readings)
-        self._add([int(j) for j in new], scan, noise)
+        far = np.flatnonzero(best > chi_square(NEW_CONFIDENCE, 2)).tolist()
+        self._add([j for j in far if j not in readings], scan, noise)
         self.path.append(
             PathPoint(
                 step=step,
@@ -138,9 +139,9 @@ class EkfMap:
         jacobian = np.zeros((2 * len(near), 3 + 2 * len(near)))
         jacobian[:, :3] = by_pose @ invert_jacobian(self.mean[:3])
         jacobian[:, 3:] = place_by_points(pose_from_map, len(near))
-        rows = np.r_[:3, self.rows(near)]
+        rows = np.concatenate([np.arange(3), self.rows(near)])
         part = self.covariance[np.ix_(rows, rows)]
-        spread = _block_diagonal(sighted_covariance(readings, noise))
+        spread = block_diagonal(sighted_covariance(readings, noise))
         sets = PointSets(
             first=place(pose_from_map, self.landmarks[near]),
             second=sighted_points(readings),
@@ -156,14 +157,14 @@ class EkfMap:
             by_pose, by_point = observe_jacobians(self._predicted, self._placed[landmarks])
         else:
             by_pose, by_point = observe_jacobians(self.mean[:3], points)
-        columns = np.r_[:3, self.rows(np.array(landmarks))]
-        jacobian = np.concatenate([by_pose.reshape(-1, 3), _block_diagonal(by_point)], axis=1)
+        columns = np.concatenate([np.arange(3), self.rows(np.array(landmarks))])
+        jacobian = np.concatenate([by_pose.reshape(-1, 3), block_diagonal(by_point)], axis=1)
         if self._whole:
             jacobian, columns = self._printed(jacobian, columns), np.arange(len(self.mean))
         carried = self.covariance[:, columns] @ jacobian.T
         spread = jacobian @ carried[columns]
         self._effort.count(len(jacobian), len(columns), len(self.mean) + len(jacobian))
-        spread += np.kron(np.eye(len(landmarks)), noise)
+        spread += block_diagonal(np.broadcast_to(noise, (len(landmarks), 2, 2)))
         innovation = readings - observe(self.mean[:3], points)
         innovation[:, 1] = wrap(innovation[:, 1])
         nis = update_state(self.mean, self.covariance, carried, spread, innovation.ravel())
@@ -189,7 +190,7 @@ class EkfMap:
         by_pose = -(back @ by_pose).reshape(-1, 3)
         spread = back @ noise @ back.transpose(0, 2, 1)
         across = by_pose @ self.covariance[:3]
-        own = by_pose @ self.covariance[:3, :3] @ by_pose.T + _block_diagonal(spread)
+        own = by_pose @ self.covariance[:3, :3] @ by_pose.T + block_diagonal(spread)
         self.mean = np.concatenate([self.mean, points.ravel()])
         self.covariance = np.block([[self.covariance, across.T], [across, own]])
         self._placed = np.concatenate([self._placed, points])
@@ -294,11 +295,3 @@ def build_map(
 def _full(built: EkfMap, limits: Limits) -> bool:
     position = float(np.trace(built.covariance[:2, :2]))
     return len(built.landmarks) >= limits.landmarks or position > limits.sigma_m**2
-
-
-def _block_diagonal(blocks: Array) -> Array:
-    count, size = len(blocks), blocks.shape[-1]
-    matrix = np.zeros((count, size, count, size))
-    index = np.arange(count)
-    matrix[index, :, index] = blocks
-    return matrix.reshape(count * size, count * size)

@@ -85,7 +85,16 @@ def place_by_pose(pose: Array, points: Array) -> Array:
 
 def place_by_points(pose: Array, count: int) -> Array:
     """Differentiate `place` by the points, each turned alike (2 count, 2 count)."""
-    return np.asarray(np.kron(np.eye(count), rotation(pose[2])))
+    return block_diagonal(np.broadcast_to(rotation(pose[2]), (count, 2, 2)))
+
+
+def block_diagonal(blocks: Array) -> Array:
+    """Put blocks (n, k, k) on the diagonal of a matrix of zeros (nk, nk)."""
+    count, size = len(blocks), blocks.shape[-1]
+    matrix = np.zeros((count, size, count, size))
+    index = np.arange(count)
+    matrix[index, :, index] = blocks
+    return matrix.reshape(count * size, count * size)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -172,8 +181,8 @@ class Car:
         straight = step_s * np.array([np.cos(heading[:-1]), np.sin(heading[:-1]), 0 * step_s])
         sharper = by_turn / (self.wheelbase_m * np.cos(steering) ** 2)
         by_speed = straight + by_turn * np.tan(steering) / self.wheelbase_m
-        by_odometry = np.concatenate([by_speed, sharper * speed], axis=1)
-        spread = by_odometry @ np.kron(noise, np.eye(len(speed))) @ by_odometry.T
+        by_odometry = np.stack([by_speed, sharper * speed])  # each step errs by itself
+        spread = np.einsum("ij,iak,jbk->ab", noise, by_odometry, by_odometry)
         if with_product:
             spread += noise[0, 0] * noise[1, 1] * sharper @ sharper.T
         return np.asarray(spread)
