@@ -16,7 +16,12 @@ import numpy as np
 
 from hullrecon import native
 from hullrecon.adjustment.cad_acceptance import Placement, lying_side, place_cad_model
-from hullrecon.adjustment.contradictions import explain_refusal, hold_within_belief, is_sheared
+from hullrecon.adjustment.contradictions import (
+    doubt_tray,
+    explain_refusal,
+    hold_within_belief,
+    is_sheared,
+)
 from hullrecon.adjustment.exceeded_priors import contradicts_priors, widen_exceeded_priors
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions, Strategy
 from hullrecon.adjustment.partition.plan import Plan
@@ -120,6 +125,8 @@ def solve_path_and_place(measured: Measurements, solver: RoundSolver) -> Phase:
             if lying_side(measured.cad_model) is None:
                 placed = explain_refusal(path, placed, solver)
             solver.report(f"the CAD model is left out: {placed.verdict.reason}")
+        else:
+            placed = doubt_tray(path, placed)
     return join_path_and_place(path, placed)
 
 

@@ -83,6 +83,8 @@ class Placement:
     segments: Segments | None = None  # of a path that outages cut; None: the path is not cut
     evidence: estimate.HullPoseEvidence | None = None  # points that the hull's pose is fitted to
     shape: ShapeComparison | None = None  # the shape of these points, compared with the CAD model's
+    # rad, by which the tray's angles may be off instead, where it lies far from its guess
+    tray_offset: float | None = None
 
 
 def place_cad_model(path: Phase, cad_model: CadModel, solver: RoundSolver) -> Phase:

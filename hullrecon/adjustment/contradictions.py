@@ -137,6 +137,18 @@ def explain_refusal(path: Phase, placed: Phase, solver: RoundSolver) -> Phase:
     return replace(placed, verdict=replace(placed.verdict, suspects=trials))
 
 
+def doubt_tray(path: Phase, placed: Phase) -> Phase:
+    """Ask whether the tray's angles are off where a CAD model was accepted far from its guess."""
+    measured, state, placement = path.estimate.measured, path.estimate.state, placed.placement
+    if measured.returns is None or placement is None or placement.segments is not None:
+        return placed
+    rig, lies = state.mounted(measured.rig), placement.registration
+    off = find_tray_offset(rig, state.path, measured.odometry, measured.returns, lies)
+    if off is None:
+        return placed
+    return replace(placed, placement=replace(placement, tray_offset=off[0]))
+
+
 def _is_beyond_chance(trial: Trial) -> bool:
     """Tell whether chi-square falls by more than leaving out rows without error explains."""
     return bool(trial.gain + trial.rows > chdtri(trial.rows, CHANCE))

@@ -52,6 +52,7 @@ FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a 
     ("camera", "picture"): "its pictures are turned or mirrored: x and y of its calibration are "
     "{value} of the pictures",
     ("tray's angle", "unit"): "the angle is in {value}, not in {unit}",
+    ("tray's angle", "zero"): "the angle's zero is off by {value} degrees",
     ("tray's angle", "sign"): "the angle grows the other way",
 }
 # The unit that was expected, by the one that was found. For a pressure it is Pa.
@@ -269,8 +270,11 @@ WARNINGS: dict[str, Words] = {
     "read-beside": _beside,
     "stream-shifted": _shifted,
     "stream-moved": _moved,
-    "tray-zero": 'the tray\'s angle is zero in all {count} readings: was it read? tray.joint = "" '
-    "says that nothing turns, until then each angle is known to 10 degrees (one sigma)",
+    "tray-still": "the tray's angle is {angle_deg:.3g} degrees in all {count} readings: was it "
+    'read? tray.joint = "" says that nothing turns, until then each angle is known to 10 degrees '
+    "(one sigma)",
+    "tray-frozen": "tray: {count} of {total} angles repeat the one before to the last digit, "
+    "{longest} in a row, and the others have noise: they were not read, and are left out",
     "tray-little": "the tray's angle turns by {span_deg:.2g} degrees in the whole dive, less than "
     'tray.sigma_deg ({sigma_deg:.2g}): is it in radians (tray.joint_unit = "rad")? Until then each '
     "angle is known to 10 degrees (one sigma)",

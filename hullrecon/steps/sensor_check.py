@@ -18,7 +18,7 @@ from hullrecon.findings.finding import Finding
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames
-from hullrecon.navigation.sensors.servo import doubtful_angles
+from hullrecon.navigation.sensors.servo import doubtful_angles, frozen_readings
 from hullrecon.navigation.suspects.comparisons import Flow, Sensor
 from hullrecon.navigation.suspects.depth_steps import depth_steps
 from hullrecon.navigation.suspects.remedies import Conventions
@@ -67,6 +67,8 @@ def judge_sensors(
     if apart:
         return Judged(records=records, findings=apart, tried=[])
     records, moved = mend_shifted(records, level)
+    records, frozen = leave_out_frozen(records)
+    moved += frozen
     stepped = depth_steps(records, rig)
     if stepped is not None:
         records = replace(records, pressure=stepped.mended)
@@ -86,6 +88,23 @@ def judge_sensors(
     offset_m = 0.0 if stepped is None else stepped.largest_offset_m
     findings = [*moved, *judged.findings, *still]
     return replace(judged, findings=findings, depth_offset_m=offset_m)
+
+
+def leave_out_frozen(records: SensorRecords) -> tuple[SensorRecords, list[Finding]]:
+    """Leave out readings of the tray that its driver repeats."""
+    tray = records.tray
+    if tray is None:
+        return records, []
+    frozen = frozen_readings(tray.angle)
+    if not frozen.any():
+        return records, []
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], frozen, [0]])))
+    values = {
+        "count": int(frozen.sum()),
+        "total": len(frozen),
+        "longest": int(np.diff(ends)[::2].max()),
+    }
+    return replace(records, tray=tray.take(~frozen)), [Finding("tray-frozen", values)]
 
 
 def describe_sensors(

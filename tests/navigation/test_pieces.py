@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hullrecon.navigation.dead_reckoning.integral import integral
 from hullrecon.navigation.dead_reckoning.nodes import choose_nodes, pair_frames
 from hullrecon.navigation.dead_reckoning.returns import flag_ranges
-from hullrecon.navigation.sensors.servo import doubtful_angles, servo
+from hullrecon.navigation.sensors.servo import doubtful_angles, frozen_readings, servo
 from hullrecon.navigation.sensors.smoothing import local_line, running_median
 from hullrecon.records.sensors import DvlPings, JointSamples
 
@@ -122,7 +122,7 @@ def test_a_tray_that_stands_still_keeps_its_direction() -> None:
 @pytest.mark.parametrize(
     ("angle_deg", "unit", "said"),
     [
-        (np.zeros(100), "rad", ["tray-zero"]),
+        (np.zeros(100), "rad", ["tray-still"]),
         (np.radians(20 * np.sin(0.1 * np.arange(100))), "deg", ["tray-little"]),
         (20 * np.sin(0.1 * np.arange(100)), "deg", []),
         (0.05 * np.random.default_rng(1).standard_normal(100), "deg", []),  # held in place
@@ -132,6 +132,16 @@ def test_a_tray_that_stands_still_keeps_its_direction() -> None:
 def test_zeros_and_radians_as_degrees_are_doubted(angle_deg, unit, said) -> None:
     tray = JointSamples(t_ns=stamps(*np.arange(100)), angle=np.radians(angle_deg))
     assert [one.code for one in doubtful_angles(tray, unit, np.radians(0.8))] == said
+
+
+def test_angles_that_a_driver_repeats_are_told_from_a_servo_at_rest() -> None:
+    rest = np.repeat([0.1, 0.3, 0.2], [40, 1, 60])
+    rest[38:43] = np.linspace(0.1, 0.2, 5)
+    noise = 0.002 * np.random.default_rng(1).standard_normal(len(rest))
+    stuck = np.where(np.arange(len(rest)) < 50, rest + noise, 0.15)
+    assert not frozen_readings(rest).any()
+    assert not frozen_readings(rest + noise).any()
+    assert np.flatnonzero(frozen_readings(stuck)).tolist() == list(range(51, len(rest)))
 
 
 def test_a_tray_that_was_not_logged_stands_at_zero() -> None:

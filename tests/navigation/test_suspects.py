@@ -179,6 +179,16 @@ def test_tray_angle_in_the_other_unit_is_converted(unit, factor):
     assert judged(on_tray(dive()), flows()).findings == []
 
 
+@pytest.mark.parametrize("off_deg", [90, 180])
+def test_tray_whose_zero_is_a_quarter_of_a_turn_off_is_put_right(off_deg):
+    right = on_tray(dive())
+    off = replace(right.tray, angle=right.tray.angle + np.radians(off_deg))
+    found = judged(replace(right, tray=off), flows())
+    (finding,) = found.findings
+    assert (finding.code, finding.values["value"]) == ("sensor-mended", f"+{off_deg}")
+    np.testing.assert_allclose(found.records.tray.angle, right.tray.angle)
+
+
 @pytest.mark.parametrize(("unit", "pascal"), [("hPa", 100.0), ("kPa", 1000.0)])
 def test_pressure_in_another_unit_is_converted(unit, pascal):
     true = dive()

@@ -326,6 +326,12 @@ def _placement_warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
     sentences = [*_shape_warnings(adjusted.placement), *_segment_warnings(adjusted.placement)]
     if found.sigmas_off <= 1:
         return sentences
+    if adjusted.placement.tray_offset is not None:
+        off_deg = np.degrees(adjusted.placement.tray_offset)
+        sentences.append(
+            f"The tray's angles may be off by {off_deg:+.0f} degrees: put right by that, the CAD "
+            "model fits where hull.pose has it, and as they are it does not."
+        )
     turn = turn_from_guess(found)
     if turn is not None:
         return [

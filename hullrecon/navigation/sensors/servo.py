@@ -12,14 +12,17 @@ from hullrecon.findings.finding import Finding
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.records.clock import describe_silence, unread_s
 from hullrecon.records.sensors import JointSamples
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array, Ints, Mask
 
 LEAST_TRAVEL_RAD = np.radians(0.3)  # a servo's reading flickers by less; a command moves it farther
 # sigma of the rate at which, and the largest angle by which, a tray may turn while nothing is read
 UNREAD_RATE_RAD_S, UNREAD_RAD = 0.05, 0.5
 # sigma of an angle whose readings tell nothing: trays tilt by up to some 30 degrees
 UNTOLD_RAD = np.radians(10.0)
-TELL_NOTHING = ("tray-zero", "tray-little")  # codes of the findings of `doubtful_angles`
+TELL_NOTHING = ("tray-still", "tray-little")  # codes of the findings of `doubtful_angles`
+# Readings in a row that repeat one, and how noise shows in the others: by neighbouring second
+# differences of opposite signs (white noise correlates them by -2/3) that hardly ever are nil
+LEAST_FROZEN, OPPOSED, FEW_REPEATS = 10, -0.25, 0.05
 FEW_READINGS = 3  # fewer readings are a setting, not the record of a moving tray
 # span of a tray's angles over their noise, from which on it has moved: white noise spans six to
 # seven sigmas. It is also how many different values it has to have, as a coarse encoder has few
@@ -90,7 +93,7 @@ def servo(tray: JointSamples | None, start_ns: int) -> Servo:
 
 
 def doubtful_angles(tray: JointSamples | None, unit: str, sigma_rad: float) -> list[Finding]:
-    """Report angles that tell nothing of the tray: zeros alone, and radians taken for degrees.
+    """Report angles that tell nothing of the tray: one alone, and radians taken for degrees.
 
     The latter are suspected where a tray moves, but by less than its own sigma.
 
@@ -106,14 +109,32 @@ def doubtful_angles(tray: JointSamples | None, unit: str, sigma_rad: float) -> l
     angle = np.zeros(0) if tray is None else tray.angle[np.isfinite(tray.angle)]
     if len(angle) < FEW_READINGS:
         return []
-    if not angle.any():
-        return [Finding("tray-zero", {"count": len(angle)})]
     span_rad = float(np.ptp(angle))
+    if not span_rad:
+        values = {"count": len(angle), "angle_deg": float(np.degrees(angle[0])) + 0.0}
+        return [Finding("tray-still", values)]
     has_moved = len(np.unique(angle)) > MOVED and span_rad > MOVED * _flicker(angle)
     if unit != "deg" or not has_moved or span_rad > sigma_rad:
         return []
     values = {"span_deg": float(np.degrees(span_rad)), "sigma_deg": float(np.degrees(sigma_rad))}
     return [Finding("tray-little", values)]
+
+
+def frozen_readings(angle: Array) -> Mask:
+    """Find readings (n,) that repeat the one before to the last digit, in runs that no noise makes.
+
+    None where the others have no noise: such a servo repeats its angle while it rests.
+    """
+    same = np.concatenate([[False], np.diff(angle) == 0])
+    run = np.cumsum(~same)
+    is_long = np.bincount(run)[run] >= LEAST_FROZEN
+    bend = np.diff(angle[~is_long & np.isfinite(angle)], n=2)
+    if len(bend) < LEAST_FROZEN or same[~is_long].mean() > FEW_REPEATS:
+        return np.zeros(len(angle), bool)
+    most = 3 * np.median(np.abs(bend))  # a servo that starts or stops bends farther
+    bend = np.clip(bend, -most, most)
+    has_noise = bend[1:] @ bend[:-1] < OPPOSED * (bend @ bend)
+    return np.asarray(is_long & same & has_noise)
 
 
 def _flicker(angle: Array) -> float:

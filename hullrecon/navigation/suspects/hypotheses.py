@@ -230,8 +230,13 @@ def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
 
 
 def _of_tray(records: SensorRecords, tray: JointSamples) -> Iterator[Hypothesis]:
-    """Vary the tray's angles: units and signs."""
+    """Vary the tray's angles: units, zeros a quarter of a turn away, and signs."""
     degree = np.pi / 180
+    for off_deg in (90, -90, 180):
+        held = replace(records, tray=replace(tray, angle=tray.angle - degree * off_deg))
+        yield Hypothesis(
+            sensor=Sensor.TRAY, fault="zero", value=f"{off_deg:+d}", mended=held, exact=True
+        )
     for fault, value, factor, exact in (
         ("unit", "deg", degree, True),
         ("unit", "rad", 1 / degree, True),

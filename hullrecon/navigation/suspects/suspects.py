@@ -174,6 +174,10 @@ def _rank(one: Hypothesis) -> int:
         return 1
     if one.fault in ("turn", "mount"):
         return int(int(one.value) % USUAL_ANGLE_DEG != 0)
+    if one.sensor is Sensor.TRAY:
+        # where the zero explains as much as a unit: in degrees the angles would swing by 57 times
+        # as much
+        return int(one.fault != "zero")
     return USUAL.get(one.fault, len(USUAL)) if one.sensor is Sensor.PRESSURE else 0
 
 
