@@ -11,8 +11,8 @@ from pathlib import Path
 from hullrecon.dive.files import MIB, read_regular
 from hullrecon.errors import InputError
 
-LARGEST_LOGO = 4 * MIB
-MOST_PIXELS = 40_000_000
+LARGEST_LOGO = 4 * MIB  # bytes of the file
+MOST_PIXELS = 40_000_000  # of the decoded picture
 SHOWN = (640, 200)  # pixels, twice the size on the page: sharp on fine screens
 
 

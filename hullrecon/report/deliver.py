@@ -70,7 +70,7 @@ class DeliverableWriter:
 
 @dataclass(frozen=True, kw_only=True)
 class DeliveryFailure:
-    """A deliverable that could not be written, by a fault of ours."""
+    """A deliverable that could not be written because of a fault in hullrecon."""
 
     name: str
     reason: str  # type and message of the error, in a line
@@ -91,6 +91,10 @@ def deliver(
 
     Parameters
     ----------
+    survey
+        All that the steps found.
+    out
+        Writes the files of the artifact.
     only
         Names of the deliverables to write, all if None.
     stream
@@ -104,7 +108,7 @@ def deliver(
     Raises
     ------
     HullreconError, MemoryError, OSError
-        What the user, the memory or the disk is at fault for, which concerns all deliverables.
+        Faults of the input, the memory or the disk: they concern all deliverables.
     """
     delivery = Delivery(survey, DeliverableWriter(out), stream)
     failures: list[DeliveryFailure] = []
@@ -112,7 +116,7 @@ def deliver(
         if entry.name in survey.provenance.missing or not (only is None or entry.name in only):
             continue
         try:
-            if not entry.needs(survey):
+            if not entry.why_absent(survey):
                 entry.write(delivery)
         except Exception as error:
             if _concerns_all(error):
@@ -135,6 +139,7 @@ def _concerns_all(error: Exception) -> bool:
 
 
 def _failure(name: str, error: Exception) -> DeliveryFailure:
+    """Describe an error in one line of at most 200 characters, with its traceback."""
     reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
     trace = "".join(traceback.format_exception(error))
     return DeliveryFailure(name=name, reason=reason, traceback=trace)

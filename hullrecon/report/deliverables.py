@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The registry of what is delivered: each file's name, what it needs, and how it is written.
+"""The registry of deliverables: each file's name, why a dive cannot give it, how it is written.
 
 `deliver`, the reasons of absent files in summary.json and the table in docs/deliverables.md follow
-DELIVERABLES. To add a deliverable, add an entry here and a row there.
+DELIVERABLES. What else a new deliverable takes (tests, a schema, the step's version) is listed in
+CONTRIBUTING.md, *Add a deliverable*.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ from hullrecon.report.render import render_page, render_pdf, why_no_pdf
 from hullrecon.report.survey import Survey
 
 SCHEMAS = "schemas"
-Known = TypeVar("Known")
+Required = TypeVar("Required")
 
 
 class FileSink(Protocol):
@@ -73,7 +74,11 @@ class FileSink(Protocol):
 
 @dataclass
 class Delivery:
-    """A survey on its way to deliver/, with what several deliverables share."""
+    """A survey and the sink for its files, with what several deliverables share.
+
+    The functions of DELIVERABLES are given it. What is optional in the survey is not None here: a
+    deliverable is written only if `why_absent` is empty.
+    """
 
     survey: Survey
     out: FileSink
@@ -82,27 +87,27 @@ class Delivery:
 
     @property
     def solution(self) -> Solution:
-        return _known(self.survey.adjusted).solution
+        return _required(self.survey.adjusted).solution
 
     @property
     def chart(self) -> Chart:
-        return _known(self.survey.surfaces.chart)
+        return _required(self.survey.surfaces.chart)
 
     @property
     def outside(self) -> OutsideMap:
-        return _known(self.survey.surfaces.outside)
+        return _required(self.survey.surfaces.outside)
 
     @property
     def surveyed(self) -> Surface:
-        return _known(self.survey.surfaces.surveyed)
+        return _required(self.survey.surfaces.surveyed)
 
     @property
     def as_found(self) -> Surface:
-        return _known(self.survey.surfaces.as_found)
+        return _required(self.survey.surfaces.as_found)
 
     @property
     def objects(self) -> Sequence[ReportedObject]:
-        return _known(self.survey.findings.objects)
+        return _required(self.survey.findings.objects)
 
     @property
     def end_ns(self) -> int:
@@ -139,7 +144,8 @@ class Delivery:
         return {**self._page, "deliverables": self.out.entries, "failed": self.failed}
 
 
-def _known(value: Known | None) -> Known:
+def _required(value: Required | None) -> Required:
+    """Narrow a part of the survey that a deliverable's `why_absent` has found to be there."""
     if value is None:
         raise ValueError("a deliverable is written without what it needs")
     return value
@@ -150,9 +156,10 @@ class Deliverable:
     """A file of deliver/, or a folder of files (its name ends in a slash)."""
 
     name: str
-    needs: Callable[[Survey], str]  # why this dive cannot give it, "" if it can
+    why_absent: Callable[[Survey], str]  # why this dive cannot give it, "" if it can
     write: Callable[[Delivery], None]
-    is_about_others: bool = False  # made of what was written, so written when all others are
+    # describes the other files (schemas, page, PDF), so written after all of them
+    is_about_others: bool = False
 
 
 def writing_order() -> list[Deliverable]:
@@ -162,21 +169,21 @@ def writing_order() -> list[Deliverable]:
 
 def missing_deliverables(survey: Survey) -> dict[str, str]:
     """Give the reason for each deliverable that the dive cannot give, by name."""
-    reasons = {entry.name: entry.needs(survey) for entry in DELIVERABLES}
+    reasons = {entry.name: entry.why_absent(survey) for entry in DELIVERABLES}
     return {name: why for name, why in reasons.items() if why}
 
 
-# What deliverables need: each returns the reason why the dive does not have it, or "".
+# Why a dive cannot give a deliverable: each function returns the reason, "" if it can.
 
 NOT_FITTING = "the CAD model does not fit the survey and was left out"
 
 
-def _always(_: Survey) -> str:
+def _never_absent(_: Survey) -> str:
     return ""
 
 
-def _step(survey: Survey, step: str) -> str:
-    """Say why a step left no result."""
+def _why_no_result(survey: Survey, step: str) -> str:
+    """Say why a step left no result. Never empty: called only where the result is missing."""
     carried, failures = survey.provenance.carried, survey.provenance.failures
     if step == "adjust" and not carried.camera:
         return "no camera was carried"
@@ -191,7 +198,7 @@ def _step(survey: Survey, step: str) -> str:
     return f"the step {step} left no result"
 
 
-def _alignment(survey: Survey) -> str:
+def _why_no_alignment(survey: Survey) -> str:
     if not survey.provenance.carried.cad_model:
         return "no CAD model was given, so there is nothing to align to"
     if survey.adjusted is None:
@@ -199,57 +206,62 @@ def _alignment(survey: Survey) -> str:
     return "" if survey.adjusted.has_cad_model else NOT_FITTING
 
 
-def _landmarks(survey: Survey) -> str:
+def _why_no_landmarks(survey: Survey) -> str:
     if survey.adjusted is None or not survey.provenance.carried.camera:
-        return _step(survey, "adjust")
+        return _why_no_result(survey, "adjust")
     return "" if len(survey.adjusted.solution.landmarks) else "no landmark was adjusted"
 
 
-def _surface(survey: Survey) -> str:
-    return "" if survey.surfaces.surveyed is not None else _step(survey, "surface")
+def _why_no_surface(survey: Survey) -> str:
+    return "" if survey.surfaces.surveyed is not None else _why_no_result(survey, "surface")
 
 
-def _chart(survey: Survey) -> str:
+def _why_no_chart(survey: Survey) -> str:
     surfaces = survey.surfaces
     charted = surfaces.chart is not None and surfaces.outside is not None
-    return _surface(survey) if charted else _step(survey, "surface")
+    return _why_no_surface(survey) if charted else _why_no_result(survey, "surface")
 
 
-def _as_found(survey: Survey) -> str:
-    return "" if survey.surfaces.as_found is not None else _step(survey, "detect")
+def _why_no_hull_as_found(survey: Survey) -> str:
+    return "" if survey.surfaces.as_found is not None else _why_no_result(survey, "detect")
 
 
-def _seen(survey: Survey) -> str:
+def _why_nothing_seen(survey: Survey) -> str:
     found = survey.surfaces.as_found
     unseen = found is not None and not (found.support > 0).any()
-    return "too little of the hull was seen" if unseen else _as_found(survey)
+    return "too little of the hull was seen" if unseen else _why_no_hull_as_found(survey)
 
 
-def _objects(survey: Survey) -> str:
+def _why_no_objects(survey: Survey) -> str:
     if survey.findings.objects is not None:
         return ""
-    return survey.findings.not_looked_for or _step(survey, "detect")
+    return survey.findings.not_looked_for or _why_no_result(survey, "detect")
 
 
-def _charted_objects(survey: Survey) -> str:
-    return _objects(survey) or _chart(survey)
+def _why_no_charted_objects(survey: Survey) -> str:
+    return _why_no_objects(survey) or _why_no_chart(survey)
 
 
-def _document(name: str) -> Callable[[Survey], str]:
-    """Require a JSON document that the step detect made."""
+def _why_no_document(name: str) -> Callable[[Survey], str]:
+    """Make the function that says why the step detect did not make a JSON document."""
 
-    def needs(survey: Survey) -> str:
+    def why_absent(survey: Survey) -> str:
         if name in survey.findings.documents:
             return ""
-        return (_objects(survey) if name == "objects.json" else "") or _step(survey, "detect")
+        return (_why_no_objects(survey) if name == "objects.json" else "") or _why_no_result(
+            survey, "detect"
+        )
 
-    return needs
+    return why_absent
 
 
-def _copied(name: str, step: str) -> Callable[[Survey], str]:
-    """Require a file, or the files of a folder, that a step left for delivery."""
+def _why_not_copied(name: str, step: str) -> Callable[[Survey], str]:
+    """Make the function that says why a step did not leave a file, or a folder, for delivery.
 
-    def needs(survey: Survey) -> str:
+    Without an earlier dive to compare with, the folder of changes is empty, not absent.
+    """
+
+    def why_absent(survey: Survey) -> str:
         not_asked = step == "change" and not survey.provenance.carried.earlier_dive
         if not_asked or _sources(survey, name):
             return ""
@@ -258,169 +270,192 @@ def _copied(name: str, step: str) -> Callable[[Survey], str]:
             return "too little was seen for a textured mesh"
         if mosaic is not None and name.startswith("tiles/"):
             return f"they could not be written: see the warnings of {step}"
-        return _step(survey, step)
+        return _why_no_result(survey, step)
 
-    return needs
+    return why_absent
 
 
-def _raster(name: str) -> Callable[[Survey], str]:
-    """Require a raster of the hull as found, which lies on a mosaic's grid."""
+def _why_no_raster(name: str) -> Callable[[Survey], str]:
+    """Make the function that says why there is no raster of the hull as found.
 
-    def needs(survey: Survey) -> str:
+    Such rasters lie on the grid of a mosaic.
+    """
+
+    def why_absent(survey: Survey) -> str:
         if _sources(survey, name):
             return ""
         if name != "support.tif" and not survey.provenance.carried.cad_model:
             return "no CAD model was given, so there is nothing to deviate from"
-        if name != "support.tif" and _alignment(survey) == NOT_FITTING:
+        if name != "support.tif" and _why_no_alignment(survey) == NOT_FITTING:
             return NOT_FITTING
         if not survey.mosaics.named():
             return "they lie on a mosaic's grid, and there is none"
-        return _step(survey, "detect")
+        return _why_no_result(survey, "detect")
 
-    return needs
+    return why_absent
 
 
 def _sources(survey: Survey, name: str) -> Mapping[str, Path]:
     """Find the files of the steps that a deliverable is copied from, by name."""
     copies = survey.provenance.copies
-    return {file: path for file, path in copies.items() if file == name or _below(file, name)}
+    return {file: path for file, path in copies.items() if file == name or _is_below(file, name)}
 
 
-def _below(file: str, folder: str) -> bool:
+def _is_below(file: str, folder: str) -> bool:
+    """Decide whether a file is in a folder. A name that does not end in a slash is no folder."""
     return folder.endswith("/") and file.startswith(folder)
 
 
-# How deliverables are written.
+# Entries of the registry, by how the file is written.
 
 
-def _file(
-    name: str, needs: Callable[[Survey], str], data: Callable[[Delivery], bytes | str]
+def _written(
+    name: str, why_absent: Callable[[Survey], str], data: Callable[[Delivery], bytes | str]
 ) -> Deliverable:
-    return Deliverable(name=name, needs=needs, write=lambda to: to.out.write(name, data(to)))
+    """Register a file whose bytes or text `data` makes."""
+
+    def write(delivery: Delivery) -> None:
+        delivery.out.write(name, data(delivery))
+
+    return Deliverable(name=name, why_absent=why_absent, write=write)
 
 
-def _json(
-    name: str, needs: Callable[[Survey], str], value: Callable[[Delivery], object]
+def _written_json(
+    name: str, why_absent: Callable[[Survey], str], value: Callable[[Delivery], object]
 ) -> Deliverable:
-    return Deliverable(name=name, needs=needs, write=lambda to: to.out.write_json(name, value(to)))
+    """Register a JSON document that `value` makes."""
+
+    def write(delivery: Delivery) -> None:
+        delivery.out.write_json(name, value(delivery))
+
+    return Deliverable(name=name, why_absent=why_absent, write=write)
 
 
-def _copy(name: str, needs: Callable[[Survey], str]) -> Deliverable:
-    def write(to: Delivery) -> None:
-        for file, source in _sources(to.survey, name).items():
-            to.out.copy(file, source)
+def _copied(name: str, why_absent: Callable[[Survey], str]) -> Deliverable:
+    """Register a file, or a folder of files, that is copied as a step left it."""
 
-    return Deliverable(name=name, needs=needs, write=write)
+    def write(delivery: Delivery) -> None:
+        for file, source in _sources(delivery.survey, name).items():
+            delivery.out.copy(file, source)
+
+    return Deliverable(name=name, why_absent=why_absent, write=write)
 
 
-def _mosaic(kind: str) -> tuple[Deliverable, ...]:
+def _mosaic_files(kind: str) -> tuple[Deliverable, ...]:
+    """Register the files of the optical or the sonar mosaic."""
     names = (
         *("ortho_{}.tif", "ortho_{}.png", "mosaic_{}.glb", "variance_{}.tif", "views_{}.tif"),
         "tiles/{}/",
     )
     return tuple(
-        _copy(name.format(kind), _copied(name.format(kind), f"mosaic-{kind}")) for name in names
+        _copied(name.format(kind), _why_not_copied(name.format(kind), f"mosaic-{kind}"))
+        for name in names
     )
 
 
 def _tables(survey: Survey) -> list[Table]:
+    """List the delivered tables that csv-metadata.json describes."""
     objects = survey.findings.objects
     return [trajectory_table(survey), *([] if objects is None else [objects_table(objects)])]
 
 
-def _alignment_document(to: Delivery) -> Mapping[str, object]:
-    adjusted = _known(to.survey.adjusted)
-    pose = _known(adjusted.solution.hull_pose)
-    return alignment_document(pose, _known(to.survey.facts.hull), adjusted.weak_directions)
+def _alignment_document(delivery: Delivery) -> Mapping[str, object]:
+    adjusted = _required(delivery.survey.adjusted)
+    pose = _required(adjusted.solution.hull_pose)
+    return alignment_document(pose, _required(delivery.survey.facts.hull), adjusted.weak_directions)
 
 
 def _outlines(layer: Layer, outside: OutsideMap) -> Mapping[str, object]:
     return geojson(layer, outside, [fields["id"] for fields in layer.fields])
 
 
-def _las(to: Delivery) -> bytes:
-    chart = to.survey.surfaces.chart
+def _las(delivery: Delivery) -> bytes:
+    """Encode the hull as found as LAS, with z up where there is no chart to say what is up."""
+    chart = delivery.survey.surfaces.chart
     return las_bytes(
-        to.as_found,
-        to.survey.surfaces.deviation,
-        to.survey.track.frame,
-        to.end_ns,
-        by_images=to.survey.surfaces.found_by_images,
+        delivery.as_found,
+        delivery.survey.surfaces.deviation,
+        delivery.survey.track.frame,
+        delivery.end_ns,
+        by_images=delivery.survey.surfaces.found_by_images,
         up=(0.0, 0.0, 1.0) if chart is None else chart.ship_axes[2],
     )
 
 
-def _write_photos(to: Delivery) -> None:
-    for number, crop in to.photos.items():
-        to.out.write(photo_name(number), photo_jpeg(crop))
+def _write_photos(delivery: Delivery) -> None:
+    for number, crop in delivery.photos.items():
+        delivery.out.write(photo_name(number), photo_jpeg(crop))
 
 
-def _write_plots(to: Delivery) -> None:
-    for plot in to.plots:
-        to.out.write(f"plots/{plot.name}.png", plot.png)
-        to.out.write(f"plots/{plot.name}.csv", csv_text(plot.table))
+def _write_plots(delivery: Delivery) -> None:
+    for plot in delivery.plots:
+        delivery.out.write(f"plots/{plot.name}.png", plot.png)
+        delivery.out.write(f"plots/{plot.name}.csv", csv_text(plot.table))
 
 
-def _write_tiles(to: Delivery) -> None:
-    for name, webp in stream_tiles(to.survey, to.stream):
-        to.out.write(name, webp)
+def _write_tiles(delivery: Delivery) -> None:
+    for name, webp in stream_tiles(delivery.survey, delivery.stream):
+        delivery.out.write(name, webp)
 
 
-def _write_schemas(to: Delivery) -> None:
+def _write_schemas(delivery: Delivery) -> None:
     """Write the schema of each document that was delivered, and of summary.json."""
     folder = resources.files("hullrecon.report") / SCHEMAS
-    for name in sorted({*to.out.entries, "summary.json"}):
+    for name in sorted({*delivery.out.entries, "summary.json"}):
         schema = folder / f"{Path(name).stem}.schema.json"
         if name.endswith(".json") and schema.is_file():
-            to.out.write(f"{SCHEMAS}/{schema.name}", schema.read_bytes())
+            delivery.out.write(f"{SCHEMAS}/{schema.name}", schema.read_bytes())
 
 
+# `d` is the Delivery: the survey and the folder that it is written to.
 DELIVERABLES: tuple[Deliverable, ...] = (
-    _file("trajectory.csv", _always, lambda to: trajectory_table(to.survey).csv),
-    _file("trajectory.tum", _always, lambda to: trajectory_tum(to.survey.track)),
-    _json("alignment.json", _alignment, _alignment_document),
-    _file("landmarks.ply", _landmarks, lambda to: landmarks_ply(to.survey, to.solution)),
-    _copy("colmap/", _copied("colmap/", "adjust")),
-    _file(
+    _written("trajectory.csv", _never_absent, lambda d: trajectory_table(d.survey).csv),
+    _written("trajectory.tum", _never_absent, lambda d: trajectory_tum(d.survey.track)),
+    _written_json("alignment.json", _why_no_alignment, _alignment_document),
+    _written("landmarks.ply", _why_no_landmarks, lambda d: landmarks_ply(d.survey, d.solution)),
+    _copied("colmap/", _why_not_copied("colmap/", "adjust")),
+    _written(
         "surface.ply",
-        _surface,
-        lambda to: surface_ply(to.survey, to.surveyed, to.survey.surfaces.deviation),
+        _why_no_surface,
+        lambda d: surface_ply(d.survey, d.surveyed, d.survey.surfaces.deviation),
     ),
-    _file("chart.ply", _chart, lambda to: chart_ply(to.survey, to.chart_mesh)),
-    _json("chart.json", _chart, lambda to: chart_document(to.chart, to.outside, to.chart_mesh)),
-    _file(
+    _written("chart.ply", _why_no_chart, lambda d: chart_ply(d.survey, d.chart_mesh)),
+    _written_json(
+        "chart.json", _why_no_chart, lambda d: chart_document(d.chart, d.outside, d.chart_mesh)
+    ),
+    _written(
         "as_found.ply",
-        _as_found,
-        lambda to: surface_ply(to.survey, to.as_found, to.survey.surfaces.deviation),
+        _why_no_hull_as_found,
+        lambda d: surface_ply(d.survey, d.as_found, d.survey.surfaces.deviation),
     ),
-    _file("as_found.las", _seen, _las),
-    _json(
+    _written("as_found.las", _why_nothing_seen, _las),
+    _written_json(
         "objects.json",
-        _document("objects.json"),
-        lambda to: to.survey.findings.documents["objects.json"],
+        _why_no_document("objects.json"),
+        lambda d: d.survey.findings.documents["objects.json"],
     ),
-    _file("objects.csv", _objects, lambda to: objects_table(to.objects).csv),
-    Deliverable(name="objects/", needs=_objects, write=_write_photos),
-    _json(
+    _written("objects.csv", _why_no_objects, lambda d: objects_table(d.objects).csv),
+    Deliverable(name="objects/", why_absent=_why_no_objects, write=_write_photos),
+    _written_json(
         "objects.geojson",
-        _charted_objects,
-        lambda to: _outlines(to.object_layers[0], to.outside),
+        _why_no_charted_objects,
+        lambda d: _outlines(d.object_layers[0], d.outside),
     ),
-    _file(
+    _written(
         "objects.gpkg",
-        _charted_objects,
-        lambda to: geopackage(to.object_layers, to.outside, to.end_ns),
+        _why_no_charted_objects,
+        lambda d: geopackage(d.object_layers, d.outside, d.end_ns),
     ),
-    _json(
+    _written_json(
         "coverage.json",
-        _document("coverage.json"),
-        lambda to: to.survey.findings.documents["coverage.json"],
+        _why_no_document("coverage.json"),
+        lambda d: d.survey.findings.documents["coverage.json"],
     ),
-    _json("csv-metadata.json", _always, lambda to: csv_metadata(_tables(to.survey))),
-    *_mosaic("optical"),
-    *_mosaic("sonar"),
+    _written_json("csv-metadata.json", _never_absent, lambda d: csv_metadata(_tables(d.survey))),
+    *_mosaic_files("optical"),
+    *_mosaic_files("sonar"),
     *(
-        _copy(name, _raster(name))
+        _copied(name, _why_no_raster(name))
         for name in (
             "deviation.tif",
             "deviation_sigma.tif",
@@ -429,16 +464,19 @@ DELIVERABLES: tuple[Deliverable, ...] = (
             "support.tif",
         )
     ),
-    _copy("change/", _copied("change/", "change")),
-    _file("dive_result.mcap", _always, lambda to: dive_result_mcap(to.survey)),
-    Deliverable(name="plots/", needs=_always, write=_write_plots),
-    Deliverable(name=f"{TILES}/", needs=_always, write=_write_tiles),
-    Deliverable(name=f"{SCHEMAS}/", needs=_always, write=_write_schemas, is_about_others=True),
+    _copied("change/", _why_not_copied("change/", "change")),
+    _written("dive_result.mcap", _never_absent, lambda d: dive_result_mcap(d.survey)),
+    Deliverable(name="plots/", why_absent=_never_absent, write=_write_plots),
+    Deliverable(name=f"{TILES}/", why_absent=_never_absent, write=_write_tiles),
+    Deliverable(
+        name=f"{SCHEMAS}/", why_absent=_never_absent, write=_write_schemas, is_about_others=True
+    ),
     replace(
-        _file("report/report.pdf", lambda _: why_no_pdf() or "", lambda to: render_pdf(to.page)),
+        _written("report/report.pdf", lambda _: why_no_pdf() or "", lambda d: render_pdf(d.page)),
         is_about_others=True,
     ),
     replace(
-        _file("report/index.html", _always, lambda to: render_page(to.page)), is_about_others=True
+        _written("report/index.html", _never_absent, lambda d: render_page(d.page)),
+        is_about_others=True,
     ),
 )

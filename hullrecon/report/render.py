@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import TypedDict, cast
 
 _FONT = "font:"  # scheme of the fonts named in print.css
-MAX_CARDS = 40  # of more objects the PDF has a photo with a line each, and an annex of numbers
-_PICTURES = "/* Pictures */"  # before the rules of plan and ship in print.css
+MAX_CARDS = 40  # with more objects the PDF has a photo and a line for each, and an annex of numbers
+_PICTURES = "/* Pictures */"  # mark in print.css after which the rules of plan and ship begin
 
 
 class _Card(TypedDict):
@@ -87,9 +87,13 @@ def render_pdf(context: Mapping[str, object]) -> bytes:
 
 
 def render_html(context: Mapping[str, object]) -> str:
-    """Render the HTML that the PDF is made of."""
+    """Render the HTML that the PDF is made of.
+
+    The 3-D view is left out. The SVG pictures get their style rules inside, as those of the page do
+    not apply there.
+    """
     shown = cast(_Shown, context)
-    # rules of the page do not reach into a picture
+    # rules of the page do not apply inside a picture
     style, _, pictures = read_template("print.css").partition(_PICTURES)
     sections = [section for section in shown["sections"] if section[0] != "view"]
     plan, ship = shown["plan"], shown["ship"]

@@ -5,13 +5,15 @@
 report/web/src/scene.js is given a document, and one packed block of arrays that it points into. All
 arrays are little-endian. Each begins at a multiple of four bytes:
 
-- vertices: three uint16 inside the part's box, which is about the document's `origin`, as path and
-  objects are: WebGL has single precision
+- vertices: three uint16 that divide the part's bounding box evenly. The box, like path and objects,
+  is relative to the document's `origin`: WebGL has single precision
 - form: int16 in steps of `form_step_m` along the normal
 - relief, the part of the form that may be exaggerated: int16 in the same steps
 - normals: three int8 in 127ths
-- places on the map: two float32
+- map coordinates: two float32
 - triangles: three uint32
+
+The *form* is the deviation from the CAD model without offset and tilt of the surveyed patch.
 """
 
 from __future__ import annotations
@@ -40,12 +42,12 @@ SceneDocument = Mapping[str, object]
 BLOCK = "scene-block"  # id of the element that holds the packed arrays
 MAX_SURVEYED, MAX_REST = 220_000, 80_000  # triangles: what a telephone still turns smoothly
 MAX_AT_ONCE = 500_000  # triangles that are thinned at a time: each takes 450 bytes meanwhile
-MAX_PATH = 2000  # points
-RADIUS_M = 0.4  # of the relief: wider than structures are, narrower than a hull's dents and waves
-SPACING_M = 0.05
-MAX_SAMPLES = 20_000
-SAMPLES_AT_A_TIME = 1000  # lists of their neighbours take 4 kB each
-_STEPS = 65535
+MAX_PATH = 2000  # points of the path
+RADIUS_M = 0.4  # of the relief's median: larger than structures, smaller than dents and waves
+SPACING_M = 0.05  # of the points at which the median is computed
+MAX_SAMPLES = 20_000  # of these points; of more, spacing and radius grow
+SAMPLES_AT_A_TIME = 1000  # points whose neighbours are held at a time, 4 kB each
+_STEPS = 65535  # of a uint16 over the bounding box
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +55,7 @@ class ScenePart:
     """A mesh of the 3-D view."""
 
     vertices: Array  # (n, 3) m, of the hull without its form
-    form: Array  # (n,) m along the normals: with it the hull is as found
+    form: Array  # (n,) m along the normals, to be added to get the hull as found
     normals: Array  # (n, 3) outward
     faces: Ints32  # (m, 3)
     chart: Array  # (n, 2) along, girth of the vertices, NaN off the chart
@@ -73,11 +75,11 @@ def scene_parts(surfaces: Surfaces) -> tuple[ScenePart | None, ScenePart | None]
     Offset and tilt of the patch are left out: they are not known well enough to be shown as a
     shape. Without a CAD model the surveyed part has no form.
     """
-    surveyed, rest = _whole_parts(surfaces)
+    surveyed, rest = _split_hull(surfaces)
     return _decimate(surveyed, MAX_SURVEYED), _decimate(rest, MAX_REST)
 
 
-def _whole_parts(surfaces: Surfaces) -> tuple[ScenePart | None, ScenePart | None]:
+def _split_hull(surfaces: Surfaces) -> tuple[ScenePart | None, ScenePart | None]:
     """Split the hull into surveyed part and rest of the ship, with all faces."""
     surface = surfaces.as_found if surfaces.as_found is not None else surfaces.surveyed
     if surface is None or surfaces.chart is None or not len(surface.faces):
@@ -87,7 +89,8 @@ def _whole_parts(surfaces: Surfaces) -> tuple[ScenePart | None, ScenePart | None
         form = np.nan_to_num(surfaces.deviation.form)
     chart = surfaces.chart.to_chart(surface.vertices)[:, :2]
     smooth, rough = surfaces.chart.from_chart(chart)[1], vertex_normals(surface.mesh())
-    # of the form: not those of its bumps
+    # Normals of the chart, which are smooth, where there are any: those of the mesh follow its
+    # bumps.
     normals = np.where(np.isfinite(smooth).all(axis=1, keepdims=True), smooth, rough)
     base = surface.vertices - form[:, None] * normals
     whole = ScenePart(vertices=base, form=form, normals=normals, faces=surface.faces, chart=chart)
@@ -101,7 +104,7 @@ def _submesh(part: ScenePart, faces: Mask) -> ScenePart | None:
     if not len(kept):
         return None
     used, index = _used_vertices(kept, len(part.vertices))
-    return _at(part, used, part.vertices[used], index)
+    return _with_attributes_of(part, used, part.vertices[used], index)
 
 
 def _used_vertices(faces: Ints32, count: int) -> tuple[Ints, Ints32]:
@@ -112,8 +115,12 @@ def _used_vertices(faces: Ints32, count: int) -> tuple[Ints, Ints32]:
     return np.flatnonzero(marked), number[faces]
 
 
-def _at(part: ScenePart, which: Ints, vertices: Array, faces: Ints32) -> ScenePart:
-    """Make a mesh of new vertices, with form, normal and chart point of the vertices `which`."""
+def _with_attributes_of(part: ScenePart, which: Ints, vertices: Array, faces: Ints32) -> ScenePart:
+    """Make a mesh of new vertices that have form, normal and chart point of old ones.
+
+    which: (n,) the vertex of `part` whose attributes each new vertex (n, 3) gets. faces: (m, 3) of
+    the new vertices.
+    """
     return ScenePart(
         vertices=vertices,
         faces=faces,
@@ -139,14 +146,15 @@ def _decimate(part: ScenePart | None, most: int) -> ScenePart | None:
     mesh = _thin_mesh(mesh, most)
     nearest = np.asarray(cKDTree(found).query(mesh.vertices)[1], np.int64)
     vertices = mesh.vertices - part.form[nearest, None] * part.normals[nearest]
-    return _at(part, nearest, vertices, mesh.faces)
+    return _with_attributes_of(part, nearest, vertices, mesh.faces)
 
 
 def _thin_stripes(mesh: Mesh, most: int) -> Mesh:
-    """Thin a mesh to about `most` triangles stripe by stripe, across its longest axis.
+    """Thin a mesh to about `most` triangles, in stripes across its longest axis.
 
-    Stripes are joined at the vertices that both keep on their common border, nine in ten. Between
-    those stays a slit as narrow as the error of thinning, below a millimetre.
+    This takes less memory than the whole at once. Neighbouring stripes are joined at the vertices
+    that both keep on their common border, nine in ten. Elsewhere a slit is left that is as narrow
+    as the error of thinning, below a millimetre.
     """
     axis = int(np.argmax(np.ptp(mesh.vertices, axis=0)))
     order = np.argsort(mesh.vertices[mesh.faces, axis].mean(axis=1), kind="stable")
@@ -178,30 +186,31 @@ def _thin_mesh(mesh: Mesh, most: int) -> Mesh:
 def relief_of(points: Array, form: Array) -> Array:
     """Compute the relief (n,) m of a form (n,) at points (n, 3): a smoothed median over RADIUS_M.
 
-    It leaves out structures on the hull: objects, growth, noise. The points are first thinned to
-    one a cell, since a mesh is finer at objects. Over wide surveys cell and radius grow.
+    The median leaves out structures on the hull: objects, growth, noise. It is computed at one
+    point in each cell, since a mesh is finer at objects, averaged over half the radius, and
+    interpolated to all points. Over wide surveys cell and radius grow.
     """
     from scipy.spatial import cKDTree
 
     if not form.any():
         return np.zeros(len(points))
     spacing = SPACING_M
-    samples = _thin(points, spacing)
+    samples = _one_per_cell(points, spacing)
     while len(samples) > MAX_SAMPLES:
         spacing *= np.sqrt(2.0)
-        samples = _thin(points, spacing)
+        samples = _one_per_cell(points, spacing)
     radius = RADIUS_M * spacing / SPACING_M
     at, samples_form = points[samples], form[samples]
     tree = cKDTree(at)
-    medians = np.array([np.median(samples_form[near]) for near in _around(tree, at, radius)])
-    smooth = np.array([medians[near].mean() for near in _around(tree, at, radius / 2)])
+    medians = np.array([np.median(samples_form[near]) for near in _neighbours(tree, at, radius)])
+    smooth = np.array([medians[near].mean() for near in _neighbours(tree, at, radius / 2)])
     distance, nearest = tree.query(points, k=min(4, len(at)))
     distance, nearest = (np.reshape(values, (len(points), -1)) for values in (distance, nearest))
     weight = 1.0 / (distance + 0.25 * spacing) ** 2
     return np.asarray((smooth[nearest] * weight).sum(axis=1) / weight.sum(axis=1))
 
 
-def _around(tree: cKDTree, points: Array, radius: float) -> Iterator[Ints]:
+def _neighbours(tree: cKDTree, points: Array, radius: float) -> Iterator[Ints]:
     """Yield the rows within a radius of each point, ascending."""
     for start in range(0, len(points), SAMPLES_AT_A_TIME):
         part = points[start : start + SAMPLES_AT_A_TIME]
@@ -209,8 +218,8 @@ def _around(tree: cKDTree, points: Array, radius: float) -> Iterator[Ints]:
             yield np.asarray(near, np.int64)
 
 
-def _thin(points: Array, spacing: float) -> Array:
-    """Select the first point in each cube of that side (m), by index."""
+def _one_per_cell(points: Array, spacing: float) -> Array:
+    """Select the first of the points (n, 3) in each cube with sides of `spacing` m, by index."""
     _, first = np.unique(np.floor(points / spacing).astype(np.int64), axis=0, return_index=True)
     return np.sort(first)
 
@@ -229,7 +238,7 @@ def make_scene(survey: Survey, view: HullMap | None) -> SceneView | None:
     if surveyed is None or view is None:
         return None
     outside = view.extent.outside
-    block, path = bytearray(), _known(survey.track.poses.translation)
+    block, path = bytearray(), _finite_rows(survey.track.poses.translation)
     origin = local_origin(surveyed.vertices)
     document: SceneDocument = {
         "block": BLOCK,
@@ -253,7 +262,11 @@ def make_scene(survey: Survey, view: HullMap | None) -> SceneView | None:
 
 
 def _pack(part: ScenePart, outside: OutsideMap, block: bytearray, origin: Array) -> SceneDocument:
-    """Append a part's arrays to the block. Returns their offsets and scales, about an origin."""
+    """Append a part's arrays to the block.
+
+    Returns the part's entry of the document: where each array begins in the block, and the scales
+    to decode it. The box is relative to `origin` (3,).
+    """
     relief = relief_of(part.vertices, part.form)
     low, high = part.vertices.min(axis=0), part.vertices.max(axis=0)
     span = np.maximum(high - low, 1e-6)
@@ -282,16 +295,17 @@ def _append(block: bytearray, values: np.ndarray) -> int:
 
 
 def _object(found: ReportedObject, origin: Array) -> SceneDocument:
+    """Describe an object for the view, its points relative to `origin`."""
     return {
         "id": found.id,
         "kind": "protrusion" if found.height >= 0 else "recess",
         "at": _rounded(np.array(found.center, float) - origin),
         "normal": _rounded(np.array(found.normal, float)),
-        "outline": _rounded(_known(np.array(found.outline, float).reshape(-1, 3) - origin)),
+        "outline": _rounded(_finite_rows(np.array(found.outline, float).reshape(-1, 3) - origin)),
     }
 
 
-def _known(points: Array) -> Array:
+def _finite_rows(points: Array) -> Array:
     """Drop points (n, 3) with a NaN."""
     return points[np.isfinite(points).all(axis=1)]
 

@@ -1,6 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""All that a report draws on, by parts. What a dive does not have is None."""
+"""All that a report draws on, by parts. What a dive does not have is None.
+
+The structs named Facts, Summary or Findings decode the JSON documents of the steps: their fields
+are the documents' members.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +35,7 @@ Interval = tuple[float, float]  # seconds since start_ns
 
 
 class StepDocument(Struct, frozen=True, kw_only=True):
-    """A JSON document of a step."""
+    """A JSON document of a step, or a part of one. Members without a field are ignored."""
 
 
 class LogFindings(StepDocument, frozen=True):
@@ -45,7 +49,7 @@ class LogFindings(StepDocument, frozen=True):
 class NavigationFacts(StepDocument, frozen=True):
     """navigation.json of navigate."""
 
-    start_ns: int = 0  # of the first velocity
+    start_ns: int = 0  # time of the first velocity
     outages_s: tuple[Interval, ...] = ()  # of the DVL
     attitude_gaps_s: tuple[Interval, ...] = ()
     remarks: tuple[str, ...] = ()
@@ -58,16 +62,16 @@ class PairFacts(StepDocument, frozen=True):
 
 
 class FactorResiduals(StepDocument, frozen=True):
-    """Residuals of one kind of measurement, in their own sigma."""
+    """Residuals of one kind of measurement, each divided by its sigma."""
 
     rms: float
     count: float = 0
     robust_sigma: float | None = None  # from their median
-    share_beyond_3: float | None = None  # beyond three sigmas
+    share_beyond_3: float | None = None  # share of the residuals beyond three sigmas
 
 
 class AdjustSigmas(StepDocument, frozen=True):
-    """Sigmas with which the adjustment weighted, None of what was not measured."""
+    """Sigmas by which the adjustment weighted measurements, None of what was not measured."""
 
     pixel_px: float | None = None
     range_m: float | None = None  # of a DVL range
@@ -84,34 +88,34 @@ class SensorErrors(StepDocument, frozen=True):
 
 
 class RefinedParameter(StepDocument, frozen=True):
-    """A parameter of a camera."""
+    """An intrinsic parameter of a camera that the adjustment estimated."""
 
     calibrated: float
     found: float
-    sigma: float
+    sigma: float  # of the value found
 
 
 class PositionFacts(StepDocument, frozen=True):
-    """Positions from outside (USBL, GPS) against the adjusted path."""
+    """Position fixes (USBL, GNSS) against the adjusted path."""
 
     count: int
     span_s: float  # from the first to the last
-    sigma_m: float  # median
+    sigma_m: float  # median sigma of a fix
     rms_sigmas: float  # of the residuals in their sigmas, by the median
     outliers: int
 
 
 class StereoContradictionFacts(StepDocument, frozen=True):
-    """What the dive says of the stereo rig's calibration."""
+    """A contradiction between the dive's images and the stereo calibration."""
 
-    sentence: str | None = None  # what it contradicts, None if that has no effect on the result
+    sentence: str | None = None  # what is contradicted, None if it has no effect on the result
 
 
 class SuspectFacts(StepDocument, frozen=True):
     """A sensor that was suspected, as in adjust.json."""
 
-    words: str  # with or without what the rest agrees
-    gain: float  # squares of residuals that are gone then
+    words: str  # the sensor whose omission, or correction, makes the rest agree
+    gain: float  # by how much chi-square falls then
 
 
 class AdjustSummary(StepDocument, frozen=True):
@@ -136,7 +140,8 @@ class AdjustSummary(StepDocument, frozen=True):
 class SurfaceFacts(StepDocument, frozen=True):
     """surface.json of surface."""
 
-    comparison: str | None = None  # how far comparing it with the CAD model is circular
+    # how far the comparison of this surface with the CAD model is circular, as it was made with it
+    comparison: str | None = None
 
 
 class DetectSettings(StepDocument, frozen=True):
@@ -227,7 +232,7 @@ class Surfaces:
     surveyed: Surface | None = None  # from the DVL, from landmarks without a DVL
     as_found: Surface | None = None
     deviation: DeviationSplit | None = None  # of as_found
-    comparison: str = ""  # how far comparing the DVL's surface with the CAD model is circular
+    comparison: str = ""  # as in SurfaceFacts
     cad_model: Mesh | None = None  # as given, in M
     found_by_images: bool = True  # the support of as_found counts images, else DVL returns
 
@@ -281,14 +286,14 @@ class StepRun:
     name: str
     version: int
     settings: Document  # resolved, by section
-    inputs: Document  # hashes
+    inputs: Document  # hash of each input artifact, by name
     warnings: tuple[str, ...]
-    run: Document  # what differs between equal runs
+    run: Document  # time, memory, machine: what differs between equal runs
 
 
 @dataclass(frozen=True, kw_only=True)
 class Carried:
-    """What a dive went out with."""
+    """What a dive was equipped with and given."""
 
     camera: bool = True
     sonar: bool = True  # an imaging sonar

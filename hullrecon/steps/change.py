@@ -20,7 +20,7 @@ from hullrecon.geometry.charts.outside_map import OutsideMap, outside_map
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.change import HullChange, HullSurvey
 from hullrecon.records.deliverables import ReportedObject
-from hullrecon.report.change.chapter import change_chapter, is_foreseen
+from hullrecon.report.change.chapter import change_chapter, is_predicted
 from hullrecon.report.change.files import change_files
 from hullrecon.steps.artifacts import (
     CHANGE_CHAPTER,
@@ -32,7 +32,7 @@ from hullrecon.steps.artifacts import (
 from hullrecon.steps.finished_run import HULL_SURVEY_FILES, finished_steps, workspace_of
 from hullrecon.typing import Array
 
-NEEDED = tuple(HULL_SURVEY_FILES)
+NEEDED = tuple(HULL_SURVEY_FILES)  # steps whose artifacts are compared
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,8 +105,8 @@ def compare_runs(
 ) -> HullChange:
     """Compare two runs of one hull.
 
-    Raises InputError when the CAD models are of different hulls, StageError when the runs saw too
-    little of the same hull.
+    Raises InputError when the CAD models are of different hulls, StageError when too little hull
+    was seen by both runs.
     """
     gap = cad_model_gap(before.cad_model, after.cad_model)
     if not gap <= SAME_CAD_M:
@@ -151,7 +151,7 @@ def run(context: Context[EarlierDive]) -> None:
     for name, data in files.items():
         context.out.bytes(name, data)
     context.out.json(CHANGE_CHAPTER, msgspec.to_builtins(change_chapter(change)))
-    if not is_foreseen(change.offset):
+    if not is_predicted(change.offset):
         context.warn(
             f"{change.first} and this dive lie farther apart on the CAD model than their hull "
             "poses foresaw: one of these is worse than it says"
@@ -161,7 +161,8 @@ def run(context: Context[EarlierDive]) -> None:
 def _compare(context: Context[EarlierDive]) -> tuple[FinishedRun, HullChange]:
     """Compare this dive with the earlier dive.
 
-    Raises StageError for any obstacle, since the rest of the report does without the earlier dive.
+    Raises StageError for any obstacle: with it this step fails alone, and the report is made
+    without the comparison.
     """
     earlier = str(context.parameters.earlier)
     try:

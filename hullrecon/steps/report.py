@@ -48,7 +48,7 @@ from hullrecon.steps.mosaics import TILES, TILESET
 
 CHAIN = NAMES[:-1]  # without this step
 MOSAICS = {"mosaic-optical": "optical", "mosaic-sonar": "sonar"}
-DELIVERED = {
+DELIVERED = {  # files of a mosaic step, and their names in deliver/ ({}: optical or sonar)
     "ortho.tif": "ortho_{}.tif",
     "ortho.png": "ortho_{}.png",
     "mosaic.glb": "mosaic_{}.glb",
@@ -76,13 +76,13 @@ def run(context: Context[ReportOptions]) -> None:
 
 
 def read_survey(context: Context[ReportOptions]) -> Survey:
-    """Read the artifacts of the chain into memory."""
+    """Collect what the steps found from their artifacts, and why deliverables are missing."""
     artifacts = InputArtifacts(context.inputs)
     adjusted = _adjusted(artifacts.adjust) if artifacts.adjust is not None else None
     solution = adjusted.solution if adjusted is not None else None
     rig = rig_from_settings(artifacts.mounted(context.settings), artifacts.camera_models)
     mosaics = {
-        name: _mosaic(context.inputs[step])
+        name: _read_mosaic(context.inputs[step])
         for step, name in MOSAICS.items()
         if step in context.inputs
     }
@@ -128,6 +128,7 @@ def _reason(facts: Document) -> str | None:
 
 
 def _adjusted(artifact: AdjustArtifact) -> AdjustedDive:
+    """Collect the solution with its summary, and the record of the solve if there is one."""
     weak = artifact.summary.get("weak_directions")
     return AdjustedDive(
         solution=artifact.solution,
@@ -159,6 +160,7 @@ def _dive_facts(context: Context[ReportOptions], artifacts: InputArtifacts, rig:
 
 
 def _about(context: Context[ReportOptions]) -> AboutInspection:
+    """Read the texts and the logo of [report] in dive.toml."""
     options = context.parameters
     texts = ("client", "operator", "vessel_operator", "water", "conclusion")
     return AboutInspection(
@@ -213,7 +215,8 @@ def _findings(artifact: DetectArtifact | None, detect: DetectFacts) -> Findings:
     )
 
 
-def _mosaic(folder: Path) -> Mosaic | None:
+def _read_mosaic(folder: Path) -> Mosaic | None:
+    """Read facts and preview of a mosaic step. None if it left no mosaic."""
     facts, preview = folder / "mosaic.json", folder / "ortho.png"
     if not facts.exists() or not preview.exists():
         return None
@@ -253,7 +256,10 @@ def _copies(context: Context[ReportOptions]) -> dict[str, Path]:
 
 
 def _files_of(folder: Path, name: str) -> dict[str, Path]:
-    """Find all files below a folder, by their name below `name`. None if it is missing."""
+    """Find all files below a folder, by their name in deliver/, which begins with `name`.
+
+    Empty if the folder is missing.
+    """
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     return {f"{name}/{file.relative_to(folder).as_posix()}": file for file in files}
 

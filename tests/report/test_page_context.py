@@ -23,11 +23,11 @@ from hullrecon.records.deliverables import (
 from hullrecon.report.content.objects import card_context, object_crops
 from hullrecon.report.content.page_context import (
     coverage_rows,
-    describe_position,
     deviation_map,
     hole_text,
     mosaic_context,
     percentile_text,
+    position_sentence,
     region_rows,
 )
 from hullrecon.report.figures.hull_map import hull_map
@@ -147,11 +147,11 @@ def test_without_a_pressure_sensor_a_card_has_no_depth(
 
 def test_the_place_of_the_whole_survey_is_told_with_its_sigma(survey: Survey, bare: Survey) -> None:
     assert (
-        describe_position(survey)
+        position_sentence(survey)
         == "Its position as a whole is known to 0.50 m along the hull and 20 mm in girth "
         "(one sigma, median)."
     )
-    assert describe_position(bare) == ""
+    assert position_sentence(bare) == ""
 
 
 def test_a_wide_mosaic_is_reduced_for_the_page() -> None:

@@ -25,7 +25,7 @@ from hullrecon.report.content.phrases import (
     with_sigma,
 )
 
-GATE = 1e-3  # an offset less likely than this says that a hull pose is worse than it claims
+GATE = 1e-3  # p-value of an offset below which a hull pose is worse than its covariance says
 
 MOVED = "stretch of bare hull moved"
 
@@ -34,15 +34,15 @@ MOVED = "stretch of bare hull moved"
 class ChangeRow:
     """One object of either dive, in words."""
 
-    status: str  # what became of it
+    status: str  # "new", "gone", "grown" and so on, as in ObjectChange
     changed: bool
-    first: str  # its number in the first dive
-    second: str
+    first: str  # its number in the first dive, a dash if it has none
+    second: str  # the same in the second dive
     address: str
-    before: str  # height, mm, with its sigma
-    after: str
-    change: str
-    chance: str  # that nothing changed
+    before: str  # height in the first dive, mm, with its sigma
+    after: str  # the same in the second dive
+    change: str  # of the height, mm, with its sigma
+    chance: str  # probability of such a difference if nothing changed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,13 +55,13 @@ class ChangeChapter:
     verdict: str
     lines: tuple[str, ...]  # a sentence a change
     rows: tuple[ChangeRow, ...]
-    moves: tuple[tuple[str, str], ...]  # bare hull that moved, with the chance that it did not
+    moves: tuple[tuple[str, str], ...]  # sentence of each stretch of bare hull that moved, p-value
     offset: str  # of the second dive relative to the first
     area_first: str  # m² of the map that the first dive covers
     area_second: str
     area_both: str
     detectable: str  # smallest change of height that stands out in half of the area
-    places: str  # how many were looked at
+    places: str  # number of places at which a change was looked for
 
 
 def change_chapter(change: HullChange) -> ChangeChapter:
@@ -75,7 +75,7 @@ def change_chapter(change: HullChange) -> ChangeChapter:
             *(object_sentence(row) for row in change.changed()),
             *(move_sentence(row) for row in change.moves),
         ),
-        rows=tuple(_row(row) for row in change.objects),
+        rows=tuple(_change_row(row) for row in change.objects),
         moves=tuple((move_sentence(row), probability(row.p_value)) for row in change.moves),
         offset=offset_sentence(change.offset),
         area_first=f"{change.area_first:.1f} m²",
@@ -87,7 +87,7 @@ def change_chapter(change: HullChange) -> ChangeChapter:
 
 
 def offset_sentence(offset: SurveyOffset) -> str:
-    """Say how the second dive was moved onto the first, and whether the hull poses predicted it."""
+    """Say how the second dive was moved onto the first, and whether the hull poses predict it."""
     at = offset.first_from_second.apply(offset.center[None])[0] - offset.center
     turn = np.degrees(np.linalg.norm(offset.first_from_second.rotation.as_rotvec()[0]))
     sigma = np.sqrt(np.diag(offset.covariance))[:3]
@@ -99,7 +99,7 @@ def offset_sentence(offset: SurveyOffset) -> str:
     prior = ", ".join(f"{1000 * s:.0f}" for s in expected)
     gate = (
         "as their hull poses foresaw"
-        if is_foreseen(offset)
+        if is_predicted(offset)
         else "farther than their hull poses foresaw"
     )
     return (
@@ -110,13 +110,13 @@ def offset_sentence(offset: SurveyOffset) -> str:
     )
 
 
-def is_foreseen(offset: SurveyOffset) -> bool:
-    """Test whether the offset between the dives is as small as their hull poses predict."""
+def is_predicted(offset: SurveyOffset) -> bool:
+    """Decide whether the hull poses of both dives, with their covariances, predict the offset."""
     return offset.p_value >= GATE
 
 
-def _row(row: ObjectChange) -> ChangeRow:
-    """Put an object's change into words."""
+def _change_row(row: ObjectChange) -> ChangeRow:
+    """Write the row of an object in the chapter's table."""
     return ChangeRow(
         status=row.status,
         changed=row.status in CHANGED,

@@ -22,7 +22,7 @@ from hullrecon.typing import Array
 MOVED = "surface moved"
 HEIGHTS = ("height_before", "height_after", "height_before_sigma", "height_after_sigma")
 MEASURED = (*HEIGHTS, "change", "change_sigma")  # of an object, m
-LEAST_M = 0.05  # half the side of the square that stands for a place without an outline
+LEAST_M = 0.05  # half the side of the square that is drawn for an object without an outline
 FIELDS: dict[str, type] = {  # of change.csv, change.geojson and change.gpkg
     "status": str,
     "first_id": int,
@@ -112,11 +112,13 @@ def _rows(change: HullChange) -> list[dict[str, object]]:
 
 
 def _fields(row: dict[str, object]) -> Fields:
+    """Select the fields of a feature from a row. Members of other types become null."""
     values = {name: row.get(name) for name in FIELDS}
     return {n: v if isinstance(v, int | float | str) else None for n, v in values.items()}
 
 
 def _ring(outline: Array, at: Array, outside: OutsideMap) -> Array:
+    """Convert an outline (n, 2) to map coordinates, a square about `at` (2,) if it has none."""
     if len(outline) >= 3:
         return outside.to_map(outline)
     square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * LEAST_M

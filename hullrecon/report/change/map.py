@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.patches import Polygon
 
-LIMITS_MM = 50.0  # structures exceed it, as the hull's form would be invisible on their scale
+# Ends of the colour scale. Structures exceed them: on a scale that holds structures, changes of the
+# bare hull would be invisible.
+LIMITS_MM = 50.0
 MAX_PIXELS = 4_000_000  # of the picture's image
 CHANGED_OBJECT, OTHER_OBJECT, MOVED_HULL, ONE_DIVE_ONLY = (
     "object that changed", "other object", "bare hull that moved", "seen by one dive only"

@@ -18,11 +18,13 @@ from hullrecon.typing import Array
 class DeviationFigures:
     """The deviation of the surveyed patch."""
 
-    offset: float  # m from the CAD model, outward positive
+    offset: float  # m, mean distance of the patch from the CAD model, outward positive
     offset_sigma: float
     tilt: Array  # (2,) m/m along and in girth
     tilt_sigma: Array
-    form: Array  # (3,) m, 5th, 50th and 95th percentile of the seen area
+    # (3,) m, 5th, 50th and 95th percentile over the seen area of the deviation without offset and
+    # tilt
+    form: Array
     form_sigma: float  # m, median of the seen area
 
     @property
@@ -50,7 +52,7 @@ def weighted_percentiles(values: Array, weights: Array, percent: tuple[float, ..
 
 
 def deviation_figures(survey: Survey) -> DeviationFigures | None:
-    """Sum up the deviation. None without a CAD model or a hull as found."""
+    """Summarise the deviation over the seen area. None without a CAD model or a hull as found."""
     found, split = survey.surfaces.as_found, survey.surfaces.deviation
     if found is None or split is None or not survey.is_in_hull_frame:
         return None

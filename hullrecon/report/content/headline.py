@@ -20,7 +20,7 @@ from hullrecon.report.content.phrases import (
 )
 from hullrecon.report.survey import AdjustedDive, DetectSettings, Survey
 
-WEAK_SIGMA_M = 0.05  # of a position, from which it is called uncertain
+WEAK_SIGMA_M = 0.05  # sigma above which a position is called uncertain
 _AXES = {
     "M": ("along x of the ship", "along y of the ship", "along z of the ship"),
     "g": ("in x of the local frame", "in y of the local frame", "in z of the local frame"),
@@ -28,12 +28,15 @@ _AXES = {
 
 
 def headline(survey: Survey) -> list[str]:
-    """Sum up the dive in at most ten sentences, the most important first."""
+    """Summarise the dive in at most ten sentences, the most important first.
+
+    Each function below writes one of them, "" where the dive has nothing to say of it.
+    """
     lines = (
-        _dive(survey),
+        _dive_sentence(survey),
         _position(survey),
         _stereo_calibration(survey.adjusted),
-        _from_outside(survey.adjusted),
+        _position_fixes(survey.adjusted),
         *weak_sentences(survey)[:2],
         _objects(survey),
         _change(survey),
@@ -41,7 +44,7 @@ def headline(survey: Survey) -> list[str]:
         _coverage(survey),
         _landmarks(survey.adjusted),
         _mosaics(survey),
-        _rejected(survey),
+        _losses(survey),
     )
     return [line for line in lines if line][:10]
 
@@ -55,7 +58,7 @@ def verdict(survey: Survey) -> str:
 
 
 def key_figures(survey: Survey) -> list[tuple[str, str, str]]:
-    """Collect the figures on top of the page that the dive gives: name, value and remark."""
+    """Collect the key figures on top of the page that the dive gives: name, value and remark."""
     found, coverage = survey.findings.objects, survey.findings.coverage
     figures, rows = deviation_figures(survey), list[tuple[str, str, str]]()
     seen = coverage.camera if coverage is not None else None
@@ -83,7 +86,7 @@ def path_length_m(survey: Survey) -> float:
     return round(float(np.linalg.norm(steps, axis=1).sum()), 3)
 
 
-def _dive(survey: Survey) -> str:
+def _dive_sentence(survey: Survey) -> str:
     track, dive = survey.track, survey.facts.dive
     spent = duration(float(track.t_ns[-1] - track.t_ns[0]) * 1e-9)
     images = sum(int(source.index.usable.sum()) for source in survey.facts.images.values())
@@ -111,7 +114,7 @@ def _stereo_calibration(adjusted: AdjustedDive | None) -> str:
     return (found.sentence or "") if found is not None else ""
 
 
-def _from_outside(adjusted: AdjustedDive | None) -> str:
+def _position_fixes(adjusted: AdjustedDive | None) -> str:
     found = adjusted.summary.positions if adjusted is not None else None
     if found is None:
         return ""
@@ -147,7 +150,7 @@ def _objects(survey: Survey) -> str:
     if objects is None:
         return ""
     if not objects:
-        return " ".join(["No object was found.", *_looked_for(survey), *_examined(survey)])
+        return " ".join(["No object was found.", *_thresholds(survey), *_regions_examined(survey)])
     recessed = sum(o.height < 0 for o in objects)
     protruding = len(objects) - recessed
     highest = max(objects, key=lambda o: abs(o.height))
@@ -158,8 +161,8 @@ def _objects(survey: Survey) -> str:
     return f"{found}; the largest, no. {highest.id}, has a height of {size}."
 
 
-def _looked_for(survey: Survey) -> list[str]:
-    """Say what counts as an object, if the settings are known."""
+def _thresholds(survey: Survey) -> list[str]:
+    """Say from which thresholds on something counts as an object. Empty without the settings."""
     settings = survey.provenance.settings_of("detect")
     if not settings:
         return []
@@ -171,7 +174,7 @@ def _looked_for(survey: Survey) -> list[str]:
     ]
 
 
-def _examined(survey: Survey) -> list[str]:
+def _regions_examined(survey: Survey) -> list[str]:
     examined = len(survey.findings.not_reported)
     return [f"{count(examined, 'region')} examined and not reported."] if examined else []
 
@@ -192,7 +195,7 @@ def _deviation(survey: Survey) -> str:
 
 
 def seen_words(survey: Survey) -> str:
-    """Name what areas are counted of. Without a CAD model only the measured surface is known."""
+    """Name the area that the coverage is counted on: the hull, without a CAD model the surface."""
     return "Hull seen" if survey.is_in_hull_frame else "Measured surface seen"
 
 
@@ -231,7 +234,7 @@ def _mosaics(survey: Survey) -> str:
     return f"Mosaics of the hull: {join(parts)}." if parts else ""
 
 
-def _rejected(survey: Survey) -> str:
+def _losses(survey: Survey) -> str:
     lost, warnings = survey.facts.log.lost, survey.provenance.warnings()
     if not lost and not warnings:
         return "The log was read completely and no step raised a warning."

@@ -89,9 +89,9 @@ class ObjectView:
 def best_crop(
     found: ReportedObject, track: VehicleTrack, rig: Rig, images: Mapping[Camera, ImageSource]
 ) -> Crop | None:
-    """Cut an object out of the image whose middle is nearest to it. None if no image shows it.
+    """Cut an object out of the image in which it is nearest to the middle.
 
-    Images are those that the object lists, or all if it lists none.
+    Images are those that the object lists, or all if it lists none. None if no image shows it.
     """
     views = [
         view
@@ -139,9 +139,10 @@ def _ranked_views(
 
 
 def _rows_named(images: Sequence[str], camera: Camera, index: ImageIndex) -> Ints | None:
-    """Find the rows of images named like camera_top/1777887000468241234.jpg.
+    """Find the rows of the images of a camera that are named in `images`.
 
-    None if no image is named.
+    Names are like camera_top/1777887000468241234.jpg, with the stamp in ns. None if no image, of
+    either camera, is named.
     """
     if not images:
         return None
@@ -160,8 +161,8 @@ def _cut_image(found: ReportedObject, view: ObjectView, source: ImageSource) -> 
     pixels = pixels[np.isfinite(pixels).all(axis=1)]
     in_camera = view.camera_from_result.apply(center)
     middle = view.model.project(in_camera)[0]
-    # around the object as wide as its outline and a margin, at least 0.18 m, 1.35 times as wide as
-    # high
+    # The cut reaches over the outline with a margin, at least 0.18 m from the centre. It is 1.35
+    # times as wide as high.
     scale = view.model.fx / float(np.linalg.norm(in_camera[0]))  # px a metre
     half = max(0.9 * float(np.abs(pixels - middle).max(initial=0)) + 0.12 * scale, 0.18 * scale)
     reach, size = np.array([1.35 * half, half]), np.array([view.model.width, view.model.height])
@@ -179,13 +180,13 @@ def _cut_image(found: ReportedObject, view: ObjectView, source: ImageSource) -> 
 
 
 def stretch_contrast(picture: Pixels) -> Pixels:
-    """Stretch the contrast between the 1st and 99th percentile, as water leaves a third of it."""
+    """Stretch the contrast from the 1st to the 99th percentile: water leaves a third of it."""
     low, high = np.percentile(picture, (1, 99))
     return np.asarray(np.clip((picture - low) * (245 / max(high - low, 20)) + 5, 0, 255), np.uint8)
 
 
 def jpeg_uri(picture: Pixels, min_width: int = 560, quality: int = 88) -> str:
-    """Encode a picture as a data URI, enlarged if small: a browser's smoothing would blur it."""
+    """Encode a picture as a data URI, enlarged if small: a browser would enlarge it with blur."""
     import cv2
 
     factor = _enlargement(picture.shape[1], picture.shape[0], min_width)
@@ -200,12 +201,14 @@ def jpeg_uri(picture: Pixels, min_width: int = 560, quality: int = 88) -> str:
 def _enlargement(width: int, height: int, min_width: int) -> float:
     """Compute the factor, at least 1, that widens a picture to min_width.
 
-    The height stays below four times min_width, as an object at an image's border leaves a sliver.
+    The height stays below four times min_width: the cut of an object at an image's border may be a
+    narrow strip.
     """
     return max(1.0, min(min_width / width, 4 * min_width / height))
 
 
 def _jpeg(picture: Pixels, quality: int) -> bytes:
+    """Encode a picture (h, w) or (h, w, 3) RGB as JPEG."""
     import cv2
 
     ordered = picture[..., ::-1] if picture.ndim == 3 else picture
@@ -221,10 +224,7 @@ CardContext = Mapping[str, object]
 
 
 def card_context(found: ReportedObject, survey: Survey, crop: Crop | None) -> CardContext:
-    """Write the texts of an object's card, with its picture.
-
-    A value without a sigma is written alone: it was counted, not measured.
-    """
+    """Write the texts of an object's card, with its picture. None of a crop: no picture."""
     rows = [
         ("Height above the hull around it", with_sigma(found.height, found.height_sigma, "m")),
         ("Extent along the hull, in girth", " × ".join(_extents(found))),
@@ -309,6 +309,7 @@ def _cells(found: ReportedObject, across: str) -> dict[str, ObjectCell]:
 
 
 def _number(value: float | None, sigma: float | None, unit: str) -> ObjectCell:
+    """Write a cell of a measured value with its sigma, a dash if it was not measured."""
     if value is None:
         return ObjectCell(text="–")
     return ObjectCell(text=with_sigma(value, sigma, unit), value=value)
@@ -320,6 +321,7 @@ def _extents(found: ReportedObject) -> list[str]:
 
 
 def _scaled(value: float, sigma: float | None, factor: float, unit: str) -> str:
+    """Write a value with its sigma in another unit, both multiplied by `factor`."""
     return with_sigma(factor * value, None if sigma is None else factor * sigma, unit)
 
 

@@ -61,7 +61,19 @@ def page_context(
     deliverables: Mapping[str, object],
     photos: Mapping[int, Crop],
 ) -> PageContext:
-    """Build the variables of the page's template."""
+    """Build the variables of the page's template.
+
+    Parameters
+    ----------
+    survey
+        All that the steps found.
+    plots
+        Plots of the appendix.
+    deliverables
+        Files written so far, by name.
+    photos
+        Pictures of objects by the object's number.
+    """
     view = hull_map(survey)
     tiles = index_tiles(survey, deliverables)
     with ThreadPoolExecutor(2) as beside:  # what takes longest, mostly outside the interpreter
@@ -95,7 +107,7 @@ def page_context(
         "origin_words": survey.origin_in_words,
         "deviation_rows": deviation_rows(figures),
         "offset_words": figures.offset_words if figures is not None else "",
-        "position": describe_position(survey),
+        "position": position_sentence(survey),
         "survey": survey,
         "suspects": survey.adjusted.summary.suspects if survey.adjusted is not None else (),
         "title": f"Hull survey: {dive.name}",
@@ -201,8 +213,8 @@ def deviation_map(survey: Survey, view: HullMap) -> str | None:
     return png_uri(form_png(view.found, split, view)) if np.isfinite(split.form).any() else None
 
 
-def describe_position(survey: Survey) -> str:
-    """Say how well the survey as a whole lies on its chart, if that is known."""
+def position_sentence(survey: Survey) -> str:
+    """Say how well the position of the whole survey on its chart is known. Empty if unknown."""
     chart = survey.surfaces.chart
     along, girth = survey.track.sigma_on_chart(chart) if chart is not None else (np.nan, np.nan)
     if not np.isfinite(along + girth):

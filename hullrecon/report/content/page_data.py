@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the page's script is given, as JSON in the page: places in map coordinates, metres.
+"""What the page's script is given, as JSON in the page. Positions are map coordinates, metres.
 
 Members:
 
 - `frame`: M or g
 - `map`: read by report/web/src/map.js, None without a chart
-- `objects`: the objects with their places on the map
+- `objects`: the objects with their positions on the map
 - `scene`: read by scene.js, None if nothing is shown in 3-D
 
 A layer's picture is a data URI in a script element of its own, named by `image`. A browser decodes
@@ -116,7 +116,7 @@ def _layer(layer: MapLayer, tiles: TileIndex | None) -> PageData:
 
 
 def _object(placed: ChartedObject, view: HullMap) -> PageData:
-    """Describe an object and its places on the map.
+    """Describe an object with its position, outline and sigma ellipse on the map.
 
     Off the chart `at` is None and the ellipse empty. Outline points off the chart are left out.
     """
@@ -144,7 +144,10 @@ def _pieces(path: Array) -> list[Array]:
 
 
 def _links(pairs: NodePairs | None, view: HullMap) -> list[PageData]:
-    """List the matched pairs of images by kind, each with its segments (x, y, x, y)."""
+    """List the matched pairs of images as lines between their vehicle positions, by kind.
+
+    Each line is (x, y, x, y). Empty where the pairs are of other nodes than the path.
+    """
     if pairs is None or not len(pairs):
         return []
     if max(int(pairs.first.max()), int(pairs.second.max())) >= len(view.path):

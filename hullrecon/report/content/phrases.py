@@ -9,9 +9,9 @@ from collections.abc import Sequence
 
 
 def decimals(sigma: float) -> int:
-    """Count the digits after the point that a sigma deserves.
+    """Choose the number of decimals for a value with that sigma.
 
-    One significant digit, two if it begins with a 1.
+    The sigma gets one significant digit, two if it begins with a 1.
     """
     if not math.isfinite(sigma) or sigma <= 0:
         return 3

@@ -92,6 +92,7 @@ def _residuals(survey: Survey) -> WordTable:
 def _residual_row(
     found: FactorResiduals, name: str, unit_sigma: float, unit: str
 ) -> tuple[str, ...]:
+    """Write a row of the residuals. unit_sigma: one sigma in `unit`, by which they are scaled."""
     robust = "–" if found.robust_sigma is None else f"{unit_sigma * found.robust_sigma:.2g} {unit}"
     beyond = "–" if found.share_beyond_3 is None else f"{100 * found.share_beyond_3:.1f} %"
     return name, f"{int(found.count):,}", robust, f"{unit_sigma * found.rms:.2g} {unit}", beyond
@@ -122,7 +123,7 @@ def _sensor_errors(
     """Tabulate the error of each navigation sensor that was carried.
 
     Scale and drift were estimated as corrections, so the sensor's error has the opposite sign. The
-    tray's backlash is left out, since its sigma does not hold against truth.
+    tray's backlash is left out: in simulation its error exceeds its sigma.
     """
     facts, degree = survey.facts, math.degrees(1.0)
     per_hour = 3600 * degree

@@ -46,6 +46,7 @@ def rejected_groups(survey: Survey) -> list[tuple[str, list[str]]]:
 
 
 def _between(navigation: NavigationFacts, interval_s: Interval) -> str:
+    """Write the times of day at which an interval of navigation.json begins and ends."""
     first, last = (format_time(navigation.start_ns + round(NS * t_s)) for t_s in interval_s)
     return f"from {first} to {last}"
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Surfaces, landmarks, the chart and the hull's place, as PLY and JSON."""
+"""Surfaces, landmarks, the chart and the hull's pose, as PLY and JSON."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def landmarks_ply(survey: Survey, solution: Solution) -> bytes:
 def surface_ply(survey: Survey, surface: Surface, split: DeviationSplit | None = None) -> bytes:
     """Encode surface.ply or as_found.ply (docs/deliverables.md).
 
-    as_found.ply also holds the form of the deviation, NaN without a CAD model.
+    as_found.ply also holds the form of the deviation (`split`), NaN without a CAD model.
     """
     values = {
         "deviation": surface.deviation.astype(np.float32),
@@ -145,9 +145,9 @@ def alignment_document(
     }
 
 
-STEP_M = 0.1  # between vertices: 0.6 mm off a bilge of 2 m radius
-MAX_VERTICES = 250_000  # of a larger survey the step is longer
-MARGIN_M = 0.5  # around what was seen
+STEP_M = 0.1  # between vertices of the chart's mesh: 0.6 mm off a bilge of 2 m radius
+MAX_VERTICES = 250_000  # with more the step is longer
+MARGIN_M = 0.5  # of the mesh around what was seen
 TO_POINT = (
     "along = along_from_x * x, girth = girth_from_y * y. In chart.ply find the face whose corners' "
     "(along, girth) hold the point and interpolate x, y, z and nx, ny, nz linearly: the point on "
@@ -199,7 +199,10 @@ class ChartMesh:
 
 
 def chart_mesh(chart: Chart, seen: Array) -> ChartMesh:
-    """Sample the part of a chart around points (n, 3) that were seen on a lattice."""
+    """Sample a chart on a lattice over the part that encloses the seen points (n, 3).
+
+    Cells of which a corner is off the chart are left out.
+    """
     at = chart.to_chart(seen)[:, :2]
     at = at[np.isfinite(at).all(axis=1)]
     low, high = at.min(axis=0) - MARGIN_M, at.max(axis=0) + MARGIN_M
@@ -217,7 +220,8 @@ def chart_mesh(chart: Chart, seen: Array) -> ChartMesh:
         for columns in (np.s_[:-1], np.s_[1:])
     ]
     whole = np.isfinite(points[np.stack(corners, axis=1)]).all(axis=(1, 2))
-    # charts are left-handed about the outward normal
+    # Along, girth and the outward normal are left-handed: this order of corners turns faces
+    # outward.
     a, b, c, d = (corner[whole] for corner in corners)
     faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([b, d, c], axis=1)])
     used, faces = np.unique(faces, return_inverse=True)

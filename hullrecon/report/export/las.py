@@ -14,9 +14,10 @@ from hullrecon.geometry.meshes.gltf_axes import gltf_from
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.typing import Array
 
-# of the whole numbers that LAS stores: a twentieth of the best sigma, and 200 km in reach
+# Step of the integers in which LAS stores coordinates: a twentieth of the best sigma. 32 bits reach
+# over 200 km.
 STEP_M = 0.0001
-POINT_FORMAT = 6  # the least that carries its coordinate system as WKT
+POINT_FORMAT = 6  # the lowest that carries its coordinate system as WKT
 
 
 def las_bytes(
@@ -32,8 +33,12 @@ def las_bytes(
 
     Parameters
     ----------
+    surface
+        The hull as found. Only vertices with support are written.
+    split
+        Its deviation from the CAD model, None without one.
     frame
-        M or g.
+        M or g, the frame of the surface.
     t_ns
         Time of the dive's last pose. Its date is written as the file's.
     by_images
@@ -76,9 +81,10 @@ def las_bytes(
 
 
 def frame_wkt(frame: str, up: Sequence[float] | Array = (0.0, 0.0, 1.0)) -> str:
-    """Write a local engineering system of three axes in WKT 1: metres, tied to no place on Earth.
+    """Write a local coordinate system of three axes in WKT 1: metres, tied to no place on Earth.
 
-    `up` (3,) is in M. The level axes are named as on a paper chart.
+    frame: M or g. up: (3,) the axis of M that points up. WKT needs names of compass directions: in
+    M a level axis is called east, and the other by its direction relative to that.
     """
     name, datum, ways = "hull frame of the ship (M)", "the ship", _ways(np.asarray(up, float))
     if frame != "M":

@@ -16,7 +16,7 @@ from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.typing import Array
 
-SRS_ID = 100_000  # of the local coordinate system, above EPSG's own numbers
+SRS_ID = 100_000  # our number of the local coordinate system, above those of EPSG
 APPLICATION_ID, USER_VERSION = 0x47504B47, 10300  # "GPKG", version 1.3
 TYPES = {int: "INTEGER", float: "DOUBLE", str: "TEXT"}
 SCHEMA = """
@@ -56,7 +56,7 @@ class Layer:
 
 
 def geojson(layer: Layer, outside: OutsideMap, ids: Sequence[object]) -> dict[str, object]:
-    """Write polygons as GeoJSON.
+    """Write a layer of polygons as GeoJSON, with an id for each feature.
 
     Coordinates are metres of the map, not degrees. The member `crs` of the 2008 specification tells
     this to programs that read it.
@@ -135,9 +135,10 @@ def _add_layer(database: sqlite3.Connection, layer: Layer, changed: str) -> None
 
 
 def geometry_blob(shape: Array, polygon: bool) -> bytes:
-    """Encode a polygon of one ring (k, 2), closed here, or a point (1, 2).
+    """Encode a polygon of one open ring (k, 2), or a point (1, 2), as a GeoPackage geometry.
 
-    The blob is a header, with the envelope of polygons, then WKB, little endian.
+    The ring is closed here. The blob is a header, with the envelope for polygons, then WKB, little
+    endian.
     """
     ring = np.vstack([shape, shape[:1]]) if polygon else shape
     head = b"GP" + struct.pack("<BBi", 0, 0b011 if polygon else 0b001, SRS_ID)
@@ -153,7 +154,7 @@ def geometry_blob(shape: Array, polygon: bool) -> bytes:
     )
 
 
-# of a feature, as in objects.json, metres
+# Fields of an object's feature, with the names of objects.json, in metres.
 FIELDS: dict[str, type] = {
     "id": int,
     "kind": str,
@@ -184,12 +185,12 @@ FIELDS: dict[str, type] = {
 def object_layers(
     objects: Sequence[ReportedObject], photos: Collection[int], chart: Chart, outside: OutsideMap
 ) -> list[Layer]:
-    """Make the layers of outlines and of centers, each of the objects that the chart shows.
+    """Make a layer of the objects' outlines and one of their centers.
 
-    `photos` holds the numbers of the objects with a photo file.
+    Objects off the chart are left out. photos: numbers of the objects that have a photo file.
     """
-    outlines = [_on_map(found.outline, chart, outside) for found in objects]
-    centers = [_on_map((found.center,), chart, outside) for found in objects]
+    outlines = [_to_map(found.outline, chart, outside) for found in objects]
+    centers = [_to_map((found.center,), chart, outside) for found in objects]
     fields = [object_fields(found, photos) for found in objects]
     kinds = (
         ("objects", "outlines of the objects' footprints", True, outlines, 3),
@@ -226,7 +227,7 @@ def photo_name(number: int) -> str:
     return f"objects/{number}.jpg"
 
 
-def _on_map(points: Sequence[Sequence[float]], chart: Chart, outside: OutsideMap) -> Array:
+def _to_map(points: Sequence[Sequence[float]], chart: Chart, outside: OutsideMap) -> Array:
     """Transform points (n, 3) to map coordinates (k, 2), without those off the chart."""
     if not len(points):
         return np.zeros((0, 2))

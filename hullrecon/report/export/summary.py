@@ -32,7 +32,17 @@ def summary_document(
     deliverables: Mapping[str, FileEntry],
     failed: Mapping[str, str] = MappingProxyType({}),
 ) -> dict[str, object]:
-    """Build summary.json (docs/deliverables.md)."""
+    """Build summary.json (docs/deliverables.md).
+
+    Parameters
+    ----------
+    survey
+        All that the steps found.
+    deliverables
+        The files written, by name.
+    failed
+        Reason by name of each deliverable that could not be written.
+    """
     dive, provenance = survey.facts.dive, survey.provenance
     return {
         "schema": SCHEMA,
@@ -68,7 +78,10 @@ def _public_run(run: Mapping[str, object]) -> dict[str, object]:
 
 
 def _iterations(adjusted: AdjustedDive) -> int | None:
-    """Count the iterations of all rounds, without their starts. None if they were not recorded."""
+    """Count the iterations of all rounds. None if they were not recorded.
+
+    The record also has the start of each round, which is not counted.
+    """
     record = adjusted.iterations
     if "cost" not in record:
         return None

@@ -40,10 +40,10 @@ class Column:
 
 @dataclass(frozen=True, kw_only=True)
 class Table:
-    """A table of a file. The title says what a row is."""
+    """A table that is delivered as a file."""
 
-    file: str
-    title: str
+    file: str  # name below deliver/
+    title: str  # what a row is
     columns: Sequence[Column]
 
     @property
@@ -68,6 +68,7 @@ def csv_metadata(tables: Sequence[Table]) -> Mapping[str, object]:
 
 
 def _entry(column: Column) -> dict[str, str]:
+    """Describe a column in the terms of CSV on the Web."""
     entry = {
         "name": column.heading,
         "titles": column.heading,
@@ -122,7 +123,7 @@ def objects_table(objects: Sequence[ReportedObject]) -> Table:
     ]
     columns += [
         _column(name, unit, meaning, [getattr(o, name) for o in objects])
-        for name, unit, meaning in _BEFORE
+        for name, unit, meaning in _COLUMNS
     ]
     columns.append(
         _column("address", "", "place in words", [o.address for o in objects], words=True)
@@ -152,12 +153,13 @@ def objects_table(objects: Sequence[ReportedObject]) -> Table:
     ]
     columns += [
         _column(name, unit, meaning, [getattr(o, name) for o in objects], words=name == "side")
-        for name, unit, meaning in _ADDED
+        for name, unit, meaning in _LAST_COLUMNS
     ]
     return Table(file="objects.csv", title="structures on the hull", columns=columns)
 
 
-_BEFORE = (
+# Columns of objects.csv that are fields of an object: name, unit, meaning.
+_COLUMNS = (
     ("height", "m", "above the hull around it, negative for a recess"),
     ("height_sigma", "m", "one sigma of the height"),
     ("deviation", "m", "largest signed distance to the CAD model"),
@@ -166,7 +168,7 @@ _BEFORE = (
     ("views", "", "images that show more than half of its top"),
     ("p_value", "", "probability that bare hull looks so anywhere in the survey"),
 )
-_ADDED = (
+_LAST_COLUMNS = (
     ("deviation_sigma", "m", "one sigma of the deviation, the hull's position included"),
     ("area_sigma", "m2", "one sigma of the area"),
     ("volume_sigma", "m3", "one sigma of the volume"),
@@ -267,7 +269,10 @@ _SIGMAS = (
 
 
 def _ship_cells(survey: Survey) -> list[tuple[str, str, str, list[str]]]:
-    """Tabulate the vehicle's place on the ship and its sigmas."""
+    """Make the cells of the vehicle's chart coordinates, depth and their sigmas.
+
+    Each column is name, unit, meaning and cells.
+    """
     track = survey.track
     at = chart_coordinates(survey, track.poses.translation)
     along_sigma, girth_sigma = chart_sigmas(survey)
@@ -297,7 +302,7 @@ def chart_sigmas(survey: Survey) -> tuple[Array, Array]:
 
 
 def vehicle_depth(survey: Survey) -> Array:
-    """Select the vehicle's depth (n,) m at the nodes, adjusted if the dive was."""
+    """Select the vehicle's depth (n,) m at the nodes: adjusted, else dead reckoned."""
     if survey.adjusted is not None:
         return survey.adjusted.solution.global_from_vehicle.translation[:, 2]
     return survey.trajectory.translation[:, 2]
@@ -306,8 +311,8 @@ def vehicle_depth(survey: Survey) -> Array:
 def vehicle_depth_sigma(survey: Survey) -> Array:
     """Compute one sigma (n,) m of the depth at the nodes.
 
-    In g it is that of the position. In M, whose covariance is relative to the hull, it is that of
-    the pressure sensor's bias and noise, if that is known.
+    In g it is that of the position. In M the covariance is relative to the hull, not to the water:
+    there it is that of the pressure sensor's bias and noise, if that is known.
     """
     adjusted, nodes = survey.adjusted, len(survey.track.t_ns)
     if adjusted is None:
@@ -320,7 +325,7 @@ def vehicle_depth_sigma(survey: Survey) -> Array:
 
 
 def trajectory_tum(track: VehicleTrack) -> str:
-    """Write the poses as lines of `t x y z qx qy qz qw`."""
+    """Write the poses in the format of TUM: lines of `t x y z qx qy qz qw`, seconds and metres."""
     columns = [seconds(track.t_ns)]
     columns += [numbers(c) for c in (*track.poses.translation.T, *track.poses.quaternion.T)]
     return "".join(" ".join(row) + "\n" for row in zip(*columns, strict=True))

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What of a survey lies on the hull's chart: the one model of plan, page's map and form map.
+"""The parts of a survey that lie on the hull's chart, as plan, page's map and form map show them.
 
-Places are chart coordinates (along, girth) in metres. `Extent.outside` converts them to map
+Positions are chart coordinates (along, girth) in metres. `Extent.outside` converts them to map
 coordinates, which rasters, vector layers and the page's script use.
 """
 
@@ -30,11 +30,11 @@ Bounds = tuple[float, float, float, float]  # left, bottom, right, top in map co
 
 @dataclass(frozen=True, kw_only=True)
 class Extent:
-    """A rectangle of the chart."""
+    """A rectangle of the chart, and how it is turned in pictures."""
 
-    along: tuple[float, float]  # m
+    along: tuple[float, float]  # m, from and to
     girth: tuple[float, float]
-    # shown with along to the left, girth downwards, so that the hull is seen from outside
+    # whether along points left, and girth down, in a picture of the hull seen from outside
     flips: tuple[bool, bool] = (False, False)
 
     @property
@@ -66,10 +66,10 @@ class Extent:
 
 @dataclass(frozen=True, kw_only=True)
 class SigmaEllipse:
-    """One sigma of a place on the chart."""
+    """The one-sigma ellipse of a position on the chart."""
 
-    half_axes: tuple[float, float]  # m
-    angle_rad: float  # of the first, from along towards girth
+    half_axes: tuple[float, float]  # m, the longer first
+    angle_rad: float  # of the longer axis, from along towards girth
 
     def ring(self) -> Array:
         """Sample the ellipse about the origin as points (41, 2) along and in girth."""
@@ -85,7 +85,7 @@ class ChartedObject:
 
     found: ReportedObject
     at: Array  # (2,) along and in girth, NaN off the chart
-    ellipse: SigmaEllipse | None  # of its own place, None if that is not known
+    ellipse: SigmaEllipse | None  # of its position, None if that is not known
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,7 +97,7 @@ class ChartedSurface:
     faces: Ints32  # without those off the chart or across its seam
 
     def seen_faces(self) -> Ints32:
-        """Select the faces whose three corners have at least that support."""
+        """Select the faces whose three corners were seen."""
         return self.faces[(self.surface.support[self.faces] >= 1).all(axis=1)]
 
 
@@ -106,10 +106,10 @@ class HullMap:
     """What is shown on the chart."""
 
     chart: Chart
-    extent: Extent
+    extent: Extent  # of all that is shown
     path: Array  # (n, 2) of the vehicle, NaN off the chart
     objects: Sequence[ChartedObject]
-    found: ChartedSurface | None
+    found: ChartedSurface | None  # the hull as found, else the surveyed surface
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,7 +180,10 @@ def sigma_ellipse(covariance: Array) -> SigmaEllipse:
 
 
 def project_surface(surface: Surface, chart: Chart) -> ChartedSurface:
-    """Project a surface onto the chart, without faces off the chart or across its seam."""
+    """Project a surface onto the chart, without faces off the chart or across its seam.
+
+    A face across the seam, where the girth jumps, is much wider on the chart than its edge is long.
+    """
     at = chart.to_chart(surface.vertices)[:, :2]
     span = np.ptp(at[surface.faces], axis=1).max(axis=1)
     first, second = surface.vertices[surface.faces[:, 0]], surface.vertices[surface.faces[:, 1]]
@@ -212,8 +215,9 @@ def survey_fields(survey: Survey, found: ChartedSurface) -> list[MapField]:
 def form_shadings(found: ChartedSurface, split: DeviationSplit) -> tuple[Shading, Shading] | None:
     """Choose the colour ranges of form and its sigma (mm). None if nothing was seen.
 
-    The form's range is five times its median magnitude over the seen area, most of which is bare
-    hull, so that structures lie beyond it. The sigma's range ends at its 95th percentile.
+    The form's range is five times its median magnitude over the seen area, at least 5 mm. Most of
+    that area is bare hull, so that structures lie beyond the range. The sigma's range ends at its
+    95th percentile, at least at 2 mm.
     """
     weight = np.where(np.isfinite(split.form), vertex_areas(found.surface.mesh()), 0.0)
     if not weight.sum() > 0:
@@ -273,7 +277,7 @@ def _sigma_field(found: ChartedSurface) -> list[MapField]:
 
 
 def _coverage_field(found: ChartedSurface, by_images: bool) -> list[MapField]:
-    """Make the field of how many images, or DVL returns, support a place. Empty if none do."""
+    """Make the field of how many images, or DVL returns, saw each vertex. Empty if none did."""
     support = found.surface.support.astype(float)
     if not (support > 0).any():
         return []

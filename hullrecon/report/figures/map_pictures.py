@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures on the hull's chart: layers of the page's map, the plan's ground, the form.
+"""Pictures on the hull's chart: layers of the page's map, the background of the plan, the form.
 
-A layer fills a rectangle of the map coordinates. Layers come from `survey_layers` alone.
+A layer fills a rectangle of the map coordinates. `survey_layers` makes all of them.
 """
 
 from __future__ import annotations
@@ -35,12 +35,14 @@ from hullrecon.typing import Array, Floats32, Mask, Pixels
 if TYPE_CHECKING:
     from rasterio.windows import Window
 
-# of a mosaic: 10 m² at 1 mm a pixel in some 4 MB. The delivered GeoTIFF has all pixels.
+# Pixels of a mosaic's layer: 10 m² at 1 mm a pixel, some 4 MB. The delivered GeoTIFF has all
+# pixels.
 MOST_PIXELS = 12e6
-FIELD_STEP_M = 0.005  # a pixel of a field, which is smooth over centimetres
-MOST_FIELD_PIXELS = 2.5e6  # 10 m by 6 m at FIELD_STEP_M, far below what a canvas may have
+FIELD_STEP_M = 0.005  # side of a pixel of a field, which is smooth over centimetres
+# Pixels of a field's layer: 10 m by 6 m at FIELD_STEP_M, far below the limit of a browser's canvas
+MOST_FIELD_PIXELS = 2.5e6
 FORM_PX = 1200  # longer side of a map of the form, before it is drawn into its frame
-MOST_NARROW = 12.0  # sides of a map of the form, as drawn
+MOST_NARROW = 12.0  # largest ratio of the sides of a map of the form, as drawn
 BLACK = 15  # the darkest of a stretched picture, so that it stands out from what is not there
 MOSAIC_TITLES = {"optical": "Camera mosaic", "sonar": "Sonar mosaic"}
 RASTERS = {  # the delivered raster of a layer
@@ -243,9 +245,10 @@ def _levels(
 def _draw(
     found: ChartedSurface, values: Array, extent: Extent, width_px: float, height_px: float
 ) -> Floats32:
-    """Draw values at the vertices of the seen faces (h, w), at least one pixel a side.
+    """Draw values (n,) at the vertices over the seen faces, interpolated within each face.
 
-    NaN where nothing was seen or a corner has no value.
+    Returns a picture (h, w) of the extent, at least one pixel a side. NaN where nothing was seen or
+    a corner has no value.
     """
     size = np.maximum(1, np.rint([width_px, height_px]))
     (left, right), (bottom, top) = extent.limits
@@ -267,8 +270,8 @@ def webp_bytes(rgba: Pixels, lossless: bool = False) -> bytes:
 
     buffer = BytesIO()
     picture = Image.fromarray(np.ascontiguousarray(rgba, np.uint8), "RGBA")
-    # of a lossless picture it is the effort: 60 takes 2.6 times as long for a sixth fewer bytes.
-    # Method 3 takes twice the time of 2 for 4 % fewer bytes of a mosaic.
+    # For a lossless picture "quality" is the effort: 60 takes 2.6 times as long for a sixth fewer
+    # bytes. Method 3 takes twice the time of 2 for 4 % fewer bytes of a mosaic.
     quality = 20 if lossless else 84
     picture.save(
         buffer, format="WEBP", lossless=lossless, exact=lossless, quality=quality, method=2
@@ -277,7 +280,7 @@ def webp_bytes(rgba: Pixels, lossless: bool = False) -> bytes:
 
 
 def ground_png(found: ChartedSurface, extent: Extent, width_px: int = 1400) -> bytes:
-    """Draw the seen faces tinted by views, transparent elsewhere, as the plan's ground.
+    """Draw the seen faces tinted by views, transparent elsewhere: the background of the plan.
 
     The picture fills the extent without a frame. A tall picture is at most twice width_px high.
     """
@@ -314,7 +317,7 @@ def form_png(found: ChartedSurface, split: DeviationSplit, view: HullMap) -> byt
         bar = figure.colorbar(drawn, ax=axis, shrink=0.9, pad=0.01, extend=shading.extend)
         bar.set_label(shading.label, size=9)
         bar.ax.tick_params(labelsize=8)
-    # a strip is drawn wider than it is: of 330 m by 2 m nothing would be seen
+    # A narrow strip is drawn wider than it is: at true scale nothing of 330 m by 2 m would be seen.
     stretch = max(1.0, width / height / MOST_NARROW) / max(1.0, height / width / MOST_NARROW)
     for axis in axes:
         axis.set(

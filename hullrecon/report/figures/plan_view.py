@@ -18,8 +18,8 @@ from hullrecon.report.figures.map_pictures import ground_png
 from hullrecon.report.survey import Survey
 from hullrecon.typing import Array
 
-LEFT, TOP, WIDTH, FOOT = 62.0, 14.0, 960.0, 92.0
-TALLEST = 2 * WIDTH  # of a hull seen in a narrow strip from keel to waterline
+LEFT, TOP, WIDTH, FOOT = 62.0, 14.0, 960.0, 92.0  # margins and width of the plan, SVG units
+TALLEST = 2 * WIDTH  # largest height, for a narrow strip from keel to waterline
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +30,7 @@ class Mark:
     along: float  # m
     girth: float
     text: str  # shown where the pointer rests
-    ellipse: SigmaEllipse | None = None  # of its own place, None if that is not known
+    ellipse: SigmaEllipse | None = None  # as in ChartedObject
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,6 +111,7 @@ def plan_svg(plan: Plan, title: str) -> str:
 
 
 def _ground(plan: Plan) -> str:
+    """Draw the background: water, and the picture of the hull seen."""
     box = f'x="{LEFT}" y="{TOP}" width="{plan.width:.1f}" height="{plan.height:.1f}"'
     frame = f'<rect {box} class="sea"/>'
     if plan.ground is None:
@@ -153,6 +154,7 @@ def _ticks(plan: Plan) -> list[str]:
 
 
 def _multiples(span: tuple[float, float], step: float) -> list[float]:
+    """List the multiples of a step within a span."""
     first, last = math.ceil(span[0] / step), math.floor(span[1] / step)
     return [round(k * step, 9) for k in range(first, last + 1)]
 
@@ -178,6 +180,7 @@ def _path(plan: Plan) -> str:
 
 
 def _mark(mark: Mark, plan: Plan) -> str:
+    """Draw an object as a numbered circle with its ellipse, linked to its card."""
     x, y = plan.x(mark.along), plan.y(mark.girth)
     ellipse = "" if mark.ellipse is None else _ellipse(mark.ellipse, x, y, plan)
     return (
@@ -198,6 +201,7 @@ def _ellipse(ellipse: SigmaEllipse, x: float, y: float, plan: Plan) -> str:
 
 
 def _scale_bar(plan: Plan) -> str:
+    """Draw a bar of a round length below the plan, on the left."""
     metres = nice_step(WIDTH / plan.scale, 5)
     y, length = TOP + plan.height + 58, metres * plan.scale
     text = f'<text x="{LEFT + length + 8:.1f}" y="{y + 4:.1f}" class="tick">{metres:g} m</text>'
@@ -206,7 +210,7 @@ def _scale_bar(plan: Plan) -> str:
 
 
 def _sigma_bar(plan: Plan) -> str:
-    """Draw one sigma of the vehicle's position as a bar, with its numbers.
+    """Draw a bar from minus to plus one sigma of the vehicle's position along, with both numbers.
 
     Empty if it is not known.
     """

@@ -37,7 +37,7 @@ from hullrecon.typing import Array, Arrays, Ints
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-HEARD_S = 2.0  # between pings of the DVL: over more nothing is known of the distance
+HEARD_S = 2.0  # longest gap between DVL pings over which the distance is interpolated
 NAMES = {  # of the histogram's curves
     "landmarks": "landmarks, offset included",
     "as_found": "area seen, offset included",
@@ -73,9 +73,9 @@ def draw_all_plots(survey: Survey) -> list[Plot]:
 
 
 def convergence(iterations: Arrays) -> Plot:
-    """Draw the cost by iteration, and by factor if the record has it.
+    """Draw the cost by iteration, and by kind of factor if the record has it.
 
-    Lines break between rounds, whose costs do not compare.
+    Lines break between rounds: their costs cannot be compared, as sigmas and landmarks change.
     """
     cost = _reached(iterations)
     rounds = _rounds(iterations, len(cost))
@@ -119,7 +119,10 @@ def convergence(iterations: Arrays) -> Plot:
 
 
 def labels(iterations: Arrays) -> Plot:
-    """Draw the share of landmarks on the hull and the labels changed [Ozog2016 Fig. 4.12]."""
+    """Draw the share of landmarks on the hull and the labels changed [Ozog2016 Fig. 4.12].
+
+    iterations: the record of the solve, one row an iteration.
+    """
     on, changed = (np.asarray(iterations[k], np.int64) for k in ("on_surface", "label_changes"))
     rounds, step = _rounds(iterations, len(on)), np.arange(len(on))
     of = (
@@ -148,7 +151,10 @@ def labels(iterations: Arrays) -> Plot:
 
 
 def _reached(iterations: Arrays) -> Array:
-    """Select the cost (k,) at the last accepted point, or as recorded if steps are not marked."""
+    """Select the cost (k,) of the last accepted solution at each iteration.
+
+    Costs as recorded if the record does not say which steps were accepted.
+    """
     cost = np.asarray(iterations["cost"], float)
     if "accepted" not in iterations:
         return cost
@@ -161,7 +167,7 @@ def _rounds(iterations: Arrays, count: int) -> Ints:
 
 
 def _mark_rounds(axis: Axes, iterations: Arrays, rounds: Ints, names: bool = True) -> None:
-    """Draw a line where each round begins, and the sigma of a pixel in it."""
+    """Draw a line where each round begins, with its number and its sigma of a feature, px."""
     starts = np.r_[0, np.flatnonzero(np.diff(rounds)) + 1]
     if len(starts) == 1:
         return
@@ -257,7 +263,10 @@ def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) 
 
 
 def _while_heard(t_ns: Ints, heard_ns: Ints, value: Array) -> Array:
-    """Interpolate values to times (n,). NaN in gaps of more than HEARD_S between heard_ns (m,)."""
+    """Interpolate values (m,) from times heard_ns (m,) to times t_ns (n,).
+
+    NaN in gaps of more than HEARD_S between the former, and more than that beyond either end.
+    """
     after = np.searchsorted(heard_ns, t_ns)
     before = np.clip(after - 1, 0, len(heard_ns) - 1)
     apart_ns = heard_ns[np.clip(after, 0, len(heard_ns) - 1)] - heard_ns[before]

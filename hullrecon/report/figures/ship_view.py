@@ -17,8 +17,8 @@ from hullrecon.report.figures.style import encode_png
 from hullrecon.report.format_limits import reduction
 from hullrecon.typing import Array
 
-WIDTH, MARGIN, FOOT = 1000.0, 26.0, 26.0
-TALLEST = 1000.0  # height of the picture of a model that is taller than long
+WIDTH, MARGIN, FOOT = 1000.0, 26.0, 26.0  # of the SVG, its units
+TALLEST = 1000.0  # largest height, of a model that is taller than long
 PICTURE_PX = 1600  # longer side of the drawn ship
 # least side of the rectangle around the patch, so that a small patch is found on a long ship
 LEAST_FRAME = 26.0
@@ -27,7 +27,7 @@ STEEL, PATCH = np.array([0.50, 0.58, 0.66]), np.array([0.88, 0.42, 0.10])
 
 @dataclass(frozen=True, kw_only=True)
 class Side:
-    """A way to look at a ship whose axes are forward, port, up."""
+    """A direction of view of a ship whose axes are forward, port, up."""
 
     right: Array  # (3,) of the picture
     up: Array
@@ -94,7 +94,19 @@ def ship_svg(ship: Mesh, patch: Mesh) -> tuple[str, str]:
 
 
 def _frame(patch: Array, low: Array, scale: float, height: float) -> str:
-    """Draw a rectangle around the patch, given as places (n, 2) on the picture."""
+    """Draw a rectangle around the patch.
+
+    Parameters
+    ----------
+    patch
+        Its vertices (n, 2), projected, m.
+    low
+        (2,) lower left corner of the projected ship, m.
+    scale
+        SVG units of a metre.
+    height
+        Of the picture, SVG units.
+    """
     (x0, y0), (x1, y1) = (patch.min(axis=0) - low) * scale, (patch.max(axis=0) - low) * scale
     x, y = MARGIN + (x0 + x1) / 2, MARGIN + height - (y0 + y1) / 2
     w, h = (max(LEAST_FRAME, span + 12) for span in (x1 - x0, y1 - y0))
@@ -117,9 +129,10 @@ def _foot(side: Side, scale: float, height: float) -> str:
 
 
 def _render(ship: Mesh, patch: Mesh, side: Side, bounds: tuple[Array, Array]) -> bytes:
-    """Draw the shaded ship with the patch as PNG, transparent around it, filling the bounds.
+    """Draw the shaded ship with the patch as PNG, transparent around it.
 
-    It is drawn twice as large, and halved to smooth its outlines.
+    The picture fills the bounds, lower left and upper right corner (2,) of the projected ship, m.
+    It is drawn twice as large and halved, which smooths outlines.
     """
     import cv2
 

@@ -26,8 +26,7 @@ from hullrecon.report.foxglove.messages import Message
 from hullrecon.report.survey import Survey
 from hullrecon.typing import Array
 
-# triangles that a viewer still turns smoothly, to which a finer model is decimated
-MAX_FACES = 200_000
+MAX_FACES = 200_000  # triangles that a viewer still turns smoothly; finer models are decimated
 # Foxglove turns glTF's y to the z of the frame, whichever axis of M is up
 Z_UP = np.array([0.0, 0.0, 1.0])
 STEEL = (150, 160, 170, 255)
@@ -87,7 +86,10 @@ FRAMES = {"M": "hull", "g": "global"}
 
 @dataclass(frozen=True, kw_only=True)
 class LocalFrame:
-    """The frame of what is written in single precision, beside the survey's frame."""
+    """The frame in which single-precision data (clouds, CAD model) is written.
+
+    It is the survey's frame, moved to near the data where that is far from the origin.
+    """
 
     name: str
     origin: Array  # (3,) m in the survey's frame, zero if that is the same frame
@@ -146,14 +148,14 @@ def survey_messages(survey: Survey) -> Iterator[TimedMessage]:
         yield TimedMessage(t_ns=start, topic="/tf", value=value)
     for value in _fixed_frames(survey, start, frame):
         yield TimedMessage(t_ns=start, topic="/tf", value=value)
-    for topic, value in _standing(survey, start, frame, local):
+    for topic, value in _fixed_content(survey, start, frame, local):
         yield TimedMessage(t_ns=start, topic=topic, value=value)
     yield from _vehicle(survey, frame)
     yield from _dvl_returns(survey, local)
 
 
 def _local_frame(survey: Survey) -> LocalFrame:
-    """Choose the frame of what is written in single precision: about the path, if that is far."""
+    """Choose the frame of single-precision data: moved to the path, if that is far away."""
     frame, origin = FRAMES[survey.track.frame], local_origin(survey.track.poses.translation)
     return LocalFrame(name=f"{frame}_local" if origin.any() else frame, origin=origin)
 
@@ -161,8 +163,8 @@ def _local_frame(survey: Survey) -> LocalFrame:
 def _fixed_frames(survey: Survey, t_ns: int, frame: str) -> Iterator[Message]:
     """Yield the sensors' mounts on the tray, and the pose of the global frame in the hull frame.
 
-    A viewer's z is up. If the frame's z is not, `global_z_up` or `hull_z_up` is the frame turned
-    upright.
+    A viewer takes z as up. If the frame's z is not up, a frame `global_z_up` or `hull_z_up` is
+    added, in which the frame is turned upright.
     """
     rig = survey.facts.rig
     yield messages.frame_transform(t_ns, "tray", "dvl", rig.tray_from_dvl)
@@ -183,10 +185,10 @@ def _fixed_frames(survey: Survey, t_ns: int, frame: str) -> Iterator[Message]:
         yield messages.frame_transform(t_ns, "hull_z_up", frame, upright)
 
 
-def _standing(
+def _fixed_content(
     survey: Survey, t_ns: int, frame: str, local: LocalFrame
 ) -> Iterator[tuple[str, Message]]:
-    """Yield what does not move: the whole path, landmarks, hull as found, CAD model, objects."""
+    """Yield topic and message of what does not move: path, landmarks, hull, CAD model, objects."""
     poses, surfaces, objects = survey.track.poses, survey.surfaces, survey.findings.objects
     path = [messages.pose(poses, row) for row in range(len(poses))]
     yield "/vehicle/path", {"timestamp": messages.time(t_ns), "frame_id": frame, "poses": path}
@@ -242,7 +244,7 @@ def _vehicle(survey: Survey, frame: str) -> Iterator[TimedMessage]:
 
 
 def _dvl_returns(survey: Survey, local: LocalFrame) -> Iterator[TimedMessage]:
-    """Yield the ends of the beams as one cloud per ping.
+    """Yield the points where the DVL's beams hit, as one cloud per ping.
 
     Returns that disagree with their neighbours are flagged.
     """
@@ -282,7 +284,7 @@ def _cad_model(mesh: Mesh, t_ns: int, local: LocalFrame) -> Message:
 
 
 def _object(found: ReportedObject, t_ns: int, frame: str) -> Message:
-    """Show an object: its outline, a label in front of it, and facts when it is selected."""
+    """Make the entity of an object: outline, a label in front of it, facts shown on selection."""
     sigma = "" if found.height_sigma is None else f" ± {1000 * found.height_sigma:.0f}"
     text = f"{found.id}: {1000 * found.height:.0f}{sigma} mm"
     facts = {"height_m": f"{found.height:.4f}", "views": found.views, "address": found.address}

@@ -146,7 +146,7 @@ POSE_SIGMA = record(
 Message = dict[str, object]
 Rgba = tuple[float, float, float, float]
 LINE_LOOP = 1
-STILL: Message = {"sec": 0, "nsec": 0}
+WITHOUT_END: Message = {"sec": 0, "nsec": 0}  # lifetime of an entity without an end
 ORIGIN: Message = {
     "position": {"x": 0.0, "y": 0.0, "z": 0.0},
     "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
@@ -232,7 +232,7 @@ def entity(
         "timestamp": time(t_ns),
         "frame_id": frame,
         "id": name,
-        "lifetime": STILL,
+        "lifetime": WITHOUT_END,
         "frame_locked": True,
         "metadata": [{"key": key, "value": str(value)} for key, value in (facts or {}).items()],
         "lines": list(lines),
