@@ -28,7 +28,7 @@ from hullrecon.findings.finding import Finding
 from hullrecon.findings.package import A_RUN_NEEDS
 from hullrecon.steps.chain import stages
 from hullrecon.steps.ingest import ingest_settings, request_of
-from hullrecon.steps.sensor_check import describe_sensors
+from hullrecon.steps.sensor_check import check_sensors
 from hullrecon.steps.stereo_check import check_sampled_rig
 
 
@@ -38,9 +38,9 @@ class InitResult:
 
     log: LogSummary  # what the logs hold
     folder: Path  # the package
-    calibrations: list[Path]  # written
-    dive_toml: Path  # written
-    to_fill_in: list[Finding]  # what no log could tell
+    calibrations: list[Path]  # camera calibrations that were written
+    dive_toml: Path  # the file that was written
+    to_fill_in: list[Finding]  # what the user has to add, as no log says it
 
 
 def init(
@@ -58,6 +58,10 @@ def init(
         A file, or a folder with a log.
     out
         The package's folder. If None, the log if that is a folder, else the current folder.
+    force
+        Replace a dive.toml that is there.
+    allow_outside
+        Read also log files to which links in the folder of the log lead outside it.
 
     Raises
     ------
@@ -120,17 +124,27 @@ def check_loaded(
     memory_gb: float | None = None,
     progress: Progress | None = None,
 ) -> PackageCheck:
-    """Check the package of a configuration.
+    """Check the package of a configuration, and predict what its run would cost.
 
-    `trusted_keys`: keys that the package did not set, whose files may lie outside. `memory_gb`: as
-    for `hullrecon.run`.
+    Parameters
+    ----------
+    loaded
+        The configuration.
+    allow_outside
+        Read also files outside the package.
+    trusted_keys
+        Keys that were set by the caller, not by the package: their files may lie outside.
+    memory_gb
+        As for `hullrecon.run`.
+    progress
+        Shows how many messages were read, nothing if None.
     """
     check_files(loaded, allow_outside=allow_outside, trusted_keys=trusted_keys)
     request = request_of(ingest_settings(loaded))
     watch: Watch = iter
     if progress is not None:
         watch = partial(progress.track, label="check: messages", total=None)
-    checked = check_package(loaded, request, watch, check_sampled_rig, describe_sensors)
+    checked = check_package(loaded, request, watch, check_sampled_rig, check_sensors)
     if checked.reasons:
         return checked
     found, chain = checked.found, Chain(stages(), loaded.sections, loaded.package)

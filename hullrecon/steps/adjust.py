@@ -42,11 +42,15 @@ def run(context: Context[AdjustOptions]) -> None:
 
 
 def run_adjustment(context: Context[Options], strategy: Strategy) -> None:
-    """Adjust the dive by a strategy, and write the step's files."""
+    """Adjust the dive, and write the step's files.
+
+    strategy: the phases and rounds of the adjustment. hullrecon/studies has published ones.
+    """
     refuse_small_address_space(context.parameters.threads)
     measured = _measurements(context)
     if not strategy.hull:
         measured = replace(measured, cad_model=None, planes=None)
+    # Parts that a killed run left refer to the measurements by these names, and do not hold them.
     given = {name: getattr(measured, name) for name in measured.__dataclass_fields__}
     adjusted = adjust(
         measured,
@@ -78,7 +82,7 @@ def run_adjustment(context: Context[Options], strategy: Strategy) -> None:
 
 
 def guess_without_depth(cad_model: CadModel | None, attitude: Attitude) -> list[str]:
-    """Warn that nothing tells the hull's height but its form if no depth was measured."""
+    """Warn, if no depth was measured, that only the hull's shape determines its height in g."""
     if cad_model is None or attitude.has_depth.any():
         return []
     sigma_m = float(np.linalg.norm(poses.up_in(cad_model.guess) * cad_model.guess_sigma[:3]))
@@ -89,7 +93,7 @@ def guess_without_depth(cad_model: CadModel | None, attitude: Attitude) -> list[
 
 
 def _measurements(context: Context[Options]) -> Measurements:
-    """Collect what the adjustment solves from the artifacts of earlier steps."""
+    """Collect the measurements of the adjustment from the artifacts of earlier steps."""
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
     return Measurements(
@@ -115,8 +119,9 @@ def _cad_model(
 ) -> CadModel | None:
     """Build the CAD model with the package's guess of its pose. None if the dive has none.
 
-    Without a depth g begins at that of the first pose, which is anywhere between the water's
-    surface, from which a hull's height is known, and the keel.
+    If no depth was measured, z = 0 of g is the unknown depth of the first pose, anywhere between
+    the water's surface and the keel. The guess is relative to the water's surface, so that its
+    vertical sigma grows by that depth.
     """
     if hull is None or mesh is None:
         return None
@@ -124,7 +129,7 @@ def _cad_model(
     guess = poses.from_mount(hull.pose)
     if not has_depth:
         keel_m = max(float(guess.apply(mesh.vertices)[:, 2].max()), 0.0)
-        start_m = keel_m / np.sqrt(3)  # root mean square of depths that are as likely
+        start_m = keel_m / np.sqrt(3)  # root mean square of depths equally likely down to the keel
         sigma[:3] = np.hypot(sigma[:3], start_m * poses.up_in(guess))
     return CadModel(
         mesh=mesh,
@@ -138,7 +143,7 @@ def _cad_model(
 
 
 def _write_colmap(context: Context[Options], m: Measurements, adjusted: Adjusted) -> None:
-    """Write the adjusted dive as a COLMAP model, with a camera."""
+    """Write the adjusted dive as a COLMAP model. Nothing without a camera."""
     state = adjusted.state
     if m.tracks is None or m.rig.top is None or state.mounts.tray_from_top is None:
         return
@@ -151,7 +156,7 @@ def _write_colmap(context: Context[Options], m: Measurements, adjusted: Adjusted
         hull_from_top=to_hull @ top,
         top_from_bottom=state.mounts.top_from_bottom,
         cameras=(m.rig.top, m.rig.bottom),
-        stamps=_stamps(InputArtifacts(context.inputs).ingest, m.trajectory.image),
+        stamps=_image_stamps(InputArtifacts(context.inputs).ingest, m.trajectory.image),
         position=to_hull.apply(state.landmark),
     )
     with tempfile.TemporaryDirectory() as folder:
@@ -161,7 +166,7 @@ def _write_colmap(context: Context[Options], m: Measurements, adjusted: Adjusted
                 shutil.copyfile(file, target)
 
 
-def _stamps(ingest: IngestArtifact, image: Ints) -> Ints:
+def _image_stamps(ingest: IngestArtifact, image: Ints) -> Ints:
     """Look up the stamps (n, 2) ns of the images at the nodes, -1 without an image."""
     stamps = np.full(image.shape, -1, np.int64)
     for camera in Camera:

@@ -182,7 +182,7 @@ class NavigateArtifact(StepArtifact):
     attitude = RequiredFile("attitude.npz", Attitude)
     error_model = RequiredFile("error_model.npz", TrajectoryErrorModel)
     returns = OptionalFile("returns.npz", Returns)  # of the DVL, None if no DVL was carried
-    positions = OptionalFile("positions.npz", PositionTies)  # from outside, that bound the path
+    positions = OptionalFile("positions.npz", PositionTies)  # fixes (USBL, GNSS) tied to nodes
     facts = JsonFile("navigation.json")
 
     @property
@@ -192,13 +192,13 @@ class NavigateArtifact(StepArtifact):
 
 
 class LinksArtifact(StepArtifact):
-    """Pairs of nodes, what their images have in common, and the path that this ties together."""
+    """Pairs of nodes, the common features of their images, and the path solved with the links."""
 
     pairs = RequiredFile("pairs.npz", NodePairs)
     compared = OptionalFile("pairs.npz", NodePairs)  # as `pairs`, None if no camera was carried
     links = RequiredFile("links.npz", CameraLinks)
     stereo = RequiredFile("stereo.npz", NodeStereo)
-    planes = OptionalFile("planes.npz", TiedPlanes)  # that tie passes over the hull
+    planes = OptionalFile("planes.npz", TiedPlanes)  # patches of hull that tie passes together
     path = RequiredFile("path.npz", LinkedPath, keep=True)
     facts = JsonFile("links.json")
 
@@ -342,7 +342,8 @@ class InputArtifacts:
 
         Raises InputError where tf_static cannot give one.
         """
-        # a dict: settings raise for keys that the step did not declare
+        # A dict, in which a missing key can be asked for: StageSettings raises for keys that the
+        # step did not declare.
         declared = dict(settings)
         values = {key: _value(declared, key) for key in DEFAULT_MOUNTS}
         tray = self.ingest.tray
@@ -375,6 +376,7 @@ class InputArtifacts:
 
 
 def _number(document: Document, section: str, name: str) -> float | None:
+    """Look up a number in a section of a document. None if either is missing."""
     members = document.get(section)
     value = members.get(name) if isinstance(members, dict) else None
     return float(value) if isinstance(value, int | float) else None

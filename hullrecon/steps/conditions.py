@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which steps a dive can have, and which files of its package each reads (`steps/chain.py`).
 
-Paths are relative to the package where they lie in it.
+Listed paths are relative to the package, or absolute for files outside it.
 """
 
 from __future__ import annotations
@@ -69,15 +69,15 @@ def images_of_tables(settings: StageSettings, package: Path) -> list[Path]:
 
 
 def files_to_report(settings: StageSettings, package: Path) -> list[Path]:
-    """List the images and the logo."""
+    """List the images that tables name, and the logo."""
     logo = settings.read("report", ReportOptions).logo
     return [*images_of_tables(settings, package), *([Path(logo)] if logo is not None else [])]
 
 
 def files_of_earlier_dive(settings: StageSettings, package: Path) -> list[Path]:
-    """List the files of the earlier dive's run that are read, if they are there.
+    """List the files of the earlier dive's run that are read, as far as they exist.
 
-    Without them the step says why it cannot be done, and the rest of the chain runs.
+    Missing ones are no error here: the step itself says so, and the rest of the chain runs.
     """
     earlier = settings.read("change", EarlierDive).earlier
     if earlier is None:

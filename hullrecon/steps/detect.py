@@ -34,7 +34,7 @@ from hullrecon.threads import in_threads
 def run(context: Context[DetectOptions], fusion: Fusion = fuse_heights) -> None:
     """Find the hull as found, the objects on it and what was covered, and write them.
 
-    `fusion`: how shapes of single views enter the heights. hullrecon/studies has published
+    `fusion`: how shapes from single views are combined to heights. hullrecon/studies has published
     variants.
     """
     inputs = InputArtifacts(context.inputs)
@@ -51,12 +51,12 @@ def run(context: Context[DetectOptions], fusion: Fusion = fuse_heights) -> None:
         hull_pose=solution.hull_pose,
         depth_known=inputs.ingest.pressure is not None,
         from_dvl=bool(surface.facts.get("returns")),
-        position_sigma=_position_sigma(solution, surface.chart, depth_sigma_m),
+        position_sigma=_sigma_of_survey(solution, surface.chart, depth_sigma_m),
         depth_sigma_m=depth_sigma_m,
     )
     views = _views(context, inputs, solution)
     sonar, regions = _sonar_survey(context, inputs, solution), _regions(context, base)
-    # Neither needs the other, and each leaves a core idle.
+    # They run at the same time: neither needs the other, and each uses one core.
     work: dict[str, Callable[[], Any]] = {
         "structures": lambda: find_structures(
             base, solution.landmarks, solution.deviation_field, views, context.parameters, fusion
@@ -77,17 +77,18 @@ def run(context: Context[DetectOptions], fusion: Fusion = fuse_heights) -> None:
 
 
 def _adjusted(inputs: InputArtifacts) -> AdjustArtifact:
+    """Narrow the artifact of adjust, which is optional for other steps, to one that is there."""
     if inputs.adjust is None:
         raise RuntimeError("the step detect is declared to have the artifact of adjust")
     return inputs.adjust
 
 
-def _position_sigma(solution: Solution, chart: Chart, depth_sigma_m: float | None) -> AddressSigma:
-    """Summarise how well the survey as a whole lies on the hull and below the water.
+def _sigma_of_survey(solution: Solution, chart: Chart, depth_sigma_m: float | None) -> AddressSigma:
+    """Compute the sigmas of the whole survey's position on the hull and below the water.
 
-    `depth_sigma_m` is how well the water's surface is known in g. With a CAD model the poses are
-    those in M, and their sigmas say nothing of the water. Without one it is None, and the depth
-    is as well known as the poses are vertically.
+    `depth_sigma_m`: sigma of the water surface's height in g, given where poses are in M, as their
+    sigmas say nothing of the water. None without a CAD model: the depth then has the vertical sigma
+    of the poses.
     """
     track = solution.track()
     along, girth = track.sigma_on_chart(chart)

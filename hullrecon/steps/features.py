@@ -42,12 +42,12 @@ class Extract:
     find: FindFeatures
 
     def __call__(self, image: int) -> Features | None:
-        """Find the features. None if the image cannot be read after all."""
+        """Find the features. None if the image cannot be read, although ingest found it usable."""
         picture = self._images.read(image)
         return None if picture is None else self.find(picture, self.options)
 
     def depends(self, image: int) -> tuple[str, int, FindFeatures]:
-        """Hash the image's bytes, and tell how they are read."""
+        """List what a kept result depends on: the image's bytes, their bit depth, the function."""
         data = self._images.bytes(image)
         return hashlib.sha256(data).hexdigest(), int(self._images.index.bits), self.find
 
@@ -61,6 +61,8 @@ def run(context: Context[FeatureOptions], find: FindFeatures = extract) -> None:
 
     Parameters
     ----------
+    context
+        Settings, inputs and writer of the step.
     find
         Finds the features of an image. hullrecon/studies has a published variant.
 
@@ -93,7 +95,10 @@ def run(context: Context[FeatureOptions], find: FindFeatures = extract) -> None:
 def _write_camera(
     context: Context[FeatureOptions], camera: Camera, usable: Mask, find: FindFeatures
 ) -> tuple[Ints, Array]:
-    """Write one camera's arrays by image. Returns count of features and saliency by image (n,)."""
+    """Write the features of one camera's images.
+
+    Returns the number of features and the saliency of each image (n,), 0 for unusable ones.
+    """
     work = Extract(
         ingest=context.inputs["ingest"],
         source=context.source,

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A few images of each camera looked at, for `check` and the step navigate.
+"""Check a few images of each camera, for `check` and the step navigate.
 
-Pictures that show nothing, or one picture again and again, tell no motion. Held against other
-sensors they would accuse these.
+Images that show nothing, or the same picture again and again, measure no motion. Compared with
+other sensors they would make these look wrong.
 """
 
 from __future__ import annotations
@@ -23,29 +23,29 @@ from hullrecon.vision.features.extraction import extract
 from hullrecon.vision.options import FeatureOptions
 from hullrecon.vision.stereo.rig_check import ReadImage
 
-LOOKED_AT = 12  # images of a camera, spread over the dive
+LOOKED_AT = 12  # images of a camera that are checked, spread over the dive
 FEATURES = FeatureOptions(max_features=50)
 
 
-def look_at_images(index: Mapping[Camera, ImageIndex], read: ReadImage) -> list[Finding]:
-    """Tell which cameras' pictures show nothing, or stand still to the last bit."""
+def check_images(index: Mapping[Camera, ImageIndex], read: ReadImage) -> list[Finding]:
+    """Find cameras whose images show nothing, or are the same to the last bit."""
     out = []
     for camera, images in index.items():
         _, rows = usable_frames(images)
         few = rows[np.unique(np.linspace(0, len(rows) - 1, LOOKED_AT).astype(int))]
         pictures = [picture for row in few if (picture := read(camera, int(row))) is not None]
-        # of fewer nothing is held against other sensors
-        out += _describe(pictures, camera.key) if len(pictures) >= LEAST_WINDOWS else []
+        # With fewer images no flow is compared with other sensors, so that they do no harm.
+        out += _check_pictures(pictures, camera.key) if len(pictures) >= LEAST_WINDOWS else []
     return out
 
 
-def _describe(pictures: Sequence[Pixels], camera: str) -> list[Finding]:
-    """Tell whether some or all of a camera's pictures show nothing or are the same picture."""
+def _check_pictures(pictures: Sequence[Pixels], camera: str) -> list[Finding]:
+    """Find out whether some or all of a camera's pictures show nothing or are the same picture."""
     count = len(pictures)
     blank = sum(len(extract(picture, FEATURES)) == 0 for picture in pictures)
     if blank == count:
         return [Finding("images-blank", {"count": count}, camera)]
-    # noise makes two exposures differ, whatever they show
+    # Exposures of the same scene still differ by noise: equal pictures are a frozen camera.
     same = sum(np.array_equal(a, b) for a, b in pairwise(pictures))
     if same and same == count - 1:
         return [Finding("images-frozen", {"count": count}, camera)]

@@ -31,12 +31,12 @@ from hullrecon.typing import Array
 
 
 def ingest_settings(loaded: LoadedConfig) -> StageSettings:
-    """Select what ingest reads of a dive.toml."""
+    """Select the settings of a dive.toml that ingest reads."""
     return StageSettings("ingest", {name: loaded.value(name) for name in INGEST_KEYS})
 
 
 def request_of(settings: StageSettings) -> IngestRequest:
-    """Collect what ingest needs from the dotted keys of `INGEST_KEYS`."""
+    """Build the request for ingest from the settings of `INGEST_KEYS`."""
     topics = settings.read("topics", Topics)
     named: dict[str, str | None] = {
         name: getattr(topics, name) for name in topics.__struct_fields__

@@ -46,16 +46,16 @@ INGEST_KEYS = (
     "hull.mesh",
     "hull.units",
 )
-# a key that a camera's section always has: None if the dive has no such camera
+# A key that a camera's section always has: its value is None if the dive has no such camera.
 CARRIED = "time_offset"
 WATER_KEYS = ("pressure.density", "pressure.gravity", "pressure.atmosphere")
-# what sensors are held against each other by
+# Keys by which sensors are compared with each other.
 SENSOR_KEYS = (
     *RIG_KEYS, *WATER_KEYS, "imu.frame", "imu.mount_deg", "tray.joint_unit", "tray.positive",
     "tray.sigma_deg", "topics",
 )  # fmt: skip
 READOUT_KEYS = ("camera.top.readout_s", "camera.bottom.readout_s")
-# Of the rig, what places a sensor. A step that takes the adjusted mounts needs the tray's alone.
+# Keys of the rig that place a sensor. A step that uses the adjusted mounts needs the tray's alone.
 TRAY_KEYS = ("tray.origin",)
 CAMERA_KEYS = (*TRAY_KEYS, "camera.top.mount", "camera.bottom.pose_in_top")
 SONAR_KEYS = ("sonar.origin", "sonar.mount")

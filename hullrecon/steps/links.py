@@ -30,10 +30,16 @@ def run(
     kernel: str = KERNEL,
     strategy: MatchStrategy = MatchStrategy(),  # noqa: B008  frozen
 ) -> None:
-    """Write pairs of images, patches of hull seen again, and the path that both constrain.
+    """Write pairs of images, patches of hull seen again, and the path solved with both.
 
-    `kernel`: robust kernel against wrong links. hullrecon/studies compares others. `strategy`: how
-    images are matched. hullrecon/studies has published variants.
+    Parameters
+    ----------
+    context
+        Settings, inputs and writer of the step.
+    kernel
+        Robust kernel against wrong links. hullrecon/studies compares others.
+    strategy
+        How images are matched. hullrecon/studies has published variants.
     """
     inputs = InputArtifacts(context.inputs)
     graph = pose_graph(inputs, inputs.mounted(context.settings), kernel)
@@ -53,13 +59,16 @@ def run(
     facts |= (
         {"converged": solved.converged}
         | _write_planes(context, solved)
-        | _describe_positions(context, solved)
+        | _compare_fixes(context, solved)
     )
     context.out.json("links.json", facts)
 
 
 def pose_graph(inputs: InputArtifacts, settings: StageSettings, kernel: str = KERNEL) -> PoseGraph:
-    """Build the pose graph of a dive without links, with settings that hold the log's mounts."""
+    """Build the pose graph of a dive, without links yet.
+
+    settings: with the mounts that the log gives filled in. kernel: robust kernel for links.
+    """
     navigate = inputs.navigate
     return PoseGraph(
         trajectory=navigate.trajectory,
@@ -74,7 +83,10 @@ def pose_graph(inputs: InputArtifacts, settings: StageSettings, kernel: str = KE
 def _link_images(
     context: Context[LinkOptions], solve: PathSolver[GraphSolution], strategy: MatchStrategy
 ) -> tuple[dict[str, object], GraphSolution]:
-    """Link the images and write the links. Returns figures and the path solved with them."""
+    """Link the images and write the links.
+
+    Returns the figures for links.json, and the solution of the path with the links.
+    """
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
     rig = inputs.rig(settings)
@@ -129,7 +141,7 @@ def _link_images(
 
 
 def _write_features(context: Context[LinkOptions], features: CommonFeatures) -> None:
-    """Write the common features pair by pair, and where each pair's begin."""
+    """Write the common features pair by pair, and the row at which those of each pair begin."""
     start = features.start
     context.out.arrays("features.npz", {"start": start})
     with context.out.path(COMMON_FEATURES) as path, path.open("wb") as file:
@@ -141,7 +153,7 @@ def _write_features(context: Context[LinkOptions], features: CommonFeatures) -> 
 
 
 def _write_planes(context: Context[LinkOptions], solved: GraphSolution) -> dict[str, object]:
-    """Write the planes that constrain the path, if there are any. Returns their figures."""
+    """Write the planes that constrain the path, if any. Returns their figures for links.json."""
     if not isinstance(solved, PlanarSolution):
         return {}
     if solved.planes is not None:
@@ -159,8 +171,11 @@ def _write_planes(context: Context[LinkOptions], solved: GraphSolution) -> dict[
     }
 
 
-def _describe_positions(context: Context[LinkOptions], solved: GraphSolution) -> dict[str, object]:
-    """Compare positions from outside with the path, and warn if they contradict navigation."""
+def _compare_fixes(context: Context[LinkOptions], solved: GraphSolution) -> dict[str, object]:
+    """Compare position fixes (USBL, GNSS) with the path, and warn if they contradict navigation.
+
+    Returns the figures for links.json. Empty without fixes.
+    """
     fit = solved.fit_of_positions()
     if fit is None:
         return {}

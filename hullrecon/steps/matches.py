@@ -37,6 +37,7 @@ def run(context: Context[MatchOptions]) -> None:
 
 
 def _write_pairs(context: Context[MatchOptions], found: MatchedImages) -> None:
+    """Write the pairs with their inliers, and counts, failures and chains as pairs.json."""
     context.out.arrays("pairs.npz", {**to_arrays(found.pairs), "inliers": found.inliers})
     context.out.json(
         "pairs.json",

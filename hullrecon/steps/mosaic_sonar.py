@@ -28,7 +28,7 @@ from hullrecon.threads import in_threads
 
 
 def run(context: Context[SonarOptions]) -> None:
-    """Blend the sonar's pings on the surface, and write the mosaic with the sigma of its places."""
+    """Blend the sonar's pings on the surface, and write the mosaic with its position's sigma."""
     artifacts = InputArtifacts(context.inputs)
     settings = artifacts.mounted(context.settings)
     pings = _pings(artifacts)
@@ -77,7 +77,7 @@ def blend_pings(
     stream: Stream,
     scratch: BinaryIO,
 ) -> SonarMosaic:
-    """Blend posed pings on a surface. Raises StageError if no ping meets it."""
+    """Blend pings with known poses on a surface. Raises StageError if no ping meets it."""
     elevation_rad = np.radians(settings.read("sonar.elevation_deg", float))
     try:
         return sonar_mosaic(

@@ -35,7 +35,7 @@ from hullrecon.threads import in_threads
 
 log = logging.getLogger(__name__)
 TILES, TILESET = "tiles", "tileset.json"  # folder and head of the 3D Tiles
-REACH_M = 0.6  # largest distance of the surface from the chart
+REACH_M = 0.6  # largest distance from the chart at which the surface is searched
 MosaicContext = Context[OpticalOptions] | Context[SonarOptions]
 
 
@@ -46,7 +46,7 @@ class MosaicInputs:
     surface: MosaicSurface
     outside: OutsideMap  # the map that rasters are written in
     as_found: Surface | None  # the hull as found, None if detect left none
-    by_images: bool  # the hull as found is that of images, else of the DVL's returns
+    by_images: bool  # the hull as found was made from images, else from the DVL's returns
     deviation: DeviationSplit | None  # of the hull as found, None without a CAD model
     track: VehicleTrack
     mounts: Mounts | None  # as adjusted, None before the adjustment
@@ -82,9 +82,22 @@ def write_mosaic(
     facts: dict[str, object],
     scratch: BinaryIO,
 ) -> None:
-    """Write ortho.tif, the rasters of its grid, ortho.png, mosaic.glb and mosaic.json.
+    """Write ortho.tif, the rasters on its grid, ortho.png, mosaic.glb, mosaic.json and tiles/.
 
-    `scratch`: a file for what is in work.
+    Parameters
+    ----------
+    context
+        Settings and writer of the step.
+    inputs
+        The surface and the vehicle's track.
+    store
+        The blended tiles of the mosaic.
+    title
+        For captions.
+    facts
+        Figures of the mosaic for mosaic.json.
+    scratch
+        A temporary file for rasters while they are written.
     """
     frame = Frame(inputs.track.frame)
     layout = RasterLayout(grid=store.grid, size=store.size, outside=inputs.outside)
@@ -112,7 +125,7 @@ def write_mosaic(
 
 
 def _write_tiles(context: MosaicContext, pyramid: Pyramid, frame: Frame) -> None:
-    """Write the mosaic as 3D Tiles below tiles/. A fault of ours costs them alone."""
+    """Write the mosaic as 3D Tiles below tiles/. An internal error only leaves them out."""
     try:
         tileset = write_tileset(
             pyramid, lambda name, data: context.out.bytes(f"{TILES}/{name}", data), frame
@@ -130,7 +143,10 @@ def _write_tiles(context: MosaicContext, pyramid: Pyramid, frame: Frame) -> None
 def _write_mosaic_rasters(
     context: MosaicContext, layout: RasterLayout, store: TileStore, title: str, scratch: BinaryIO
 ) -> list[Picture]:
-    """Write the ortho with the variance and number of its views. Returns the ortho's sizes."""
+    """Write the ortho, and rasters of the variance and number of its views.
+
+    Returns the ortho as written, at its full size and reduced ones.
+    """
     colors = ("red", "green", "blue", "alpha") if store.channels == 3 else ("intensity", "alpha")
     rasters = (
         ("ortho.tif", store.color, RasterBands(names=colors, unit="", dtype="uint8", title=title)),

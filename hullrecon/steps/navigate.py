@@ -44,10 +44,10 @@ from hullrecon.records.trajectory import Trajectory
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
 from hullrecon.steps.chain import NoOptions
-from hullrecon.steps.image_check import look_at_images
+from hullrecon.steps.image_check import check_images
 from hullrecon.steps.keys import READOUT_KEYS
 from hullrecon.steps.sensor_check import image_flows, judge_sensors
-from hullrecon.steps.stereo_check import MotionLogs, check_rig, describe_delay
+from hullrecon.steps.stereo_check import MotionLogs, check_rig, delay_finding
 from hullrecon.vision.odometry import (
     OdometryFrame,
     StereoOdometer,
@@ -59,7 +59,7 @@ from hullrecon.vision.pairs.stereo_adjustment import DISPARITY
 from hullrecon.vision.stereo.delay import Delay
 
 Samples = TypeVar("Samples", bound=Stream)
-CLOCK_FEATURES = 1000  # of an image from whose motion time offsets are estimated
+CLOCK_FEATURES = 1000  # features of an image, for the motions from which time offsets are estimated
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,9 +80,11 @@ class ImagePairMotion:
         if found is None:
             return None
         pose = from_matrix(found.motion.second_from_first)
-        seen = found.calibration
+        evidence = found.calibration
         effect = CalibrationEffect(
-            by_error=seen.by_calibration, information=seen.information, gradient=seen.gradient
+            by_error=evidence.by_calibration,
+            information=evidence.information,
+            gradient=evidence.gradient,
         )
         return StereoMotion(
             pose=pose, covariance=found.motion.covariance, inliers=found.inliers, calibration=effect
@@ -111,7 +113,7 @@ def run(context: Context[NoOptions]) -> None:
         "depth_offset_m": judged.depth_offset_m,
         **found.facts,
     }
-    # offsets of clocks are told by what follows, which estimates them
+    # That clocks are off is said with the estimated offsets, among the remarks of the path.
     told = [one for one in judged.findings if one.code != "sensors-late"]
     if not facts.get("clocks"):
         images = {c.key: ingest.image_index(c) for c in Camera}
@@ -122,9 +124,10 @@ def run(context: Context[NoOptions]) -> None:
 
 
 def _judge_sensors(context: Context[NoOptions]) -> Judged:
-    """Hold the sensors against each other, and put right what the evidence tells.
+    """Compare the sensors with each other, and correct those whose fault is found.
 
-    Raises InputError where one is wrong that the path cannot do without.
+    Raises InputError where a sensor is wrong that the path needs, or the camera's images are
+    frozen.
     """
     ingest, settings = _ingest_and_settings(context)
     records = SensorRecords(
@@ -134,14 +137,15 @@ def _judge_sensors(context: Context[NoOptions]) -> Judged:
         tray=_unless_empty(ingest.tray),
     )
     index, flows = ingest.image_index(Camera.TOP), list[Flow]()
-    seen: list[Finding] = []
+    findings: list[Finding] = []
     if index is not None and Camera.TOP in ingest.camera_models:
         images = ingest.images(Camera.TOP, context.source)
-        seen = look_at_images({Camera.TOP: index}, lambda _, row: images.read(row))
-        if not seen:
+        findings = check_images({Camera.TOP: index}, lambda _, row: images.read(row))
+        if not findings:
             rig = rig_from_settings(settings, ingest.camera_models)
             flows = image_flows(rig, index, images.read)
-    for finding in seen:  # of blank ones there is a path by the DVL, and features ends with them
+    # Blank images are no error here: the DVL gives a path, and the step features refuses them.
+    for finding in findings:
         if finding.code == "images-frozen":
             raise InputError(finding.sentence)
     judged = judge_sensors(settings, records, flows, ingest.camera_models)
@@ -179,14 +183,15 @@ def _check_rig(context: Context[NoOptions], records: SensorRecords) -> Delay | N
         raise InputError(checked.problem.what, where="camera.bottom", remedy=checked.problem.remedy)
     if checked.delay is not None:
         offset_s = settings.read("camera.bottom.time_offset", float)
-        context.warn(describe_delay(checked.delay, offset_s).sentence)
+        context.warn(delay_finding(checked.delay, offset_s).sentence)
     return checked.delay
 
 
 def _sigmas(context: Context[NoOptions], judged: Judged) -> NavigationSigmas:
     """Collect the sigmas of navigation.
 
-    They are wide for a tray whose readings tell nothing, and for depths whose level stepped.
+    They are wide for a tray whose logged angle was found useless, and for depths whose level
+    stepped.
     """
     sigmas = sigmas_from_settings(_ingest_and_settings(context)[1])
     depth_m = float(np.hypot(sigmas.depth_bias_m, judged.depth_offset_m))
@@ -201,9 +206,12 @@ def _by_dvl(
     delay: Delay | None,
     sigmas: NavigationSigmas,
 ) -> Navigated:
-    """Reckon the path by DVL and IMU.
+    """Compute the path by dead reckoning with DVL and IMU.
 
-    Images compare clocks and carry the path where these are silent.
+    The images are used to compare clocks, and to find out whether the vehicle stayed at the hull
+    while the DVL was silent.
+
+    Raises StageError without DVL or IMU.
     """
     ingest, settings = _ingest_and_settings(context)
     dvl, imu = records.dvl, records.imu
@@ -219,22 +227,23 @@ def _by_dvl(
         tray=records.tray,
         top=_unless_empty(ingest.image_index(Camera.TOP)),
         bottom=_unless_empty(ingest.image_index(Camera.BOTTOM)),
-        timing=_timing(settings, delay),
+        timing=_camera_timing(settings, delay),
     )
     rig = rig_from_settings(settings, ingest.camera_models)
-    measure, goes_on = None, None
+    measure, overlap = None, None
     if logs.top is not None and Camera.TOP in rig.cameras:
         read = ingest.images(Camera.TOP, context.source).read
         measure = image_motion(rig, read, CLOCK_FEATURES, INLIERS)
-        goes_on = continuity(rig, read, FEATURES, INLIERS)
+        overlap = continuity(rig, read, FEATURES, INLIERS)
 
     def progress(frames: range) -> Iterable[int]:
         return context.progress(frames, "images followed")
 
-    return reckon_dive(logs, rig, sigmas, measure, goes_on, progress)
+    return reckon_dive(logs, rig, sigmas, measure, overlap, progress)
 
 
-def _timing(settings: StageSettings, delay: Delay | None) -> CameraTiming:
+def _camera_timing(settings: StageSettings, delay: Delay | None) -> CameraTiming:
+    """Collect the readout times of both cameras, and the delay of the bottom one."""
     top, bottom = (settings.read_optional(key, float) or 0.0 for key in READOUT_KEYS)
     after_stamp_s = 0.0 if delay is None else delay.early_s
     return CameraTiming(readout_s=(top, bottom), bottom_after_stamp_s=after_stamp_s)
@@ -246,7 +255,7 @@ def _by_stereo(
     delay: Delay | None,
     sigmas: NavigationSigmas,
 ) -> Navigated:
-    """Compute the path by stereo odometry, from the cameras and what else was logged."""
+    """Compute the path by stereo odometry, with IMU, pressure and tray as far as logged."""
     ingest, settings = _ingest_and_settings(context)
     rig = rig_from_settings(settings, ingest.camera_models)
     rig_sigma = np.array(settings.read("camera.bottom.pose_sigma", tuple), float) * [
@@ -275,7 +284,7 @@ def _by_stereo(
         found.trajectory,
         found.returns,
         (top.index, bottom.index),
-        _timing(settings, delay),
+        _camera_timing(settings, delay),
         found.trajectory.track().path_at,
         rig,
     )
@@ -288,21 +297,25 @@ def _unless_empty(samples: Samples | None) -> Samples | None:
 
 
 def _write(context: Context[NoOptions], found: Navigated, source: str) -> None:
+    """Write the step's files, and warn of its remarks. source: "dvl" or "stereo"."""
     for name in ("trajectory", "error_model", "odometry", "attitude"):
         context.out.arrays(f"{name}.npz", to_arrays(getattr(found, name)))
     if len(found.returns.t_ns):
         context.out.arrays("returns.npz", to_arrays(found.returns))
-    positions, sentences = _write_positions(context, found.trajectory)
+    positions, sentences = _write_position_fixes(context, found.trajectory)
     facts = {"source": source, "nodes": len(found.trajectory.t_ns), **found.facts, **positions}
     context.out.json("navigation.json", {**facts, "remarks": found.remarks + sentences})
     for sentence in found.remarks + sentences:
         context.warn(sentence)
 
 
-def _write_positions(
+def _write_position_fixes(
     context: Context[NoOptions], trajectory: Trajectory
 ) -> tuple[dict[str, object], list[str]]:
-    """Write informative positions from outside. Returns their numbers and sentences."""
+    """Tie position fixes (USBL, GNSS) to nodes and write those that inform the path.
+
+    Returns figures for navigation.json, by "positions", and remarks. Both are empty without fixes.
+    """
     inputs = InputArtifacts(context.inputs)
     fixes = inputs.ingest.position
     if fixes is None:

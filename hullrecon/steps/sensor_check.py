@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sensors held against each other, for `check` and the step navigate."""
+"""Compare the sensors with each other, for `check` and the step navigate."""
 
 from __future__ import annotations
 
@@ -26,13 +26,14 @@ from hullrecon.navigation.suspects.suspects import Judged, judge
 from hullrecon.records.clock import NS
 from hullrecon.records.sensors import ImageIndex, SensorRecords
 from hullrecon.rig import Rig, rig_from_settings
-from hullrecon.steps.image_check import look_at_images
+from hullrecon.steps.image_check import check_images
 from hullrecon.steps.keys import SENSOR_KEYS, WATER_KEYS
 from hullrecon.steps.stereo_check import image_reader
 from hullrecon.vision.odometry import ReadRow, image_flow
 
-PAIRS, FEATURES, INLIERS = 12, 500, 20  # of neighbouring images whose motion is compared
-NEIGHBOURS_S = 2.0  # between neighbours at most
+# Pairs of neighbouring images whose motion is compared, features of each, least matches of a pair
+PAIRS, FEATURES, INLIERS = 12, 500, 20
+NEIGHBOURS_S = 2.0  # longest time between the images of a pair
 
 
 def judge_sensors(
@@ -41,10 +42,26 @@ def judge_sensors(
     flows: Sequence[Flow],
     cameras: Mapping[Camera, CameraModel],
 ) -> Judged:
-    """Hold the sensors of a dive against each other, by SENSOR_KEYS of dive.toml.
+    """Compare the sensors of a dive with each other, and find out which one is wrong.
 
-    cameras: models by which the flows were brought into ideal coordinates. Where depth and DVL show
-    one motion at two times, that is all that is found: no other comparison holds then.
+    Where depth and DVL show the same motion at different times, only this is returned: no other
+    comparison is valid then.
+
+    Parameters
+    ----------
+    settings
+        Values of SENSOR_KEYS.
+    records
+        What the sensors logged.
+    flows
+        Features of pairs of the top camera's images, in ideal coordinates.
+    cameras
+        Camera models that the flows were computed with.
+
+    Returns
+    -------
+    judged
+        The records, corrected where a fault was found, the findings and the tried hypotheses.
     """
     density, gravity, atmosphere = (_number(settings[key]) for key in WATER_KEYS)
     topics = settings["topics"]
@@ -107,26 +124,54 @@ def leave_out_frozen(records: SensorRecords) -> tuple[SensorRecords, list[Findin
     return replace(records, tray=tray.take(~frozen)), [Finding("tray-frozen", values)]
 
 
-def describe_sensors(
+def check_sensors(
     loaded: LoadedConfig, found: IngestResult, sampled: Mapping[str, SampledImages]
 ) -> tuple[SensorRecords, list[Finding], list[dict[str, object]]]:
-    """Judge the sensors for `check`: records put right, what was found, and what was tried."""
+    """Check images and sensors for `check`, as `judge_sensors` does.
+
+    The motion of the images is compared with other sensors only if the images are fine.
+
+    Parameters
+    ----------
+    loaded
+        dive.toml.
+    found
+        Result of ingest.
+    sampled
+        The images that `check` read.
+
+    Returns
+    -------
+    records
+        What the sensors logged, corrected where a fault was found.
+    findings
+        Of images and sensors.
+    tried
+        The hypotheses of faults that were tried, for the JSON of `check`.
+    """
     settings = {key: loaded.value(key) for key in SENSOR_KEYS}
     index, model = found.images.get(Camera.TOP.key), found.cameras.get(Camera.TOP.key)
     flows: list[Flow] = []
     cameras = {} if model is None else {Camera.TOP: model}
     read = image_reader(loaded, found, sampled)
     logged = {camera: found.images[camera.key] for camera in Camera if camera.key in found.images}
-    seen = look_at_images(logged, read)
-    if index is not None and cameras and not seen:
+    image_findings = check_images(logged, read)
+    if index is not None and cameras and not image_findings:
         rig = rig_from_settings(settings, cameras)
         flows = image_flows(rig, index, lambda row: read(Camera.TOP, row))
     judged = judge_sensors(settings, found.records, flows, cameras)
-    return judged.records, [*seen, *judged.findings], [one.document() for one in judged.tried]
+    return (
+        judged.records,
+        [*image_findings, *judged.findings],
+        [one.document() for one in judged.tried],
+    )
 
 
 def image_flows(rig: Rig, index: ImageIndex, read: ReadRow) -> list[Flow]:
-    """Match some pairs of neighbouring images of the upper camera, spread over the dive."""
+    """Match some pairs of neighbouring images of the top camera, spread over the dive.
+
+    Pairs with too few matches are left out. read: reads an image by its row.
+    """
     t_ns, rows = usable_frames(index)
     if len(t_ns) < 2 or rig.tray_from_top is None:
         return []

@@ -50,12 +50,20 @@ def check_rig(
     sigma_rad: float,
     logs: MotionLogs,
 ) -> RigCheck | None:
-    """Check calibration, stamps and baseline on some images.
+    """Check stereo calibration, stamps and baseline on some images.
 
     Parameters
     ----------
+    rig
+        The cameras as calibrated.
+    index
+        Images of each camera.
+    read
+        Reads an image by camera and row.
     sigma_rad
-        Of the bottom camera's rotation.
+        Sigma of the bottom camera's rotation.
+    logs
+        What measures the motion of the rig.
 
     Returns
     -------
@@ -76,8 +84,12 @@ def check_rig(
     return replace(found, problem=problem)
 
 
-def describe_delay(delay: Delay, time_offset_s: float) -> Finding:
-    """Tell how long after its stamps the bottom camera is exposed, and what states it."""
+def delay_finding(delay: Delay, time_offset_s: float) -> Finding:
+    """Build the finding that the bottom camera is exposed after its stamps.
+
+    time_offset_s: the configured camera.bottom.time_offset, to which the delay is added to give the
+    value that would state it.
+    """
     values = {
         "after_stamp_ms": 1e3 * delay.early_s,
         "sigma_ms": 1e3 * delay.sigma_s,
@@ -107,7 +119,7 @@ def check_sampled_rig(
     if checked is not None and checked.problem is not None:
         findings.append(Finding("stereo-rig", {"problem": checked.problem.sentence}))
     if checked is not None and checked.delay is not None:
-        findings.append(describe_delay(checked.delay, bottom.time_offset))
+        findings.append(delay_finding(checked.delay, bottom.time_offset))
     return findings
 
 

@@ -34,7 +34,11 @@ def run(
     regression: Regression = gaussian_process,
     reference: Reference = own_chart,
 ) -> None:
-    """Make the surface and write it."""
+    """Fit the surface and write it with its chart.
+
+    `regression`: how the surface is fitted to returns. `reference`: the surface from which its
+    offsets count. hullrecon/studies has published variants of both.
+    """
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
     adjust, cad_model = inputs.adjust, inputs.ingest.hull
@@ -74,7 +78,10 @@ def _cad_hull(mesh: Mesh, settings: StageSettings) -> CadHull:
 def _dead_reckoned_track(
     inputs: InputArtifacts, settings: StageSettings
 ) -> tuple[VehicleTrack, str]:
-    """Place the track by hull.pose (in g without a CAD model), and name its source."""
+    """Move the dead-reckoned track into the hull frame by hull.pose, and name its source.
+
+    It stays in g without a CAD model or a pose.
+    """
     track, pose = inputs.navigate.trajectory.track(), settings.read_optional("hull.pose", tuple)
     if inputs.ingest.hull is None or pose is None:
         return track, "dead reckoned"

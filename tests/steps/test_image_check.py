@@ -7,7 +7,7 @@ import pytest
 
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import ImageIndex
-from hullrecon.steps.image_check import look_at_images
+from hullrecon.steps.image_check import check_images
 
 COUNT = 30
 RANDOM = np.random.default_rng(2)
@@ -23,7 +23,7 @@ def found(pictures):
         size=none,
         usable=np.ones(COUNT, bool),
     )
-    return look_at_images({Camera.TOP: index}, lambda _, row: pictures[row])
+    return check_images({Camera.TOP: index}, lambda _, row: pictures[row])
 
 
 def test_pictures_of_a_hull_are_not_accused():

@@ -10,7 +10,7 @@ from vision.scene import camera_rig
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses, exp, from_rpy
-from hullrecon.steps.stereo_check import describe_delay
+from hullrecon.steps.stereo_check import delay_finding
 from hullrecon.vision.stereo.delay import Delay, MatchedRays, estimate_delay, move_to_top
 
 MODEL = CameraModel(400, 320, 350.0, 350.0, 199.0, 160.0)
@@ -66,7 +66,7 @@ def test_delay_is_that_beyond_stamps():
 
 def test_offset_that_is_advised_heals():
     pairs = seen_pairs(0.02)
-    said = describe_delay(estimate_delay(RIG, pairs), 0.1)
+    said = delay_finding(estimate_delay(RIG, pairs), 0.1)
     added_s = said.values["offset_s"] - 0.1
     assert "states it" in said.sentence
     stated = [replace(pair, stamped_s=added_s) for pair in pairs]
