@@ -26,7 +26,7 @@ class Chain:
 
     stages: tuple[Stage, ...]
     sections: Mapping[str, object]  # of dive.toml, by dotted name
-    package: Path
+    package: Path  # folder
     # files of the package that the configuration came from, by their path in it
     read_before: Mapping[str, FileRecord] = field(default_factory=dict)
 
@@ -52,7 +52,10 @@ class Chain:
         return replace(self, stages=tuple(s for s in self.stages if s.name in needed))
 
     def pairs_beside(self) -> list[tuple[str, str]]:
-        """List the pairs of stages of which neither waits for the other, in order."""
+        """List the pairs of stages that could run at the same time: neither waits for the other.
+
+        Waiting is transitive: a stage also waits for the inputs of its inputs.
+        """
         pairs, waits_for = list[tuple[str, str]](), dict[str, set[str]]()
         for stage in self.stages:
             named = {*stage.inputs, *stage.optional} & waits_for.keys()
@@ -117,7 +120,10 @@ class StepStatus:
 
 
 def assess_chain(chain: Chain, workspace: Workspace, hashes: HashCache) -> list[StepStatus]:
-    """Assess every step, in the chain's order, without changing anything."""
+    """Assess every step, in the chain's order, without changing anything.
+
+    A step is also out of date if an input of it will be rebuilt.
+    """
     skipped = chain.skip_reasons()
     found: list[StepStatus] = []
     for stage in chain.stages:
@@ -130,6 +136,7 @@ def assess_chain(chain: Chain, workspace: Workspace, hashes: HashCache) -> list[
         job = make_job(stage, chain.sections, ready, chain.package, hashes)
         status = assess_step(job, workspace, hashes)
         if waiting and status.state not in ("not run yet", "damaged"):
+            # Such inputs were left out of the job, so that its recipe lacks them: say why instead.
             gone = {f"input {name} is gone" for name in waiting}
             own = [reason for reason in status.reasons if reason not in gone]
             reasons = (*own, *(f"input {name} will rerun" for name in waiting))
@@ -139,7 +146,11 @@ def assess_chain(chain: Chain, workspace: Workspace, hashes: HashCache) -> list[
 
 
 def assess_step(job: Job, workspace: Workspace, hashes: HashCache) -> StepStatus:
-    """Assess one step whose inputs are up to date."""
+    """Assess one step whose inputs are up to date.
+
+    Its artifact is damaged if a file differs from the manifest, and out of date if the recipe in
+    the manifest differs from the job's.
+    """
     stage = job.stage
     try:
         manifest = workspace.manifest(stage.name)

@@ -23,6 +23,7 @@ class WorkspaceCheck:
     damaged: list[str] = field(default_factory=list)
 
     def count(self, records: Iterable[FileRecord]) -> None:
+        """Add files to the counts."""
         for record in records:
             self.files += 1
             self.read_bytes += record.size
@@ -31,10 +32,12 @@ class WorkspaceCheck:
 def check_workspace(
     workspace: Workspace, names: Sequence[str], *, read_data: bool
 ) -> WorkspaceCheck:
-    """Compare every file of these steps with the manifests: its size, with read_data its bytes.
+    """Compare every file of the steps `names` with the manifests.
 
-    deliver/ is compared with what the artifacts deliver, and with read_data the package with what
-    was read. Variants that a study left are checked like the chain's own artifacts.
+    Files whose size and time of modification are those of the hash cache are not read again, unless
+    `read_data` is set. deliver/ is compared with what the artifacts deliver, and with `read_data`
+    also the package with what was read. Variants that a study left are checked like the chain's own
+    artifacts.
     """
     result = WorkspaceCheck()
     hashes = workspace.hashes(trusting=not read_data)
@@ -52,7 +55,7 @@ def check_workspace(
 
 
 def _check_own_documents(workspace: Workspace, result: WorkspaceCheck) -> None:
-    """Check the seals of the workspace's own documents, which the next run repairs."""
+    """Check the seals of the workspace's own documents. The next run makes damaged ones anew."""
     for path in sorted((workspace.root / PRIVATE).glob("[!.]*.json")):
         result.files += 1
         try:
@@ -70,7 +73,10 @@ def _check_artifacts(
     read_data: bool,
     result: WorkspaceCheck,
 ) -> None:
-    """Check manifest and files of each step's artifact, and with `read_data` the package."""
+    """Check manifest and files of each step's artifact, and with `read_data` the package.
+
+    Results are added to `result`.
+    """
     for name in names:
         try:
             manifest = workspace.manifest(name)

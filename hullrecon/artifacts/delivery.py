@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""deliver/ at a workspace's top: copies of what a step delivers, and what others did to them."""
+"""deliver/ at a workspace's top: copies of what a step delivers, guarded against changes."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from hullrecon.artifacts.documents import DamagedArtifactError, seal, unseal
 from hullrecon.artifacts.manifest import FileRecord, HashCache, Manifest, files_below
 
 PUBLISHED = "deliver"  # a folder of that name in an artifact is copied to the workspace's top
-RECORD = "deliver.json"
-Records = Mapping[str, FileRecord]
+RECORD = "deliver.json"  # in the workspace's private folder: what was copied last
+Records = Mapping[str, FileRecord]  # size and hash by file name
 
 
 def delivered_records(manifest: Manifest) -> dict[str, FileRecord]:
@@ -84,9 +84,19 @@ class DeliveredFolder:
             return None
 
     def unlike(self, original: Path, records: Records, hashes: HashCache) -> dict[str, str]:
-        """Find files that are no copies of the artifact's files, such as hard links to them.
+        """Find files that are not copies of the artifact's files, with what is wrong with each.
 
-        Older versions made hard links, through which an edit of a deliverable damaged the artifact.
+        A hard link is no copy: older versions made them, and an edit of a deliverable then damaged
+        the artifact.
+
+        Parameters
+        ----------
+        original
+            Folder of the artifact's files.
+        records
+            Size and hash of each.
+        hashes
+            Cache of hashes.
         """
         found = unlike_files(self.folder, records, hashes)
         for name in records:
@@ -95,7 +105,7 @@ class DeliveredFolder:
         return found
 
     def changed_since(self, hashes: HashCache) -> dict[str, str]:
-        """Find files that others changed since they were copied, as far as that was recorded."""
+        """Find files that others changed since they were copied. Empty without a record of that."""
         recorded = self.read_record()
         if not recorded or not self.folder.is_dir():
             return {}
@@ -116,12 +126,12 @@ class DeliveredFolder:
         self.note(records)
 
     def note(self, records: Records) -> None:
-        """Record what lies in the folder, unless the record says so already."""
+        """Record the files of the folder, unless they are recorded already."""
         if self.read_record() != dict(records):
             write_file(self._record, seal({"files": msgspec.to_builtins(dict(records))}))
 
     def save_changed(self, names: Mapping[str, str], apart: Path) -> None:
-        """Copy the named files, if they exist, to a folder where nothing replaces them."""
+        """Copy the named files, if they exist, to the folder `apart`, where they are kept."""
         with storage_errors(apart.parent):
             for name in names:
                 if (self.folder / name).is_file() and not (self.folder / name).is_symlink():
@@ -152,5 +162,5 @@ class DeliveredFolder:
                 os.rename(self.withdrawn, self.folder)
 
     def recover(self) -> None:
-        """Finish or undo what a killed run left half done."""
+        """Finish or undo a replacement of the folder that a killed run left half done."""
         recover(self.folder)

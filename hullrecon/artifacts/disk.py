@@ -16,7 +16,7 @@ from typing import BinaryIO
 from hullrecon.errors import StorageError
 
 _ELSEWHERE = "choose another folder (of results: with --runs)"
-_REMEDIES = {
+_REMEDIES = {  # by error number
     errno.ENOSPC: f"free some space there, or {_ELSEWHERE}, and run again: finished steps are kept",
     errno.EDQUOT: "the quota is used up: free some space there and run again",
     errno.EFBIG: f"this file system takes no file of that size: {_ELSEWHERE}",
@@ -29,16 +29,17 @@ _REMEDIES = {
     errno.ENAMETOOLONG: f"the name is too long: {_ELSEWHERE}",
 }
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2  # renameat2(2)
+# Errors by which a file system says that it has no such call
 _NO_EXCHANGE = {errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.EXDEV}
 _NO_COPY_RANGE = _NO_EXCHANGE | {errno.EBADF, errno.EPERM}
-_COPY_BYTES = 1 << 30
+_COPY_BYTES = 1 << 30  # copied by one call
 
 
 @contextmanager
 def storage_errors(folder: Path, only_below: Path | None = None) -> Iterator[None]:
-    """Turn a full, read-only or forbidden disk into a StorageError that names the folder.
+    """Turn an OSError of a full, read-only or forbidden disk into a StorageError with a remedy.
 
-    With only_below, errors of files outside that folder pass as they are.
+    folder: named in the error. only_below: errors of files outside this folder pass as they are.
     """
     try:
         yield

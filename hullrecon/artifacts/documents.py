@@ -31,7 +31,7 @@ def encode(value: object) -> bytes:
     except ValueError as error:
         place = _not_finite(shown, "") or "an unknown path"
         raise ValueError(f"not a finite number at {place}") from error
-    # file names may hold bytes that are not UTF-8
+    # File names may hold bytes that are not UTF-8.
     return (text + "\n").encode(errors="backslashreplace")
 
 

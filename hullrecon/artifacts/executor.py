@@ -31,13 +31,14 @@ from hullrecon.memory import keep_free_memory
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 log = logging.getLogger(__name__)
-_CHUNKS_PER_WORKER = 8
-# Items: what a worker has not returned yet is lost with the run, and the last chunk has no company.
+_CHUNKS_PER_WORKER = 8  # at least, so that workers end at about the same time
+# Items of a chunk at most: those that a worker has not returned yet are lost with the run, and a
+# last large chunk would keep one worker busy while the others wait.
 _LARGEST_CHUNK = 4
 _CERTIFICATES = ("distributed.comm.tls.ca-file", "distributed.comm.tls.client.cert")
-_AHEAD = 256  # items that a cluster is given at a time: it holds their results
-_CONNECT_S = 10
-_RETRY_S = 0.1
+_AHEAD = 256  # items submitted to a cluster at a time: their results take memory there
+_CONNECT_S = 10  # how long a connection to the scheduler is tried
+_RETRY_S = 0.1  # between two tries
 
 
 class Executor:
@@ -46,13 +47,16 @@ class Executor:
     def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
         """Yield results in the order of the items.
 
-        Raises StageError when a worker dies and its work, done again, kills one too. An error of
-        the function passes as it is.
+        Raises StageError when a worker dies, and a worker that repeats its work dies too. An error
+        of the function passes as it is.
         """
         return map(function, items)
 
     def fork_workers(self) -> None:
-        """Start what workers there are by copying this process, which has just begun."""
+        """Start the workers, if this executor has any, as copies of this process.
+
+        To be called before the process has threads or data.
+        """
 
     def close(self) -> None: ...
 
@@ -66,7 +70,7 @@ class Executor:
 class Processes(Executor):
     """Worker processes, started at the first map and kept until the executor is closed.
 
-    One that has not started any pickles.
+    The executor can be pickled as long as it has not started any.
     """
 
     def __init__(self, jobs: int) -> None:
@@ -74,7 +78,7 @@ class Processes(Executor):
         self._pool: ProcessPoolExecutor | None = None
 
     def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
-        """See `Executor`. Where a worker is killed, go on once with half as many."""
+        """See `Executor`. After a worker was killed, go on once more with half as many."""
         if len(items) < 2:
             yield from map(function, items)
             return
@@ -112,9 +116,9 @@ class Processes(Executor):
         return pool.map(function, items, chunksize=chunk)
 
     def _lose_pool(self) -> None:
-        """Forget a pool that has lost a worker, and go on with half of its workers.
+        """Forget a pool that has lost a worker, and go on with half as many workers.
 
-        What kills workers is most often that they need more memory together than there is.
+        Most often workers are killed because together they need more memory than there is.
         """
         self._pool, self._jobs = None, max(1, self._jobs // 2)
 
@@ -142,7 +146,7 @@ class Processes(Executor):
 
 
 def _prepare_worker(environment: Mapping[str, str]) -> None:
-    """Set the environment, leave Ctrl-C to the parent, end with it, and reuse memory."""
+    """Set a worker's environment, let it ignore Ctrl-C, end with its parent and reuse memory."""
     os.environ.update(environment)
     keep_free_memory()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -169,7 +173,7 @@ class Cluster(Executor):
     def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
         """See `Executor`.
 
-        _AHEAD items are under way at any time, so that no worker waits for the next.
+        Always _AHEAD items are submitted, so that no worker waits for work.
         """
         from distributed import CancelledError, KilledWorker
         from distributed.comm import CommClosedError
@@ -206,7 +210,10 @@ class Cluster(Executor):
 
 
 def _refuse_address(address: str) -> None:
-    """Raise UsageError where no Dask is installed, none listens or its certificates are missing."""
+    """Raise UsageError if Dask is not installed, does not answer or has no certificates for tls.
+
+    Warns of an address without tls.
+    """
     try:
         import dask
     except ImportError as error:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Take several steps of a chain at a time, each in its process, from one thread of the run."""
+"""Run several steps of a chain at the same time, each in its process, from one thread."""
 
 from __future__ import annotations
 
@@ -12,19 +12,34 @@ from hullrecon.artifacts.stage import Stage
 from hullrecon.artifacts.step_call import BegunStep, Made
 
 Result = TypeVar("Result")
-# Work on a step. It yields the step's function where that goes on in another process, and is
-# resumed where that has said something.
+# Coroutine that brings one step up to date. It yields the step that is running in another process
+# whenever it has to wait for it, and is resumed when that process has sent something.
 Course: TypeAlias = Generator[BegunStep, None, Result]
 
 
 def interleave(
     stages: Sequence[Stage],
-    take: Callable[[Stage], Course[Result]],
+    bring_up: Callable[[Stage], Course[Result]],
     fit_together: Callable[[Collection[str]], bool],
 ) -> list[Result]:
-    """Begin each stage as soon as what it takes is there, in order, if it fits to those under way.
+    """Run the stages, each as soon as its inputs are there, several at the same time if allowed.
 
-    An error ends those under way, which keep what is finished.
+    Of stages that are ready the first in order begins. An error ends those that are running, which
+    keep their finished parts.
+
+    Parameters
+    ----------
+    stages
+        Each after its inputs.
+    bring_up
+        Makes the coroutine of a stage.
+    fit_together
+        Whether the stages of these names may run at the same time.
+
+    Returns
+    -------
+    results
+        Of the coroutines, in the order of the stages.
     """
     done, courses = dict[str, Result](), dict[str, Course[Result]]()
     begun: dict[str, BegunStep] = {}
@@ -35,7 +50,7 @@ def interleave(
                 ready = wait([source for step in begun.values() for source in step.says])
                 resumed = [name for name, step in begun.items() if {*step.says} & {*ready}]
             else:
-                courses[stage.name] = take(stage)
+                courses[stage.name] = bring_up(stage)
                 resumed = [stage.name]
             for name in resumed:
                 try:
@@ -59,7 +74,10 @@ def _next_stage(
     under_way: Collection[str],
     fit_together: Callable[[Collection[str]], bool],
 ) -> Stage | None:
-    """Find the first stage of which nothing that it takes is to come, and that may begin now."""
+    """Find the first stage whose inputs are all done and that fits to those under way.
+
+    None if there is none: then wait for those under way.
+    """
     to_come = {stage.name for stage in stages} - {*done}
     for stage in stages:
         if (
@@ -73,7 +91,10 @@ def _next_stage(
 
 
 def await_end(begun: BegunStep) -> Course[Made]:
-    """Hear what a step says until it has ended. Where something else ends the run, end it too."""
+    """Process the messages of a running step until it has ended, and return what it left.
+
+    If the run ends for another reason meanwhile, the step is ended too.
+    """
     try:
         while (made := begun.hear()) is None:
             yield begun
@@ -85,7 +106,7 @@ def await_end(begun: BegunStep) -> Course[Made]:
 
 
 def run_to_end(course: Course[Result]) -> Result:
-    """Take one step alone."""
+    """Run the coroutine of a single step to its end."""
     while True:
         try:
             wait(next(course).says)

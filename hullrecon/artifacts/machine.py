@@ -29,14 +29,14 @@ LIBRARIES = (
     "mcap",
     "msgspec",
 )
-_RESET_PEAK = "5"  # proc(5), clear_refs
+_RESET_PEAK = "5"  # written to /proc/self/clear_refs: proc(5)
 _KIB = 1024
-# Address space that a run needs, measured on 36 stereo pairs with sonar: for one thread of the
-# solver, and for each more. OpenBLAS asks for ever for memory that it does not get, so that a run
-# with less would hang.
+# Address space that a run needs, measured on 36 stereo pairs with sonar: with one thread of the
+# solver, and for each further one. With less, OpenBLAS repeats a refused request for ever and the
+# run would hang.
 ONE_THREAD_BYTES = 7 << 28
 MORE_THREADS_BYTES = 136 << 20
-_UNMAPPED = (
+_UNMAPPED = (  # parts of messages of libraries that could not get memory
     "failed to map segment",
     "cannot allocate memory",
     "cannot create shared object",
@@ -65,7 +65,7 @@ def host() -> dict[str, str | int | None]:
 
 
 def reset_peak_rss() -> None:
-    """Let `peak_rss` count from now on. If the kernel cannot, it counts over the whole run."""
+    """Restart the count of `peak_rss`. If the kernel cannot, it is the peak of the whole run."""
     with suppress(OSError):
         Path("/proc/self/clear_refs").write_text(_RESET_PEAK)
 

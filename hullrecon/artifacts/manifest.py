@@ -23,6 +23,8 @@ JsonTable: TypeAlias = dict[str, Any]  # msgspec decodes no recursive type
 
 
 class FileRecord(Struct, frozen=True):
+    """Hash and size of a file."""
+
     sha256: str
     size: int  # bytes
 
@@ -102,13 +104,14 @@ def files_below(folder: Path) -> list[str]:
 class HashCache:
     """Cache of file hashes by size, time of modification and inode, kept in the file `store`.
 
-    With trusting=False every file is read once more. A lost store costs only time.
+    With trusting=False the store is not believed: every file is read once in this process. A lost
+    store costs only time.
     """
 
     def __init__(self, store: Path | None = None, *, trusting: bool = True) -> None:
         self._store, self._trusting, self._changed = store, trusting, False
         self._known: dict[str, object] = {}  # size, mtime_ns, inode and hash by path
-        self._read_here: dict[str, int] = {}  # ctime, ns, of what this process has seen, by path
+        self._read_here: dict[str, int] = {}  # ctime, ns, of files this process looked at, by path
         if store is not None and store.is_file():
             try:
                 self._known = unseal(store.read_bytes())
@@ -125,7 +128,8 @@ class HashCache:
             raise OSError(errno.EINVAL, "not a regular file", str(path))
         known = self._known.get(str(path))
         if isinstance(known, list) and known[:3] == _mark(status):
-            # what this process has seen must have kept its ctime, which no program can set back
+            # A file that this process looked at before must still have its ctime, which, unlike the
+            # time of modification, no program can set back.
             seen_ns = self._read_here.get(str(path))
             if self._trusting if seen_ns is None else seen_ns == status.st_ctime_ns:
                 self._read_here.setdefault(str(path), status.st_ctime_ns)
@@ -153,4 +157,5 @@ class HashCache:
 
 
 def _mark(status: os.stat_result) -> list[int]:
+    """List what identifies a file's state: size, time of modification (ns), inode."""
     return [status.st_size, status.st_mtime_ns, status.st_ino]

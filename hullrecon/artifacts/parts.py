@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Keep the finished parts of a step that is under way, so that a kill costs no more than one.
+"""Keep the finished parts of a running step, so that a kill loses only the part under way.
 
-docs/adr/0014-finished-parts-outlive-a-kill.md says why so.
+The reasons are in docs/adr/0014-finished-parts-outlive-a-kill.md.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 Depends = Callable[[Item], object]
 log = logging.getLogger(__name__)
-_HASH_BYTES = hashlib.sha256().digest_size
+_HASH_BYTES = hashlib.sha256().digest_size  # before the data in a part's file
 _FULL = {errno.ENOSPC, errno.EDQUOT}
-# what arrays and their numbers are rebuilt by, in NumPy's modules of either name
+# Names by which pickle rebuilds NumPy's arrays and scalars (numpy.core or numpy._core)
 _OF_NUMPY = {"ndarray", "dtype", "scalar", "_reconstruct", "_frombuffer"}
 
 
@@ -53,7 +53,7 @@ class PartStore:
             {name: recipe.content.get(name) for name in ("inputs", "external", "failures")}
         )
         self._keeps = True
-        self._bytes = 0  # that the parts take
+        self._bytes = 0  # size of all parts
 
     def begin(self) -> None:
         """Remove the parts of other settings, and count those that are there."""
@@ -81,15 +81,18 @@ class PartStore:
         Parameters
         ----------
         label
-            What the items are; with a step's inputs and an item's value it names a part.
+            What the items are. A part's file is named by a hash of the label, the step's inputs and
+            the item.
+        items
+            All items, in order.
         compute
-            Gives results in the order of the items.
+            Gives results in the order of the items that it is given.
         depends
-            All of the inputs' content that the item's result depends on, in place of the item and
-            the inputs as a whole.
+            Gives the value that is hashed instead of the step's inputs and the item: the part of
+            the inputs' content on which the item's result depends.
         given
-            Large objects that every run has anyway, by name. A result that refers to one is kept
-            with its name in its place.
+            Large objects that every run has anyway, by name. In a kept result a reference to one is
+            replaced by its name.
 
         Returns
         -------
@@ -112,7 +115,8 @@ class PartStore:
     ) -> Iterator[Result]:
         """Yield kept results and new ones in the items' order.
 
-        A kept part that turns out to be damaged is computed again by itself.
+        `parts`: the file of each item. `missing`: whether it was not there. A part that was there
+        but turns out to be damaged when read is computed again alone.
         """
         lacking = [item for item, lacks in zip(items, missing, strict=True) if lacks]
         computed = iter(compute(lacking) if lacking else ())
@@ -125,11 +129,15 @@ class PartStore:
                 yield self._keep(part, made, given)
 
     def _place(self, label: str, item: Item, depends: Depends[Item] | None) -> Path:
+        """Name the file of an item's part by a hash of all that decides its content."""
         decided = (self._inputs, item) if depends is None else depends(item)
         return self._folder / _value_hash((label, decided))
 
     def _keep(self, part: Path, made: Result, given: Mapping[str, object]) -> Result:
-        """Write a result, and return it as it is read, so that a later run has the same."""
+        """Write a result, and return it as read back, so that a resumed run gets the same object.
+
+        A result that cannot be pickled is returned as it is and not kept.
+        """
         try:
             data = _write(made, given)
             read: Result = _PlainData(data, given).load()
@@ -141,11 +149,11 @@ class PartStore:
         return read
 
     def _write(self, part: Path, data: bytes) -> None:
-        """Write a part. Where the disk is short of room, remove all and keep none from now on."""
+        """Write a part. If the disk is nearly full, remove all parts and keep none from now on."""
         with storage_errors(self._all):
             try:
                 self._folder.mkdir(parents=True, exist_ok=True)
-                # an artifact grows beside its parts, and is the one that needs the room
+                # Leave as much room free as all parts take: the artifact itself needs it.
                 if shutil.disk_usage(self._folder).free > self._bytes + len(data):
                     replace_file(part, hashlib.sha256(data).digest() + data)
                     self._bytes += _HASH_BYTES + len(data)
@@ -163,7 +171,10 @@ class PartStore:
 
 
 def _value_hash(value: object) -> str:
-    """Hash a value by its content, whether equal members of it are one object or several."""
+    """Hash a value by its content, whether equal members of it are one object or several.
+
+    Pickle's memo would write a repeated object as a reference, so that it is switched off.
+    """
     data = io.BytesIO()
     pickler = pickle.Pickler(data, protocol=5)
     pickler.fast = True  # without memo
@@ -182,14 +193,14 @@ def _read(part: Path) -> bytes | None:
 
 
 def _write(result: object, given: Mapping[str, object]) -> bytes:
-    """Pickle a result, with what is given by name."""
+    """Pickle a result. References to `given` objects are written as their names."""
     data = io.BytesIO()
     _Naming(data, given).dump(result)
     return data.getvalue()
 
 
 class _Naming(pickle.Pickler):
-    """Writes the name of what is given in its place, and an enumeration's member by its value."""
+    """Writes given objects by their name, and members of an enumeration by their value."""
 
     def __init__(self, file: io.BytesIO, given: Mapping[str, object]) -> None:
         super().__init__(file, protocol=5)
@@ -199,14 +210,14 @@ class _Naming(pickle.Pickler):
         return self._names.get(id(value))
 
     def reducer_override(self, value: Any) -> Any:
-        """Have a member read by its class alone: Python 3.11.2 would have it read by getattr."""
+        """Pickle a member as a call of its class, as Python 3.11.2 would pickle it as getattr."""
         if isinstance(value, enum.Enum):
             return type(value), (value.value,)
         return NotImplemented
 
 
 class _PlainData(pickle.Unpickler):
-    """Reads data classes, enumerations and arrays, and calls nothing else."""
+    """Unpickles data classes, enumerations and arrays only, so that no other code can be called."""
 
     def __init__(self, data: bytes, given: Mapping[str, object]) -> None:
         super().__init__(io.BytesIO(data))

@@ -30,21 +30,21 @@ _LONGEST_FOLDER_OF_SOCKETS = 70
 
 
 def clean_context(preload: Sequence[str] = ()) -> ForkServerContext:
-    """Start the server whose copies are the processes of the context it returns.
+    """Start the fork server, and return the context whose processes are copies of it.
 
     A copy of this process would have the locks and the memory of its libraries, but not their
-    threads. The server has no threads.
+    threads, and might hang. The server has no threads.
 
     Parameters
     ----------
     preload
-        Modules that the server imports for all its copies, and that start no threads. Nothing if
-        the server runs already.
+        Modules that the server imports for all its copies. They must start no threads. They are
+        ignored if the server runs already.
 
     Raises
     ------
     StageError
-        The server's socket has no place: it lies in the folder for temporary files.
+        The server's socket cannot be made in the folder for temporary files.
     """
     context = multiprocessing.get_context("forkserver")
     # without a name of its own it would import the user's script, which may start threads
@@ -82,7 +82,10 @@ def _choose_folder_of_sockets() -> None:
 
 
 def stop_server() -> None:
-    """End the server, unless copies of it live. Then its time counts as that of this process."""
+    """End the server, unless copies of it still run.
+
+    The CPU time of an ended server counts as that of this process's children.
+    """
     if not multiprocessing.active_children():
         forkserver._forkserver._stop()  # type: ignore[attr-defined]  # nothing public does it
 
@@ -100,10 +103,11 @@ def one_thread_each() -> Iterator[None]:
 
 
 def end_with_parent() -> None:
-    """Have the kernel kill this process when its parent has ended, however that ended.
+    """Let the kernel kill this process when its parent ends, for whatever reason.
 
-    Its parent's end closes a pipe. The signal for it needs no turn of the interpreter, which a step
-    may hold for seconds, while a new run works in the same folder.
+    When the parent ends, a pipe is closed, for which the kernel sends SIGKILL. A thread that waits
+    for it instead would need the interpreter, which a step may hold for seconds, while a new run
+    already works in the same folder.
     """
     parent = multiprocessing.parent_process()
     assert parent is not None

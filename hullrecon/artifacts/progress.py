@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 Item = TypeVar("Item")
 log = logging.getLogger(__name__)
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
-_requested: list[int] = []
+_requested: list[int] = []  # numbers of the signals that have come
 
 
 def listen(*, once: bool = False) -> None:
     """Let SIGINT and SIGTERM raise KeyboardInterrupt, and forget earlier signals.
 
-    Signals are remembered, as libraries turn a KeyboardInterrupt in their import into other errors.
-    With once, those after the first are ignored.
+    Signals are also remembered: a library that is being imported may turn the KeyboardInterrupt
+    into another error. once: ignore signals after the first.
     """
     _requested.clear()
     for number in _SIGNALS:
@@ -54,16 +54,16 @@ def _interrupt_once(number: int, frame: FrameType | None) -> None:
         _interrupt(number, frame)
 
 
-LEAST_S = 10.0  # of work, before its pace is believed
+LEAST_S = 10.0  # of work before its rate is used to predict
 Clock = Callable[[], float]
 
 
 class RunOutlook:
-    """Where a run stands among its steps, and how long it takes yet as far as that is known.
+    """Which of its steps a run has done, and how long the rest will take, as far as predictable.
 
-    Predicted times are of another machine. They are scaled by what the finished steps of this run
-    took, and nothing is said before these took LEAST_S. Steps that run beside each other share the
-    time.
+    Predicted times were measured on another machine. They are scaled by the time that the finished
+    steps of this run took, and nothing is predicted before these took LEAST_S. Steps that run at
+    the same time share the time evenly.
     """
 
     def __init__(self, clock: Clock = time.monotonic) -> None:
@@ -71,7 +71,7 @@ class RunOutlook:
         self.steps: tuple[str, ...] = ()  # to do, in order
         self._predicted_s: dict[str, float] = {}
         self._spent_s: dict[str, float] = {}  # begun steps
-        self._finished: set[str] = set()  # made whole in this run
+        self._finished: set[str] = set()  # steps made in this run without parts of an earlier one
         self._under_way: dict[str, Outlook] = {}
         self._counted_until = clock()
 
@@ -85,7 +85,7 @@ class RunOutlook:
 
     @contextmanager
     def step(self, name: str) -> Iterator[Outlook]:
-        """Note that a step is under way, and at the end without an error that it is done."""
+        """Count a step as running inside the `with`, and as finished if that ends without error."""
         self._count()
         self._spent_s[name] = 0.0
         self._under_way[name] = outlook = Outlook(self, name)
@@ -105,19 +105,25 @@ class RunOutlook:
         return f"[{self.steps.index(step) + 1}/{len(self.steps)}] "
 
     def left_of_step(self, step: str, loop_s: float | None) -> float | None:
-        """Predict what is left of a step, s, by the pace so far. A loop's rate may say more."""
+        """Predict the remaining time of a running step, s. None where that is not known.
+
+        loop_s: remaining time of the step's present loop by its own rate, a lower bound.
+        """
         expected_s = self._expected_s()
         if step not in expected_s:
             return None
         own_s = expected_s[step]
-        if loop_s is None and own_s <= 0:  # beyond what was predicted nobody knows by how much
+        if loop_s is None and own_s <= 0:  # the step has taken longer than predicted already
             return None
-        # until one of two ends, each has half of the machine
+        # As long as two steps run, each gets half of the machine.
         shared_s = sum(min(own_s, other_s) for other_s in expected_s.values())
         return max(loop_s or 0.0, shared_s)
 
     def left_of_run(self, step_s: float) -> float | None:
-        """Predict what is left of the run, s: `step_s` of a step, those beside it, later ones."""
+        """Predict the remaining time of the run, s: of the running steps and of later ones.
+
+        step_s: remaining time of one of the running steps. None where a time is not known.
+        """
         pace, expected_s = self._pace(), self._expected_s()
         planned = [name for name in self.steps if name in self._under_way]
         if not planned:
@@ -134,7 +140,10 @@ class RunOutlook:
         return under_way_s + pace * sum(self._predicted_s[name] for name in later)
 
     def _expected_s(self) -> dict[str, float]:
-        """Predict what is left of each step under way if it had the machine, where known."""
+        """Predict the remaining time of each running step if it had the machine alone, s.
+
+        Steps without a prediction, or with parts of an earlier run, are left out.
+        """
         self._count()
         pace = self._pace()
         if pace is None:
@@ -153,7 +162,7 @@ class RunOutlook:
         self._counted_until = now
 
     def _pace(self) -> float | None:
-        """Divide what finished steps took by what was predicted for them."""
+        """Divide the time that finished steps took by the predicted one. None before LEAST_S."""
         known = [name for name in self._finished if name in self._predicted_s]
         took_s = sum(self._spent_s[name] for name in known)
         if took_s < LEAST_S:
@@ -162,11 +171,11 @@ class RunOutlook:
 
 
 class Outlook:
-    """What is to be said of one step, and how long it and its run take yet."""
+    """The texts about one running step: its number, and how long it and the run still take."""
 
     def __init__(self, run: RunOutlook | None = None, step: str = "") -> None:
         self._run, self._step = run or RunOutlook(), step
-        self.whole = True  # no part was made by an earlier run
+        self.whole = True  # all parts are made in this run
 
     def resume(self) -> None:
         """Note that part of the step was made by an earlier run."""
@@ -178,19 +187,19 @@ class Outlook:
         return self._run.mark(self._step)
 
     def left(self, loop_s: float | None = None) -> str:
-        """Say how long step and run take yet, as far as known, with a comma before.
+        """Say how long step and run still take, as far as known, with a comma before.
 
-        `loop_s`: what is left of a loop of the step by its rate, None if that is not known.
+        `loop_s`: remaining time of a loop of the step by its rate, None if that is not known.
         """
         step_s = self._run.left_of_step(self._step, loop_s)
-        if step_s is None:  # other loops may follow
+        if step_s is None:  # say the loop's time, which is not the step's: other loops may follow
             return "" if loop_s is None else f", about {in_words(loop_s)} left"
         run_s = self._run.left_of_run(step_s)
         of_run = "" if run_s is None else f", {in_words(run_s)} of the run"
         return f", about {in_words(step_s)} left of the step{of_run}"
 
     def left_of_run(self, loop_s: float | None) -> str:
-        """Say how long the run takes yet. Empty where that is not known."""
+        """Say how long the run still takes. Empty where that is not known."""
         step_s = self._run.left_of_step(self._step, loop_s)
         run_s = None if step_s is None else self._run.left_of_run(step_s)
         return "" if run_s is None else f"about {in_words(run_s)} left of the run"
@@ -204,13 +213,13 @@ def in_words(seconds: float) -> str:
 
 
 class _Rate:
-    """How long a loop takes yet, by the items that were made in it."""
+    """The rate of a loop over items, from those made in this run."""
 
     def __init__(self, total: int | None, kept: int, clock: Clock = time.monotonic) -> None:
         self._total, self._kept, self._clock, self._begun = total, kept, clock, clock()
 
     def left(self, done: int) -> float | None:
-        """Seconds that the rest takes at the rate so far. None where that is not known."""
+        """Compute the seconds that the rest takes at the rate so far. None where not known."""
         spent, made = self._clock() - self._begun, done - self._kept
         if self._total is None or made <= 0 or spent < LEAST_S:
             return None
@@ -218,11 +227,7 @@ class _Rate:
 
 
 class Progress:
-    """Shows nothing. Subclasses show how many items have passed.
-
-    `kept`: how many of them were there before, which take no time. `outlook`: says how long step
-    and run take yet.
-    """
+    """Shows nothing. Subclasses show how many items have passed."""
 
     def track(
         self,
@@ -232,6 +237,21 @@ class Progress:
         outlook: Outlook | None = None,
         kept: int = 0,
     ) -> Generator[Item, None, None]:
+        """Yield the items, and show how many have passed.
+
+        Parameters
+        ----------
+        items
+            To be yielded.
+        label
+            Shown before the numbers.
+        total
+            Number of the items, None if unknown.
+        outlook
+            Says how long step and run still take.
+        kept
+            Items that an earlier run made, which take no time.
+        """
         yield from items
 
 

@@ -29,7 +29,7 @@ from hullrecon.artifacts.stage import (
 from hullrecon.errors import InputError
 
 REMEDY = "nothing was delivered: run again when nobody writes there"
-_ABSENT = object()
+_ABSENT = object()  # value of a name that a mapping lacks
 _LISTED = 3  # files that an error names one by one
 _LONG = 100  # characters of a name that are shown
 
@@ -53,14 +53,22 @@ def make_job(
     hashes: HashCache,
     failures: Mapping[str, str] = MappingProxyType({}),
 ) -> Job:
-    """Collect what a stage works on, in its present state.
+    """Collect what a stage works on, in its present state, with the recipe of its result.
 
     Parameters
     ----------
+    stage
+        The step.
     sections
         Sections of dive.toml, by dotted name.
+    inputs
+        Folder of each input artifact by stage name.
+    source
+        The package's folder.
+    hashes
+        Cache of file hashes.
     failures
-        Why steps of this run left no artifact. Only the stage's optional inputs count.
+        Why steps of this run left no artifact, by name. Only the stage's optional inputs matter.
 
     Raises
     ------
@@ -84,7 +92,12 @@ def make_job(
 def external_files(
     stage: Stage, settings: StageSettings, source: Path | None, hashes: HashCache
 ) -> dict[str, FileRecord]:
-    """Hash the files of the package that the stage reads, by path, with all files of a folder."""
+    """Hash the files of the package that the stage reads, by their path in it.
+
+    Of a folder all files are hashed. Files outside the package have their absolute path.
+
+    Raises InputError if a file is missing or cannot be read.
+    """
     if stage.external is None or source is None:
         return {}
     found: dict[str, FileRecord] = {}
@@ -174,7 +187,7 @@ def _options(made: Mapping[str, Json], now: Mapping[str, Json]) -> Iterator[str]
 
 
 def _changed(before: Mapping[str, object], after: Mapping[str, object]) -> list[str]:
-    """List the names whose values differ as they are written: 1 and 1.0 do."""
+    """List the names whose values differ as they are written in JSON, as 1 and 1.0 do."""
     return [
         name
         for name in sorted({*before, *after})
@@ -195,7 +208,10 @@ def _as_text(value: object) -> str:
 
 
 class SourceWatch:
-    """Remembers each file of the package as it was when a step of this run read it."""
+    """Checks that the package does not change during a run.
+
+    It remembers each file as it was when a step of this run read it.
+    """
 
     def __init__(
         self, hashes: HashCache, package: Path, read_before: Mapping[str, FileRecord] | None = None

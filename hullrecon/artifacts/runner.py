@@ -25,21 +25,21 @@ from hullrecon.artifacts.workspace import Workspace, removed_meanwhile
 from hullrecon.errors import HullreconError, StageError
 
 log = logging.getLogger(__name__)
-Preflight = Callable[[list[StepStatus]], None]
+Preflight = Callable[[list[StepStatus]], None]  # checks before anything is done; may raise
 
 
 @dataclass(frozen=True)
 class RunContext:
-    """What a run works with, whatever the stage."""
+    """What a run works with, the same for all stages."""
 
     hashes: HashCache
     executor: Executor
     progress: Progress = field(default_factory=Progress)
     outlook: RunOutlook = field(default_factory=RunOutlook)
     watch: SourceWatch | None = None  # of the whole run, None for a step that runs alone
-    is_held: Callable[[], bool] = lambda: True  # the workspace; not where somebody removed it
-    begin_step: BeginStep = begin_here  # or in a process of its own
-    # whether these steps may run beside each other
+    is_held: Callable[[], bool] = lambda: True  # whether the workspace's lock is still held
+    begin_step: BeginStep = begin_here  # calls a step's function, here or in a process of its own
+    # whether the steps of these names may run at the same time
     fit_together: Callable[[Collection[str]], bool] = lambda steps: False
 
 
@@ -47,7 +47,7 @@ class RunContext:
 class StepOutcome:
     """What a run did with one step."""
 
-    before: StepStatus
+    before: StepStatus  # as assessed before the run
     made: bool  # it ran to its end
     manifest: Manifest | None  # of its artifact, None when skipped or failed
     failure: Exception | None = None  # why a step that fails alone has no result
@@ -78,14 +78,29 @@ def run_chain(
 
     Parameters
     ----------
+    chain
+        The steps, their settings and the package.
+    workspace
+        The dive's folder in RUNS.
+    run_context
+        What the run works with.
+    from_scratch
+        Rebuild all steps, also those that are up to date.
     wait_s
         How long to wait for another run on this workspace.
     preflight
         Called with the status of every step before anything is done. Its error ends the run.
     before
-        Called before the step of that name, once those before it are up to date. As preflight.
+        Functions by name of a step, called before that step once its predecessors are up to date.
+        An error ends the run.
     keep_going
-        A step that fails alone leaves its failure in its outcome, and the other steps go on.
+        The error of a step that may fail alone (`Stage.fails_alone`) is returned in its outcome,
+        and the other steps go on.
+
+    Returns
+    -------
+    outcomes
+        One for each step, in order.
 
     Raises
     ------
@@ -131,7 +146,7 @@ def _run_all(
     keep_going: bool,
     before: Mapping[str, Callable[[], None]],
 ) -> list[StepOutcome]:
-    """Take the steps in order, those beside each other that fit together."""
+    """Bring all steps up to date in order, at the same time where they fit together."""
     skipped, failures = chain.skip_reasons(), dict[str, str]()
     hashes = run_context.hashes
     watch = SourceWatch(hashes, chain.package, chain.read_before)
@@ -173,7 +188,7 @@ def _run_all(
 def _bring_up_to_date(
     job: Job, workspace: Workspace, run_context: RunContext, from_scratch: bool, keep_going: bool
 ) -> Course[StepOutcome]:
-    """Rebuild one step if it is out of date or damaged.
+    """Rebuild one step if it is out of date or damaged, or in any case if `from_scratch`.
 
     With `keep_going`, an error that concerns this step alone is returned in its outcome.
     """
@@ -202,7 +217,7 @@ def _bring_up_to_date(
             )
     except Exception as error:
         error.add_note(name)
-        # an error of the disk, the package or the configuration concerns all steps
+        # An error of the disk, the package or the configuration concerns all steps.
         is_its_own = isinstance(error, StageError) or not isinstance(
             error, HullreconError | OSError
         )
@@ -217,6 +232,7 @@ def _bring_up_to_date(
 
 
 def _in_words(failure: Exception) -> str:
+    """Describe the failure of a step in one line, for the steps that go on without it."""
     if isinstance(failure, HullreconError):
         return failure.line()
     return f"internal error ({type(failure).__name__})"
@@ -234,12 +250,18 @@ def run_stage(
 
     Parameters
     ----------
+    stage
+        The step.
     settings
         Decoded sections by name. An absent section is None, the stage's own has its defaults.
     inputs
         Folder of each input by stage name, with or without a manifest.
     out
         Folder of the artifact, which is returned.
+    source
+        The package's folder, if the stage reads files of it.
+    jobs
+        Number of worker processes.
     """
     hashes = HashCache()
     job = make_job(stage, settings, inputs, source, hashes)
@@ -250,7 +272,7 @@ def run_stage(
 
 
 def build(job: Job, out: Path, building: Path, run_context: RunContext) -> Manifest:
-    """Run the stage's function in the folder `building`, then move that to `out` in one step.
+    """Run the stage's function in the folder `building`, then rename that to `out`.
 
     The manifest is written last. After any error, `out` is as it was.
 
@@ -274,7 +296,7 @@ def _build(
     parts: PartStore | None = None,
     outlook: Outlook | None = None,
 ) -> Course[Manifest]:
-    """Build as `build` does. After an error `parts` keeps what was finished."""
+    """Build as `build` does, as a coroutine. After an error `parts` keeps the finished parts."""
     watch = run_context.watch or SourceWatch(run_context.hashes, job.source or Path())
     watch.begin(job)
     with storage_errors(building.parent):

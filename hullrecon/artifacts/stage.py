@@ -165,20 +165,26 @@ class Context(Generic[Parameters]):
         by: Callable[[Callable[[Item], Result], Sequence[Item]], Iterator[Result]] | None = None,
         depends: Callable[[Item], object] | None = None,
     ) -> Iterator[Result]:
-        """Yield results in order. Those that a run which did not end has left are not made again.
+        """Apply a function to all items and yield the results in order.
+
+        Each result is kept until the step has ended, so that a run after a kill does not compute it
+        again.
 
         Parameters
         ----------
         function
-            Gives the same result for the same item, inputs and settings.
+            Must give the same result for the same item, inputs and settings.
+        items
+            All items, in order.
         label
-            What the items are. No other items of the step have it, unless they are of their kind.
+            What the items are, for progress and the names of kept results. Loops over other kinds
+            of items in the same step must have other labels.
         by
-            Applies the function to items; the executor of --jobs or --scheduler if None, for which
-            the function must pickle. The results are the same whichever.
+            Applies the function to items. None: the executor of --jobs or --scheduler, for which
+            the function must be picklable. The results do not depend on it.
         depends
-            All of the inputs' content that the result for an item depends on, if it is less than
-            all of the inputs and the item.
+            Gives the part of the inputs' content on which an item's result depends. None: on the
+            item and all inputs.
         """
         compute = partial(by or self._executor.map, function)
         kept = 0
@@ -187,7 +193,7 @@ class Context(Generic[Parameters]):
         else:
             kept, results = self._parts.resume(label, items, compute, depends)
         yield from self._track(results, label, len(items), kept)
-        if by is None:  # else workers have nothing but what they share with this process
+        if by is None:  # other workers are threads, whose memory is this process's
             workers = (peak_rss(worker.pid) for worker in multiprocessing.active_children())
             self.workers_peak_rss = max(self.workers_peak_rss, *workers, 0)
 
@@ -203,9 +209,10 @@ class Context(Generic[Parameters]):
         label: str,
         given: Mapping[str, object] = MappingProxyType({}),
     ) -> Result:
-        """Make something that takes long, or take it from a run that did not end.
+        """Call `make`, or take its result from a run that was killed after it.
 
-        `given`: large objects that every run has anyway, by name, which it may refer to.
+        label: what is made, for the log and the name of the kept result. given: large objects that
+        every run has anyway, by name, to which the result may refer.
         """
         if self._parts is None:
             return make()
@@ -226,15 +233,16 @@ class Context(Generic[Parameters]):
         self.times[name] = [round(float(s), 3) for s in seconds]
 
 
-# of the .npy format
+# Readers of a header by version of the .npy format
 _HEADERS = {
     (1, 0): np.lib.format.read_array_header_1_0,
     (2, 0): np.lib.format.read_array_header_2_0,
 }
-_LENGTHS_AT = 26  # where a member's header in a zip has the lengths of its name and extra field
+_LENGTHS_AT = 26  # byte of a member's header in a zip at which the lengths of name and extra begin
 
 
 def _until_interrupted(items: Iterable[Item]) -> Iterator[Item]:
+    """Yield the items. Raise KeyboardInterrupt once a signal has come: libraries may hide it."""
     for item in items:
         raise_if_requested()
         yield item
@@ -247,7 +255,10 @@ def load_arrays(path: Path) -> dict[str, NDArray[Any]]:
 
 
 def map_arrays(path: Path) -> dict[str, NDArray[Any]]:
-    """Map all members of an uncompressed .npz: rows are read with `rows.read_rows`."""
+    """Map all members of an uncompressed .npz as memory-mapped arrays.
+
+    Rows are to be read with `rows.read_rows`.
+    """
     arrays: dict[str, NDArray[Any]] = {}
     with zipfile.ZipFile(path) as archive:
         for member in archive.infolist():
@@ -276,7 +287,10 @@ def _first_byte(path: Path, member: zipfile.ZipInfo) -> int:
 
 
 def settings_for(stage: Stage, sections: Mapping[str, object]) -> StageSettings:
-    """Select the sections in the stage's `uses` and its own, with its defaults where absent."""
+    """Select the settings of a stage: those in its `uses`, and its own section.
+
+    Where its own section is absent, it has its defaults.
+    """
     own = _section(sections, stage.name)
     chosen = {name: _section(sections, name) for name in stage.uses}
     chosen[stage.name] = stage.parameters() if own is None else own

@@ -48,17 +48,17 @@ class Made:
 
 
 class BegunStep(Protocol):
-    """A step whose function was called: it has ended, or goes on in a process of its own."""
+    """A step whose function was called: it has ended, or is running in a process of its own."""
 
     @property
     def says(self) -> Sequence[Connection[Any, Any] | int]:
-        """What is ready, for `multiprocessing.connection.wait`, where `hear` has something to do.
+        """Objects for `multiprocessing.connection.wait`: one is ready when `hear` is to be called.
 
-        Empty where the step has ended.
+        Empty when the step has ended.
         """
 
     def hear(self) -> Made | None:
-        """Take up what the step says. Returns what it left once it has ended.
+        """Process the messages that the step has sent. Returns what it left once it has ended.
 
         Raises as `call_here` does.
         """
@@ -72,7 +72,7 @@ class BegunStep(Protocol):
 
 @dataclass(frozen=True)
 class EndedStep:
-    """A step that has ended."""
+    """A step that was run in this process and has ended."""
 
     made: Made
     says: tuple[()] = ()
@@ -127,7 +127,10 @@ def call_here(call: StepCall, progress: Progress, outlook: Outlook) -> Made:
 
 
 def _call(stage: Stage, context: Context[Struct], building: Path) -> JsonTable:
-    """Call the stage's function. Returns the times (s) and memory (bytes) that it took."""
+    """Call the stage's function. Returns the times (s) and memory (bytes) that it took.
+
+    Errors of disk, memory and permission get a sentence and a remedy.
+    """
     return_free_memory()
     reset_peak_rss()
     started, begun, cpu = time.time(), time.perf_counter(), time.process_time()

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Call the function of a step in a process of its own, as if it were called here.
 
-docs/adr/0015-each-step-has-a-process-of-its-own.md says why so.
+The step's process sends log records, progress and its result through a pipe to the run's process,
+which shows them. The reasons are in docs/adr/0015-each-step-has-a-process-of-its-own.md.
 """
 
 from __future__ import annotations
@@ -31,9 +32,9 @@ from hullrecon.artifacts.step_call import BeginStep, Made, StepCall, call_here
 from hullrecon.errors import StageError
 
 Item = TypeVar("Item")
-_EVERY_S = 0.2  # how often a step says how far it is
-_PATIENCE_S = 10.0  # in which a step that is interrupted may tidy up
-_PIPE_BYTES = 1 << 16
+_EVERY_S = 0.2  # between two messages about a loop's progress
+_PATIENCE_S = 10.0  # that an interrupted step has to tidy up
+_PIPE_BYTES = 1 << 16  # read from the pipe at a time
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class _LoopBegun:
 @dataclass(frozen=True)
 class _LoopGoesOn:
     number: int
-    passed: int  # items since it was last said
+    passed: int  # items since the last message
 
 
 @dataclass(frozen=True)
@@ -62,12 +63,14 @@ class _Resumed:
 
 @dataclass(frozen=True)
 class _Failed:
+    """The step's function raised an error."""
+
     error: BaseException
     trace: str
 
 
 class _StepError(Exception):
-    """Shows, as the cause of an error, its traceback in the process of the step."""
+    """Cause of an error that shows its traceback in the process of the step."""
 
     def __str__(self) -> str:
         return f'\n"""\n{self.args[0]}"""'
@@ -75,7 +78,7 @@ class _StepError(Exception):
 
 @contextmanager
 def step_processes(preload: Sequence[str] = ()) -> Iterator[BeginStep]:
-    """Yield what calls a step's function in a new process. `preload`: as for `clean_context`."""
+    """Yield a function that starts a step in a new process. `preload`: as for `clean_context`."""
     try:
         yield partial(_StepProcess, preload)
     finally:
@@ -92,7 +95,7 @@ def _context(preload: Sequence[str]) -> ForkServerContext:
 
 
 class _StepProcess:
-    """A step in a process of its own. What it logs and how far it is shows here."""
+    """A step in a process of its own. Its log and progress are shown by this process."""
 
     def __init__(
         self, preload: Sequence[str], call: StepCall, progress: Progress, outlook: Outlook
@@ -112,7 +115,7 @@ class _StepProcess:
         return [] if self._ours.closed else [self._ours, self._process.sentinel]
 
     def hear(self) -> Made | None:
-        """Show what the step says, until it says nothing for now.
+        """Show what the step has sent so far. Returns its result once it has ended, else None.
 
         Raises
         ------
@@ -122,7 +125,7 @@ class _StepProcess:
             The step's own error, as `call_here` raises it.
         """
         while ready := wait(self.says, 0):
-            if self._ours not in ready:  # it has ended without a result
+            if self._ours not in ready:  # the process has ended without a result
                 break
             try:
                 message = self._ours.recv()
@@ -141,7 +144,7 @@ class _StepProcess:
         raise _ended_early(self._step, self._process.exitcode or 0)
 
     def interrupt(self) -> None:
-        """Let the step tidy up, for _PATIENCE_S."""
+        """Send the step SIGINT, upon which it has _PATIENCE_S to tidy up."""
         if self._ours.closed or self._patient_until < math.inf:
             return
         self._patient_until = time.monotonic() + _PATIENCE_S
@@ -149,7 +152,10 @@ class _StepProcess:
             os.kill(self._process.pid or 0, signal.SIGINT)
 
     def end(self) -> None:
-        """Wait for the step, and drop what it says meanwhile: a full pipe would hold it."""
+        """Wait for the interrupted step, then kill it.
+
+        What it sends meanwhile is read and dropped, as it would block on a full pipe.
+        """
         if self._ours.closed:
             return
         try:
@@ -157,17 +163,18 @@ class _StepProcess:
                 if not os.read(self._ours.fileno(), _PIPE_BYTES):
                     break
             self._process.join(self._left_s())
-        finally:  # also where Ctrl-C is pressed again
+        finally:  # also if Ctrl-C is pressed again
             self._close(0.0)
 
     def _left_s(self) -> float:
         return max(0.0, self._patient_until - time.monotonic())
 
     def _close(self, patience_s: float) -> None:
+        """Wait for the process to end by itself, then kill it and close what belongs to it."""
         try:
             self._process.join(patience_s)
         finally:
-            self._process.kill()  # nothing that is left to do there matters
+            self._process.kill()  # its result has arrived, or is not wanted any more
             self._process.join()
             self._ours.close()
             self._display.close()
@@ -224,7 +231,7 @@ class _Display:
 
 
 def _levels() -> dict[str, int]:
-    """Look up the level of each logger that has one."""
+    """Look up the level of every logger, to set the same in the step's process."""
     named = logging.root.manager.loggerDict
     loggers = {name: logger for name, logger in named.items() if isinstance(logger, logging.Logger)}
     return {name: logger.level for name, logger in {"root": logging.root, **loggers}.items()}
@@ -237,9 +244,21 @@ def _serve(
     levels: Mapping[str, int],
     environment: Mapping[str, str],
 ) -> None:
-    """Call the step's function in this process, which has just begun, and send what it leaves."""
+    """Call the step's function in this process, which has just begun, and send its result.
+
+    Parameters
+    ----------
+    connection
+        To the run's process.
+    call
+        The step and what it works on.
+    mark
+        Number of the step among those to do.
+    levels, environment
+        Levels of the loggers, and environment, of the run's process.
+    """
     end_with_parent()
-    os.environ.clear()  # that of the server is the one that its first run had
+    os.environ.clear()  # the fork server has the environment that the first run had
     os.environ.update(environment)
     call.executor.fork_workers()
     lock = threading.Lock()
@@ -259,7 +278,7 @@ def _serve(
             result = call_here(call, _ToldProgress(send), _ToldOutlook(mark, send))
     except BaseException as error:  # the run's process raises it
         result = _Failed(_that_pickles(error), "".join(traceback.format_exception(error)))
-    # it has ended: a signal that comes now is the run's
+    # The step has ended: a signal that comes now is for the run's process.
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     send(result)
 
@@ -302,7 +321,7 @@ class _ToldProgress(Progress):
 
 
 class _ToldOutlook(Outlook):
-    """Knows the number of the step, and tells the run's process that an earlier one made a part."""
+    """Outlook in the step's process: has its number, and reports parts made by an earlier run."""
 
     def __init__(self, mark: str, send: Callable[[object], None]) -> None:
         super().__init__()
@@ -317,7 +336,7 @@ class _ToldOutlook(Outlook):
 
 
 def _that_pickles(error: BaseException) -> BaseException:
-    """Return the error, or one with its words where it cannot be sent."""
+    """Return the error, or a RuntimeError with its text if it cannot be pickled."""
     try:
         pickle.loads(pickle.dumps(error))
     except Exception:

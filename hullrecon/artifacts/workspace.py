@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""RUNS/<dive>: where artifacts lie, who may write there, and what may not be overwritten."""
+"""RUNS/<dive>: where its artifacts are, the lock on it, and what may not be overwritten."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ __all__ = ["COMPARE_FOLDER", "PRIVATE", "PUBLISHED", "Workspace", "damaged_files
 PRIVATE = ".hullrecon"  # lock, hashes, where the package lies, folders under construction
 COMPARE_FOLDER = "compare"  # RUNS/<dive>/compare/<variant>: a workspace for each studied variant
 _LISTED = 3  # deliverables that a sentence names one by one
-_POLL_S = 0.2
+_POLL_S = 0.2  # between two tries to get the lock
 _REMEDY = "choose another folder with --runs, or another dive.name"
 
 
@@ -63,7 +63,7 @@ class Workspace:
 
     @contextmanager
     def lock(self, wait_s: float = 0.0) -> Iterator[Callable[[], bool]]:
-        """Hold the workspace. Yields a function that tells whether it is still held.
+        """Hold the lock of the workspace. Yields a function that says whether it is still held.
 
         Raises LockedError if another run holds it after wait_s, UsageError if the folder is not a
         run's own, StorageError if somebody removed it meanwhile.
@@ -108,10 +108,10 @@ class Workspace:
             raise UsageError(what, where=str(root), remedy=_REMEDY)
 
     def other_package(self, package: Path, files: Iterable[str]) -> Path | None:
-        """Find a different package that the last run read, if it still exists.
+        """Find the package that the last run read, if it is another one that still exists.
 
-        A package that has moved is the same package. `files` are what a folder must hold to be a
-        package, relative to it.
+        If the old folder is gone, the package has moved and is the same. `files`: relative paths
+        that a folder must have to be a package.
         """
         last = self.package
         with storage_errors(self.root):
@@ -125,7 +125,7 @@ class Workspace:
             write_file(self.root / PRIVATE / "workspace.json", noted)
 
     def tidy(self, names: Iterable[str]) -> None:
-        """Finish or undo what a killed run left half done."""
+        """Remove what a killed run was building, and finish or undo its half-done renames."""
         with storage_errors(self.root):
             remove(self.root / PRIVATE / "building")
             for unfinished in (self.root / PRIVATE).glob(temporary_name(Path("*")).name):
@@ -168,10 +168,10 @@ class Workspace:
         return folder / f"{name}-{number}"
 
     def publish(self, name: str, hashes: HashCache) -> str | None:
-        """Copy the artifact's `deliver` folder to the workspace's top, unless it lies there intact.
+        """Copy the artifact's `deliver` folder to the workspace's top, unless it is there intact.
 
-        Returns a sentence if others had changed or removed deliverables. Changed files are kept in
-        quarantine.
+        Files that others changed there are kept in quarantine. Returns a sentence about them, None
+        if there are none or the artifact delivers nothing.
         """
         manifest, delivery = self.manifest(name), self.delivery
         records = delivered_records(manifest) if manifest is not None else {}
@@ -205,10 +205,10 @@ def damaged_files(folder: Path, manifest: Manifest, hashes: HashCache) -> list[s
 
 @contextmanager
 def hold_lock(path: Path, wait_s: float = 0.0) -> Iterator[Callable[[], bool]]:
-    """Hold the lock `path`, which the kernel frees when its holder dies, however it dies.
+    """Hold the lock `path`, which the kernel frees when its holder dies, for whatever reason.
 
-    Yields a function that tells whether the lock is still held. It is not if somebody removed the
-    folder that it lies in.
+    Yields a function that says whether the lock is still held. It is not if somebody removed its
+    folder.
 
     Raises LockedError if another process holds it after `wait_s` seconds. An error inside the block
     becomes a StorageError if the folder was removed meanwhile.
@@ -229,13 +229,14 @@ def hold_lock(path: Path, wait_s: float = 0.0) -> Iterator[Callable[[], bool]]:
             raise removed_meanwhile(path.parent.parent) from error
         finally:
             with suppress(OSError):
-                os.truncate(descriptor, 0)  # a finished run holds no file without a checksum
+                # Every file of a finished run but this one has a checksum: leave it empty.
+                os.truncate(descriptor, 0)
     finally:
         os.close(descriptor)
 
 
 def _is_open_at(descriptor: int, path: Path) -> bool:
-    """Tell whether a path still names the file that is open."""
+    """Decide whether a path still names the file that is open."""
     try:
         return os.path.samestat(os.fstat(descriptor), os.stat(path))
     except OSError:
@@ -249,7 +250,10 @@ def removed_meanwhile(root: Path) -> StorageError:
 
 
 def _acquire(descriptor: int, path: Path, until: float) -> None:
-    """Take the lock, trying again until that time (s, monotonic). Raises LockedError then."""
+    """Take the lock, trying again until the time `until` (s, monotonic).
+
+    Raises LockedError if another process still holds it.
+    """
     while True:
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -24,8 +24,8 @@ from hullrecon.artifacts.disk import (
 from hullrecon.artifacts.documents import encode
 from hullrecon.artifacts.manifest import FILE_NAME
 
-_ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest date of a zip: no clock shows in an artifact
-_UNIX = 3
+_ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)  # a fixed date, the earliest of a zip: equal runs, equal bytes
+_UNIX = 3  # system in a zip member's header
 
 
 class ArtifactWriter:
@@ -72,13 +72,14 @@ class ArtifactWriter:
 
     @contextmanager
     def scratch(self) -> Iterator[BinaryIO]:
-        """Yield an empty file without a name, which is gone at the end of the `with`."""
+        """Yield an empty temporary file, which is gone at the end of the `with`."""
         with storage_errors(self._folder):
             make_folder(self._folder)
             with tempfile.TemporaryFile(dir=self._folder) as file:
                 yield cast(BinaryIO, file)
 
     def _place(self, name: str) -> Path:
+        """Locate a file of the artifact. Raises ValueError for a name that leads out of it."""
         parts = PurePosixPath(name).parts
         if not parts or parts[0] == "/" or ".." in parts or name == FILE_NAME:
             raise ValueError(f"{name!r} is no name for a file of an artifact")
