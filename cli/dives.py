@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Open the dive that a command names, and name --set in the errors that it caused."""
+"""Options that commands share, and the dive that a command names."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def runs_option(command: Command) -> Command:
 
 
 def jobs_option(what: str) -> Callable[[Command], Command]:
-    """Return --jobs for a command. what: of which there are so many."""
+    """Return the option --jobs for a command. what: the things that it counts, for the help."""
     return click.option(
         "--jobs",
         type=click.IntRange(min=1),
@@ -78,6 +78,8 @@ def open_dive(
 ) -> dive_run.DiveRun:
     """Open the dive of a package, or of a run by the package that it read last.
 
+    Errors in values of --set name --set as their place.
+
     Raises InputError when the target is neither, or names files outside that are not allowed;
     UsageError for a wrong configuration.
     """
@@ -90,9 +92,9 @@ def open_dive(
 
 
 def find_workspace(target: Path, runs: Path) -> Workspace:
-    """Return the workspace of a run, by its own folder or its package.
+    """Return the workspace of a run, given by its own folder or by its package.
 
-    The former needs no valid configuration.
+    With the run's folder no valid configuration is needed.
     """
     workspace = Workspace(target)
     return (
@@ -104,7 +106,11 @@ def find_workspace(target: Path, runs: Path) -> Workspace:
 def name_overrides(
     step_sections: Mapping[str, type[msgspec.Struct]], overrides: Sequence[str]
 ) -> Iterator[None]:
-    """Rewrite the UsageErrors of `load_config`: list the choices, and name --set if it was that."""
+    """Improve the UsageErrors of `load_config` raised inside the `with`.
+
+    For a wrong choice the possible values are listed. If the value was given by --set, the error
+    says so instead of naming dive.toml.
+    """
     try:
         yield
     except UsageError as error:

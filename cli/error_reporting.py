@@ -51,7 +51,7 @@ def exit_code_of(error: BaseException, state: CallState) -> int:
         )
     if isinstance(
         error, SystemExit
-    ):  # click: completion has been printed, or the reader of our output has left, as `head` does
+    ):  # click: completion has been printed, or the reader of our output has closed it, like `head`
         return error.code if isinstance(error.code, int) else UNEXPECTED
     path = write_fault_file(error, state.workspace)
     place = (
@@ -63,9 +63,9 @@ def exit_code_of(error: BaseException, state: CallState) -> int:
 
 
 def _as_known(error: BaseException) -> HullreconError | None:
-    """Return the error that a user can act on; None for a fault of ours.
+    """Convert to an error that a user can act on. None for an internal error.
 
-    A full disk, a missing permission or a lack of memory is one wherever it was met.
+    A full disk, a missing permission or a lack of memory can be acted on wherever it occurred.
     """
     from hullrecon.artifacts.machine import is_lack_of_memory
 
@@ -96,7 +96,7 @@ def _report(state: CallState, line: str, kind: str, code: int, **more: str) -> i
             state.emit(
                 {"error": {"kind": kind, "message": one_line, "exit_code": code, **more}}, ()
             )
-    # nobody can be told: standard error or output is full or closed; the exit code remains
+    # Standard error or output is full or closed: only the exit code can tell of the error.
     except OSError:
         pass
     return code

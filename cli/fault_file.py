@@ -19,7 +19,7 @@ _HOMES = re.compile(r"/(?:home|Users)/[^/\s\"']+|/root(?=[/\"'])")
 
 
 def write_fault_file(error: BaseException, workspace: Path | None) -> Path | None:
-    """Write the traceback without the names of users; None where no place takes it.
+    """Write the traceback of an error without user names. None if no folder can be written.
 
     workspace: RUNS/<dive>, where it goes once a run has begun there.
     """
@@ -36,6 +36,7 @@ def write_fault_file(error: BaseException, workspace: Path | None) -> Path | Non
 
 
 def _state_folder() -> Path:
+    """Locate the user's folder for the program's state, by the XDG convention."""
     given = os.environ.get("XDG_STATE_HOME", "")
     return (
         Path(given) if os.path.isabs(given) else Path(os.path.expanduser("~/.local/state"))
@@ -43,7 +44,7 @@ def _state_folder() -> Path:
 
 
 def _without_places(text: str) -> str:
-    """Replace what says whose machine it was: installation, current folder and homes."""
+    """Replace paths that identify the machine or user: installation, current folder, homes."""
     installed = Path(hullrecon.__file__).resolve().parents[1]
     places = {
         str(installed): "<hullrecon>",

@@ -22,7 +22,7 @@ PROGRAM = "hullrecon"
 
 
 class LazyGroup(click.Group):
-    """Commands are imported when they are called; their list comes from a table."""
+    """A group that imports a command only when it is called. Their list comes from a table."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
@@ -100,8 +100,7 @@ cli.params += common_options()
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit code."""
-    # One thread for BLAS: sums must not depend on the number of cores, and worker processes take
-    # the same.
+    # One thread for BLAS: sums must not depend on the number of cores. Worker processes inherit it.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     listen()
     write_out_what_cannot_be_encoded()

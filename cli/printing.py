@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Show names from other people's files on a terminal so that it does not obey them."""
+"""Print names from other people's files without the control codes that a terminal would execute."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _UNPRINTABLE = re.compile(
 
 
 def printable(text: str) -> str:
-    r"""Write out what a terminal would obey, `\u001b` for an escape; JSON stays the same JSON."""
+    r"""Replace control codes by escapes such as `\u001b`. JSON keeps its meaning."""
     return _UNPRINTABLE.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
 def write_out_what_cannot_be_encoded() -> None:
-    """Let standard output show a character that its encoding lacks as an escape."""
+    """Let standard output and error print characters that their encoding lacks as escapes."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")

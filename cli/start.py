@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""End the process with the exit code that was reported, also where Ctrl-C met its imports."""
+"""End the process with the exit code that was reported, also if Ctrl-C came during imports."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def start() -> NoReturn:
         from .main import main
 
         code = main()
-        # all is said: one that comes now changes nothing
+        # The result is printed: ignore a signal that comes now.
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, signal.SIG_IGN)
     except KeyboardInterrupt:  # before there was a command
@@ -29,8 +29,8 @@ def start() -> NoReturn:
         with suppress(OSError, ValueError):
             stream.flush()
     if code:
-        # Libraries whose import was cut short end the process with codes of their own, and a full
-        # standard output with 120.
+        # sys.exit may end with another code: a library whose import was interrupted, or a full
+        # standard output (120), would replace it.
         os._exit(code)
     sys.exit(code)
 

@@ -51,7 +51,7 @@ def state_of(context: click.Context | None = None) -> CallState:
 
 
 class _Stderr(logging.StreamHandler[TextIO]):
-    """Writes to what sys.stderr is at that moment: a progress bar puts itself in its place."""
+    """Writes to the present sys.stderr, which a progress bar replaces while it is shown."""
 
     @property
     def stream(self) -> TextIO:
@@ -59,7 +59,7 @@ class _Stderr(logging.StreamHandler[TextIO]):
 
     @stream.setter
     def stream(self, value: TextIO) -> None:
-        """Leave it: sys.stderr is always the one."""
+        """Ignore the assignment: the stream is always sys.stderr."""
 
 
 class _MessageFormatter(logging.Formatter):
@@ -97,10 +97,10 @@ def log_to_file(line: str) -> None:
 
 
 class _LogFile(logging.FileHandler):
-    """A log file that says once when it can no longer be written; the run goes on."""
+    """A log file that, if it can no longer be written, warns once and lets the run go on."""
 
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 (of logging.Handler)
-        """Say why, and write no more to it."""
+        """Warn of the error, and stop logging to the file."""
         error = sys.exc_info()[1]
         logging.getLogger("hullrecon").removeHandler(self)
         with suppress(OSError):
@@ -141,6 +141,7 @@ def add_common_options(command: click.Command) -> None:
 
 
 def common_options() -> list[click.Option]:
+    """Make the options that every command has."""
     file = click.Path(path_type=Path, dir_okay=False)
     return [
         _option("verbose", ["-v", "--verbose"], "say more"),
@@ -164,6 +165,8 @@ def _option(name: str, flags: list[str], text: str, file: click.Path | None = No
 
 
 def _setter(name: str) -> Callable[[click.Context, click.Parameter, object], object]:
+    """Make the callback of an option that sets the field `name` of the call's state."""
+
     def store(context: click.Context, parameter: click.Parameter, value: object) -> object:
         if value:
             state = state_of(context)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Memory that a process gives back: what was freed, and large arrays that stand in a file."""
+"""Reduce the memory of a process: return what was freed, and keep large arrays in files."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 Number = TypeVar("Number", bound=np.generic)
-_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # mallopt(3)
-_KEPT_BLOCK_BYTES, _KEPT_BYTES = 32 << 20, 256 << 20  # the largest block; all that is free
-LARGE_BYTES = 8 << 20  # of an array that stands in a file
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # parameters of mallopt(3)
+# Largest block, and all free memory, that the allocator keeps
+_KEPT_BLOCK_BYTES, _KEPT_BYTES = 32 << 20, 256 << 20
+LARGE_BYTES = 8 << 20  # size from which an array is kept in a file
 
 
 def return_free_memory() -> None:
@@ -33,10 +34,11 @@ def return_free_memory() -> None:
 
 
 def keep_free_memory() -> None:
-    """Keep freed memory for what is allocated next, in a process that does like work many times.
+    """Let this process keep freed memory for its next allocations, as in a worker's loop.
 
-    The allocator would return large blocks at once, and the system clear their pages anew: of
-    finding features that is a seventh of the time. C libraries other than glibc have no such call.
+    Otherwise the allocator returns large blocks at once, and the system clears their pages again at
+    the next allocation: a seventh of the time of finding features. C libraries other than glibc have
+    no such call.
     """
     with suppress(OSError, AttributeError):
         library = ctypes.CDLL(None)
@@ -45,16 +47,16 @@ def keep_free_memory() -> None:
 
 
 def empty_array(shape: tuple[int, ...], dtype: np.dtype[Number] | type[Number]) -> NDArray[Number]:
-    """Make an array whose values are still to be written, in a file where it is large.
+    """Make an array whose values are still to be written, in a mapped file if it is large.
 
-    The file has no name, and is gone with the array. Its pages count as the process's memory from
-    when they are used until `release_pages`. Raises OSError where the disk is full.
+    The file has no name, and is gone with the array. Pages that were used count as memory of the
+    process until `release_pages`. Raises OSError where the disk is full.
     """
     size = int(np.prod(shape)) * np.dtype(dtype).itemsize
     if size < LARGE_BYTES:
         return np.empty(shape, dtype)
     with tempfile.TemporaryFile(prefix="hullrecon-array-") as file:
-        # The disk's space is taken here: where there is none, writing to a page would end the
+        # Reserve the space on the disk: if it were full later, writing to a page would kill the
         # process.
         os.posix_fallocate(file.fileno(), 0, size)
         pages = mmap(file.fileno(), size)
@@ -62,7 +64,7 @@ def empty_array(shape: tuple[int, ...], dtype: np.dtype[Number] | type[Number]) 
 
 
 def release_pages(*arrays: NDArray[np.generic]) -> None:
-    """Take what arrays of `empty_array` hold out of memory. It is read again where it is used."""
+    """Remove arrays of `empty_array` from memory. Their pages are read again when used."""
     for array in arrays:
         base: object = array
         while isinstance(base, np.ndarray):

@@ -15,13 +15,13 @@ from hullrecon.errors import StorageError
 
 @contextmanager
 def new_folder(folder: Path) -> Iterator[Path]:
-    """Yield an empty folder whose content is in `folder` at the end; an exception removes it.
+    """Yield a temporary folder whose content is moved to `folder` at the end.
 
-    Raises StorageError when `folder` is there and not an empty folder, or when something cannot be
-    written.
+    After an exception it is removed, and `folder` is as it was. Raises StorageError if `folder`
+    exists and is not an empty folder, or if something cannot be written.
     """
     try:
-        # "." and links have no name that could be taken beside them
+        # Resolved, as a temporary name beside "." or a link could not be made from it.
         place = Path(os.path.realpath(folder))
         is_there = _is_there(place, folder)
         temporary = (
@@ -45,7 +45,7 @@ def new_folder(folder: Path) -> Iterator[Path]:
 
 
 def _is_there(place: Path, folder: Path) -> bool:
-    """Whether an empty folder is there. Raises StorageError when anything else is."""
+    """Decide whether an empty folder is there. Raises StorageError when anything else is."""
     if not os.path.lexists(place):
         return False
     if not place.is_dir():
@@ -55,10 +55,10 @@ def _is_there(place: Path, folder: Path) -> bool:
 
 
 def _move_up(temporary: Path, folder: Path) -> None:
-    """Move all that lies in a folder into the one above.
+    """Move everything in the folder `temporary` into its parent.
 
-    That one is not replaced: it may be a mount point, or the folder that somebody's shell is in.
-    Raises StorageError when more lies there.
+    The parent is kept, not replaced: it may be a mount point, or a shell's current folder. Raises
+    StorageError if it holds anything else by now.
     """
     _refuse_content(
         [name for name in os.listdir(temporary.parent) if name != temporary.name], folder

@@ -28,7 +28,7 @@ class Rows:
         return len(getattr(self, self._columns()[0]))
 
     def take(self, rows: Ints | Mask | slice) -> Self:
-        """Select rows of every column. Columns left empty stay so."""
+        """Select rows of every column. Empty columns stay empty."""
         kept = {name: _take(getattr(self, name), rows) for name in self._columns()}
         return replace(self, **kept)  # type: ignore[type-var]  # any dataclass
 
@@ -51,7 +51,10 @@ def _take(column: Any, rows: Ints | Mask | slice) -> Any:
 
 
 def _take_large(column: NDArray[Number], rows: Mask) -> NDArray[Number]:
-    """Select rows of a column that may stand in a file, into an array that may."""
+    """Select rows of a large column block by block, into an array of `empty_array`.
+
+    Both may be kept in files, so that neither has to fit into memory.
+    """
     out = empty_array((int(rows.sum()), *column.shape[1:]), column.dtype)
     filled = 0
     for first in range(0, len(rows), BLOCK):

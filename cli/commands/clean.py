@@ -61,7 +61,7 @@ def clean(
 
 
 def _ask(root: Path, names: list[str]) -> None:
-    """Ask on a terminal; raise UsageError for no, and where nobody can be asked."""
+    """Ask for confirmation. Raises UsageError if it is denied, or without a terminal."""
     listed = ", ".join(names)
     if not sys.stdin.isatty():
         remedy = "name the steps, or give --yes; --dry-run lists them"

@@ -70,6 +70,7 @@ def fleet(
 
 
 def _emit(result: FleetResult, lines: list[str]) -> None:
+    """Log the skipped entries, and print the lines and the summary, or the document."""
     for skipped in result.skipped:
         log.info(
             "%s",

@@ -121,7 +121,10 @@ def _end_unready(reasons: list[str]) -> None:
 
 
 class _Check(click.Command):
-    """Its help lists the options of a package's check as well, which are parsed by that command."""
+    """The command `check`, whose help also lists the options of `check_of_package`.
+
+    These are passed on and parsed by that command.
+    """
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         super().format_options(ctx, formatter)
@@ -168,7 +171,7 @@ def check(context: click.Context, target: Path, read_data: bool) -> None:
 
 @contextmanager
 def _verdict_in_any_case() -> Iterator[None]:
-    """Print a verdict also where an error came before it, as of a mistake in dive.toml."""
+    """Print a verdict also if an error, such as a mistake in dive.toml, prevents the check."""
     try:
         yield
     except HullreconError as error:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""evaluate, diff, export: what is asked of runs that have ended."""
+"""evaluate, diff, export: the commands that work on finished runs."""
 
 from __future__ import annotations
 

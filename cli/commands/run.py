@@ -117,7 +117,7 @@ def _outcome(outcome: StepOutcome) -> dict[str, object]:
 
 
 def _warning_lines(outcomes: Sequence[StepOutcome]) -> list[str]:
-    """Repeat every warning in one place: those of the log have scrolled away."""
+    """Repeat all warnings at the end: those logged during the run have scrolled away."""
     warnings = [
         (o.before.stage.name, w)
         for o in outcomes
@@ -189,6 +189,7 @@ def explain(
 
 
 def _document(dive: dive_run.DiveRun, plan: Sequence[StepStatus]) -> dict[str, object]:
+    """Describe the state of the steps for --json."""
     steps = [{"name": s.stage.name, "state": s.state, "reasons": s.reasons} for s in plan]
     return {"dive": dive.name, "workspace": str(dive.workspace.root), "steps": steps}
 

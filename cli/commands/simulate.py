@@ -16,6 +16,7 @@ from ..state import state_of
 
 
 def _with_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Add an option for each option of a simulated dive."""
     for option in reversed(options()):
         command = _click_option(option)(command)
     return command

@@ -64,6 +64,7 @@ def fields(stage: Stage) -> tuple[types.Field, ...]:
 
 
 def _help(stage: Stage) -> str:
+    """Write a step's help: what it does and which steps it reads."""
     what = f"{stage.summary[0].upper()}{stage.summary[1:]}."
     if not stage.inputs:
         return f"{what}\n\nReads the package alone."
@@ -93,6 +94,7 @@ def _option(field: types.Field) -> click.Option:
 
 
 def _metavar(kind: types.Type) -> str:
+    """Name the type of an option's value for the help, such as FLOAT or a|b."""
     kind, _ = unwrap_type(kind)
     if isinstance(kind, types.UnionType):
         return "|".join(_metavar(member) for member in kind.types)
@@ -118,6 +120,7 @@ def _bounds(kind: types.Type) -> str:
 
 
 def _toml(value: object) -> str:
+    """Write an option's value as --set reads it."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, tuple | list):

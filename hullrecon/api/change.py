@@ -18,7 +18,7 @@ DOCUMENT = "change.json"
 
 @dataclass(frozen=True, kw_only=True)
 class RunComparison:
-    """What changed, with both runs. Files are written with the second run's time."""
+    """What changed, with both runs."""
 
     change: HullChange
     first: FinishedRun
@@ -31,6 +31,8 @@ def diff(
     options: ChangeOptions = ChangeOptions(),  # noqa: B008
 ) -> RunComparison:
     """Find what changed on a hull from one run (RUNS/<dive>) to another.
+
+    options: sizes and significance of the changes that are looked for.
 
     Raises InputError if a run is not a finished run with a CAD model, or if the CAD models are of
     different hulls. Raises StageError if the runs saw too little of the same hull.

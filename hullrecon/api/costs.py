@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Predict what a run costs: time, memory and disk of each step, from the size of the dive.
 
-Each is a fixed part and one that grows with the dive, as measured on finished runs. The table is
+Each is a fixed part plus one proportional to the size, as measured on finished runs. The table is
 step_costs.json, which `python -m benchmarks.step_costs RUN... --json FILE` writes anew. It knows
-neither this machine's speed nor how much of the images overlaps, so what it says is "about".
+neither this machine's speed nor how much images overlap, so that predictions are approximate.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from hullrecon.steps.artifacts import IngestArtifact
 TABLE = "step_costs.json"
 QUANTITIES = ("seconds", "memory_mb", "disk_mb")
 DEFAULT_SHARE = 0.5  # of the machine's memory, for a run
-# Factor that a prediction may be off: a line through two short dives is no measurement of a long
-# one. A dive is refused where half of what is predicted is too much.
-DOUBT = 2.0
+# Factor by which a prediction may be too high: it extrapolates from short dives to long ones. A
+# dive is refused only if half of the predicted memory is too much.
+MAX_ERROR = 2.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class DiveSize:
-    """What the cost of a dive grows with."""
+    """The quantities with which the cost of a dive grows."""
 
     megapixels: float  # of all images of all cameras
     pings: int  # of the imaging sonar
@@ -43,7 +43,7 @@ class DiveSize:
 
 @dataclass(frozen=True, kw_only=True)
 class StepCost:
-    """About what a step takes."""
+    """The predicted cost of a step."""
 
     step: str
     seconds: float
@@ -74,6 +74,7 @@ def size_of_run(run: Path) -> DiveSize:
 
 @cache
 def _table() -> Mapping[str, Mapping[str, object]]:
+    """Read the table: for each step the quantity that it grows with, and a line for each cost."""
     text = (resources.files("hullrecon.api") / TABLE).read_text(encoding="utf-8")
     steps: Mapping[str, Mapping[str, object]] = json.loads(text)["steps"]
     return steps
@@ -93,14 +94,22 @@ def predict(size: DiveSize, steps: Iterable[str]) -> list[StepCost]:
 
 
 def _line(coefficients: object, grown: float) -> float:
+    """Evaluate a line (fixed part, slope) at the size of the dive."""
     fixed, slope = np.asarray(coefficients, float)
     return float(fixed + slope * grown)
 
 
 def fit_line(grown: Sequence[float], measured: Sequence[float]) -> NDArray[np.float64]:
-    """Fit fixed part and slope, neither negative, by least squares of relative errors.
+    """Fit the line of a cost, fixed part and slope, both non-negative.
 
-    One measurement gives a slope alone.
+    By least squares of relative errors. From one measurement, only a slope is fitted.
+
+    Parameters
+    ----------
+    grown
+        Size of each dive.
+    measured
+        Cost in each.
     """
     from scipy.optimize import nnls
 
@@ -113,7 +122,7 @@ def fit_line(grown: Sequence[float], measured: Sequence[float]) -> NDArray[np.fl
 
 
 def half_of_machine_gb() -> float:
-    """Half of the machine's memory, GB, the default of --memory."""
+    """Compute half of the machine's memory, GB: the default of --memory."""
     machine = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     return DEFAULT_SHARE * machine / 1e9
 
@@ -121,9 +130,19 @@ def half_of_machine_gb() -> float:
 def fit_together(
     steps: Collection[str], costs: Sequence[StepCost], memory_gb: float | None
 ) -> bool:
-    """Test whether steps may run beside each other: two, if both fit in what a run may take.
+    """Decide whether steps may run at the same time.
 
-    `memory_gb`: half of the machine's if None.
+    Two may, if the memory of both together is at most what a run may take. More may not, nor steps
+    whose cost is not known.
+
+    Parameters
+    ----------
+    steps
+        Their names.
+    costs
+        Predicted costs of the steps of the run.
+    memory_gb
+        What a run may take, half of the machine's if None.
     """
     allowed_gb = half_of_machine_gb() if memory_gb is None else memory_gb
     memory_mb = [cost.memory_mb for cost in costs if cost.step in steps]
@@ -135,10 +154,19 @@ def findings_of(
     memory_gb: float | None,
     beside: Iterable[tuple[str, str]] = (),
 ) -> list[Finding]:
-    """Tell what a run costs, and warn or refuse where a step needs more memory than it may take.
+    """Make the findings about the cost of a run: its figures, and a lack of memory.
 
-    `memory_gb`: half of the machine's if None. `beside`: steps that run beside each other if they
-    fit together.
+    A step that needs more memory than the run may take gives a warning, or an error if it needs
+    MAX_ERROR times as much.
+
+    Parameters
+    ----------
+    costs
+        Predicted costs of the steps that are to be run.
+    memory_gb
+        What a run may take, half of the machine's if None.
+    beside
+        Pairs of steps that run at the same time if they fit together.
     """
     if not costs:
         return []
@@ -163,7 +191,7 @@ def findings_of(
     allowed_gb = half_of_machine_gb() if memory_gb is None else memory_gb
     if most.memory_mb <= 1000 * allowed_gb:
         return [found]
-    is_beyond_doubt = most.memory_mb > DOUBT * 1000 * allowed_gb
+    is_certain = most.memory_mb > MAX_ERROR * 1000 * allowed_gb
     (least,) = predict(DiveSize(megapixels=0, pings=0), [most.step])
     values = {
         "step": most.step,
@@ -171,4 +199,4 @@ def findings_of(
         "allowed_gb": allowed_gb,
         "least_gb": least.memory_mb / 1000,  # whatever the dive's length
     }
-    return [found, Finding("memory-over-budget" if is_beyond_doubt else "memory-tight", values)]
+    return [found, Finding("memory-over-budget" if is_certain else "memory-tight", values)]

@@ -30,8 +30,9 @@ if TYPE_CHECKING:
     from hullrecon.evaluation.score import Score
 
 log = logging.getLogger(__name__)
-PRELOAD = ("hullrecon.steps.preload",)  # what the steps' processes begin with
-ASKS_FOR_HULL = frozenset({"hull", "hull.bow", "hull.pose"})  # among what a step uses
+PRELOAD = ("hullrecon.steps.preload",)  # modules that the processes of steps have imported
+# Keys by which a step uses where the hull lies: with one of them the hull is checked before the run
+ASKS_FOR_HULL = frozenset({"hull", "hull.bow", "hull.pose"})
 
 
 @dataclass(frozen=True)
@@ -93,8 +94,12 @@ def open_dive(
     ----------
     target
         Folder of the package, or of a run (RUNS/<dive>).
+    runs
+        Folder in which the dive's run has its own folder.
     overrides
         `section.key=value` in place of what dive.toml says.
+    allow_outside
+        Read also files outside the package that dive.toml names.
 
     Raises
     ------
@@ -201,7 +206,7 @@ def run(
     _warn_of_defaults(dive)
     if scheduler is None and jobs is None:
         jobs = usable_cores()
-    is_alone = scheduler is None and jobs == 1
+    is_alone = scheduler is None and jobs == 1  # all in this process
     processes = nullcontext(begin_here) if is_alone else step_processes(PRELOAD)
     chain = dive.chain if last_step is None else dive.chain.up_to(last_step)
     outlook = RunOutlook()
@@ -232,7 +237,7 @@ def run(
             wait_s=wait_s,
             preflight=prepare,
             before={
-                "navigate": lambda: costs.extend(_refuse_costs(dive, outlook, memory_gb, beside))
+                "navigate": lambda: costs.extend(_predict_costs(dive, outlook, memory_gb, beside))
             },
             keep_going=True,
         )
@@ -272,7 +277,7 @@ def _warn_of_defaults(dive: DiveRun) -> None:
 
 
 def _check_before_run(dive: DiveRun, to_do: Sequence[StepStatus], jobs: int | None) -> None:
-    """Log what is to be done, and detect early what would end the run later.
+    """Log what is to be done, and find errors early that would end the run hours later.
 
     Raises InputError for a `hull.bow` that the CAD model does not have and a `hull.pose` far from
     the dive, which steps only use after hours of comparing images. Raises StorageError if the disk
@@ -289,15 +294,15 @@ def _check_before_run(dive: DiveRun, to_do: Sequence[StepStatus], jobs: int | No
     _refuse_full_disk(dive, needed, "the last run's artifacts took")
 
 
-def _refuse_costs(
+def _predict_costs(
     dive: DiveRun,
     outlook: RunOutlook,
     memory_gb: float | None,
     beside: Iterable[tuple[str, str]],
 ) -> list[StepCost]:
-    """Log what the steps to do cost, by the size of the dive, and refuse what does not fit.
+    """Predict and log the costs of the steps to do, by the size of the dive.
 
-    Raises InputError as `check` would for too little memory, StorageError for too little disk.
+    Raises InputError for too little memory, as `check` would, StorageError for too little disk.
     """
     if not outlook.steps:
         return []
@@ -317,7 +322,7 @@ def _refuse_costs(
 def _fit_together(
     steps: Collection[str], costs: Sequence[StepCost], memory_gb: float | None
 ) -> bool:
-    """Test whether steps may run beside each other. False before it is known what they cost."""
+    """Decide whether steps may run at the same time. False before their costs are predicted."""
     if not costs:
         return False
     from hullrecon.api.costs import fit_together
@@ -326,6 +331,7 @@ def _fit_together(
 
 
 def _refuse_full_disk(dive: DiveRun, needed: float, why: str) -> None:
+    """Raise StorageError if less than `needed` bytes are free. `why` begins the remedy."""
     free = shutil.disk_usage(dive.workspace.root).free
     if needed > free:
         raise StorageError(
@@ -337,6 +343,7 @@ def _refuse_full_disk(dive: DiveRun, needed: float, why: str) -> None:
 
 
 def _refuse_wrong_hull(dive: DiveRun) -> None:
+    """Raise InputError for a hull.pose far from the dive, or a hull.bow that the mesh lacks."""
     from hullrecon.dive.check.hull_checks import describe_bow, refuse_far_hull
     from hullrecon.dive.config.schema import Hull
     from hullrecon.dive.hull.load import read_hull

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from hullrecon.adjustment.results.undistorted_model import ImageNames, UndistortedModel
 
 JPEG_QUALITY = 95
-# where COLMAP and OpenMVS look for the model, and where trainers of Gaussian splats do
+# Folders of the model: for COLMAP and OpenMVS, and for trainers of Gaussian splats
 SPARSE = ("sparse", "sparse/0")
 # folders that COLMAP's stereo fills but does not create
 STEREO = ("depth_maps", "normal_maps", "consistency_graphs")
@@ -41,7 +41,9 @@ class ExportedModel:
     images: int
     points: int
     observations: int
-    lost_observations: int  # outside the undistorted images, which show less
+    lost_observations: (
+        int  # that lie outside the undistorted images, whose field of view is smaller
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +83,8 @@ def export_colmap(
     """Write a COLMAP workspace of a finished run (RUNS/<dive>) into a new or empty folder.
 
     It holds undistorted images, the model with pinhole cameras, and the files that COLMAP's stereo
-    needs. The folder appears once all of it is written.
+    needs. The folder appears once all of it is written. `jobs`: worker processes, one a core if
+    None.
 
     Raises
     ------
@@ -152,7 +155,10 @@ def _work_of(
 
 
 def _write_stereo(folder: Path, names: Sequence[str]) -> None:
-    """Write the files that COLMAP's patch_match_stereo and stereo_fusion read, and folders."""
+    """Write the files that COLMAP's patch_match_stereo and stereo_fusion need, and their folders.
+
+    names: of all images.
+    """
     for name in STEREO:
         (folder / name).mkdir(parents=True)
     (folder / "patch-match.cfg").write_text("".join(f"{name}\n{SOURCES}\n" for name in names))

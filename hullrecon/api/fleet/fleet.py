@@ -39,10 +39,12 @@ from hullrecon.errors import HullreconError, InputError, LockedError, StageError
 
 log = logging.getLogger(__name__)
 FOLDER = ".fleet"  # in RUNS, no dive can have this name
-# Exit codes of failures that package or program cause. Other causes (a full disk, a lock, a kill)
-# may be gone by the next call.
+# Exit codes of failures whose cause is in package or program. Other causes (a full disk, a lock, a
+# kill) may be gone by the next call.
 LASTING = (1, 2, 3, 4)
-TRIED_AGAIN_S = 86_400.0  # such a failure may have another cause after all, such as lack of memory
+# Time after which such a failure is tried again: it may have had another cause, such as a lack of
+# memory
+TRIED_AGAIN_S = 86_400.0
 ABOVE_REMEDY = "choose another folder with --runs"
 
 
@@ -58,9 +60,9 @@ class DiveRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """How a dive ended last, with the state of package, result and program at that time."""
 
     name: str | None
-    package: str  # signature of the package's files, as are result's and program's
-    result: str
-    program: str
+    package: str  # signature (hash of names, sizes and times) of the package's files
+    result: str  # of the files of its run
+    program: str  # of hullrecon's own files
     exit_code: int
     reason: str
     refused: bool  # it was not run
@@ -68,11 +70,10 @@ class DiveRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     allow_outside: bool = False
     time_limit_s: float | None = None  # the limit that ended it, None if no limit did
 
-    def holds(self, terms: Terms) -> bool:
-        """Test whether a failure would most likely recur under these terms.
+    def is_likely_to_recur(self, terms: Terms) -> bool:
+        """Decide whether a failed dive, run again unchanged, would most likely fail again.
 
-        Not after TRIED_AGAIN_S, nor if the terms allow more time or files outside for the first
-        time.
+        It may not after TRIED_AGAIN_S, or if the terms now allow more time, or files outside.
         """
         more_time = self.time_limit_s is not None and (
             terms.time_limit_s is None or terms.time_limit_s > self.time_limit_s
@@ -95,7 +96,7 @@ class FleetRecords:
             document = unseal(self._path.read_bytes())
             self._records = msgspec.convert(document, dict[str, DiveRecord])
         except (OSError, DamagedArtifactError, msgspec.ValidationError):
-            self._records = {}  # which costs a look at each dive
+            self._records = {}  # each dive then counts as new
 
     def get(self, package: Path) -> DiveRecord | None:
         return self._records.get(as_utf8(package))
@@ -122,7 +123,7 @@ class PlannedDive:
     package: Path  # absolute
     name: str | None  # of the dive, None if dive.toml is not valid
     listing: Listing
-    to_do: str = ""  # why it is run, empty if it is not
+    to_do: str = ""  # why it is to be run, empty if it is not
     refused: HullreconError | None = None  # why it may not be run
     record: DiveRecord | None = None  # how it ended last, None if unknown
 
@@ -159,12 +160,24 @@ def run_fleet(
 
     Parameters
     ----------
+    dives
+        Folder of the packages.
+    runs
+        Folder of the results.
     jobs
         Dives at a time. Each has its share of the cores.
+    scheduler
+        Address of a Dask scheduler in place of the cores.
     retry
-        Run also what failed before and has not changed since.
+        Run also dives that failed before and have not changed since.
+    progress
+        Shows how many dives have ended, nothing if None.
+    on_failure
+        Called with each dive that has failed.
+    allow_outside
+        Read also files outside the packages.
     time_limit_s
-        A dive that takes longer is ended and has failed.
+        A dive that takes longer is ended and counts as failed.
 
     Raises
     ------
@@ -179,12 +192,12 @@ def run_fleet(
     """
     terms = Terms(allow_outside=allow_outside, time_limit_s=time_limit_s)
     out = Path(os.path.realpath(runs))
-    _packages(Path(os.path.realpath(dives)), out)  # a wrong folder is said before writing
+    _packages(Path(os.path.realpath(dives)), out)  # raises for a wrong folder before any writing
     with _lock(out):
         fleet = _Fleet(dives, runs, retry=retry, terms=terms, on_failure=on_failure)
         to_do = {dive.package: dive for dive in fleet.planned if dive.to_do}
         if scheduler is not None and to_do:
-            choose_executor(scheduler=scheduler).close()  # where nobody answers it ends here
+            choose_executor(scheduler=scheduler).close()  # raises if no scheduler answers
         for dive in fleet.planned:
             if not dive.to_do:
                 fleet.note(dive, fleet.done[dive.package])
@@ -230,7 +243,7 @@ class _Fleet:
         packages, self._skipped = _packages(self.dives, self.runs)
         self.planned = self._plan(packages, retry)
         self._records.forget_all_but(self.dives, packages)
-        self.done = {dive.package: self._before(dive) for dive in self.planned}
+        self.done = {dive.package: self._initial_state(dive) for dive in self.planned}
 
     def _plan(self, packages: list[Path], retry: bool) -> list[PlannedDive]:
         """Read the dives' names, and decide of each dive whether it is run, and why."""
@@ -253,7 +266,7 @@ class _Fleet:
         return planned
 
     def _why_run(self, dive: PlannedDive, retry: bool) -> str:
-        """Say why a dive is run. Empty if its last result or failure still stands."""
+        """Say why a dive is to be run. Empty if its last result or failure is still valid."""
         record = dive.record
         if record is None:
             return "new"
@@ -262,17 +275,18 @@ class _Fleet:
         if record.program != self._program:
             return "hullrecon changed"
         if record.exit_code:
-            return "it failed before" if retry or not record.holds(self._terms) else ""
+            return "it failed before" if retry or not record.is_likely_to_recur(self._terms) else ""
         return "" if record.result == self._result_signature(dive) else "the result changed"
 
     def _result_signature(self, dive: PlannedDive) -> str:
+        """Hash names, sizes and times of the files of a dive's run. Empty without a name."""
         if dive.name is None:
             return ""
         folder = self.runs / dive.name
         return list_folder(folder, folder, MADE_BY_RUNS).signature
 
-    def _before(self, dive: PlannedDive) -> FleetDive:
-        """Describe a dive that is not run, or not yet."""
+    def _initial_state(self, dive: PlannedDive) -> FleetDive:
+        """Describe a dive before this call has run any: to do, refused, or as it ended last."""
         record = dive.record
         if dive.refused is not None:
             code, reason = dive.refused.exit_code, dive.refused.line()
@@ -341,7 +355,7 @@ class _Fleet:
     ) -> FleetDive:
         """Describe a dive. If its run ended early, deliver/ is not from that run."""
         path = _log_file(dive, self.runs)
-        # a step that fails alone, such as a mosaic, leaves the rest delivered
+        # After a step that fails alone, such as a mosaic, all else is delivered.
         is_whole = code == 0 or (code == StageError.exit_code and not ended_early)
         return FleetDive(
             package=dive.package,
@@ -368,6 +382,7 @@ class _Fleet:
 
 
 def _is_known(record: DiveRecord | None, code: int, reason: str) -> bool:
+    """Decide whether a dive ended in the same way the last time."""
     return record is not None and (record.exit_code, record.reason) == (code, reason)
 
 
@@ -425,10 +440,10 @@ def _lock(runs: Path) -> Iterator[None]:
 def _command(
     dive: PlannedDive, runs: Path, scheduler: str | None, terms: Terms, cores: int
 ) -> list[str]:
-    """Build the arguments that run a dive, or that explain what is wrong with its dive.toml.
+    """Build the arguments of hullrecon that run a dive, or that say what is wrong in its dive.toml.
 
-    The dive's name is passed on, as it was compared with all others' and dive.toml may change
-    meanwhile.
+    The dive's name is given as an argument: it was compared with those of all other dives, and
+    dive.toml may have changed since.
     """
     if dive.name is None:
         return ["status", str(dive.package), "--runs", str(runs)]

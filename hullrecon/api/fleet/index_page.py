@@ -21,11 +21,11 @@ from hullrecon.artifacts.workspace import PUBLISHED
 
 FILE = "index.html"
 REPORT = Path(PUBLISHED) / "report" / "index.html"
-REFUSED = "the CAD model does not fit"
-MIN_WEAK_M = 0.1  # a smaller sigma of the position is not listed
-_LARGEST_BYTES = 1 << 26
+REFUSED = "the CAD model does not fit"  # begins the reason of an absent alignment.json
+MIN_WEAK_M = 0.1  # smallest sigma of the position that is listed
+_LARGEST_BYTES = 1 << 26  # of a document that is read
 Kind = TypeVar("Kind", bound=msgspec.Struct)
-_WORDS = {
+_WORDS = {  # words of each kind of row, in the order of the table
     "failed": "failed",
     "running": "running",
     "stale": "out of date",
@@ -39,18 +39,21 @@ class IndexRow:
     """One dive in the table."""
 
     name: str
-    kind: str  # a key of _WORDS, for the colour
-    state: str
-    reason: str = ""
-    about: str = ""
-    findings: tuple[str, ...] = ()
-    largest_m: float = 0.0
+    kind: str  # a key of _WORDS, for order and colour
+    state: str  # in words
+    reason: str = ""  # why it failed or is to be run
+    about: str = ""  # vessel and date
+    findings: tuple[str, ...] = ()  # sentences
+    largest_m: float = 0.0  # height of the largest object
     link: str = ""  # relative address of its report
     link_text: str = "report"
 
 
 class FleetIndex:
-    """The page of one folder of runs. A result is read once, and again after its dive has ended."""
+    """The page of one folder of runs.
+
+    The findings of a dive are read once, and again after the dive has ended.
+    """
 
     def __init__(self, runs: Path) -> None:
         self._runs = runs
@@ -74,9 +77,9 @@ class FleetIndex:
             write_file(self._runs / FILE, render_index(rows).encode())
 
     def _row(self, dive: FleetDive, running: bool) -> IndexRow:
-        kind, state, current = _state(dive, running)
+        kind, state, current = _row_state(dive, running)
         name = dive.name or dive.package.name
-        return self._with_result(
+        return self._make_row(
             name,
             kind,
             state,
@@ -92,17 +95,27 @@ class FleetIndex:
             if path.name not in names and not path.name.startswith(".") and path.is_dir()
         )  # fmt: skip
         rows = [
-            self._with_result(name, "done", "done, not of this fleet", "", True, name)
+            self._make_row(name, "done", "done, not of this fleet", "", True, name)
             for name in there
         ]
         return [row for row in rows if row.link]
 
-    def _with_result(
+    def _make_row(
         self, shown: str, kind: str, state: str, reason: str, current: bool, name: str | None
     ) -> IndexRow:
         """Make the row of a dive with the findings of its result.
 
-        A result of an earlier package (not `current`) is linked, but its findings are left out.
+        Parameters
+        ----------
+        shown
+            Name in the table.
+        kind, state, reason
+            As in IndexRow.
+        current
+            Whether the result is of the present package. If not, it is linked, but its findings are
+            left out.
+        name
+            Of its folder in RUNS, None if unknown.
         """
         found = None
         if name is not None:
@@ -128,8 +141,8 @@ class FleetIndex:
         )
 
 
-def _state(dive: FleetDive, running: bool) -> tuple[str, str, bool]:
-    """Choose kind and words of a dive, and tell whether its result is of its present package."""
+def _row_state(dive: FleetDive, running: bool) -> tuple[str, str, bool]:
+    """Choose kind and state of a dive's row, and whether its result is of the present package."""
     if running:
         return "running", "running", False
     if dive.state == "failed":
@@ -237,6 +250,7 @@ def read_findings(deliver: Path) -> DiveFindings | None:
 
 
 def _of_objects(count: int, largest: _Object) -> str:
+    """Write the sentence about the objects, with height and place of the largest."""
     sigma = "" if largest.height_sigma is None else f" ± {largest.height_sigma:.3f}"
     kind = "height" if largest.height >= 0 else "depth"
     where = f", {largest.address}" if largest.address else ""

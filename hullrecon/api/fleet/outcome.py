@@ -28,7 +28,7 @@ class FleetDive:
     known: bool  # the last call found the same failure
     files: tuple[str, ...]  # of the package, relative to it
     log: Path | None  # of its last run, None without a log
-    delivered: bool  # deliver/ is of its last run, which may have failed in a step of its own
+    delivered: bool  # deliver/ is of its last run, in which a step may have failed alone
 
     def line(self) -> str:
         """Describe a failed dive in one line, whatever its names and messages hold."""

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Find the dive packages of a folder, read their names, and notice when files change.
 
-The folder is written by others. Names are data, links that leave it are not followed, and nothing
-but a regular file is opened.
+The folder may be written by people who are not trusted: links that leave it are not followed, and
+only regular files are opened.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from hullrecon.errors import InputError, UsageError
 from hullrecon.version import version
 
 FILE = "dive.toml"
-# The TOML parser takes minutes for a key of ten thousand parts (143 s for 64 KiB), and it runs in
-# the fleet's own process.
+# Limits of a dive.toml. The TOML parser takes minutes for a key with ten thousand dots (143 s for
+# 64 KiB), and it runs in the fleet's own process.
 MAX_BYTES = 65_536
-MAX_DOTS = 200
+MAX_DOTS = 200  # in a line
 MADE_BY_RUNS = (".hullrecon", "logs", "quarantine")  # in RUNS/<dive>, next to the artifacts
 NAME_TYPE = get_type_hints(Dive, include_extras=True)["name"]
 
@@ -46,14 +46,14 @@ def as_utf8(path: str | os.PathLike[str]) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Skipped:
-    """An entry of the folder of dives that is not looked at, with the reason."""
+    """An entry of the folder of dives that is not used, with the reason."""
 
     path: Path
     reason: str
 
 
 def find_packages(dives: Path) -> tuple[list[Path], list[Skipped]]:
-    """Find the folders in `dives` that hold a dive.toml, and what is skipped, by name.
+    """Find the folders in `dives` that hold a dive.toml, and the other entries, both by name.
 
     `dives` is an absolute path without links. Raises InputError when it cannot be listed.
     """
@@ -92,7 +92,7 @@ def _why_not(
 
 
 def read_name(package: Path, dives: Path) -> str | None:
-    """Read the dive's name. None if dive.toml is not valid, which `status` explains better.
+    """Read the dive's name. None if dive.toml is not valid: `hullrecon status` then says why.
 
     Raises InputError if dive.toml is no regular file inside `dives`, UsageError if it is too large
     or has too many dots in a line.
@@ -161,6 +161,7 @@ def program_signature() -> str:
 
 
 def _mark(status: os.stat_result) -> bytes:
+    """Encode a file's kind, size, time of modification and inode for a signature."""
     kind = stat.S_IFMT(status.st_mode)
     return b"\0%d %d %d %d\n" % (kind, status.st_size, status.st_mtime_ns, status.st_ino)
 
@@ -176,7 +177,11 @@ def _walk(
     seen: set[tuple[int, int]],
     leave_out: tuple[str, ...] = (),
 ) -> Iterator[tuple[str, os.stat_result]]:
-    """Yield each file below a folder, and each link without a target, with its status, by name."""
+    """Yield each file below a folder, and each link without a target, with its status, by name.
+
+    Links to folders are followed if they lead into `inside`. `seen`: device and inode of the
+    folders visited, which are not visited again.
+    """
     try:
         entries = sorted(os.scandir(folder), key=lambda entry: os.fsencode(entry.name))
     except OSError:

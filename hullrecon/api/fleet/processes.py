@@ -29,8 +29,8 @@ _CODE = (
 )
 # -P: a numpy.py in the folder where the fleet was started is not imported
 PROGRAM = (sys.executable, "-P", "-c", _CODE)
-_POLL_S = 0.05
-_PATIENCE_S = 30.0  # to end after SIGTERM
+_POLL_S = 0.05  # between two looks at the running commands
+_PATIENCE_S = 30.0  # that a command has to end after SIGTERM
 _PR_SET_PDEATHSIG = 1
 _MAX_ANSWER = 1 << 22  # bytes of a command's document that are read
 
@@ -61,11 +61,22 @@ def run_each(
     time_limit_s: float = math.inf,
     on_start: Callable[[Key], None] | None = None,
 ) -> Generator[tuple[Key, Ended], None, None]:
-    """Run hullrecon with each of these arguments, `jobs` at a time. Yield each as it ends.
+    """Run commands of hullrecon, `jobs` at a time. Yield the key and the end of each as it ends.
 
-    A command that takes longer than time_limit_s is ended, and so is what still runs when the
-    generator is closed. `commands`: arguments of each command, by key. `scratch`: folder for what
-    the commands print.
+    Commands that are still running when the generator is closed are ended.
+
+    Parameters
+    ----------
+    commands
+        Arguments of each command, by key.
+    jobs
+        Commands at a time.
+    scratch
+        Folder for temporary files with their output.
+    time_limit_s
+        A command that takes longer is ended.
+    on_start
+        Called with the key of each command that was started.
     """
     waiting, running = deque(commands.items()), list[_Running[Key]]()
     try:
@@ -94,13 +105,14 @@ def run_each(
 
 
 def end_with_parent(parent: int) -> None:
-    """Have the kernel end this process when its parent ends, even by SIGKILL."""
+    """Let the kernel end this process by SIGTERM when its parent ends, even if that was killed."""
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
     if os.getppid() != parent:
         os.kill(os.getpid(), signal.SIGTERM)
 
 
 def _start(key: Key, arguments: Sequence[str], scratch: Path) -> _Running[Key]:
+    """Start a command, with its output and errors in temporary files."""
     output = tempfile.TemporaryFile(dir=scratch)  # noqa: SIM115  closed when the command has ended
     errors = tempfile.TemporaryFile(dir=scratch)  # noqa: SIM115
     command = [*PROGRAM, str(os.getpid()), "--quiet", "--json", *arguments]
@@ -146,13 +158,14 @@ def _message(output: IO[bytes]) -> str:
 
 
 def _last_line(errors: IO[bytes]) -> str:
+    """Read the last line that a command printed as an error."""
     errors.seek(max(0, errors.seek(0, os.SEEK_END) - 4096))
     lines = errors.read().decode(errors="replace").split("\n")
     return next((line.strip() for line in reversed(lines) if line.strip()), "it said nothing")
 
 
 def _terminate(running: Sequence[_Running[Key]]) -> None:
-    """End processes by SIGTERM, which keeps finished steps. What does not react is killed."""
+    """End commands by SIGTERM, upon which finished steps are kept. After _PATIENCE_S kill them."""
     for run in running:
         run.process.terminate()
     until = time.monotonic() + _PATIENCE_S
