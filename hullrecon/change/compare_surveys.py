@@ -23,11 +23,11 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.change import ChangeMap, HullChange, HullSurvey
 from hullrecon.typing import Array, Mask
 
-MARGIN_M = 0.3  # around what either survey saw
-MAX_CELLS = 40_000_000  # of the lattice, a larger survey is compared on wider cells
-MOST_VERTICES = 20_000  # of a CAD model that are looked for on another one, about
-SAME_CAD_M = 0.002  # CAD models nowhere farther apart than this are of one hull
-Address = Callable[[Array, AddressSigma], str]
+MARGIN_M = 0.3  # of the lattice around what either survey saw
+MAX_CELLS = 40_000_000  # of the lattice; a larger survey is compared on larger cells
+MOST_VERTICES = 20_000  # of a CAD model whose distance to another one is measured, about
+SAME_CAD_M = 0.002  # largest distance between CAD models that are taken to be of one hull
+Address = Callable[[Array, AddressSigma], str]  # names a point (3,) of M, no finer than the sigma
 
 
 def compare_surveys(
@@ -38,8 +38,21 @@ def compare_surveys(
 ) -> HullChange:
     """Find what changed between two surveys of one hull.
 
-    Raises StageError if they saw too little of the same hull. `first, second`: the surveys, each in
-    its own hull frame M. `address`: names a point (3,) of M in words, no finer than a sigma.
+    The offset between the two surveys is estimated first, and is no change of the hull.
+
+    Parameters
+    ----------
+    first, second
+        The surveys, each in its own hull frame M.
+    address
+        Names a point (3,) of M in words, no finer than a sigma.
+    options
+        Thresholds of a change.
+
+    Raises
+    ------
+    StageError
+        They saw too little of the same hull.
     """
     chart = first.chart
     seen = [seen_points(survey, chart)[0][:, :2] for survey in (first, second)]
@@ -50,17 +63,17 @@ def compare_surveys(
         )
     lattice = _lattice(np.vstack(seen), options)
     options = replace(options, cell_m=lattice.step_m)
-    # Where the second survey lies in the first survey's frame
+    # Estimate the second survey's offset in the first survey's frame
     before = relief_on(lattice, chart, first)
     offset = estimate_offset(
         first, second, chart, lattice, (before, relief_on(lattice, chart, second))
     )
-    # What differs there
+    # Subtract the surveys and find regions that differ
     after = relief_on(lattice, chart, second, offset.first_from_second)
     found = difference(before, after, options)
     places = max(1, round(float(found.both.sum()) * options.cell_m**2 / options.min_area_m2))
     regions = changed_regions(found, places, options)
-    # What these differences mean for objects and for bare hull
+    # Conclude what became of objects and of bare hull
     context = ObjectComparison(
         chart=chart,
         lattice=lattice,
@@ -71,7 +84,7 @@ def compare_surveys(
     )
     objects = compare_objects(first, second, regions, context)
     moves = surface_moves(found, regions, chart, lattice, offset, options)
-    # the offset's prior is the sum of both hull poses', and a place has the error of one
+    # The offset's prior covariance is the sum of both hull poses', an address has the error of one.
     place = AddressSigma(
         along=float(np.sqrt(offset.prior_covariance[0, 0] / 2)), girth=0.05, depth=0.1
     )
@@ -96,7 +109,7 @@ def compare_surveys(
 
 
 def _lattice(seen: Array, options: ChangeOptions) -> Lattice:
-    """Lay cells of cell_m over what was seen, or larger ones where they would be too many."""
+    """Lay cells with sides of cell_m over seen points (n, 2), larger ones if they were too many."""
     lattice = lattice_around(seen, options.cell_m, MARGIN_M)
     more = np.prod(lattice.shape) / MAX_CELLS
     return (

@@ -14,10 +14,10 @@ from hullrecon.change.relief import Relief, local_median
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.typing import Array, Mask
 
-CELL_SIGMAS = 3.0  # by which a cell of a region must have changed
-RING_M = 0.15  # width of the ring of hull around a structure
-RING_CELLS = 8  # of the hull around a structure count as independent, at most
-TOP_SHARE = 0.8  # of the largest change: what reaches so much is its top
+CELL_SIGMAS = 3.0  # least change of each cell of a region, in its sigmas
+RING_M = 0.15  # width of the ring of unchanged hull around a structure
+RING_CELLS = 8  # most cells of that ring that count as independent measurements of its level
+TOP_SHARE = 0.8  # cells that change at least this share of the largest change are the top
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,17 +27,21 @@ class Difference:
     first: Relief  # relief of the first survey
     second: Relief  # relief of the second, in the first's frame
     total: Array  # m, second minus first
-    form: Array  # m, its part wider than a structure
-    local: Array  # m, the rest
-    # m, of the second outside the range of the first's heights within an edge's reach, 0 inside
+    form: Array  # m, the part of `total` that is wider than a structure: its running median
+    local: Array  # m, the rest: structures
+    # m, how far the second survey's height is outside the range of the first's heights within
+    # edge_m: 0 inside, so that a shifted edge is no change
     beyond: Array
-    sigma: Array  # m, of local
-    both: Mask  # both surveys looked at it well enough
-    bare: Mask  # no structure of the first survey
+    sigma: Array  # m, of `local`
+    both: Mask  # both surveys saw the cell well enough
+    bare: Mask  # the first survey shows no structure in the cell
 
 
 def difference(first: Relief, second: Relief, options: ChangeOptions) -> Difference:
-    """Subtract the first survey from the second on cells of the same places."""
+    """Subtract the first survey from the second, on the same cells, and split the difference.
+
+    The sigma of a cell is that of both surveys, plus the robust sigma of all differences.
+    """
     total, width = second.height - first.height, round(options.smooth_m / options.cell_m)
     form = local_median(total, width)
     local = total - form
@@ -60,7 +64,7 @@ def difference(first: Relief, second: Relief, options: ChangeOptions) -> Differe
 
 
 def well_seen(relief: Relief, options: ChangeOptions) -> Mask:
-    """Mark cells (a, g) at which a survey would have shown a structure.
+    """Select cells (a, g) at which a survey would have shown a structure.
 
     It takes enough images and a surface that is known well enough.
     """
@@ -69,9 +73,21 @@ def well_seen(relief: Relief, options: ChangeOptions) -> Mask:
 
 
 def _beyond(height: Array, of: Array, cells: int) -> Array:
-    """Measure how far heights (a, g) lie outside the other survey's range of heights around (71).
+    """Measure how far heights (a, g) lie outside the range of the other survey around them (71).
 
-    `of`: heights of the other survey. `cells`: radius of the neighbourhood.
+    Parameters
+    ----------
+    height
+        Heights of one survey.
+    of
+        Heights of the other one.
+    cells
+        Radius of the neighbourhood in which the range of `of` is taken.
+
+    Returns
+    -------
+    beyond
+        m, positive above the range, negative below, 0 inside, NaN where either is unknown.
     """
     from scipy.ndimage import maximum_filter, minimum_filter
 
@@ -91,19 +107,22 @@ def _beyond(height: Array, of: Array, cells: int) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class ChangedRegion:
-    """Cells (a, g) that changed as a structure does."""
+    """A connected region of cells (a, g) at which a structure changed."""
 
     cells: Mask
-    top: Mask  # (a, g) where it changed most
-    change: float  # m
-    sigma: float  # m
-    before: float  # m, height of the first survey above the hull around
-    after: float  # m, of the second
-    p_value: float  # over all places
+    top: Mask  # (a, g) cells that changed most
+    change: float  # m, of the top relative to the hull around
+    sigma: float  # m, of the change
+    before: float  # m, height of the top above the hull around in the first survey
+    after: float  # m, the same in the second survey
+    p_value: float  # of the change, corrected for the number of places tested
 
 
 def changed_regions(found: Difference, places: int, options: ChangeOptions) -> list[ChangedRegion]:
-    """Find regions that changed beyond both surveys' errors, given the number of places tested."""
+    """Find regions that changed beyond both surveys' errors, the largest change first.
+
+    places: number of places tested, for which p-values are corrected.
+    """
     from scipy import ndimage
 
     threshold = np.maximum(options.min_change_m, CELL_SIGMAS * found.sigma)
@@ -119,7 +138,9 @@ def changed_regions(found: Difference, places: int, options: ChangeOptions) -> l
                 cells = np.zeros(label.shape, bool)
                 cells[window] = part
                 regions.append(
-                    measure(found, cells, _most(side * found.local, cells), places, options, off)
+                    measure(
+                        found, cells, _near_largest(side * found.local, cells), places, options, off
+                    )
                 )
     good = [
         r
@@ -129,16 +150,21 @@ def changed_regions(found: Difference, places: int, options: ChangeOptions) -> l
     return sorted(good, key=lambda region: -abs(region.change))
 
 
-def _most(values: Array, cells: Mask) -> Mask:
-    """Select the cells whose values are at least TOP_SHARE of nearly the largest."""
+def _near_largest(values: Array, cells: Mask) -> Mask:
+    """Select the cells whose values are at least TOP_SHARE of their 90th percentile."""
     top = cells & (values >= TOP_SHARE * float(np.percentile(values[cells], 90)))
     return top if top.any() else cells
 
 
 def top_of(heights: Array, cells: Mask, side: float) -> Mask:
-    """Select the top of a structure with heights (a, g), raised (side 1) or sunken (-1)."""
+    """Select the top of a structure, raised (side 1) or sunken (-1).
+
+    heights: (a, g) m. cells: (a, g) those of the structure.
+    """
     above = side * heights
-    return _most(above - float(np.nanpercentile(above[cells], 2)), cells & np.isfinite(heights))
+    return _near_largest(
+        above - float(np.nanpercentile(above[cells], 2)), cells & np.isfinite(heights)
+    )
 
 
 def measure(
@@ -153,14 +179,18 @@ def measure(
 
     Parameters
     ----------
+    found
+        The difference of the surveys.
     cells
         The region (a, g).
     top
         Its top (a, g).
     places
-        Number of places tested.
+        Number of places tested, for which the p-value is corrected.
+    options
+        Thresholds of a change.
     off
-        Cells (a, g) that changed anywhere, which do not count as hull around.
+        All cells (a, g) that changed, which are no unchanged hull around the region.
     """
     ring = ring_around(cells, np.zeros_like(cells) if off is None else off, found, options)
     level = spread = 0.0
@@ -182,7 +212,7 @@ def smallest_change(found: Difference, places: int, options: ChangeOptions) -> f
     """Estimate the smallest change of height that would be reported, m, as a median over cells.
 
     Cells are those that both surveys saw. NaN without such cells. The hull around a structure is
-    taken to be as rough as elsewhere.
+    assumed to be as rough as elsewhere. places: number of places tested.
     """
     sigma = found.sigma[found.both] * np.sqrt(1 + 1 / RING_CELLS)
     if not len(sigma):
@@ -193,9 +223,10 @@ def smallest_change(found: Difference, places: int, options: ChangeOptions) -> f
 
 
 def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOptions) -> Mask:
-    """Select unchanged hull around a region's cells, beyond the blur of edges.
+    """Select the ring of unchanged bare hull around a region's cells (a, g).
 
-    `off` marks the cells of all regions that changed.
+    It begins 2 edge_m from the region, beyond the blur of edges. off: cells of all regions that
+    changed, which are left out.
     """
     from scipy.ndimage import distance_transform_edt
 
@@ -208,7 +239,7 @@ def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOption
 
 
 def _window(cells: Mask, margin: int) -> tuple[slice, slice]:
-    """Cut out the part of the lattice around cells, or all of it if there are no cells."""
+    """Choose the part of the lattice around cells with a margin of cells, all of it without any."""
     rows, columns = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
     if not len(rows):
         return slice(None), slice(None)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bare hull that moved: patches whose form changed."""
+"""Bare hull that moved, as a dent: patches without structures at which the surface is elsewhere."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from hullrecon.geometry.charts.lattice import Lattice
 from hullrecon.records.change import SurfaceMove, SurveyOffset
 from hullrecon.typing import Array, Mask
 
-MIN_SHARE = 0.5  # of a patch that both surveys must have seen
+MIN_SHARE = 0.5  # of a patch's cells that both surveys must have seen
 
 
 def surface_moves(
@@ -27,7 +27,21 @@ def surface_moves(
     offset: SurveyOffset,
     options: ChangeOptions,
 ) -> tuple[SurfaceMove, ...]:
-    """Find stretches of bare hull that moved beyond the errors, the largest move first."""
+    """Find stretches of bare hull that moved beyond the errors, the largest move first.
+
+    Parameters
+    ----------
+    found
+        The difference of the surveys.
+    regions
+        Where structures changed, which are left out.
+    chart, lattice
+        The hull's chart, and the cells on it.
+    offset
+        Between the surveys, with its covariance, which adds to the error of a move.
+    options
+        Thresholds of a change.
+    """
     from scipy import ndimage
 
     with np.errstate(invalid="ignore"):
@@ -46,7 +60,7 @@ def surface_moves(
             moved & (side * np.nan_to_num(move) > 0), np.ones((3, 3), bool)
         )
         for number in range(1, count + 1):
-            rows.append(_stretch(label == number, move, sigma, p_value, bare, size, lattice))
+            rows.append(_join_patches(label == number, move, sigma, p_value, bare, size, lattice))
     return tuple(sorted(rows, key=lambda row: -abs(row.move)))
 
 
@@ -63,11 +77,11 @@ def _patches(
     Returns
     -------
     move
-        m, NaN where too little was seen.
+        (i, j) by patch, m along the normal, NaN where too little bare hull was seen.
     sigma
-        m.
+        (i, j) m.
     size
-        cells along a side of a patch.
+        Cells along a side of a patch.
     """
     size = max(1, round(options.patch_m / options.cell_m))
     shape = [-(-n // size) for n in found.total.shape]
@@ -86,10 +100,24 @@ def _patches(
     return move, sigma, size
 
 
-def _stretch(
+def _join_patches(
     which: Mask, move: Array, sigma: Array, p_value: Array, bare: Mask, size: int, lattice: Lattice
 ) -> SurfaceMove:
-    """Join neighbouring patches that moved to the same side."""
+    """Join neighbouring patches that moved to the same side to one stretch.
+
+    Parameters
+    ----------
+    which
+        The patches (i, j).
+    move, sigma, p_value
+        By patch (i, j).
+    bare
+        Cells (a, g) of bare hull.
+    size
+        Cells along a side of a patch.
+    lattice
+        The cells.
+    """
     cells = np.kron(which, np.ones((size, size), bool))[: bare.shape[0], : bare.shape[1]] & bare
     at = lattice.points()[cells].mean(axis=0)
     return SurfaceMove(

@@ -21,11 +21,14 @@ from hullrecon.records.change import HullSurvey, ObjectChange, Status, SurveyOff
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.typing import Array, Mask
 
-GATE = 13.8  # chi-square, 2 degrees of freedom, 0.1 %
-MIDDLE_SHARE = 0.1  # of an object's size, by which its middle may differ between two surveys
+GATE = 13.8  # of the distance of two objects: 99.9 % of chi-square with two degrees of freedom
+# Sigma of an object's centre between two surveys: a share of its size, and at least this
+MIDDLE_SHARE = 0.1
 MIDDLE_M = 0.02
-THERE_SHARE = 0.5  # of a structure's height, which the other survey must reach to have it too
-SEEN_SHARE = 0.5  # of a footprint that must have been looked at
+THERE_SHARE = 0.5  # least ratio of the heights of two surveys that both have the structure
+SEEN_SHARE = (
+    0.5  # least share of a footprint that a survey must have seen to say that nothing is there
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,22 +67,32 @@ def compare_objects(
 ) -> tuple[ObjectChange, ...]:
     """Compare the objects of both surveys, and regions that changed without an object.
 
-    The rows are sorted by status, then by size of the change.
+    First the objects at regions that changed are told from each other. Then all other objects are
+    compared at their own tops. The rows are sorted by status, then by size of the change.
+
+    Parameters
+    ----------
+    first, second
+        The surveys.
+    regions
+        Where the hull changed.
+    context
+        Difference of the surveys, chart and options.
     """
     before = [_move_object(found, context, identity()) for found in first.objects]
     after = [
         _move_object(found, context, context.offset.first_from_second) for found in second.objects
     ]
-    # First what stands where the hull changed.
+    # First the objects at places where the hull changed.
     pairs = match_objects(before, after, context)
     rows: list[ObjectChange] = []
     for region in regions:
         for a, b in _objects_at(
-            _nearest(region, before, context), _nearest(region, after, context), pairs
+            _object_under(region, before, context), _object_under(region, after, context), pairs
         ):
             old = None if a is None else before[a]
             new = None if b is None else after[b]
-            rows.append(_describe_change(region, old, new, context))
+            rows.append(_explain_change(region, old, new, context))
     rows = _join_parts(rows)
     # Then the pairs and single objects at which no change was found.
     known = ({row.first_id for row in rows}, {row.second_id for row in rows})
@@ -92,7 +105,7 @@ def compare_objects(
         new = None if b is None else after[b]
         if (old and old.found.id in known[0]) or (new and new.found.id in known[1]):
             continue
-        rows.append(_describe_rest(old, new, compared, context))
+        rows.append(_compare_at_top(old, new, compared, context))
     order = {
         "new": 0,
         "gone": 0,
@@ -109,7 +122,7 @@ def compare_objects(
 def _objects_at(
     a: int | None, b: int | None, pairs: dict[int, int]
 ) -> list[tuple[int | None, int | None]]:
-    """Resolve which objects a changed region belongs to: a matched pair, or objects of one survey.
+    """Decide which objects a changed region is about: a matched pair, or objects of one survey.
 
     Parameters
     ----------
@@ -118,15 +131,20 @@ def _objects_at(
     b
         Object of the second survey.
     pairs
-        Matched objects, second by first.
+        Matched objects: that of the second survey by that of the first.
+
+    Returns
+    -------
+    objects
+        Pairs (object of the first survey, of the second), each None where there is none.
     """
     back = {second: first for first, second in pairs.items()}
     if a is not None and b is not None and pairs.get(a) != b:
-        # two objects that are not one: those without a partner elsewhere came or went here
+        # Two different objects. Those that have no partner elsewhere came or went here.
         alone: list[tuple[int | None, int | None]] = [(a, None)] if a not in pairs else []
         alone += [(None, b)] if b not in back else []
         return alone or [(a, pairs[a])]
-    # one object, or none: with its partner, which the region may have missed
+    # One object, with its partner, which the region may not overlap, or none.
     return [
         (
             a if a is not None or b is None else back.get(b),
@@ -155,8 +173,8 @@ def _candidates(
 ) -> Iterator[tuple[float, int, int]]:
     """Yield the pairs (chi-square, row before, row after) that may be one object by their distance.
 
-    The distance is measured along the hull and in girth. Its sigma is that of both middles and of
-    the offset between the surveys.
+    The distance is measured along the hull and in girth. Its sigma holds that of both centres and
+    of the offset between the surveys.
     """
     for a, old in enumerate(before):
         if not np.isfinite(old.along_girth).all():
@@ -175,7 +193,10 @@ def _candidates(
 
 
 def _move_object(found: ReportedObject, context: ObjectComparison, motion: Poses) -> _MovedObject:
-    """Place an object on the chart after a motion."""
+    """Move an object by a rigid motion, and project it onto the chart.
+
+    Without an outline on the chart, its footprint is a disc of its extent.
+    """
     center = motion.apply(np.array([found.center], float))[0]
     ring = motion.apply(np.array(found.outline, float)) if len(found.outline) else np.zeros((0, 3))
     outline = context.chart.to_chart(ring)[:, :2] if len(ring) else np.zeros((0, 2))
@@ -191,7 +212,7 @@ def _move_object(found: ReportedObject, context: ObjectComparison, motion: Poses
     )
 
 
-def _nearest(
+def _object_under(
     region: ChangedRegion, moved: Sequence[_MovedObject], context: ObjectComparison
 ) -> int | None:
     """Find the object that a region overlaps most, with a margin for edges.
@@ -208,27 +229,27 @@ def _nearest(
     return best if shared and shared[best] >= 4 else None
 
 
-def _describe_change(
+def _explain_change(
     region: ChangedRegion,
     old: _MovedObject | None,
     new: _MovedObject | None,
     context: ObjectComparison,
 ) -> ObjectChange:
-    """Describe what became of a place that changed.
+    """Decide what became of the object at a region that changed.
 
     An object in both surveys, or relief of similar height in both, has grown or shrunk. Else it is
-    new or gone.
+    new or gone. old, new: the object in either survey, None where it was not found.
     """
     before, after = region.before, region.after
     if old is not None and new is not None:
         status: Status = "grown" if new.side * region.change > 0 else "shrunk"
         cells = (old.footprint | new.footprint) & context.difference.both
-        # The object's top tells its change best: its edges may be drawn differently in each survey.
-        # The region has shown already that something changed, so its p-value stands if smaller.
-        at_top = _at_top(cells, new.side, context.places, context) if cells.any() else region
+        # The object's top measures its change best: its edges may differ between surveys. That
+        # something changed was shown by the region already: the smaller p-value is taken.
+        at_top = _measure_top(cells, new.side, context.places, context) if cells.any() else region
         if at_top.change * region.change > 0 and abs(at_top.change) >= context.options.min_change_m:
             region = replace(at_top, p_value=min(at_top.p_value, region.p_value))
-    elif _stood_in_both(before, after):
+    elif _is_in_both(before, after):
         status = "grown" if abs(after) > abs(before) else "shrunk"
     elif new is not None or (old is None and abs(after) >= abs(before)):
         status = "new"
@@ -239,9 +260,9 @@ def _describe_change(
 
 
 def _with_whole_height(row: ObjectChange) -> ObjectChange:
-    """Take the whole height of what came or went as its change.
+    """Take the whole height of an object that came or went as its change.
 
-    The median over the top of a dome would be less.
+    The median over the top, as measured, is less for a dome.
     """
     change, sigma = (
         row.height_after - row.height_before,
@@ -254,31 +275,33 @@ def _with_whole_height(row: ObjectChange) -> ObjectChange:
     )
 
 
-def _stood_in_both(before: float, after: float) -> bool:
-    """Test whether a structure of similar height stood in both surveys."""
+def _is_in_both(before: float, after: float) -> bool:
+    """Decide whether both surveys show a structure of similar height (m) and the same side."""
     return before * after > 0 and min(abs(before), abs(after)) >= THERE_SHARE * max(
         abs(before), abs(after)
     )
 
 
-def _describe_rest(
+def _compare_at_top(
     old: _MovedObject | None, new: _MovedObject | None, compared: int, context: ObjectComparison
 ) -> ObjectChange:
-    """Test an object once more at its own top, where no changed region was found.
+    """Compare an object at its own top, where no changed region was found.
 
-    The search over all places has to be strict. Here the p-value is corrected for the number of
-    objects only, so a change may be found yet: an object of one survey is new or gone, one of both
-    has grown or shrunk. Else it is unchanged, not seen in the other survey, or, where that survey
-    saw its place but does not show it standing, uncertain.
+    The search for regions corrects p-values for all places. Here they are corrected for the number
+    of objects only, so that a change may still be found: an object of one survey is new or gone,
+    one of both has grown or shrunk. Else it is unchanged, not seen in the other survey, or, if that
+    survey saw the place but shows no such structure, uncertain.
 
     Parameters
     ----------
     old
-        Object of the first survey, None without.
+        Object of the first survey, None without one.
     new
-        Object of the second survey, None without.
+        Object of the second survey, None without one.
     compared
-        Number of objects and pairs in either survey.
+        Number of pairs and single objects, for which the p-value is corrected.
+    context
+        Difference of the surveys, chart and options.
     """
     there = [p for p in (old, new) if p is not None]
     footprint = np.logical_or.reduce([p.footprint for p in there])
@@ -290,25 +313,26 @@ def _describe_rest(
     cells = footprint & context.difference.both
     if unseen is not None or not cells.any():
         return _row(unseen or "unchanged", None, old, new, context)
-    region = _at_top(cells, there[0].side, compared, context)
+    region = _measure_top(cells, there[0].side, compared, context)
     certain = (
         region.p_value <= context.options.max_p_value
         and abs(region.change) >= context.options.min_change_m
     )
     if certain and len(there) == 1:
-        return _describe_change(region, old, new, context)
+        return _explain_change(region, old, new, context)
     status: Status = "unchanged"
     if certain:
         status = "grown" if there[0].side * region.change > 0 else "shrunk"
-    elif len(there) == 1 and not _stood_in_both(region.before, region.after):
+    elif len(there) == 1 and not _is_in_both(region.before, region.after):
         status = "uncertain"
     return _row(status, region, old, new, context)
 
 
-def _at_top(cells: Mask, side: float, places: int, context: ObjectComparison) -> ChangedRegion:
-    """Measure an object's change where both surveys have its top.
+def _measure_top(cells: Mask, side: float, places: int, context: ObjectComparison) -> ChangedRegion:
+    """Measure an object's change at cells that both surveys show as its top.
 
-    Elsewhere its edges may be drawn differently.
+    At its edges the surveys may differ without a change. cells: (a, g) of the object. side: 1 for a
+    raised object, -1 for a recess. places: as for `measure`.
     """
     tops = [
         top_of(relief.height, cells, side)
@@ -336,7 +360,7 @@ def _row(
     new: _MovedObject | None,
     context: ObjectComparison,
 ) -> ObjectChange:
-    """Make the row of an object: place, outline, heights before and after, and the change.
+    """Make the row of an object: position, outline, heights before and after, and the change.
 
     `region`: where the hull changed, None for an object at which it did not. `old`, `new`: the
     object in either survey, None where it was not found.
@@ -377,9 +401,10 @@ def _row(
 def _height(
     moved: _MovedObject | None, surface: float, region: ChangedRegion | None
 ) -> tuple[float, float]:
-    """Choose height and sigma, m, of the object, else of the surface there.
+    """Choose the height and its sigma, m: of the object, else of the surface at the region.
 
-    Without a sigma of its own, a height has the sigma of the change.
+    A height without a sigma of its own gets the sigma of the change. surface: height of the survey
+    at the region.
     """
     if moved is not None and moved.found.height_sigma is not None:
         return moved.found.height, moved.found.height_sigma
@@ -388,17 +413,17 @@ def _height(
 
 
 def _position_sigma(center: Array, moved: _MovedObject | None, context: ObjectComparison) -> Array:
-    """Choose one sigma (3,) m of a place along, in girth and along the normal.
+    """Choose the sigmas (3,) m of a position along the hull, in girth and along the normal.
 
-    It is the object's, else that of a hull pose: half the offset's prior covariance, which is the
-    sum of both hull poses'.
+    They are the object's, else those that a hull pose gives the point `center` (3,). The covariance
+    of a hull pose is half the offset's prior, which is the sum of both.
     """
     found = None if moved is None else moved.found
     if found is not None and None not in (found.sigma_along, found.sigma_girth, found.sigma_normal):
         return np.array([found.sigma_along, found.sigma_girth, found.sigma_normal], float)
     axes = [axis[0] for axis in tangents_at(context.chart, center[None])]
     axes.append(np.cross(axes[1], axes[0]))
-    # how far a hull that moves and turns (6,) carries the place along each axis
+    # Derivatives of the point's position along each axis by translation and rotation of the hull.
     rows = np.concatenate(
         [np.stack(axes), np.cross(center - context.offset.center, np.stack(axes))], axis=1
     )
@@ -408,7 +433,7 @@ def _position_sigma(center: Array, moved: _MovedObject | None, context: ObjectCo
 
 
 def _join_parts(rows: Sequence[ObjectChange]) -> list[ObjectChange]:
-    """Keep one row per object: of several changed parts, the largest."""
+    """Keep one row per object: of several regions at one object, that of the largest area."""
     kept: dict[object, ObjectChange] = {}
     for k, row in enumerate(rows):
         key = (row.first_id, row.second_id) if (row.first_id, row.second_id) != (None, None) else k

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The second survey's offset in the first survey's hull frame, from what both saw.
 
-Each dive places itself on the CAD model to centimetres, along a parallel side to decimetres. That
-offset is no change of the hull. It is estimated as one rigid motion from form and structures. First
-its part along the hull and in girth is found by trying all shifts that the hull poses leave open.
-Then all six numbers are fitted by robust least squares on the heights of one survey over the other,
-with the hull poses' covariances as prior (docs/methods.md 19).
+Each dive knows its hull pose to centimetres, along a parallel side to decimetres. So two surveys
+are offset, which is no change of the hull. The offset is estimated as one rigid motion from form
+and structures. First its part along the hull and in girth is found by trying all shifts that the
+hull poses leave open. Then all six numbers are fitted by robust least squares on the heights of one
+survey over the other, with the hull poses' covariances as prior (docs/methods.md 19).
 """
 
 from __future__ import annotations
@@ -28,20 +28,20 @@ from hullrecon.records.change import HullSurvey, SurveyOffset
 from hullrecon.records.solution import HullPose
 from hullrecon.typing import Array, Ints, Mask
 
-GATE_SIGMAS = 4.0  # shifts farther than this from where the hull poses lie are not tried
-MIN_SHARED_SHARE = 0.25  # of the smaller survey, which both must have seen
-MIN_SHARED_CELLS = 200
-SCALE_M = 0.004  # unit of differences of height, some of which are no longer errors
-# differences beyond this many SCALE_M count as change and cost no more. The weights of the fit end
-# at twice this many of the residuals' own scale.
+GATE_SIGMAS = 4.0  # largest shift that is tried, in sigmas of the hull poses
+MIN_SHARED_SHARE = 0.25  # least share of the smaller survey that both saw
+MIN_SHARED_CELLS = 200  # least number of cells that both saw
+SCALE_M = 0.004  # scale of differences of height: about their sigma where nothing changed
+# Differences of more than this many SCALE_M count as change and cost no more. In the fit, weights
+# reach zero at twice this many robust sigmas of the residuals.
 TRUNCATED = 3.0
-# correlation length of a hull as found: a square of this side counts as one measurement
+# Correlation length of a hull as found: a square of this side counts as one measurement
 CORRELATED_M = 0.15
-STARTS, APART_M = 6, 0.1  # shifts from which the six numbers are fitted
-# side of a block of hull over which errors of form are fully correlated in the covariance
+STARTS, APART_M = 6, 0.1  # number of shifts from which the motion is fitted, their least distance
+# Side of a block of hull over which errors of form are fully correlated in the covariance
 BLOCK_M = 0.8
-BLURS = (2.0, 1.0, 1.0)  # cells, of both surveys, from round to round
-STEPS = 6
+BLURS = (2.0, 1.0, 1.0)  # sigma of the blur of both surveys in each round of fits, cells
+STEPS = 6  # iteratively reweighted steps of a fit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,16 +49,18 @@ class _Samples:
     """Points of the second survey in its own M."""
 
     points: Array  # (n, 3)
-    axes: Array  # (3, n, 3): along, girth and outward there
-    weight: float  # independent measurements per point
+    axes: Array  # (3, n, 3): unit vectors along, in girth and outward at each point
+    weight: float  # independent measurements that a point counts as
     block: Ints  # (n,) block of hull that each point belongs to
     shared_m: float  # one sigma of the errors of both surveys that a block shares
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Solved:
-    motion: Poses
-    covariance: Array
+    """A fitted motion."""
+
+    motion: Poses  # first_from_second, a batch of one
+    covariance: Array  # (6, 6) of translation and rotation about the center
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,14 +69,15 @@ class _Fit:
 
     chart: Chart
     lattice: Lattice
-    center: Array  # (3,) about which it turns
-    prior: Array  # covariance (6, 6)
+    center: Array  # (3,) point about which rotations are counted
+    prior: Array  # (6, 6) covariance of the motion by both hull poses
 
     def solve(self, motion: Poses, samples: _Samples, height: Array) -> _Solved:
         """Fit the motion of samples onto heights (a, g) of the first survey, with covariance.
 
-        It does not use geometry.pose_solver, as the cells that both surveys saw and the weights
-        change from step to step.
+        Iteratively reweighted least squares with Tukey's biweight, from the given motion. It does
+        not use geometry.pose_solver: the cells that both surveys saw, and the weights, change from
+        step to step, so that costs cannot be compared.
         """
         held: Array = np.asarray(np.linalg.inv(self.prior), float)
         covariance = self.prior
@@ -83,14 +86,14 @@ class _Fit:
                 motion.apply(samples.points), samples.axes, height
             )
             if known.sum() < MIN_SHARED_CELLS / 4:
-                raise _too_little()
+                raise _too_little_error()
             r, rows = residual[known], jacobian[known]
             scale = max(0.5 * SCALE_M, robust_sigma(r))
             share = np.maximum(0.0, 1 - ((r - np.median(r)) / (2 * TRUNCATED * scale)) ** 2) ** 2
             weight = samples.weight * share / scale**2
             gradient = rows.T @ (weight * r)
             information = np.asarray(rows.T @ (weight[:, None] * rows) + held)
-            step = np.linalg.solve(information, gradient + held @ _vector(motion, self.center))
+            step = np.linalg.solve(information, gradient + held @ _as_vector(motion, self.center))
             motion = _apply_step(motion, np.asarray(-step), self.center)
             by_error = np.asarray(rows * weight[:, None]) * samples.shared_m
             covariance = _covariance(
@@ -101,16 +104,35 @@ class _Fit:
     def cost(self, motion: Poses, samples: _Samples, height: Array) -> float:
         """Compute the chi-square of a motion, with truncated residuals and the prior.
 
-        What changed costs no more than the largest error.
+        Truncated, a part of the hull that changed costs no more than the largest error.
         """
         r, _, known = self._residuals(motion.apply(samples.points), samples.axes, height)
-        x = _vector(motion, self.center)
+        x = _as_vector(motion, self.center)
         return len(r) * samples.weight * _truncated_square(r[known]) + float(
             x @ np.linalg.solve(self.prior, x)
         )
 
     def _residuals(self, at: Array, axes: Array, height: Array) -> tuple[Array, Array, Mask]:
-        """Compute heights above the first survey (n,), derivatives (n, 6) and their known rows."""
+        """Compute heights of points above the first survey, with derivatives by the motion.
+
+        Parameters
+        ----------
+        at
+            Points (n, 3) of the second survey, moved.
+        axes
+            As in _Samples.
+        height
+            Heights (a, g) of the first survey.
+
+        Returns
+        -------
+        residual
+            (n,) m along the normal.
+        jacobian
+            (n, 6) by translation and rotation about the center.
+        known
+            (n,) rows at which the first survey saw the hull.
+        """
         from scipy.ndimage import map_coordinates
 
         on_chart = self.chart.to_chart(at)
@@ -137,15 +159,26 @@ def estimate_offset(
 ) -> SurveyOffset:
     """Estimate the offset of two surveys whose reliefs lie on one lattice.
 
-    Raises StageError if they saw too little of the same hull. `chart`: of the first survey.
-    `lattice, reliefs`: cells, and the heights of both surveys on them.
+    Parameters
+    ----------
+    first, second
+        The surveys, whose hull poses are the prior.
+    chart
+        Of the first survey.
+    lattice, reliefs
+        Cells, and the heights of both surveys on them.
+
+    Raises
+    ------
+    StageError
+        They saw too little of the same hull.
     """
     center = _middle(chart, lattice, reliefs[1])
     prior = hull_pose_covariance(first.hull_pose, center) + hull_pose_covariance(
         second.hull_pose, center
     )
     fit = _Fit(chart=chart, lattice=lattice, center=center, prior=prior)
-    # Of the shifts at which most agrees, take that which agrees best after fitting all six numbers
+    # Fit all six numbers from each of the best shifts, and take the fit of least cost
     heights, samples = _blur_both(reliefs, BLURS[0], fit)
     starts = [fit.solve(motion, samples, heights) for motion in _shifts(reliefs, fit)]
     motion = min(
@@ -155,7 +188,7 @@ def estimate_offset(
         heights, samples = _blur_both(reliefs, cells, fit)
         solved = fit.solve(motion, samples, heights)
         motion = solved.motion
-    x = _vector(motion, center)
+    x = _as_vector(motion, center)
     chi_square = float(x @ np.linalg.solve(prior, x))
     from scipy.special import gammaincc  # not scipy.stats, which takes seconds to load
 
@@ -170,7 +203,7 @@ def estimate_offset(
 
 
 def hull_pose_covariance(pose: HullPose, center: Array) -> Array:
-    """Transform a hull pose's covariance (6, 6) to a center (3,) in M."""
+    """Transform a hull pose's covariance (6, 6) to axes of M, rotations about a center (3,)."""
     turn, carry = np.eye(6), np.eye(6)
     turn[:3, :3] = pose.global_from_hull.rotation.as_matrix()[0].T
     carry[:3, 3:] = -cross_matrix(center - pose.survey_center)
@@ -179,13 +212,13 @@ def hull_pose_covariance(pose: HullPose, center: Array) -> Array:
 
 
 def offset_sigma(offset: SurveyOffset, points: Array, directions: Array) -> Array:
-    """Compute one sigma (n,) m of points (n, 3) moved by the offset, along unit vectors (n, 3)."""
+    """Compute the sigma (n,) m that the offset gives points (n, 3) along unit vectors (n, 3)."""
     rows = np.concatenate([directions, np.cross(points - offset.center, directions)], axis=1)
     return np.asarray(np.sqrt(np.einsum("ni,ij,nj->n", rows, offset.covariance, rows)))
 
 
 def _middle(chart: Chart, lattice: Lattice, relief: Relief) -> Array:
-    """Find the point on the CAD model in the middle of what a survey saw."""
+    """Find the point (3,) on the CAD model nearest to the middle of what a survey saw."""
     at = lattice.points()[np.isfinite(relief.height)]
     inner = at[np.argmin(np.linalg.norm(at - at.mean(axis=0), axis=1))]
     return np.asarray(chart.from_chart(inner[None])[0][0])
@@ -203,8 +236,9 @@ def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
     reach = np.minimum(np.ceil(GATE_SIGMAS * sigma / step).astype(int), np.array(flat[0].shape) - 1)
     most = min(int(np.isfinite(h).sum()) for h in flat)
 
-    # A chi-square of each shift: of the structures, counted over independent pieces of hull as if
-    # all of it were shared, and of the prior.
+    # Chi-square of each shift: of the differences in structures, by the number of independent
+    # pieces of hull (as if all of it were shared, so that a small overlap has no advantage), and of
+    # the prior.
     tried = []
     for i, j in np.ndindex(*(2 * reach + 1)):
         gap = _overlap(flat[0], flat[1], i - int(reach[0]), j - int(reach[1]))
@@ -215,7 +249,7 @@ def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
         disagreement = most * (step / CORRELATED_M) ** 2 * _truncated_square(gap - np.median(gap))
         tried.append((disagreement + float(((shift / sigma) ** 2).sum()), *shift.tolist()))
     if not tried:
-        raise _too_little()
+        raise _too_little_error()
     # The best ones, of which no two lie next to each other.
     chosen: list[Array] = []
     for _, a, g in sorted(tried):
@@ -225,14 +259,12 @@ def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
 
 
 def _truncated_square(gap: Array) -> float:
-    """Compute the mean square of gaps (n,) m in units of SCALE_M, truncated.
-
-    What belongs to a change costs no more than the largest error.
-    """
+    """Compute the mean square of differences (n,) m over SCALE_M, each truncated at TRUNCATED."""
     return float(np.minimum((gap / SCALE_M) ** 2, TRUNCATED**2).mean())
 
 
-def _too_little() -> StageError:
+def _too_little_error() -> StageError:
+    """Build the error of surveys that cannot be compared."""
     return StageError(
         "the two dives saw too little of the same hull",
         remedy="compare dives that survey the same part of the ship",
@@ -240,7 +272,7 @@ def _too_little() -> StageError:
 
 
 def _without_form(height: Array) -> Array:
-    """Subtract the form, which is wider than a structure, as the surveys may be tilted in it."""
+    """Leave only structures: subtract the form, in which the surveys may be tilted, and blur."""
     return blur(height - local_median(height, 50), 2.0)
 
 
@@ -254,14 +286,20 @@ def _overlap(first: Array, second: Array, i: int, j: int) -> Array:
 
 
 def _blur_both(reliefs: tuple[Relief, Relief], cells: float, fit: _Fit) -> tuple[Array, _Samples]:
-    """Blur both surveys alike. Returns the first's heights and samples of the second."""
+    """Blur both surveys by the same sigma, in cells.
+
+    Returns heights (a, g) of the first one, and samples of the second.
+    """
     first, second = (blur(relief.height, cells) for relief in reliefs)
     shared = float(np.hypot(np.nanmedian(reliefs[0].sigma), np.nanmedian(reliefs[1].sigma)))
     return first, _samples(fit.chart, fit.lattice, second, shared)
 
 
 def _samples(chart: Chart, lattice: Lattice, height: Array, shared_m: float) -> _Samples:
-    """Sample every second cell along and in girth that was seen, as points on the surface."""
+    """Sample a survey's surface at every second seen cell along and in girth.
+
+    height: (a, g) m over the chart. shared_m: sigma of the errors that a block of hull shares.
+    """
     which = np.zeros(lattice.shape, bool)
     which[::2, ::2] = True
     which &= np.isfinite(height)
@@ -280,20 +318,20 @@ def _samples(chart: Chart, lattice: Lattice, height: Array, shared_m: float) -> 
 
 
 def _covariance(information: Array, held: Array, by_error: Array, block: Ints) -> Array:
-    """Propagate errors shared by blocks to the solution, (6, 6) (69).
+    """Compute the covariance (6, 6) of a fit whose errors are correlated within blocks (69).
 
     Errors within a block of the hull are fully correlated. Independent errors are added.
 
     Parameters
     ----------
     information
-        Of the solution, prior included (6, 6).
+        (6, 6) of the solution, with the prior.
     held
-        Of the prior (6, 6).
+        (6, 6) information of the prior.
     by_error
-        Effect of each point's error on the right-hand side (n, 6).
+        (n, 6) effect of each point's error, of one sigma, on the right-hand side.
     block
-        Block of each point (n,).
+        (n,) number of each point's block.
     """
     inverse = np.linalg.inv(information)
     total = np.stack(
@@ -303,13 +341,13 @@ def _covariance(information: Array, held: Array, by_error: Array, block: Ints) -
     return np.asarray(inverse @ (spread + held) @ inverse + inverse)
 
 
-def _vector(motion: Poses, center: Array) -> Array:
-    """Write a motion near the identity as translation and rotation about the center (6,)."""
+def _as_vector(motion: Poses, center: Array) -> Array:
+    """Write a motion near the identity as translation (3) of the center and rotation vector (3)."""
     return np.asarray(np.r_[motion.apply(center[None])[0] - center, motion.rotation.as_rotvec()[0]])
 
 
 def _apply_step(motion: Poses, step: Array, center: Array) -> Poses:
-    """Compose a motion with a small motion (6,) about the center."""
+    """Move a motion further by a step (6,): translation, and rotation about the center."""
     turn = Rotation.from_rotvec(step[3:])
     after = Poses(turn.as_quat()[None], (center + step[:3] - turn.apply(center))[None])
     return after @ motion

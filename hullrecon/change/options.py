@@ -18,14 +18,14 @@ class ChangeOptions:
 
     max_p_value: float = 0.01  # probability that an unchanged hull shows a change anywhere
     cell_m: float = 0.02  # side of a cell of the lattice
-    min_change_m: float = 0.015  # of a structure's height
-    min_area_m2: float = 0.0025  # of what changed
-    min_views: int = 2  # images that must have seen a place for it to be compared
-    max_sigma_m: float = 0.015  # of the surface there
-    edge_m: float = 0.03  # by which an edge may differ between two surveys without a change
-    smooth_m: float = 1.0  # wider than this is the hull's form, narrower a structure
+    min_change_m: float = 0.015  # least change of a structure's height
+    min_area_m2: float = 0.0025  # least area that changed
+    min_views: int = 2  # images that must have seen a cell for it to be compared
+    max_sigma_m: float = 0.015  # largest sigma of the surface in a cell that is compared
+    edge_m: float = 0.03  # by which an edge may be shifted between two surveys without a change
+    smooth_m: float = 1.0  # width from which a difference is the hull's form, not a structure
     patch_m: float = 0.4  # side of a patch of hull on which form is compared
-    min_move_m: float = 0.005  # of bare hull
+    min_move_m: float = 0.005  # least move of bare hull
 
 
 class EarlierDive(Section, frozen=True):

@@ -20,17 +20,18 @@ REACH_CELLS = 2.0  # a cell farther than this from every seen vertex counts as u
 
 @dataclass(frozen=True, kw_only=True)
 class Relief:
-    """Heights of a survey over the CAD model, in cells (a, g)."""
+    """Heights of a survey over the CAD model, in cells (a, g) along the hull and in girth."""
 
     height: Array  # m, outward positive, NaN where unseen
     sigma: Array  # m, of the form
-    views: Ints
+    views: Ints  # images that saw the cell
 
 
 def seen_points(survey: HullSurvey, chart: Chart, move: Poses | None = None) -> tuple[Array, Ints]:
-    """Locate the vertices seen as along, girth and offset (n, 3), with their rows.
+    """Convert a survey's seen vertices to chart coordinates.
 
-    `move`: rigid motion in M that is applied to the vertices first.
+    Returns along, girth and offset (n, 3), and the row of each vertex. `move`: rigid motion in M
+    that is applied to the vertices first.
     """
     found = survey.as_found
     rows = np.flatnonzero((found.support > 0) & np.isfinite(survey.form_sigma))
@@ -43,7 +44,7 @@ def seen_points(survey: HullSurvey, chart: Chart, move: Poses | None = None) -> 
 def relief_on(
     lattice: Lattice, chart: Chart, survey: HullSurvey, move: Poses | None = None
 ) -> Relief:
-    """Sample a survey on a lattice, linear between vertices.
+    """Sample a survey on a lattice: heights linear between vertices, the rest of the nearest one.
 
     `move`: rigid motion in M that is applied to the vertices first.
     """
@@ -81,7 +82,8 @@ def blur(height: Array, cells: float) -> Array:
 def local_median(height: Array, window: int) -> Array:
     """Compute a running median (a, g) over squares of `window` cells. NaN if nothing was seen.
 
-    It is computed on blocks of a fifth of the window, and interpolated between them.
+    To save time it is computed once for each block of a fifth of the window, over the 5 by 5 blocks
+    around it, and interpolated between blocks.
     """
     coarse = max(1, window // 5)
     blocks = [-(-n // coarse) for n in height.shape]
