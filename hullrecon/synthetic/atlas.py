@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The hull's texture to look up: painted as a whole, or plate by plate as the cameras come by.
+"""The hull's texture: painted as a whole, or plate by plate when a camera first sees the plate.
 
-Items that stand on the steel or are painted on it are part of it.
+Items that stand on the steel or are painted on it are part of the texture.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from hullrecon.synthetic.options import DiveSpec
 from hullrecon.synthetic.texture import PAINT, PLATE_M, paint_steel
 from hullrecon.typing import Floats32, Pixels
 
-ROWS = 1 << 20  # more rows of plates than any hull has
-KEPT_PLATES = 24  # 2.4 m x 1.3 m at a millimetre a texel are 9.4 MB
-ITEM_TONES = (70.0, 150.0)  # grey of a structure
+ROWS = 1 << 20  # more rows of plates than any hull has, to number plates by column and row
+KEPT_PLATES = 24  # plates in memory; one of 2.4 m x 1.3 m at a millimetre a texel takes 9.4 MB
+ITEM_TONES = (70.0, 150.0)  # range of a structure's grey level
 PAINTS = {
     "digits": (205, 205, 195),
     "stripe": (200, 190, 70),
@@ -72,9 +72,9 @@ class PaintedHull:
     """A hull whose paint is hard for images."""
 
     albedo: Albedo
-    start_m: float  # from which colours repeat
-    bare_to_m: float | None  # sternwards of it the paint is bare, in one tone; None for nowhere
-    repeats_m: float | None  # length after which the colours come again; None for never
+    start_m: float  # along the hull: where the first period of repeated colours begins
+    bare_to_m: float | None  # along: aft of it the paint is bare, of one tone; None for nowhere
+    repeats_m: float | None  # period of the colours along the hull; None: they do not repeat
 
     def look_up(self, along_m: Floats32, girth_m: Floats32, seen: NDArray[np.bool_]) -> Floats32:
         """Look up the changed albedo (h, w, 3), as `Albedo.look_up`."""
@@ -96,7 +96,7 @@ def paint_atlas(
     girth_m: tuple[float, float],
     texel_m: float,
 ) -> Atlas:
-    """Paint a window of the chart as a whole."""
+    """Paint a window of the chart, given by its limits along and in girth, as one image."""
     random = spec.hull_random("texture")
     image = paint_steel(random, along_m, girth_m, texel_m)
     atlas = Atlas(image, (along_m[0], girth_m[0]), texel_m)
@@ -105,9 +105,10 @@ def paint_atlas(
 
 
 class PlateAtlas:
-    """The texture of a large hull, which keeps the last plates that were looked at.
+    """The texture of a large hull, painted plate by plate. The plates used last are kept in memory.
 
-    Each plate has random draws of its own, and its edges are weld seams.
+    Each plate has random draws of its own, so that it looks the same whenever it is painted. Plates
+    meet at weld seams.
     """
 
     def __init__(self, spec: DiveSpec, items: tuple[Item, ...], texel_m: float) -> None:
@@ -130,6 +131,7 @@ class PlateAtlas:
         return out
 
     def _plate(self, column: int, row: int) -> Atlas:
+        """Take a plate from memory, or paint it."""
         key = (column, row)
         if key not in self._plates:
             while len(self._plates) >= KEPT_PLATES:
@@ -139,7 +141,8 @@ class PlateAtlas:
         return self._plates[key]
 
     def _paint(self, column: int, row: int) -> Atlas:
-        rim = 2 * self._texel_m  # what a bilinear look-up at the edge needs
+        """Paint a plate, with a rim that bilinear look-ups at its edge need, and its items."""
+        rim = 2 * self._texel_m
         along_m = (column * PLATE_M[0] - rim, (column + 1) * PLATE_M[0] + 2 * rim)
         girth_m = (row * PLATE_M[1] - rim, (row + 1) * PLATE_M[1] + 2 * rim)
         random = self._spec.hull_random(f"plate {column} {row}")
@@ -156,7 +159,8 @@ def paint_items(atlas: Atlas, items: tuple[Item, ...], tones: NDArray[np.float64
 
 
 def _paint_item(atlas: Atlas, item: Item, tone: float) -> None:
-    row, column, mask = _stamp(atlas, item)
+    """Blend an item's paint into the atlas: marks strongly, others as a tint."""
+    row, column, mask = _place_mask(atlas, item)
     if mask.size == 0:
         return
     part = atlas.image[row : row + mask.shape[0], column : column + mask.shape[1]]
@@ -166,8 +170,11 @@ def _paint_item(atlas: Atlas, item: Item, tone: float) -> None:
     part[...] = np.clip(part * (1 - weight) + paint * weight, 0, 255).astype(np.uint8)
 
 
-def _stamp(atlas: Atlas, item: Item) -> tuple[int, int, Floats32]:
-    """Find the first row and column of the item's box in the atlas, and its mask 0..1 there."""
+def _place_mask(atlas: Atlas, item: Item) -> tuple[int, int, Floats32]:
+    """Find where an item's bounding box begins in the atlas (row, column), and its mask 0..1 there.
+
+    The mask is empty if the box is outside the atlas.
+    """
     reach = int(np.ceil(item.reach_m() / atlas.texel_m)) + 2
     column = round((item.along_m - atlas.origin_m[0]) / atlas.texel_m)
     row = round((item.girth_m - atlas.origin_m[1]) / atlas.texel_m)
@@ -179,10 +186,11 @@ def _stamp(atlas: Atlas, item: Item) -> tuple[int, int, Floats32]:
         atlas.origin_m[0] + columns * atlas.texel_m, atlas.origin_m[1] + rows * atlas.texel_m
     )
     u, v = local(item, a, g)
-    return int(rows[0]), int(columns[0]), _shape(item, u, v).astype(np.float32)
+    return int(rows[0]), int(columns[0]), _item_mask(item, u, v).astype(np.float32)
 
 
-def _shape(item: Item, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _item_mask(item: Item, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Select the points of an item, given in its own axes: its box is -1..1 in u and v."""
     radius = np.hypot(u, v)
     inside = np.maximum(np.abs(u), np.abs(v)) <= 1
     if item.kind == "ring":
@@ -193,7 +201,7 @@ def _shape(item: Item, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArra
 
 
 def _digits(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Draw a draught mark that reads from outside, on port, with the girth going up."""
+    """Select the points of a draught mark "32" that is legible from outside on the port side."""
     import cv2
 
     board: Any = np.zeros((120, 200), np.uint8)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The hull as built, of any length, made block by block as the vehicle comes by.
+"""The hull as built, of any length, made block by block when a sensor first needs the block.
 
-It is the CAD model's patch moved by a smooth random field of normal offsets, with items on it, in
-finer cells where something stands out.
+It is the CAD model's patch moved by a smooth random field of normal offsets, with items on it. The
+mesh has finer cells around items with relief.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from hullrecon.synthetic.items import MARKS, STRUCTURES, Item, Kind, height_of
 from hullrecon.synthetic.options import DiveSpec
 from hullrecon.typing import Array, Ints
 
-FINER = 5  # 3 cm cells become 6 mm cells
-KEPT_BLOCKS = 2  # cameras and sonar can stand in neighbouring ones
+FINER = 5  # factor of the finer cells: 3 cm become 6 mm
+KEPT_BLOCKS = 2  # blocks in memory: cameras and sonar may be in neighbouring ones
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,8 +44,8 @@ def build(spec: DiveSpec, patch: HullPatch, items: tuple[Item, ...]) -> AsBuilt:
     """
     a, g = np.meshgrid(patch.along_m, patch.girth_m, indexing="ij")
     steel = patch.point + deviation_m(spec, a, g)[..., None] * patch.normal
-    busy = _busy(patch, items, 0.12)
-    key, faces = _lattice(_busy(patch, items, 0.04))
+    busy = _near_items(patch, items, 0.12)
+    key, faces = _refined_cells(_near_items(patch, items, 0.04))
     width = FINER * (len(patch.girth_m) - 1) + 1
     step = (patch.along_m[1] - patch.along_m[0]) / FINER
     along, girth = patch.along_m[0] + key // width * step, patch.girth_m[0] + key % width * step
@@ -75,8 +75,8 @@ def crop(built: AsBuilt, along_m: tuple[float, float], girth_m: tuple[float, flo
     return Mesh(built.mesh.vertices[used], renumbered.reshape(-1, 3).astype(np.int32))
 
 
-def _busy(patch: HullPatch, items: tuple[Item, ...], margin_m: float) -> NDArray[np.bool_]:
-    """Mark the grid nodes (a, g) that an item with relief covers, or that lie next to it."""
+def _near_items(patch: HullPatch, items: tuple[Item, ...], margin_m: float) -> NDArray[np.bool_]:
+    """Select the grid nodes (a, g) within margin_m of an item with relief."""
     out = np.zeros((len(patch.along_m), len(patch.girth_m)), bool)
     for item in (i for i in items if i.height_m != 0):
         reach = item.reach_m() + margin_m
@@ -85,12 +85,21 @@ def _busy(patch: HullPatch, items: tuple[Item, ...], margin_m: float) -> NDArray
     return out
 
 
-def _lattice(busy: NDArray[np.bool_]) -> tuple[Ints, NDArray[np.int32]]:
-    """List vertices as keys on the fine lattice, and faces, counter-clockwise from outside.
+def _refined_cells(busy: NDArray[np.bool_]) -> tuple[Ints, NDArray[np.int32]]:
+    """Build a mesh of coarse cells, and of fine ones where a corner of the cell is busy.
 
-    Fine cells share their corners.
+    Parameters
+    ----------
+    busy
+        Nodes (a, g) of the coarse grid near an item.
+
+    Returns
+    -------
+    key
+        (n,) vertices, as numbers on the fine lattice, row by row.
+    faces
+        (m, 3) counter-clockwise seen from outside. Neighbouring fine cells share vertices.
     """
-    # a vertex's key is its number on the fine lattice, row by row
     columns = busy.shape[1]
     width = FINER * (columns - 1) + 1
     fine = busy[:-1, :-1] | busy[1:, :-1] | busy[1:, 1:] | busy[:-1, 1:]
@@ -105,11 +114,16 @@ def _lattice(busy: NDArray[np.bool_]) -> tuple[Ints, NDArray[np.int32]]:
 
 
 def _quads(cell: Ints, size: int, width: int) -> Ints:
+    """List the four corners (m, 4) of cells of `size` fine steps whose first corners are (m, 2).
+
+    Corners are numbers on the fine lattice, of `width` columns.
+    """
     first = cell[:, 0] * width + cell[:, 1]
     return np.stack([first, first + size * width, first + size * width + size, first + size], 1)
 
 
 def _vertex_normals(mesh: Mesh) -> Array:
+    """Compute unit normals (n, 3) of the vertices, the area-weighted mean of their faces'."""
     corner = mesh.vertices[mesh.faces]
     face = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     corner_of, count = mesh.faces.ravel(), len(mesh.vertices)
@@ -118,10 +132,11 @@ def _vertex_normals(mesh: Mesh) -> Array:
 
 
 def deviation_m(spec: DiveSpec, along_m: Array, girth_m: Array, waves: int = 300) -> Array:
-    """Evaluate how far the steel leaves the CAD model (...) along its outward normal.
+    """Evaluate how far the steel is off the CAD model (...) along its outward normal.
 
-    A stationary Gaussian field with Matern 5/2 correlation, half as long over the girth as along,
-    drawn by its spectrum: a sum of plane waves, so that it can be asked anywhere.
+    A stationary Gaussian field with Matern 5/2 correlation, whose length in girth is half of that
+    along the hull. It is drawn by its spectrum, as a sum of `waves` plane waves, so that it can be
+    evaluated anywhere.
     """
     random = spec.hull_random("deviation")
     stretch = np.sqrt(5.0 / random.chisquare(5.0, waves))
@@ -144,7 +159,7 @@ class Block:
 
 
 class BuiltHull:
-    """The hull as built, which keeps the last blocks that were asked for."""
+    """The hull as built, made block by block. The blocks used last are kept in memory."""
 
     def __init__(self, spec: DiveSpec, skin: HullSkin, items: tuple[Item, ...]) -> None:
         self.skin = skin
@@ -152,7 +167,7 @@ class BuiltHull:
         self._blocks: OrderedDict[int, Block] = OrderedDict()
 
     def near(self, along_m: float) -> Block:
-        """Build the block around a position along the hull."""
+        """Look up, or build, the block around a position along the hull."""
         return self._block(int(self.skin.block_of(np.array([along_m]))[0]))
 
     def ranges(self, origins: Array, directions: Array) -> Array:
@@ -177,6 +192,7 @@ class BuiltHull:
                 yield crop(self._block(k).built, part, girth_m)
 
     def _block(self, number: int) -> Block:
+        """Take a block from memory, or build it."""
         if number not in self._blocks:
             while len(self._blocks) >= KEPT_BLOCKS:
                 self._blocks.popitem(last=False)
@@ -185,6 +201,7 @@ class BuiltHull:
         return self._blocks[number]
 
     def _make(self, number: int) -> Block:
+        """Build a block with the items on it or next to it."""
         patch = self.skin.patch(number)
         low, high = patch.along_m[0], patch.along_m[-1]
         items = tuple(
@@ -194,7 +211,8 @@ class BuiltHull:
         return Block(patch=patch, built=built, rays=Rays(built.mesh))
 
 
-# Height, size along and across, m, of the k-th of a kind, taken in turn.
+# Height, and size along and across, m, of the items of each kind. Items of a kind take them in
+# turn.
 SHAPES: dict[Kind, tuple[tuple[float, float, float], ...]] = {
     "cylinder": ((0.11, 0.16, 0.16), (0.09, 0.2, 0.2)),
     "dome": ((0.12, 0.3, 0.3), (0.1, 0.24, 0.24)),
@@ -206,7 +224,7 @@ SHAPES: dict[Kind, tuple[tuple[float, float, float], ...]] = {
     "ring": ((0.0, 0.34, 0.34),),
     "barnacles": ((0.016, 0.6, 0.4), (0.018, 0.5, 0.35)),
 }
-CLEAR_M = 0.05  # between items
+CLEAR_M = 0.05  # least distance between the circles around two items
 
 
 def place_items(
@@ -214,8 +232,8 @@ def place_items(
 ) -> tuple[Item, ...]:
     """Place the dive's items at random within a window of the chart, clear of each other.
 
-    Structures first, then marks, then barnacles, then structures added since. Raises UsageError
-    when they do not fit, or more are to be changed than there are.
+    Structures are drawn first, then marks, barnacles, and structures added since a first dive.
+    Raises UsageError if they do not fit, or if more structures are to be changed than there are.
     """
     if spec.items.placed is not None:
         return spec.items.placed
@@ -229,33 +247,33 @@ def place_items(
     kinds += [MARKS[k % len(MARKS)] for k in range(wanted.marks)]
     kinds += ["barnacles"] * wanted.barnacles
     window = (along_m, girth_m)
-    before = _draw(spec.hull_random("items"), kinds, [], *window)
+    before = _draw_items(spec.hull_random("items"), kinds, [], *window)
     since = [
         STRUCTURES[k % len(STRUCTURES)]
         for k in range(wanted.structures, wanted.structures + wanted.added)
     ]
-    added = _draw(spec.hull_random("added items"), since, before, *window)
+    added = _draw_items(spec.hull_random("added items"), since, before, *window)
     if wanted.grown_m:
         before[0] = _grow(before[0], wanted.grown_m)
     del before[wanted.structures - wanted.removed : wanted.structures]
     return (*before, *added)
 
 
-def _draw(
+def _draw_items(
     random: np.random.Generator,
     kinds: list[Kind],
     taken: list[Item],
     along_m: tuple[float, float],
     girth_m: tuple[float, float],
 ) -> list[Item]:
-    """Draw items of those kinds, clear of each other and of those taken."""
+    """Draw items of the given kinds, clear of each other and of the items already `taken`."""
     out = list(taken)
     for kind in kinds:
         sizes = SHAPES[kind]
         height, *size = sizes[sum(item.kind == kind for item in out) % len(sizes)]
         turn = float(random.uniform(-0.3, 0.3))
         item = Item(kind, 0.0, 0.0, height, (size[0], size[1]), turn)
-        out.append(_clear_place(random, item, out, along_m, girth_m))
+        out.append(_place_clear(random, item, out, along_m, girth_m))
     return out[len(taken) :]
 
 
@@ -264,13 +282,17 @@ def _grow(item: Item, by_m: float) -> Item:
     return replace(item, height_m=item.height_m + (by_m if item.height_m > 0 else -by_m))
 
 
-def _clear_place(
+def _place_clear(
     random: np.random.Generator,
     item: Item,
     taken: list[Item],
     along_m: tuple[float, float],
     girth_m: tuple[float, float],
 ) -> Item:
+    """Place an item at a random position of the window that is clear of the others.
+
+    Raises UsageError if none is found.
+    """
     for _ in range(4000):
         a, g = float(random.uniform(*along_m)), float(random.uniform(*girth_m))
         if all(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A whole simulated dive: the world and the path through it, before the sensors are asked."""
+"""A whole simulated dive: the hull, the rig and the path, before any sensor is simulated."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from hullrecon.synthetic.vehicle import Motion, TrueRig, leg_corners, simulate_p
 from hullrecon.typing import Array
 
 Window = tuple[float, float]
-BELOW_M, BEYOND_M = 3.0, 2.6  # skin kept around the legs, for the sonar
-BESIDE_M = 0.1  # that middles of items lie above the first leg or below the last one at most
-SEEN_M = 0.9  # that the cameras see beyond the legs
+BELOW_M, BEYOND_M = 3.0, 2.6  # hull built below and beyond the legs, which the sonar sees
+BESIDE_M = 0.1  # largest distance of items' centres above the first leg or below the last one
+SEEN_M = 0.9  # how far the cameras see beyond the legs
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +74,10 @@ def simulate_dive(spec: DiveSpec) -> Dive:
 
 
 def _refuse_legs_beyond(skin: HullSkin, survey: Survey) -> None:
-    """Refuse legs, or items beside them, without skin: they would follow its edge."""
+    """Raise UsageError if the hull has no skin where legs, or items beside them, would be.
+
+    The vehicle would follow the edge of the hull.
+    """
     low, high = float(skin.girth_m[0]), float(skin.girth_m[-1])
     if high < BESIDE_M:
         raise UsageError(
@@ -93,7 +96,7 @@ def _refuse_legs_beyond(skin: HullSkin, survey: Survey) -> None:
 
 
 def _frame_rate(spec: DiveSpec) -> float:
-    """Choose the frames a second that show a point of the steel `views` times in a leg."""
+    """Choose the frames per second at which a leg shows each point of the steel `views` times."""
     footprint = (
         spec.survey.standoff_m * spec.cameras.image_width / (1.03 * spec.cameras.image_width)
     )

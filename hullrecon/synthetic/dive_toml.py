@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """dive.toml and calibration files of a simulated dive.
 
-Mounts are nominal, sigmas those of the instruments, and the initial hull pose is off.
+Mounts are nominal, sigmas are those of the instruments, and the initial hull pose has an error.
 """
 
 from __future__ import annotations
@@ -34,14 +34,18 @@ from hullrecon.synthetic.vehicle import (
     TRAY_ORIGIN,
 )
 
-# Sigmas that dive.toml gives for instruments of this class; more where more was simulated.
+# Sigmas that dive.toml gives for instruments of this class. Larger ones if larger errors are
+# simulated.
 TRAY_SIGMA_DEG = 0.8
 HEADING_DRIFT_SIGMA = 1.0  # degrees an hour
 DVL_SCALE_SIGMA = 0.005  # assumed by readers where the key is absent
 
 
 def initial_guess(dive: Dive) -> Poses:
-    """Misplace the hull as an operator would, by the guess's errors at the middle of the survey."""
+    """Compute the hull pose that dive.toml gives: the true one with the errors of `spec.guess`.
+
+    Signs are drawn at random. The errors are those of the hull at the middle of the survey.
+    """
     spec, random = dive.spec, dive.spec.random("guess")
     sign = random.choice([-1.0, 1.0], 4)
     middle = dive.hull.skin.middle
@@ -84,6 +88,7 @@ frame_spacing = 0.6
 
 
 def _head(dive: Dive) -> str:
+    """Write the sections of the dive, its logs and topics."""
     spec = dive.spec
     carried = [
         "dvl",
@@ -110,6 +115,7 @@ files = {files}
 
 
 def _vehicle(spec: DiveSpec) -> str:
+    """Write the sections of tray, IMU, pressure sensor and DVL."""
     scale, drift = abs(spec.errors.dvl_scale_error), abs(spec.errors.heading_drift_deg_per_hour)
     servo_deg = float(np.hypot(spec.errors.backlash_deg, spec.errors.servo_sigma_deg))
     scale_sigma = f"scale_sigma = {scale}\n" if scale > DVL_SCALE_SIGMA else ""
@@ -139,6 +145,7 @@ sigma_range = {RANGE_SIGMA}
 
 
 def _camera_sections(spec: DiveSpec) -> str:
+    """Write the sections of the cameras that are carried."""
     top = f"""[camera.top]
 calibration = "calibration/camera_top.yaml"
 mount = {_row(CAMERA_MOUNT)}

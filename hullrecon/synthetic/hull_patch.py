@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The surveyed part of a hull as a regular grid in (along, girth).
 
-Sections of the CAD model are cut by arc length.
+Sections of the CAD model are found by ray casting, and resampled at equal steps of arc length.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Hits:
 
 
 class Rays:
-    """A mesh to cast rays at. `middle` is taken off every origin."""
+    """A mesh to cast rays at. Its middle is subtracted from origins, as rays are in float32."""
 
     def __init__(self, mesh: Mesh) -> None:
         o3d = import_open3d()
@@ -59,19 +59,20 @@ class Rays:
     def is_blocked(
         self, origins: Array, directions: NDArray[Any], reach_m: NDArray[Any]
     ) -> NDArray[np.bool_]:
-        """Test whether something stands within `reach_m` (n,) along each ray."""
+        """Decide for each ray (n,) whether it hits something nearer than `reach_m` (n,)."""
         answer = self._scene.cast_rays(self._pack(origins, directions))["t_hit"].numpy()
         return np.asarray(answer < reach_m)
 
     def _pack(self, origins: Array, directions: NDArray[Any]) -> Any:
+        """Convert rays to the tensor (n, 6) that Open3D takes."""
         rows = np.empty((len(directions), 6), np.float32)
         rows[:, :3], rows[:, 3:] = origins - self.middle, directions
         return self._tensor(rows)
 
 
-GAP_M = 0.6  # a wider gap between neighbouring rays' hits ends a section: an edge, not a facet
-BLOCK_CELLS = 4e5  # of the grid in a block: what is made of one takes some 0.3 GB
-# Beyond a block on both sides: more than any sensor sees past its own place along the hull.
+GAP_M = 0.6  # a larger gap between hits of neighbouring rays is an edge, which ends a section
+BLOCK_CELLS = 4e5  # cells of the grid in a block, whose meshes take some 0.3 GB
+# Hull on both sides of a block that is built with it: more than any sensor sees along the hull.
 MARGIN_M = 4.0
 
 
@@ -86,15 +87,15 @@ class HullPatch:
 
     def sample(self, grid: Array, along_m: Array, girth_m: Array) -> Array:
         """Interpolate a grid (a, g, k) at chart points (n,); outside, the edge's values."""
-        i, p = _place(self.along_m, along_m)
-        j, q = _place(self.girth_m, girth_m)
+        i, p = _cell_and_share(self.along_m, along_m)
+        j, q = _cell_and_share(self.girth_m, girth_m)
         p, q = p[:, None], q[:, None]
         low = (1 - p) * grid[i, j] + p * grid[i + 1, j]
         high = (1 - p) * grid[i, j + 1] + p * grid[i + 1, j + 1]
         return np.asarray((1 - q) * low + q * high)
 
     def smooth(self, width_m: float) -> HullPatch:
-        """Smooth the normals over that width: what a vehicle follows."""
+        """Smooth the normals over a width: the vehicle follows these."""
         from scipy.ndimage import gaussian_filter
 
         sigma = width_m / (self.along_m[1] - self.along_m[0])
@@ -112,9 +113,9 @@ class HullPatch:
 class HullSkin:
     """The surveyed part of the CAD model's port side, cut block by block along the hull.
 
-    Girth is arc length along a section: 0 at z = zero_z_m, so that legs of constant girth keep
-    their depth near bow and stern, positive up to z = top_z_m, negative down to -down_m, past the
-    keel if need be. The whole grid is along_m (a,), girth_m (g,).
+    Girth is arc length along a section, upwards. It is 0 at z = zero_z_m, so that legs of constant
+    girth keep their depth near bow and stern. It reaches up to z = top_z_m and down to -down_m,
+    past the keel if that far. The whole grid is along_m (a,), girth_m (g,).
     """
 
     def __init__(
@@ -128,9 +129,10 @@ class HullSkin:
         step_m: float = 0.03,
         block_cells: float = BLOCK_CELLS,
     ) -> None:
-        """Lay the grid over span_m and over the girths that every section has.
+        """Lay the grid over span_m along the hull, and over the girths that every section has.
 
-        Raises InputError where the CAD model has no skin there.
+        step_m: of the grid. block_cells: of a block, at most. Raises InputError if the CAD model
+        has too little skin there.
         """
         self._caster, self._zero_z_m = Rays(cad_model), zero_z_m
         self._high_z_m = float(cad_model.vertices[:, 2].max())
@@ -166,10 +168,10 @@ class HullSkin:
         """Cut a block with its margin on both sides."""
         first = max(0, int(self._edges[block]) - self._margin)
         last = min(len(self.along_m), int(self._edges[block + 1]) + self._margin + 1)
-        return self._cut(first, last)
+        return self._cut_patch(first, last)
 
     def follow(self, along_m: Array, girth_m: Array, width_m: float) -> tuple[Array, Array]:
-        """Look up points (n, 3) at chart coordinates, and normals (n, 3) smoothed over a width."""
+        """Sample points (n, 3) at chart coordinates, and normals (n, 3) smoothed over width_m."""
         point, normal = np.empty((len(along_m), 3)), np.empty((len(along_m), 3))
         block = self.block_of(along_m)
         for k in np.unique(block).tolist():
@@ -185,10 +187,11 @@ class HullSkin:
         for first, last in zip(
             self._edges[:-1], [*self._edges[1:-1], len(self.along_m)], strict=True
         ):
-            total += self._cut(int(first), int(last)).point.reshape(-1, 3).sum(0)
+            total += self._cut_patch(int(first), int(last)).point.reshape(-1, 3).sum(0)
         return np.asarray(total / (len(self.along_m) * len(self.girth_m)))
 
-    def _cut(self, first: int, last: int) -> HullPatch:
+    def _cut_patch(self, first: int, last: int) -> HullPatch:
+        """Cut the columns first to last of the grid from the CAD model."""
         along = self.along_m[first:last]
         point = np.empty((len(along), len(self.girth_m), 3))
         for row, (arc, line) in zip(point, self._sections(along), strict=True):
@@ -196,9 +199,11 @@ class HullSkin:
         return HullPatch(along, self.girth_m, point, _normals(point))
 
     def _sections(self, along_m: Array, rays: int = 3000) -> Iterator[tuple[Array, Array]]:
-        """Cut each section: arc length from where the port side passes zero_z_m, and points.
+        """Yield for each section arc lengths (k,) and points (k, 3) of the skin.
 
-        Rays go from far outside towards a spine within.
+        Arc length is 0 where the port side passes zero_z_m. The points are hits of rays that go
+        from far outside towards a point inside the hull, from below the keel on starboard around to
+        port.
         """
         spine = np.array([0.0, 1e-3 * self._high_z_m, 0.55 * self._high_z_m])
         angle = np.linspace(-1.25, 2.5, rays)
@@ -213,7 +218,21 @@ class HullSkin:
 def _section(
     caster: Rays, spine: Array, out: Array, far: float, angle: Array
 ) -> tuple[Array, Array]:
-    """Cut one section: arc length and points (k, 3) of the skin around its middle, up to gaps."""
+    """Cast the rays of one section: arc lengths (k,) and points (k, 3), up to the first gaps.
+
+    Parameters
+    ----------
+    caster
+        The CAD model.
+    spine
+        Point (3,) inside the hull.
+    out
+        Unit vectors (r, 3) from the spine outward.
+    far
+        Distance from the spine at which rays begin, m.
+    angle
+        (r,) of each ray, 0 straight down. Arc length counts from there.
+    """
     hits = caster.cast(spine + far * out, -out)
     good = hits.hit & (hits.range_m < far)
     if good.sum() < 2:
@@ -237,12 +256,14 @@ def _arc_at(arc: Array, line: Array, z_m: float) -> float:
 
 
 def _normals(point: Array) -> Array:
+    """Compute outward unit normals (a, g, 3) of a grid of points."""
     along, girth = np.gradient(point, axis=0), np.gradient(point, axis=1)
     normal = np.cross(girth, along)
     return np.asarray(normal / np.linalg.norm(normal, axis=2, keepdims=True))
 
 
-def _place(axis: Array, value: Array) -> tuple[NDArray[np.int64], Array]:
+def _cell_and_share(axis: Array, value: Array) -> tuple[NDArray[np.int64], Array]:
+    """Find the cell of each value (n,) on an even axis, and how far in the cell it is, 0..1."""
     at = np.clip((value - axis[0]) / (axis[1] - axis[0]), 0, len(axis) - 1 - 1e-9)
     cell = np.floor(at).astype(np.int64)
     return cell, at - cell

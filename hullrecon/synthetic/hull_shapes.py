@@ -19,7 +19,10 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.options import Ship
 from hullrecon.typing import Array
 
-STATIONS, POINTS = 64, 44  # sections of the ship's form, and points of half a section
+STATIONS, POINTS = (
+    64,
+    44,
+)  # number of sections of the analytic ship, and of points of half a section
 
 
 def hull_shape(ship: Ship) -> Mesh:
@@ -35,23 +38,24 @@ def ship_form(ship: Ship) -> Mesh:
     port = np.stack([_section(ship, xi, POINTS) for xi in x])  # (stations, points, 3), keel to deck
     starboard = port[:, :0:-1] * [1, -1, 1]
     rings = np.concatenate([starboard, port], axis=1)
-    faces = np.vstack([_skin(*rings.shape[:2]), _caps(*rings.shape[:2])])[:, ::-1]
+    faces = np.vstack([_side_faces(*rings.shape[:2]), _cap_faces(*rings.shape[:2])])[:, ::-1]
     return Mesh(rings.reshape(-1, 3), np.ascontiguousarray(faces, np.int32))
 
 
 def hull_from_mesh(path: Path, length_m: float | None = None) -> Mesh:
-    """Read a mesh as hull, its aft end at x = 0, its lowest point at z = 0, scaled to a length.
+    """Read a mesh as hull, with its aft end at x = 0 and its lowest point at z = 0.
 
-    Raises InputError when there is no such file, or it holds no triangles or none with a length.
+    It is scaled to length_m, if given. Raises InputError if there is no such file, or if the mesh
+    has no triangles or no length along x.
     """
     import trimesh
 
-    if not os.path.isfile(path):  # also of names that no file can have
+    if not os.path.isfile(path):  # False, too, for names that no file can have
         raise InputError("there is no such hull mesh", where=str(path), remedy="correct --hull")
     remedy = "give an STL, PLY, OBJ or OFF file"
     try:
         loaded = trimesh.load(path, force="mesh", process=True)
-    except Exception as error:  # trimesh's parsers raise whatever damaged bytes lead them to
+    except Exception as error:  # trimesh's parsers raise errors of any type for damaged files
         reason = shorten(f"{type(error).__name__} {error}", 120)
         raise InputError(
             f"the hull mesh cannot be read, {reason}", where=str(path), remedy=remedy
@@ -84,7 +88,7 @@ def write_stl(path: Path, mesh: Mesh) -> None:
 
 
 def _stations(ship: Ship, count: int) -> Array:
-    """Spread stations along the ship (n,), denser where the hull curves."""
+    """Choose the positions (n,) of the sections along the ship, denser at the curved ends."""
     end = ship.entrance * ship.length_m
     share = np.linspace(0, 1, count * 2 // 5)
     aft, fore = end * share**1.2, ship.length_m - end * share[::-1] ** 1.2
@@ -93,7 +97,10 @@ def _stations(ship: Ship, count: int) -> Array:
 
 
 def _section(ship: Ship, x: float, count: int) -> Array:
-    """Draw half a section (count, 3) on port, from keel to deck: flat, bilge arc, side."""
+    """Compute half a section (count, 3) on port, from keel to deck: flat, bilge arc, side.
+
+    Towards the ends it becomes narrower and rounder, leans and rises.
+    """
     end = ship.entrance * ship.length_m
     # 0 on the parallel midbody, 1 at the very end.
     s = max(0.0, 1 - min(x, ship.length_m - x) / end)
@@ -116,7 +123,8 @@ def _section(ship: Ship, x: float, count: int) -> Array:
     )
 
 
-def _skin(rings: int, points: int) -> NDArray[np.int64]:
+def _side_faces(rings: int, points: int) -> NDArray[np.int64]:
+    """List the triangles between neighbouring sections."""
     node = np.arange(rings * points).reshape(rings, points)
     a, b, c, d = node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]
     return np.concatenate(
@@ -124,7 +132,7 @@ def _skin(rings: int, points: int) -> NDArray[np.int64]:
     )
 
 
-def _caps(rings: int, points: int) -> NDArray[np.int64]:
+def _cap_faces(rings: int, points: int) -> NDArray[np.int64]:
     """Close the deck between both sheer lines, and the two ends."""
     node = np.arange(rings * points).reshape(rings, points)
     first, last = node[:, 0], node[:, -1]

@@ -16,7 +16,7 @@ from hullrecon.typing import Array
 
 ATMOSPHERE_PA, DENSITY, GRAVITY = 101325.0, 1025.0, 9.81  # kg/m3, m/s2
 VELOCITY_SIGMA, RANGE_SIGMA = 0.003, 0.01  # m/s, m
-LOST_SHARE, WILD_SHARE = 0.02, 0.005  # of the DVL's ranges
+LOST_SHARE, WILD_SHARE = 0.02, 0.005  # of the DVL's ranges: missing ones, outliers
 ROLL_PITCH_SIGMA, HEADING_SIGMA = np.radians(0.1), np.radians(0.05)
 GYRO_SIGMA, ACCELERATION_SIGMA = 0.002, 0.03  # rad/s, m/s2
 DEPTH_SIGMA = 0.02  # m
@@ -54,7 +54,7 @@ NO_POSITIONS = Series(np.zeros(0), np.zeros((0, 3)))
 
 
 def dvl(spec: DiveSpec, motion: Motion, rig: TrueRig, hull: BuiltHull) -> Dvl:
-    """Measure velocity over ground, too long by the scale error, and ranges to the hull."""
+    """Simulate the DVL: velocity over ground with noise and scale error, and ranges to the hull."""
     random = spec.random("dvl")
     t = ticks(motion, 5.0, random)
     at = motion.on_tray(t, rig.tray_from_dvl, TRAY_ORIGIN)
@@ -69,7 +69,10 @@ def dvl(spec: DiveSpec, motion: Motion, rig: TrueRig, hull: BuiltHull) -> Dvl:
 
 
 def imu(spec: DiveSpec, motion: Motion) -> Imu:
-    """Measure attitude: constant bias in roll and pitch, heading that drifts and wanders, noise."""
+    """Simulate the IMU: attitude, angular rates and specific force.
+
+    Roll and pitch have a constant bias and noise, the heading a drift, a random walk and noise.
+    """
     from scipy.spatial.transform import Rotation
 
     random = spec.random("imu")
@@ -93,7 +96,7 @@ def imu(spec: DiveSpec, motion: Motion) -> Imu:
 
 
 def pressure(spec: DiveSpec, motion: Motion) -> Series:
-    """Measure absolute pressure, Pa, at the vehicle's origin, with a bias of centimetres."""
+    """Simulate the pressure sensor: absolute, Pa, at the vehicle's origin, with a bias of 3 cm."""
     random = spec.random("pressure")
     t = ticks(motion, 10.0, random, 0.12)
     bias = 0.03 * random.choice([-1.0, 1.0])
@@ -104,7 +107,10 @@ def pressure(spec: DiveSpec, motion: Motion) -> Series:
 
 
 def positions(spec: DiveSpec, motion: Motion) -> Series:
-    """Measure positions by USBL, east, north, up (n, 3), m, in a local frame of any direction."""
+    """Simulate position fixes by USBL: east, north, up (n, 3), m, with noise and outliers.
+
+    Heading and origin of the local frame are drawn at random.
+    """
     if spec.positions.every_s is None:
         return NO_POSITIONS
     random = spec.random("positions")
@@ -121,7 +127,7 @@ def positions(spec: DiveSpec, motion: Motion) -> Series:
 
 
 def joints(spec: DiveSpec, motion: Motion) -> Series:
-    """Measure the angles (n, 2) of tray and sonar tray by their encoders, rad."""
+    """Simulate the encoders of the tray and the sonar's servo: angles (n, 2) with noise, rad."""
     random = spec.random("joints")
     t = ticks(motion, 10.0, random, 0.09)
     series = (motion.encoder, motion.sonar_tray)
@@ -133,7 +139,7 @@ def joints(spec: DiveSpec, motion: Motion) -> Series:
 
 
 def _ranges(random: np.random.Generator, hull_from_dvl: Poses, hull: BuiltHull) -> Array:
-    """Measure ranges (n, b) to the hull, with noise, wild ones and lost ones."""
+    """Simulate ranges (n, b) to the hull, with noise, outliers and missing ones (NaN)."""
     n, b = len(hull_from_dvl), len(BEAMS)
     direction = np.stack(
         [hull_from_dvl.rotation.apply(np.tile(beam, (n, 1))) for beam in BEAMS], axis=1

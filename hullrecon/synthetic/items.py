@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What stands on a hull, is cut into it, painted on it or grows on it, and its height."""
+"""Items of a simulated hull: structures, recesses, painted marks and growth, and their heights."""
 
 from __future__ import annotations
 

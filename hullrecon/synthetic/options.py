@@ -301,11 +301,11 @@ class DiveSpec(Checked):
             raise UsageError(f"name is {self.name!r}", remedy=remedy) from None
 
     def random(self, purpose: str) -> np.random.Generator:
-        """Start a stream for a purpose, so that one more draw here changes nothing there."""
+        """Make the random generator of a purpose, so that draws for one do not change another's."""
         return np.random.default_rng([self.seed, zlib.crc32(purpose.encode())])
 
     def hull_random(self, purpose: str) -> np.random.Generator:
-        """Start such a stream for what belongs to the hull, whoever dives at it."""
+        """Make the random generator of a purpose that belongs to the hull, not to the dive."""
         seed = self.seed if self.hull_seed is None else self.hull_seed
         return np.random.default_rng([seed, zlib.crc32(purpose.encode())])
 
@@ -384,7 +384,7 @@ def _options() -> Iterator[Option]:
 
 
 def _kind(record: object, field: str) -> type:
-    """Find the type of a field's values: of `int | None`, int; of words, str."""
+    """Find the type of a field's values, such as int for `int | None`."""
     default = getattr(record, field)
     if default is not None:
         return type(default)

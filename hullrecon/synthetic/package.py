@@ -17,7 +17,7 @@ from hullrecon.synthetic.truth import write_truth
 
 
 def write_package(folder: Path, spec: DiveSpec, track: Track = without_progress) -> Dive:
-    """Simulate a dive and write its package, truth and all.
+    """Simulate a dive and write its package, with the truth.
 
     It is written under a temporary name, so that a simulation that fails or is interrupted leaves
     nothing. Raises StorageError when the folder is not empty or cannot be written.
@@ -29,7 +29,7 @@ def write_package(folder: Path, spec: DiveSpec, track: Track = without_progress)
 
 
 def write_parts(folder: Path, dive: Dive, streams: Streams) -> None:
-    """Write the parts of a package into an empty folder, with what the dive's sensors gave."""
+    """Write the parts of a package into an empty folder, with the dive's sensor streams as logs."""
     write_stl(folder / "hull.stl", dive.cad_model)
     (folder / "logs").mkdir()
     if dive.spec.form == "mcap":

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Every reading of a simulated dive in the order of time, whatever the form of the log."""
+"""The sensor readings of a simulated dive in order of time, for any format of the log."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ def without_progress(items: Iterator[bytes], label: str, total: int, /) -> Itera
 
 
 class InTurn(Generic[Item]):
-    """The items of an iterator by number, of which the last one alone is kept.
+    """The items of an iterator by number. Only the last one is kept in memory.
 
-    A number may repeat or grow, never fall.
+    So numbers may repeat or grow, but never decrease.
     """
 
     def __init__(self, items: Iterator[Item]) -> None:
@@ -55,7 +55,7 @@ class InTurn(Generic[Item]):
 
 @dataclass(frozen=True, kw_only=True)
 class Streams:
-    """What the sensors gave. Images and pings are made as they are asked for, in order of time."""
+    """The readings of all sensors. Images and pings are made when accessed, in order of time."""
 
     dvl: instruments.Dvl
     imu: instruments.Imu
@@ -70,7 +70,7 @@ class Streams:
 
 
 def record(dive: Dive, track: Track = without_progress) -> Streams:
-    """Ask all sensors of the dive."""
+    """Simulate all sensors of the dive."""
     spec, motion = dive.spec, dive.motion
     count = {"stereo": 2, "mono": 1, "none": 0}[spec.cameras.carried]
     cameras = ("camera_top", "camera_bottom")[:count]
@@ -96,7 +96,7 @@ def stamp_ns(t_s: Array) -> NDArray[np.int64]:
 
 
 def in_order(streams: Streams) -> Iterator[tuple[int, str, int]]:
-    """List (stamp, stream, row) of every reading by time of stamp."""
+    """List (stamp in ns, stream, row) of every reading, sorted."""
     times = {
         "imu": streams.imu.t_s,
         "joints": streams.joints.t_s,

@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Camera images: a ray a pixel, one lamp, and water that absorbs, veils and blurs."""
+"""Camera images by ray casting, one ray a pixel, with one lamp and water.
+
+The water absorbs light, scatters it back as a veil and blurs the image.
+"""
 
 from __future__ import annotations
 
@@ -19,18 +22,18 @@ from hullrecon.synthetic.options import Cameras, DiveSpec
 from hullrecon.synthetic.vehicle import LAMP_IN_TOP, TRAY_ORIGIN
 from hullrecon.typing import Array, Floats32, Pixels
 
-ABSORPTION = np.array([1.55, 0.9, 1.1], np.float32)  # RGB, relative: red goes first
-VEIL = np.array([0.020, 0.062, 0.050], np.float32)  # RGB, of an endless water column
-LENS_WAVES = 6  # of a lens's error in either axis, of at most one period over the image
-ATLAS_TEXELS = 24e6  # up to there the texture is one image: painting it takes 0.5 GB
+ABSORPTION = np.array([1.55, 0.9, 1.1], np.float32)  # RGB, relative: red is absorbed most
+VEIL = np.array([0.020, 0.062, 0.050], np.float32)  # RGB radiance of an endless water column
+LENS_WAVES = 6  # plane waves of a lens's error in either axis, at most one period over the image
+ATLAS_TEXELS = 24e6  # largest texture that is one image: painting it takes 0.5 GB
 
 
 @dataclass(frozen=True)
 class Scene:
-    """What is before the lens."""
+    """What a camera looks at."""
 
-    block: Block
-    atlas: Albedo
+    block: Block  # of the hull around the vehicle
+    atlas: Albedo  # its colours
     absorption: float  # of green light, per metre of water
 
 
@@ -89,9 +92,10 @@ def row_times(frame_s: Array, cameras: Cameras) -> Array:
 
 
 def lens_error(spec: DiveSpec, name: str, camera: CameraModel) -> Array | None:
-    """Draw the smooth error (h, w, 2) px of a lens: pixel p sees what calibration puts at p + it.
+    """Draw the smooth error e (h, w, 2) px of a lens that its calibration does not model.
 
-    It has no affine part, which any calibration would have found. None without an error.
+    Pixel p sees the ray that the calibration gives pixel p + e. It has no affine part, which any
+    calibration would have found. None without an error.
     """
     if spec.cameras.lens_error_px == 0:
         return None
@@ -109,20 +113,21 @@ def lens_error(spec: DiveSpec, name: str, camera: CameraModel) -> Array | None:
 
 
 def _paint(dive: Dive) -> Albedo:
-    """Make the albedo of the hull: paint that repeats or lies bare if the spec says so."""
+    """Make the albedo of the hull, with repeated or bare paint if the spec says so."""
     paint, survey = dive.spec.paint, dive.spec.survey
     if paint.bare_share == 0 and paint.repeats_m is None:
-        return _atlas(dive)
+        return _choose_atlas(dive)
     bare_to_m = float(np.mean(dive.seen_along)) + (paint.bare_share - 0.5) * survey.leg_length_m
     return PaintedHull(
-        albedo=_atlas(dive),
+        albedo=_choose_atlas(dive),
         start_m=dive.seen_along[0],
         bare_to_m=bare_to_m if paint.bare_share else None,
         repeats_m=paint.repeats_m,
     )
 
 
-def _atlas(dive: Dive) -> Atlas | PlateAtlas:
+def _choose_atlas(dive: Dive) -> Atlas | PlateAtlas:
+    """Make the texture: as one image if it is small, else plate by plate."""
     spec = dive.spec
     texel_m = max(0.001, 0.75 * spec.survey.standoff_m / dive.rig.camera_top.fx)
     texels = np.ptp(dive.seen_along) * np.ptp(dive.seen_girth) / texel_m**2
@@ -148,8 +153,18 @@ def photograph(
 ) -> NDArray[np.uint8]:
     """Render an image (h, w, 3) RGB.
 
-    `hull_from_camera`: one pose, or one a row (h). `lamp`: its place (1, 3) or (h, 3) in the hull's
-    frame.
+    Parameters
+    ----------
+    scene
+        What the camera looks at.
+    view
+        Its rays.
+    hull_from_camera
+        One pose, or one for each row of the image (h), as of a rolling shutter.
+    lamp
+        Position (1, 3) or (h, 3) of the lamp in the hull's frame.
+    random
+        For particles and noise.
     """
     shape = view.vignetting.shape
     each = len(view.ray) // len(hull_from_camera)  # pixels that share a pose
@@ -168,15 +183,15 @@ def photograph(
     )
     albedo = scene.atlas.look_up(along_m, girth_m, seen).reshape(-1, 3)
     point = direction * range_m[:, None]
-    light, lamp_way = _lamp(scene, hits.hit, point, normal, chart, camera, lamp)
+    light, lamp_way = _illuminate(scene, hits.hit, point, normal, chart, camera, lamp)
     water = np.exp(-scene.absorption * ABSORPTION * (range_m + lamp_way)[:, None])
     veil = VEIL * (1 - np.exp(-scene.absorption * ABSORPTION * 1.3 * range_m[:, None]))
     radiance = albedo * light[:, None] * water * hits.hit[:, None] + veil
     radiance = radiance.reshape(*shape, 3) * view.vignetting[..., None]
-    return _expose(_snow(radiance, random), random)
+    return _expose(_add_particles(radiance, random), random)
 
 
-def _lamp(
+def _illuminate(
     scene: Scene,
     hit: NDArray[np.bool_],
     point: Floats32,
@@ -185,12 +200,33 @@ def _lamp(
     camera: Array,
     lamp: Array,
 ) -> tuple[Floats32, Floats32]:
-    """Light points given from the camera (n,), with shadows; give also the light's way, m."""
+    """Compute the lamp's light at points of the hull, with the shadows of items.
+
+    Parameters
+    ----------
+    scene
+        The hull.
+    hit
+        Rays (n,) that hit it.
+    point, normal
+        Points (n, 3) relative to the camera, and outward normals there.
+    chart
+        Their chart coordinates (n, 2).
+    camera, lamp
+        Positions (n, 3) in the hull's frame.
+
+    Returns
+    -------
+    light
+        (n,) irradiance, by angle of incidence and inverse square of the distance.
+    way
+        (n,) distance from lamp to point, m.
+    """
     to_lamp = (lamp - camera).astype(np.float32) - point
     way = np.linalg.norm(to_lamp, axis=1)
     to_lamp /= way[:, None]
     light = np.clip(np.einsum("nd,nd->n", normal, to_lamp), 0, 1) / way**2
-    # shadows are cast by items, so rays are cast where one stands near by
+    # Only items cast shadows, so that rays to the lamp are cast only near items.
     patch, busy = scene.block.patch, scene.block.built.busy
     i = np.clip(np.rint((chart[:, 0] - patch.along_m[0]) / 0.03), 0, busy.shape[0] - 1).astype(int)
     j = np.clip(np.rint((chart[:, 1] - patch.girth_m[0]) / 0.03), 0, busy.shape[1] - 1).astype(int)
@@ -201,8 +237,8 @@ def _lamp(
     return np.asarray(light, np.float32), np.asarray(way, np.float32)
 
 
-def _snow(radiance: Floats32, random: np.random.Generator) -> Floats32:
-    """Add particles in the beam, most out of focus, and the blur of lens and water."""
+def _add_particles(radiance: Floats32, random: np.random.Generator) -> Floats32:
+    """Add particles in the water, most of them out of focus, and blur by lens and water."""
     import cv2
 
     height, width = radiance.shape[:2]
@@ -225,6 +261,7 @@ def _snow(radiance: Floats32, random: np.random.Generator) -> Floats32:
 
 
 def _expose(radiance: Floats32, random: np.random.Generator) -> NDArray[np.uint8]:
+    """Convert radiance to grey levels, with a gain that varies from image to image, and noise."""
     gain = np.float32(2.6 * (1 + 0.02 * random.standard_normal()))
     image = 255 * np.sqrt(np.clip(gain * radiance, 0, 1))
     image += 1.6 * random.standard_normal(image.shape, np.float32)

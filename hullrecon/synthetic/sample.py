@@ -14,8 +14,8 @@ from hullrecon.synthetic.options import Cameras, DiveSpec, InitialHullPose, Item
 from hullrecon.synthetic.package import write_package
 
 FOLDER = Path(__file__).resolve().parents[2] / "sample_data" / "demo"  # in a checkout
-# From the side into the bilge where the bow begins to narrow: curvature both ways, so that the CAD
-# model holds the dive.
+# From the side into the bilge where the bow begins to narrow: there the hull is curved both ways,
+# so that the CAD model determines the position along it.
 SAMPLE = DiveSpec(
     name="demo",
     seed=8,

@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""An imaging sonar: every beam integrates over its arc of elevation, and objects cast shadows."""
+"""An imaging sonar by ray casting.
+
+Every beam integrates over its arc of elevation, and objects cast shadows.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +19,13 @@ from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.vehicle import SONAR_ELEVATION_DEG, SONAR_ORIGIN, ticks
 from hullrecon.typing import Array
 
-BEAM_COUNT, BIN_COUNT = 96, 256
-NEAR_M, FAR_M = 0.6, 3.0
-AZIMUTH = np.radians(np.linspace(14.5, -14.5, BEAM_COUNT))
-RANGE = np.linspace(NEAR_M, FAR_M, BIN_COUNT)
-ARC_RAYS, SUB_BEAMS = 260, 2
-LOOKS = 3.0
-RATE_HZ = 2.0
+BEAM_COUNT, BIN_COUNT = 96, 256  # beams, and range bins of a beam
+NEAR_M, FAR_M = 0.6, 3.0  # first and last range
+AZIMUTH = np.radians(np.linspace(14.5, -14.5, BEAM_COUNT))  # of the beams
+RANGE = np.linspace(NEAR_M, FAR_M, BIN_COUNT)  # of the bins, m
+ARC_RAYS, SUB_BEAMS = 260, 2  # rays of a beam: over its elevation, and over its width
+LOOKS = 3.0  # shape of the gamma-distributed speckle
+RATE_HZ = 2.0  # pings per second
 
 
 @dataclass(frozen=True)
@@ -35,7 +38,10 @@ class Fan:
 
 
 def pings(dive: Dive) -> tuple[Array, Iterator[NDArray[np.uint8]]]:
-    """Ping: times (n,), s, and images (beams, ranges), made as they are asked for."""
+    """Simulate the pings: their times (n,), s, and an iterator that renders the images.
+
+    An image is (beams, ranges).
+    """
     random = dive.spec.random("sonar")
     t_s = ticks(dive.motion, RATE_HZ, random, 0.3)
     at = dive.motion.on_tray(t_s, dive.rig.servo_from_sonar, SONAR_ORIGIN, dive.motion.sonar_tray)
@@ -52,7 +58,7 @@ def beam_directions() -> Array:
 
 
 def fan() -> Fan:
-    """Fill the arc of elevation of every beam with rays."""
+    """Make the rays of a ping, which fill the elevation and width of every beam."""
     half = np.radians(SONAR_ELEVATION_DEG / 2)
     step = abs(AZIMUTH[1] - AZIMUTH[0])
     offset = (np.arange(SUB_BEAMS) + 0.5) / SUB_BEAMS - 0.5
@@ -69,7 +75,11 @@ def fan() -> Fan:
 def ping(
     hull_from_sonar: Poses, block: Block, rays: Fan, random: np.random.Generator
 ) -> NDArray[np.uint8]:
-    """Render an image (beams, ranges): Lambert's echoes by range bin, speckle, noise floor."""
+    """Render a ping as image (beams, ranges).
+
+    The echoes of all rays, by angle of incidence and beam pattern, are summed in range bins.
+    Speckle and a noise floor are added.
+    """
     direction = hull_from_sonar.rotation.apply(rays.direction)
     hits = block.rays.cast(hull_from_sonar.translation, direction)
     corner = block.built.mesh.faces[hits.face]

@@ -30,14 +30,14 @@ def paint_steel(
     """Paint a window of the chart without items: albedo x 255 (rows over girth, along, 3)."""
     shape = (int((girth_m[1] - girth_m[0]) / texel_m), int((along_m[1] - along_m[0]) / texel_m))
     origin = (along_m[0], girth_m[0])
-    fouling = _fouling(random, shape, texel_m)
-    plates = _plates(random, shape, origin, texel_m)
+    fouling = _draw_fouling(random, shape, texel_m)
+    plates = _draw_plates(random, shape, origin, texel_m)
     image = np.empty((*shape, 3), np.uint8)
     # In strips: three colours in float32 of the whole window would not fit into memory.
     for k in range(0, shape[0], 256):
         strip = slice(k, k + 256)
         image[strip] = np.clip(
-            255 * (_colour(fouling, strip) * plates(strip)[..., None]), 0, 255
+            255 * (_mix_colours(fouling, strip) * plates(strip)[..., None]), 0, 255
         ).astype(np.uint8)
     _specks(random, image, texel_m)
     _scratches(random, image, texel_m)
@@ -45,7 +45,10 @@ def paint_steel(
 
 
 def value_noise(random: np.random.Generator, shape: tuple[int, int], cell_px: float) -> Floats32:
-    """Draw noise (rows, columns) in about -1..1, cubic between random values on a grid."""
+    """Draw smooth noise (rows, columns) of about -1..1.
+
+    Random values on a grid with cells of cell_px are interpolated cubically.
+    """
     import cv2
 
     rows, columns = (int(np.ceil(n / cell_px)) + 4 for n in shape)
@@ -80,8 +83,8 @@ class _Fouling:
     patches: tuple[tuple[Floats32, Floats32], ...]
 
 
-def _fouling(random: np.random.Generator, shape: tuple[int, int], texel_m: float) -> _Fouling:
-    """Draw where paint shows through the slime, where algae grow, and where something fell off."""
+def _draw_fouling(random: np.random.Generator, shape: tuple[int, int], texel_m: float) -> _Fouling:
+    """Draw where paint shows through the slime, where algae grow, and pale spots."""
     fine = _octaves(
         random,
         shape,
@@ -98,19 +101,19 @@ def _fouling(random: np.random.Generator, shape: tuple[int, int], texel_m: float
         patch = _octaves(random, shape, cells, gains, texel_m)
         patch -= np.float32(level)
         patch *= np.float32(5)
-        patches.append((tone, _soften(patch)))
-    return _Fouling(_soften(fine), tuple(patches))
+        patches.append((tone, _squash(patch)))
+    return _Fouling(_squash(fine), tuple(patches))
 
 
-def _soften(x: Floats32) -> Floats32:
-    """Compute 0.5 + 0.5 tanh x, in place."""
+def _squash(x: Floats32) -> Floats32:
+    """Map values to 0..1 by 0.5 + 0.5 tanh x, in place."""
     np.tanh(x, out=x)
     x *= np.float32(0.5)
     x += np.float32(0.5)
     return x
 
 
-def _colour(fouling: _Fouling, rows: slice) -> Floats32:
+def _mix_colours(fouling: _Fouling, rows: slice) -> Floats32:
     """Mix the albedo (rows, columns, 3) of some rows: paint under slime, algae, pale spots."""
     share = fouling.paint[rows, :, None]
     out = PAINT * share + SLIME * (1 - share)
@@ -120,13 +123,17 @@ def _colour(fouling: _Fouling, rows: slice) -> Floats32:
     return np.asarray(out, np.float32)
 
 
-def _plates(
+def _draw_plates(
     random: np.random.Generator,
     shape: tuple[int, int],
     origin_m: tuple[float, float],
     texel_m: float,
 ) -> Callable[[slice], Floats32]:
-    """Draw a tone for each plate and the welds between; give the brightness of some rows."""
+    """Draw a tone for each plate, and the welds between plates.
+
+    Returns a function that gives the brightness (rows, columns) of some rows, so that the whole
+    never has to be in memory.
+    """
     g = origin_m[1] + texel_m * np.arange(shape[0])
     a = origin_m[0] + texel_m * np.arange(shape[1])
     row, column = np.floor(g / PLATE_M[1]).astype(int), np.floor(a / PLATE_M[0]).astype(int)
@@ -143,7 +150,7 @@ def _plates(
 
 
 def _seam(random: np.random.Generator, x: NDArray[np.floating], every_m: float) -> Floats32:
-    """Draw the brightness (n,) of a dark, uneven line at each multiple."""
+    """Draw the brightness (n,) at x (n,), with a dark, uneven line at multiples of every_m."""
     near = np.abs((x + every_m / 2) % every_m - every_m / 2)
     return np.asarray(
         1 - 0.45 * np.exp(-((near / SEAM_M) ** 2)) * random.uniform(0.8, 1.0, len(x)), np.float32

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""truth/ of a simulated dive: what `evaluate` compares with, and no step may read."""
+"""truth/ of a simulated dive: `evaluate` compares results with it, and no step may read it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,9 @@ from hullrecon.synthetic.vehicle import SONAR_ORIGIN, TRAY_ORIGIN
 from hullrecon.typing import Array
 
 LENS_GRID = 9  # samples of a lens's error along either side
-BEHIND_M = 1.35  # a point so far behind the standoff lies round the bilge, where the hull hides it
+BEHIND_M = (
+    1.35  # a point that much farther than the standoff is round the bilge, hidden by the hull
+)
 
 
 def write_truth(folder: Path, dive: Dive) -> None:
@@ -38,7 +40,7 @@ def write_truth(folder: Path, dive: Dive) -> None:
     write_table(
         folder / "sonar_servo.csv", ["rad"], often, motion.angle(motion.sonar_tray, often)[:, None]
     )
-    _json(folder / "alignment.json", {"T_g_M": _place(motion.global_from_hull)})
+    _json(folder / "alignment.json", {"T_g_M": _pose_document(motion.global_from_hull)})
     _json(folder / "extrinsics.json", _extrinsics(dive))
     _json(folder / "objects.json", _objects(dive))
     if errors := _camera_errors(dive):
@@ -81,6 +83,7 @@ end_header
 
 
 def _extrinsics(dive: Dive) -> dict[str, Any]:
+    """List the true mounts and origins for extrinsics.json."""
     rig = dive.rig
     mounts = {
         "T_s_d": rig.tray_from_dvl,
@@ -90,7 +93,7 @@ def _extrinsics(dive: Dive) -> dict[str, Any]:
     }
     if dive.spec.cameras.carried == "none":
         mounts = {name: mounts[name] for name in ("T_s_d", "T_sonarservo_o")}
-    placed: dict[str, Any] = {name: _place(mount) for name, mount in mounts.items()}
+    placed: dict[str, Any] = {name: _pose_document(mount) for name, mount in mounts.items()}
     return {"tray_origin": list(TRAY_ORIGIN), "sonar_origin": list(SONAR_ORIGIN), **placed}
 
 
@@ -122,7 +125,8 @@ def _camera_errors(dive: Dive) -> dict[str, Any]:
 
 
 def _objects(dive: Dive) -> dict[str, Any]:
-    # In the order of the hull's blocks.
+    """List the items for objects.json, barnacles apart, as these are no objects."""
+    # Described in their order along the hull, so that each block is built once.
     along = sorted(range(len(dive.items)), key=lambda k: dive.items[k].along_m)
     made = {k: _object(dive, dive.items[k], k + 1) for k in along}
     rows = [made[k] for k in range(len(dive.items))]
@@ -155,7 +159,7 @@ def _object(dive: Dive, item: Item, number: int) -> dict[str, Any]:
 
 
 def _views(dive: Dive, point: Array) -> int:
-    """Count the frames in which the top camera has that point before it."""
+    """Count the frames in which the top camera sees a point (3,), unless the hull hides it."""
     if dive.spec.cameras.carried == "none":
         return 0
     camera = dive.rig.camera_top
@@ -167,7 +171,7 @@ def _views(dive: Dive, point: Array) -> int:
     return int((seen & (inside[:, 2] < dive.spec.survey.standoff_m + BEHIND_M)).sum())
 
 
-def _place(motion: Poses) -> dict[str, Any]:
+def _pose_document(motion: Poses) -> dict[str, Any]:
     return {
         "translation": motion.translation[0].tolist(),
         "quaternion": motion.quaternion[0].tolist(),

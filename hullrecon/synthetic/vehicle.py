@@ -19,9 +19,11 @@ from hullrecon.typing import Array
 
 Six = tuple[float, float, float, float, float, float]
 
+# Positions in the vehicle, m: axes of tray and sonar's servo, USBL transponder. Nominal mounts as
+# in dive.toml: x y z (m), roll pitch yaw (degrees).
 TRAY_ORIGIN = (0.45, 0.0, 0.10)
 SONAR_ORIGIN = (0.45, 0.0, 0.25)
-TRANSPONDER = (-0.3, 0.15, -0.25)  # of USBL, in the vehicle
+TRANSPONDER = (-0.3, 0.15, -0.25)
 DVL_MOUNT: Six = (0.0, 0.0, 0.08, 0.0, 90.0, 0.0)
 CAMERA_MOUNT: Six = (0.0, 0.0, -0.05, 90.0, 0.0, 90.0)
 BOTTOM_IN_TOP: Six = (0.001, 0.1, -0.001, 0.15, -0.1, 0.12)
@@ -46,7 +48,10 @@ class TrueRig:
 
 
 def true_rig(spec: DiveSpec) -> TrueRig:
-    """Draw the true mounts: nominal but for millimetres and tenths of a degree."""
+    """Draw the true mounts: nominal ones with errors of millimetres and tenths of a degree.
+
+    Cameras have fixed intrinsics, scaled to the image size.
+    """
     random = spec.random("rig")
     width, height = spec.cameras.image_width, spec.cameras.image_height
     f = 1.03 * width
@@ -76,7 +81,7 @@ def true_rig(spec: DiveSpec) -> TrueRig:
 
 
 def _draw_misalignment(random: np.random.Generator, shift_m: float, turn_deg: float) -> Poses:
-    """Draw the error of a mount, with a sigma of shift and turn by axis."""
+    """Draw the error of a mount. shift_m, turn_deg: sigmas by axis."""
     return exp(
         np.concatenate(
             [shift_m * random.standard_normal(3), np.radians(turn_deg) * random.standard_normal(3)]
@@ -84,10 +89,11 @@ def _draw_misalignment(random: np.random.Generator, shift_m: float, turn_deg: fl
     )
 
 
-STEP_S = 0.02  # of the path
-WAVES = 7  # of what the controller does not hold
-SETTLE_S = 0.7  # over which heading and tray follow the hull
-# The sonar looks that much lower than the cameras, rad, less where the bilge curves away, rad/rad.
+STEP_S = 0.02  # between samples of the path
+WAVES = 7  # sine waves of the wobble that the controller does not suppress
+SETTLE_S = 0.7  # sigma in time with which heading and tray follow the hull
+# How much lower than the cameras the sonar looks, rad, and by how much less per radian of the
+# tray's angle, as the bilge curves away
 SONAR_BELOW = (0.72, 0.42)
 
 
@@ -118,7 +124,19 @@ class Motion:
         origin_m: tuple[float, float, float],
         series: Array | None = None,
     ) -> Poses:
-        """Place in global what is mounted so on a servo, the camera tray's without `series`."""
+        """Compute the poses (n,) in global of a sensor that is mounted on a servo.
+
+        Parameters
+        ----------
+        t_s
+            Times (n,).
+        mount
+            servo_from_sensor, a batch of one.
+        origin_m
+            Position of the servo's axis in the vehicle.
+        series
+            Angles of the servo as in `Motion`, of the camera tray if None.
+        """
         angle = self.angle(self.tray if series is None else series, t_s)
         return self.vehicle(t_s) @ poses.tray_poses(origin_m, angle) @ mount
 
@@ -143,9 +161,9 @@ class Motion:
 
 
 def with_backlash(command: Array, backlash: float) -> Array:
-    """Follow a command (n,) behind a gear with backlash, half its dead band.
+    """Compute the angle (n,) of a load that follows a command (n,) through a gear with backlash.
 
-    The load stands still while the gear crosses the band.
+    The load stands still while the gear crosses the dead band, whose half width is `backlash`.
     """
     out = np.empty_like(command)
     at = float(command[0])
@@ -158,13 +176,13 @@ def with_backlash(command: Array, backlash: float) -> Array:
 def ticks(
     motion: Motion, rate_hz: float, random: np.random.Generator, first_s: float = 0.25
 ) -> Array:
-    """Draw the times (n,) of a sensor, s, nearly even, inside the motion."""
+    """Draw the times (n,) of a sensor's readings, s: even with jitter, from first_s on."""
     t = np.arange(first_s, motion.t_s[-1] - 0.2, 1 / rate_hz)
     return np.asarray(t + random.uniform(-0.01, 0.01, len(t)) / max(1.0, rate_hz / 5))
 
 
 def leg_corners(survey: Survey, middle_m: float, top_girth_m: float) -> Array:
-    """List the corners (2 legs, 2) of the path as along, girth."""
+    """List the start and end of each leg as along, girth (2 legs, 2). Legs run to and fro."""
     rows = []
     for k in range(survey.legs):
         way = 0.5 * survey.leg_length_m * (1 if k % 2 else -1)
@@ -174,21 +192,25 @@ def leg_corners(survey: Survey, middle_m: float, top_girth_m: float) -> Array:
 
 
 def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
-    """Move the vehicle over those corners (n, 2) of the chart."""
+    """Simulate the motion of a vehicle that follows the hull along corners (n, 2) of the chart.
+
+    It keeps the standoff and faces the hull: heading by the vehicle, elevation by the tray. What
+    the controller does not suppress is added, and the backlash of the tray.
+    """
     from scipy.ndimage import gaussian_filter1d
 
     along, girth = _time_path(corners, spec.survey.speed_m_per_s)
     t = STEP_S * np.arange(len(along), dtype=float)
     point, normal = skin.follow(along, girth, width_m=0.5)
-    level = _trim(spec)
+    level = _level_from_hull(spec)
     facing, out = level.apply(normal), level.apply(point)
     port = level.apply([0.0, 1.0, 0.0])
-    # Under a flat bottom the normal alone gives no heading.
+    # Under a flat bottom the normal is vertical and gives no heading: add some of the port side's.
     flat = facing[:, :2] + 0.1 * port[:2]
     yaw = gaussian_filter1d(
         np.unwrap(np.arctan2(-flat[:, 1], -flat[:, 0])), SETTLE_S / STEP_S, mode="nearest"
     )
-    wobble = _wobble(spec, t)
+    wobble = _draw_wobble(spec, t)
     attitude = np.stack([wobble[:, 3], wobble[:, 4], yaw + wobble[:, 5]], axis=1)
     elevation = gaussian_filter1d(
         np.arcsin(np.clip(facing[:, 2], -0.98, 0.98)), SETTLE_S / STEP_S, mode="nearest"
@@ -196,7 +218,7 @@ def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
     sensor = out + spec.survey.standoff_m * facing + wobble[:, :3]
     position = sensor - Rotation.from_euler("xyz", attitude).apply(TRAY_ORIGIN)
     smooth = gaussian_filter1d(position, 0.5 / STEP_S, axis=0, mode="nearest")
-    global_from_level = _start_of(smooth[0], float(attitude[0, 2]), spec.ship.draught_m)
+    global_from_level = _global_from_level(smooth[0], float(attitude[0, 2]), spec.ship.draught_m)
     encoder = elevation + wobble[:, 6]
     attitude[:, 2] -= attitude[0, 2]
     hull = global_from_level @ Poses(level.as_quat()[None], np.zeros((1, 3)))
@@ -214,7 +236,10 @@ def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
 
 
 def _time_path(corners: Array, speed: float) -> tuple[Array, Array]:
-    """Sample along and girth every STEP_S: half as fast between legs, a rest at both ends."""
+    """Sample along and girth of the path every STEP_S.
+
+    Between legs the vehicle is half as fast, and it rests a second at both ends.
+    """
     from scipy.ndimage import gaussian_filter1d
 
     way = np.linalg.norm(np.diff(corners, axis=0), axis=1)
@@ -229,21 +254,27 @@ def _time_path(corners: Array, speed: float) -> tuple[Array, Array]:
     return along, girth
 
 
-def _trim(spec: DiveSpec) -> Rotation:
-    """Draw the turn from the hull's frame to a level one with z down: some trim and heel."""
+def _level_from_hull(spec: DiveSpec) -> Rotation:
+    """Draw the rotation from the hull's frame to a level one with z down, with trim and heel."""
     heel, trim = np.radians(spec.random("trim").uniform(-0.5, 0.5, 2))
     return Rotation.from_euler("xyz", [np.pi + heel, trim, 0.0])
 
 
-def _start_of(position: Array, yaw: float, draught_m: float) -> Poses:
-    """Place the level frame in global, which starts with the vehicle, z = 0 at the water."""
+def _global_from_level(position: Array, yaw: float, draught_m: float) -> Poses:
+    """Compute global_from_level: global begins at the vehicle, with z = 0 at the water surface.
+
+    position, yaw: of the vehicle at the start, in the level frame, whose z = 0 is at the keel.
+    """
     turn = from_rpy([0.0, 0.0, 0.0], [0.0, 0.0, -yaw])
     shift = -turn.apply(position[None])[0]
     return Poses(turn.quaternion, np.array([[shift[0], shift[1], draught_m]]))
 
 
-def _wobble(spec: DiveSpec, t: Array) -> Array:
-    """Draw what the controller does not hold (n, 7): position, m, attitude and tray, rad."""
+def _draw_wobble(spec: DiveSpec, t: Array) -> Array:
+    """Draw the motion (n, 7) that the controller does not suppress.
+
+    Sums of sine waves of position (3), m, attitude (3) and tray angle, rad.
+    """
     random = spec.random("wobble")
     size = np.array([0.012, 0.012, 0.012, *np.radians([0.9, 0.9, 1.0, 0.7])])
     rate = 2 * np.pi * random.uniform(0.03, 0.22, (WAVES, 7))

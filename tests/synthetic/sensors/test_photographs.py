@@ -36,9 +36,9 @@ def test_large_hull_painted_by_plates_looks_like_small_one(
 ) -> None:
     """The threshold saves memory; it must not show in the statistics of an image."""
     whole = next(photographs(dive))[0].astype(float)
-    assert isinstance(rendering._atlas(dive), Atlas)
+    assert isinstance(rendering._choose_atlas(dive), Atlas)
     monkeypatch.setattr(rendering, "ATLAS_TEXELS", 0)
-    assert isinstance(rendering._atlas(dive), PlateAtlas)
+    assert isinstance(rendering._choose_atlas(dive), PlateAtlas)
     plates = next(photographs(dive))[0].astype(float)
     assert np.abs(whole - plates).mean() > 2  # another texture
     assert plates.mean() == pytest.approx(whole.mean(), rel=0.25)
