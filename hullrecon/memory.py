@@ -37,8 +37,8 @@ def keep_free_memory() -> None:
     """Let this process keep freed memory for its next allocations, as in a worker's loop.
 
     Otherwise the allocator returns large blocks at once, and the system clears their pages again at
-    the next allocation: a seventh of the time of finding features. C libraries other than glibc have
-    no such call.
+    the next allocation: a seventh of the time of finding features. C libraries other than glibc
+    have no such call.
     """
     with suppress(OSError, AttributeError):
         library = ctypes.CDLL(None)
