@@ -15,7 +15,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hullrecon import native
-from hullrecon.adjustment.cad_acceptance import Placement, lying_side, place_cad_model
+from hullrecon.adjustment.cad_acceptance import (
+    Placement,
+    lying_side,
+    place_cad_model,
+    sunk,
+)
 from hullrecon.adjustment.contradictions import (
     doubt_tray,
     explain_refusal,
@@ -121,9 +126,12 @@ def solve_path_and_place(measured: Measurements, solver: RoundSolver) -> Phase:
     if measured.cad_model is not None:
         placed = place_cad_model(path, measured.cad_model, solver)
         if not placed.verdict.accepted:
-            # A model that lies on its side is wrong whatever the sensors say.
-            if lying_side(measured.cad_model) is None:
+            # A model that lies on its side, or under water, is wrong whatever the sensors say.
+            drowned = sunk(measured.cad_model)
+            if lying_side(measured.cad_model) is None and drowned is None:
                 placed = explain_refusal(path, placed, solver)
+            elif drowned is not None:
+                placed = replace(placed, verdict=replace(placed.verdict, reason=drowned.sentence))
             solver.report(f"the CAD model is left out: {placed.verdict.reason}")
         else:
             placed = doubt_tray(path, placed)

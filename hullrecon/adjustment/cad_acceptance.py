@@ -41,6 +41,7 @@ from hullrecon.adjustment.rounds import (
     RoundSolver,
     Verdict,
 )
+from hullrecon.dive.hull.afloat import find_sunk
 from hullrecon.dive.hull.symmetry import find_lying_side
 from hullrecon.errors import StageError
 from hullrecon.findings.finding import Finding
@@ -155,6 +156,12 @@ def register(
         verdict=verdict,
         placement=Placement(registration=found, segments=segments),
     )
+
+
+def sunk(cad_model: CadModel) -> Finding | None:
+    """Say how deep a ship lies under water at the package's guess. None where it floats."""
+    axes, sigma_m = cad_model.chart.ship_axes, cad_model.guess_sigma[:3]
+    return find_sunk(cad_model.mesh, axes, cad_model.guess, sigma_m)
 
 
 def lying_side(cad_model: CadModel) -> Finding | None:

@@ -7,9 +7,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.config.schema import Hull
+from hullrecon.dive.hull.afloat import find_sunk
 from hullrecon.dive.hull.symmetry import find_lying_side
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
@@ -18,11 +18,8 @@ from hullrecon.geometry.charts.region import chart_limits, region_cells
 from hullrecon.geometry.charts.section_casting import AXES, first_station, hull_axes
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import from_mount, up_in
-from hullrecon.geometry.rotations import mount_angles_deg
 
 FARTHEST_M = 1000.0  # from where a dive begins to the ship that is inspected
-HEIGHT_SIGMA_M = 0.3  # of the height of hull.pose where pose_sigma is not given
-SUNK_SIGMAS = 3.0
 AFT_SHARE = 0.25  # of the length; no aft perpendicular lies farther from the aft end
 
 
@@ -43,19 +40,12 @@ def refuse_far_hull(hull: Hull, mesh: Mesh) -> None:
 
 
 def check_afloat(hull: Hull, mesh: Mesh) -> list[Finding]:
-    """Warn of a ship that hull.pose puts wholly under the water, as one upside down may be."""
+    """Warn of a ship that hull.pose puts wholly under the water."""
     guess = from_mount(hull.pose)
-    depth_m = guess.apply(mesh.vertices)[:, 2]
-    upward = int(np.argmax(np.abs(up_in(guess))))
-    sigma_m = HEIGHT_SIGMA_M if hull.pose_sigma is None else hull.pose_sigma[upward]
-    top_m, bottom_m = float(depth_m.min()), float(depth_m.max())
-    if top_m <= SUNK_SIGMAS * sigma_m:
-        return []
-    forward = hull_axes(mesh.vertices, up_in(guess), hull.bow)[0]
-    over = Rotation.from_rotvec(np.pi * np.round(forward))
-    turned = [*guess.translation[0].round(3).tolist(), *mount_angles_deg(guess.rotation * over)]
-    values = {"top_m": top_m, "bottom_m": bottom_m, "up": AXES[upward], "pose": turned}
-    return [Finding("hull-under-water", values, "the CAD model")]
+    axes = hull_axes(mesh.vertices, up_in(guess), hull.bow)
+    sigma_m = None if hull.pose_sigma is None else np.array(hull.pose_sigma[:3])
+    found = find_sunk(mesh, axes, guess, sigma_m)
+    return [] if found is None else [replace(found, where="the CAD model")]
 
 
 def describe_bow(hull: Hull, mesh: Mesh) -> tuple[Finding, list[Finding]]:

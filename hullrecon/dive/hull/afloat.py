@@ -1,0 +1,44 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tell whether a ship's first guess of its pose lets it float."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.findings.finding import Finding
+from hullrecon.geometry.charts.section_casting import AXES
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import mount_angles_deg
+from hullrecon.typing import Array
+
+HEIGHT_SIGMA_M = 0.3  # of the height of hull.pose where pose_sigma is not given
+SUNK_SIGMAS = 3.0
+
+
+def find_sunk(
+    mesh: Mesh, ship_axes: Array, guess: Poses, guess_sigma_m: Array | None
+) -> Finding | None:
+    """Report a CAD model that lies wholly under the water, as one upside down does.
+
+    Parameters
+    ----------
+    mesh
+        In M.
+    ship_axes
+        Rows forward, port, up (3, 3) in M, along M's own axes, as the package's guess has them.
+    guess, guess_sigma_m
+        Of T_g_M (a batch of one), and of its translation (3,) in M's axes, None where not given.
+    """
+    upward = int(np.abs(ship_axes[2]).argmax())
+    sigma_m = HEIGHT_SIGMA_M if guess_sigma_m is None else float(guess_sigma_m[upward])
+    depth_m = guess.apply(mesh.vertices)[:, 2]
+    top_m, bottom_m = float(depth_m.min()), float(depth_m.max())
+    if top_m <= SUNK_SIGMAS * sigma_m:
+        return None
+    over = Rotation.from_rotvec(np.pi * np.round(ship_axes[0]))
+    pose = [*guess.translation[0].round(3).tolist(), *mount_angles_deg(guess.rotation * over)]
+    values = {"top_m": top_m, "bottom_m": bottom_m, "up": AXES[upward], "pose": pose}
+    return Finding("hull-under-water", values)
