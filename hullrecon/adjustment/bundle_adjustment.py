@@ -127,11 +127,12 @@ def solve_path_and_place(measured: Measurements, solver: RoundSolver) -> Phase:
         placed = place_cad_model(path, measured.cad_model, solver)
         if not placed.verdict.accepted:
             # A model that lies on its side, or under water, is wrong whatever the sensors say.
-            drowned = sunk(measured.cad_model)
+            drowned = sunk(measured.cad_model) if measured.returns is not None else None
             if lying_side(measured.cad_model) is None and drowned is None:
                 placed = explain_refusal(path, placed, solver)
             elif drowned is not None:
-                placed = replace(placed, verdict=replace(placed.verdict, reason=drowned.sentence))
+                reason = f"{placed.verdict.reason}; {drowned.sentence}"
+                placed = replace(placed, verdict=replace(placed.verdict, reason=reason))
             solver.report(f"the CAD model is left out: {placed.verdict.reason}")
         else:
             placed = doubt_tray(path, placed)
