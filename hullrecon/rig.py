@@ -261,10 +261,10 @@ def rig_with_priors(
     if sections["camera.top"] is None:
         values["camera.bottom.pose_in_top"] = None
     rig = rig_from_settings(values, camera_models)
-    return replace(rig, priors=_priors(sections, rig))
+    return replace(rig, priors=_collect_priors(sections, rig))
 
 
-def _priors(sections: Mapping[str, object], rig: Rig) -> RigPriors:
+def _collect_priors(sections: Mapping[str, object], rig: Rig) -> RigPriors:
     """Collect the priors of mounts and sensor errors from dive.toml, degrees as radians."""
     tray, imu = _section(sections, "tray", schema.Tray), _section(sections, "imu", schema.Imu)
     pressure = _section(sections, "pressure", schema.Pressure)

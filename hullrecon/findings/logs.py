@@ -27,6 +27,7 @@ def _read(count: int, noun: str, seconds: float, start: str, rate_hz: float | No
 
 
 def _positions(north_m: float, east_m: float, sigma_m: Sequence[float], single: bool) -> str:
+    """Describe the extent of position fixes, and their least and greatest sigma."""
     low, high = sigma_m
     sigma = f"sigma {low:.2g} m"
     if abs(high - low) > 1e-8 + 1e-5 * abs(high):
@@ -82,6 +83,7 @@ def _marked_lost(
 
 
 def _in_bursts(count: int, bursts: int, within_s: float | None) -> str:
+    """Describe stamps in bursts. within_s: to which they are known once spread, else None."""
     done = "the times of logging were taken, which come one by one"
     if within_s is not None:
         done = (

@@ -57,6 +57,7 @@ def _needs_sensors(imu: bool, unread_dvls: Sequence[str]) -> str:
 
 
 def _unread(topics: Sequence[str]) -> str:
+    """Add that topics are of a DVL whose type is not read. "" without any."""
     if not topics:
         return ""
     shown = ", ".join(topics[:MOST_SHOWN]) + (", ..." if len(topics) > MOST_SHOWN else "")

@@ -131,6 +131,7 @@ def _contradict(
 
 
 def _unit_open(readings: Sequence[Sequence[object]]) -> str:
+    """Ask for the unit of a pressure where several fit: fault, unit, least and greatest depth."""
     depths = ", or as well ".join(
         f"in {unit}{' above the air' if fault == 'gauge' else ''} ({low:.1f} to {high:.1f} m deep)"
         for fault, unit, low, high in readings

@@ -110,8 +110,8 @@ FOLLOWED = {
     "test_other_models_of_a_camchain_are_refused_by_their_name",
     **dict.fromkeys(
         (
-            "dive/config/calibration.py::_of_region",
-            "dive/config/calibration.py::_distorted",
+            "dive/config/calibration.py::_crop_to_region",
+            "dive/config/calibration.py::_add_distortion",
             "dive/config/camera_matrix.py::read_pinhole",
             "dive/config/lens_models.py::convert_rational",
             "dive/config/lens_models.py::_as_plumb_bob",
@@ -120,11 +120,11 @@ FOLLOWED = {
     ),
     "dive/config/yaml_files.py::read_yaml": "dive/config/test_calibration.py::"
     "test_a_missing_file_is_refused_by_name",
-    "dive/config/load.py::_read": "dive/config/test_load.py::"
+    "dive/config/load.py::_read_toml": "dive/config/test_load.py::"
     "test_a_folder_or_a_coding_that_is_corrected_is_read",
     **dict.fromkeys(
         (
-            "dive/config/config_errors.py::_unknown",
+            "dive/config/config_errors.py::_unknown_key",
             "dive/config/load.py::_check_whole",
             "dive/config/load.py::_check_topics",
             "dive/config/load.py::_check_regions",
@@ -141,9 +141,9 @@ FOLLOWED = {
     "test_a_place_of_which_tf_static_says_two_has_to_be_given",
     "dive/config/mounts.py::_refuse_parted_tray": "dive/config/test_mounts.py::"
     "test_camera_on_servo_beside_fixed_dvl_is_refused",
-    "dive/hull/load.py::_load": "dive/hull/test_hull.py::"
+    "dive/hull/load.py::_load_mesh": "dive/hull/test_hull.py::"
     "test_unread_mesh_format_is_refused_with_the_formats_read",
-    "dive/hull/load.py::_parse": "dive/hull/test_hull.py::"
+    "dive/hull/load.py::_parse_mesh": "dive/hull/test_hull.py::"
     "test_a_file_that_is_cut_off_is_read_once_it_is_whole",
     "dive/hull/load.py::_refuse_other_kind": "dive/hull/test_hull.py::"
     "test_a_binary_stl_that_is_cut_off_is_named",
@@ -155,7 +155,7 @@ FOLLOWED = {
     "test_what_the_refusal_asks_for_is_read",
     "dive/images/logged_calibrations.py::check_constant": "dive/images/"
     "test_logged_calibrations.py::test_a_calibration_that_changes_within_the_log_is_refused",
-    "dive/images/logged_calibrations.py::_camera": "dive/images/test_logged_calibrations.py::"
+    "dive/images/logged_calibrations.py::_build_camera": "dive/images/test_logged_calibrations.py::"
     "test_rectified_images_are_refused_with_raw_camera_info",
     "dive/images/sink.py::finish": "dive/images/test_images.py::"
     "test_images_of_which_none_is_whole_are_refused_until_they_are",
@@ -194,7 +194,7 @@ FOLLOWED = {
     "test_a_path_of_windows_is_refused_with_how_to_write_it",
     "dive/logs/readers/open.py::_not_read": "dive/readers/test_open.py::"
     "test_what_is_no_log_is_an_input_error_that_lists_the_formats",
-    "dive/logs/readers/plain.py::_table": "dive/readers/test_plain.py::"
+    "dive/logs/readers/plain.py::_read_table": "dive/readers/test_plain.py::"
     "test_stamps_in_other_units_are_refused_with_likely_unit",
     "dive/logs/readers/scratch.py::_no_space": "dive/readers/test_rosbag2.py::"
     "test_no_room_to_unpack_is_one_line_and_leaves_nothing",

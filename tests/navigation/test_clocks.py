@@ -18,7 +18,7 @@ from hullrecon.geometry import poses
 from hullrecon.navigation.clocks.comparisons import ClockComparison, ClockedSensor
 from hullrecon.navigation.clocks.synchronise import (
     Synchronised,
-    _pauses,
+    _longest_pauses,
     choose_runs,
     corrected_stamps,
     describe_offsets,
@@ -388,13 +388,13 @@ def test_lower_camera_moves_where_it_shares_the_clock(logged, measure, lower):
 def test_segments_lie_between_the_longest_pauses():
     even = np.arange(0, 100, 1) * 10**9
     paused = even[(even < 20 * 10**9) | (even > 30 * 10**9)]
-    assert segments(_pauses(even), (0, 99 * 10**9)) == [(0, 99 * 10**9)]
-    assert segments(_pauses(paused), (0, 99 * 10**9)) == [
+    assert segments(_longest_pauses(even), (0, 99 * 10**9)) == [(0, 99 * 10**9)]
+    assert segments(_longest_pauses(paused), (0, 99 * 10**9)) == [
         (0, 25 * 10**9),
         (25 * 10**9, 99 * 10**9),
     ]
     often = np.cumsum(np.where(np.arange(60) % 6, 0.1, 3.0))
-    assert len(_pauses(np.round(often * 1e9).astype(np.int64))) == 4
+    assert len(_longest_pauses(np.round(often * 1e9).astype(np.int64))) == 4
 
 
 def test_runs_of_images_are_spread():

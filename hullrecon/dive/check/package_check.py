@@ -374,6 +374,7 @@ def _exists(path: Path) -> bool:
 
 
 def _describe_stream(stream: Stream) -> dict[str, int | float]:
+    """Summarise a stream of readings for `--json`."""
     t = stream.t_ns
     return {
         "count": len(t),

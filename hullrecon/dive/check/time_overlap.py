@@ -64,15 +64,15 @@ def clock_gaps(
     stretched = _in_other_unit({name: spans[name] for name in spans if name not in ALONE})
     if stretched:
         return stretched
-    groups = _groups(spans)
+    groups = _group_overlapping(spans)
     if len(groups) < 2:
         return []
-    main = max(groups, key=lambda names: _weight(names, spans))
+    main = max(groups, key=lambda names: _rank_of_group(names, spans))
     whole = _union(main, spans)
     others = [name for name in spans if name in main]
     given_s = {name: added_ns.get(JOINTS.get(name, name), 0) / NS for name in spans}
     return [
-        _describe(name, spans[name], others, whole, given_s[name])
+        _describe_gap(name, spans[name], others, whole, given_s[name])
         for name in spans
         if name not in main
     ]
@@ -125,7 +125,7 @@ def _in_other_unit(spans: Mapping[str, Span]) -> list[Finding]:
     return out
 
 
-def _groups(spans: Mapping[str, Span]) -> list[set[str]]:
+def _group_overlapping(spans: Mapping[str, Span]) -> list[set[str]]:
     """Gather streams that overlap into groups, also where they overlap only by way of others."""
     groups: list[set[str]] = []
     end = 0
@@ -138,7 +138,7 @@ def _groups(spans: Mapping[str, Span]) -> list[set[str]]:
     return groups
 
 
-def _weight(names: set[str], spans: Mapping[str, Span]) -> tuple[int, int, bool, bool, int]:
+def _rank_of_group(names: set[str], spans: Mapping[str, Span]) -> tuple[int, int, bool, bool, int]:
     """Rank a group of streams: the one with the highest rank is taken as right.
 
     More sensors count first. Between equals it is the group whose clocks were set, then that with
@@ -152,7 +152,7 @@ def _union(names: set[str], spans: Mapping[str, Span]) -> Span:
     return min(spans[name][0] for name in names), max(spans[name][1] for name in names)
 
 
-def _describe(name: str, span: Span, others: list[str], whole: Span, given_s: float) -> Finding:
+def _describe_gap(name: str, span: Span, others: list[str], whole: Span, given_s: float) -> Finding:
     """Report a sensor that was read at other times than the others, with the likeliest cause.
 
     It ran alone, its stamps are in another unit, or its clock is off: by the hours of a time zone,

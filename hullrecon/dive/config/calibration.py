@@ -127,9 +127,9 @@ def camera_of(data: Mapping[str, object], where: str) -> CameraModel:
         raise InputError(
             f"images of {width} x {height} pixels are too large to be read", where=where
         )
-    pinhole = read_pinhole(_numbers(data, "camera_matrix", 9, where), (width, height), where)
-    camera = _of_region(pinhole, data, where)
-    return _distorted(camera, data, where)
+    pinhole = read_pinhole(_read_numbers(data, "camera_matrix", 9, where), (width, height), where)
+    camera = _crop_to_region(pinhole, data, where)
+    return _add_distortion(camera, data, where)
 
 
 def has_region(data: Mapping[str, object]) -> bool:
@@ -140,7 +140,7 @@ def has_region(data: Mapping[str, object]) -> bool:
     return any(region) or any(value not in (None, 0, 1) for value in binning)
 
 
-def _of_region(camera: CameraModel, data: Mapping[str, object], where: str) -> CameraModel:
+def _crop_to_region(camera: CameraModel, data: Mapping[str, object], where: str) -> CameraModel:
     """Crop and bin the camera of a whole sensor, as REP 104 defines roi and binning.
 
     Pixel centres have whole coordinates, hence the half pixels: the centre of the first binned
@@ -173,7 +173,7 @@ def _of_region(camera: CameraModel, data: Mapping[str, object], where: str) -> C
     )
 
 
-def _distorted(camera: CameraModel, data: Mapping[str, object], where: str) -> CameraModel:
+def _add_distortion(camera: CameraModel, data: Mapping[str, object], where: str) -> CameraModel:
     """Add the distortion to a pinhole. Raises InputError for a model that is not read.
 
     More than five coefficients are OpenCV's rational model, which is converted to plumb_bob.
@@ -188,14 +188,16 @@ def _distorted(camera: CameraModel, data: Mapping[str, object], where: str) -> C
         )
     if "distortion_coefficients" not in data:
         return camera
-    values = _numbers(data, "distortion_coefficients", None, where)
+    values = _read_numbers(data, "distortion_coefficients", None, where)
     if any(values[PLUMB_BOB_COUNT:]):
         return convert_rational(camera, values, where)
     k1, k2, p1, p2, k3 = (values + [0.0] * PLUMB_BOB_COUNT)[:PLUMB_BOB_COUNT]
     return replace(camera, k1=k1, k2=k2, p1=p1, p2=p2, k3=k3)
 
 
-def _numbers(data: Mapping[str, object], key: str, count: int | None, where: str) -> list[float]:
+def _read_numbers(
+    data: Mapping[str, object], key: str, count: int | None, where: str
+) -> list[float]:
     """Read the numbers of a matrix with `data`, of a list, or of a list of rows.
 
     Raises InputError unless these are `count` finite numbers, or any count where that is None.

@@ -51,13 +51,13 @@ def read_pinhole(matrix: Sequence[float], size: tuple[int, int], where: str) -> 
         raise InputError(
             f"camera_matrix has a skew of {skew or other:g}, which is not modelled", where=where
         )
-    doubt = _doubt(np.array([fx, fy, cx, cy]), np.array(size, float))
+    doubt = _find_doubt(np.array([fx, fy, cx, cy]), np.array(size, float))
     if doubt:
         raise InputError(f"camera_matrix has {doubt}", where=where, remedy=IN_PIXELS)
     return CameraModel(*size, fx, fy, cx, cy)
 
 
-def _doubt(lens: Array, size: Array) -> str:
+def _find_doubt(lens: Array, size: Array) -> str:
     """Say what shows that a camera's numbers are not in pixels of its images. "" for nothing.
 
     lens: (4,) fx, fy, cx, cy. size: (2,) width and height, px.

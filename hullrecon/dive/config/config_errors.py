@@ -55,7 +55,7 @@ def explain_error(
     dotted = _join([prefix, *path])
     unknown = re.search(r"unknown field `(.*)`", text)
     if unknown:
-        return _unknown(unknown[1], dotted, kind, prefix, more, file)
+        return _unknown_key(unknown[1], dotted, kind, prefix, more, file)
     missing = re.search(r"missing required field `(.*)`", text)
     if missing:
         return UsageError(
@@ -154,7 +154,7 @@ def _structs_in(kind: object) -> Iterator[type[Struct]]:
         yield from _structs_in(part)
 
 
-def _unknown(
+def _unknown_key(
     key: str, section: str, kind: type, prefix: str, more: Sequence[str], file: str
 ) -> UsageError:
     """Make the error for a key that was removed or is unknown, with the nearest known one.

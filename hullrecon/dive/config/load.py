@@ -73,9 +73,9 @@ def load_config(
     Raises InputError when there is no dive.toml, UsageError for anything wrong inside it or in an
     override.
     """
-    raw = _read(package)
+    raw = _read_toml(package)
     for text in overrides:
-        _apply(raw, text)
+        _apply_override(raw, text)
     refuse_deep(raw, FILE)
     given = frozenset(_leaves(raw))
     steps = {name: raw.pop(name, {}) for name in step_sections}
@@ -92,7 +92,7 @@ def load_config(
     )
 
 
-def _read(package: Path) -> Table:
+def _read_toml(package: Path) -> Table:
     """Read dive.toml as TOML.
 
     Raises InputError if it cannot be read, UsageError if it is not valid.
@@ -138,7 +138,7 @@ def _line_of(error: str, text: str) -> str:
     return f": {shorten(lines[number - 1].strip())}" if 0 < number <= len(lines) else ""
 
 
-def _apply(raw: Table, text: str) -> None:
+def _apply_override(raw: Table, text: str) -> None:
     """Apply an override `a.b=value` to the raw tables. A value that is no TOML is a string."""
     key, equals, value = text.partition("=")
     parts = [part.strip() for part in key.split(".")]

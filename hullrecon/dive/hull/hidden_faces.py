@@ -70,12 +70,12 @@ def find_seen(mesh: Mesh, whole: Mesh) -> Mask:
     mesh : whose faces are tested
     whole : what stops the rays; its first faces are those of the mesh
     """
-    seen = _leave(mesh, whole, np.arange(len(mesh.faces)), *FIRST)
+    seen = _are_seen(mesh, whole, np.arange(len(mesh.faces)), *FIRST)
     if seen.all():
         return seen
     shared = find_shared_edges(mesh.faces)
     rows = _sample_unseen(mesh, shared, seen)
-    seen[rows] = _leave(mesh, whole, rows, *NEXT)
+    seen[rows] = _are_seen(mesh, whole, rows, *NEXT)
     face = np.concatenate([shared.first, shared.second])
     neighbour = np.concatenate([shared.second, shared.first])
     tried = seen.copy()
@@ -86,7 +86,7 @@ def find_seen(mesh: Mesh, whole: Mesh) -> Mask:
         tried[rows] = True
         for effort in (NEXT, LAST):
             left = rows[~seen[rows]]
-            seen[left] = _leave(mesh, whole, left, *effort)
+            seen[left] = _are_seen(mesh, whole, left, *effort)
     beside = np.bincount(face, seen[neighbour], minlength=len(seen))
     return np.asarray(seen | (beside == 3))
 
@@ -99,7 +99,7 @@ def _sample_unseen(mesh: Mesh, shared: SharedEdges, seen: Mask) -> Ints:
     return sample_faces(mesh, patch, np.unique(patch[~seen]))
 
 
-def _leave(mesh: Mesh, whole: Mesh, rows: Ints, rays: int, enough: int) -> Mask:
+def _are_seen(mesh: Mesh, whole: Mesh, rows: Ints, rays: int, enough: int) -> Mask:
     """Tell of which faces enough rays leave the mesh, on one side or the other.
 
     Parameters
@@ -120,13 +120,13 @@ def _leave(mesh: Mesh, whole: Mesh, rows: Ints, rays: int, enough: int) -> Mask:
         normal = face_normals(Mesh(mesh.vertices, mesh.faces[part]))
         for way in (1.0, -1.0):
             left = np.flatnonzero(~out[start : start + block])
-            origin, direction = _rays(mesh, part[left], way * normal[left], rays)
+            origin, direction = _spread_rays(mesh, part[left], way * normal[left], rays)
             free = whole.index.cast(origin, direction).face < 0
             out[start + left] = free.reshape(-1, rays).sum(axis=1) >= enough
     return out
 
 
-def _rays(mesh: Mesh, rows: Ints, normal: Array, rays: int) -> tuple[Array, Array]:
+def _spread_rays(mesh: Mesh, rows: Ints, normal: Array, rays: int) -> tuple[Array, Array]:
     """Spread rays over faces and over the directions on the side of their normals.
 
     Origins are spread over each face, directions about its normal with cosine weight. The pattern

@@ -89,7 +89,7 @@ def read_hull(path: Path, units: str, notes: list[Finding]) -> Mesh:
 
     units: of the file, a key of METRES_PER_UNIT.
     """
-    stored, faces, is_single = _load(path)
+    stored, faces, is_single = _load_mesh(path)
     vertices = stored * METRES_PER_UNIT[units]
     _check_extent(vertices[faces].reshape(-1, 3), units, path, notes)
     step = stored_step(stored[np.unique(faces)], is_single)
@@ -113,7 +113,7 @@ def read_hull(path: Path, units: str, notes: list[Finding]) -> Mesh:
     return mesh
 
 
-def _load(path: Path) -> tuple[Array, Ints32, bool]:
+def _load_mesh(path: Path) -> tuple[Array, Ints32, bool]:
     """Read vertices (n, 3), faces (m, 3), and whether the file stores single precision."""
     name = path.name.lower().removesuffix(".gz")
     kind = name.rpartition(".")[2]
@@ -141,7 +141,7 @@ def _load(path: Path) -> tuple[Array, Ints32, bool]:
             f"the CAD model {path.name} cannot be read: {why}", where=str(path.parent)
         ) from None
     _refuse_other_kind(data, kind, path)
-    vertices, faces = _parse(data, kind, path)
+    vertices, faces = _parse_mesh(data, kind, path)
     if not len(faces):
         raise InputError(
             f"the CAD model {path.name} holds no faces",
@@ -189,7 +189,7 @@ def _refuse_other_kind(data: bytes, kind: str, path: Path) -> None:
         )
 
 
-def _parse(data: bytes, kind: str, path: Path) -> tuple[Array, Ints]:
+def _parse_mesh(data: bytes, kind: str, path: Path) -> tuple[Array, Ints]:
     """Parse a mesh file's bytes into vertices (n, 3) and faces (m, 3)."""
     import trimesh
 

@@ -55,13 +55,13 @@ class LoggedCalibrations:
         found: dict[str, CameraModel] = {}
         for camera in self._image_topics:
             with problems.collect():
-                found[camera] = self._camera(camera)
+                found[camera] = self._build_camera(camera)
         return found
 
     def watch(self, messages: Iterable[Message]) -> Iterator[Message]:
         """Pass messages on, and note a CameraInfo that differs from the camera's first one."""
         for message in messages:
-            for camera, keys in self._read(message):
+            for camera, keys in self._read_calibration(message):
                 if repr(keys) != repr(self._keys.get(camera, keys)):  # NaN is unlike itself
                     self._changes.setdefault(camera, message.channel.topic)
             yield message
@@ -89,7 +89,7 @@ class LoggedCalibrations:
     def _look_for_first(self, messages: Iterable[Message]) -> None:
         """Keep the first CameraInfo and the size of the first image of each camera."""
         for message in messages:
-            for camera, keys in self._read(message):
+            for camera, keys in self._read_calibration(message):
                 if camera not in self._keys:
                     self._keys[camera], self.topics[camera] = keys, message.channel.topic
             for camera, images in self._image_topics.items():
@@ -107,7 +107,7 @@ class LoggedCalibrations:
             camera in self._sizes or not has_region(keys) for camera, keys in self._keys.items()
         )
 
-    def _read(self, message: Message) -> Iterator[tuple[str, Keys]]:
+    def _read_calibration(self, message: Message) -> Iterator[tuple[str, Keys]]:
         """Yield the cameras that a CameraInfo message belongs to, with its calibration.
 
         They are those whose images are logged beside it, as /front/image_raw is beside
@@ -134,7 +134,7 @@ class LoggedCalibrations:
             return
         yield from ((camera, keys) for camera in cameras)
 
-    def _camera(self, camera: str) -> CameraModel:
+    def _build_camera(self, camera: str) -> CameraModel:
         """Build a camera from its CameraInfo.
 
         Raises InputError where that is missing or does not fit.

@@ -138,7 +138,7 @@ def summarise_log(log: Log) -> LogSummary:
     for message in log.messages():
         note = notes.get(message.channel)
         if note is None:
-            first = _first(message) if len(notes) < MOST_DECODED else None
+            first = _decode_if_read(message) if len(notes) < MOST_DECODED else None
             note = notes[message.channel] = TopicNote(
                 channel=message.channel,
                 first=first,
@@ -159,7 +159,7 @@ def summarise_log(log: Log) -> LogSummary:
             and note.first is not None
             and type_name(note.channel) == IMU
         ):
-            note.later = _first(message)
+            note.later = _decode_if_read(message)
         _note_depth(note, message)
         note.start_ns, note.end_ns = (
             min(note.start_ns, message.t_ns),
@@ -221,7 +221,7 @@ def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
         named, others = _with_part(own, parts), _with_part(common, parts)
         if sensor == "pressure":
             signals = {t.channel.topic: t.depth for t in fitting}
-            named, own, others = _moving(signals, named, own, others)
+            named, own, others = _drop_still_topics(signals, named, own, others)
         chosen = named or own or others
         if chosen:
             found[sensor] = chosen[0]
@@ -271,7 +271,7 @@ def _is_no_depth(topic: TopicNote) -> bool:
     return topic.depth.is_pressure and topic.depth.unit is None
 
 
-def _moving(
+def _drop_still_topics(
     signals: Mapping[str, DepthSignal], *candidates: Sequence[str]
 ) -> tuple[list[str], ...]:
     """Drop from each list the topics that stay still while another topic shows a depth.
@@ -302,7 +302,7 @@ def _note_depth(note: TopicNote, message: Message) -> None:
         return
     if not isinstance(message.data, bytes):
         return
-    with suppress(Exception):  # fields of any names and types, as in _first
+    with suppress(Exception):  # fields of any names and types, as in _decode_if_read
         fields = decode(message.channel, message.data)
         note.depth.take(message.t_ns, translate(fields, message.t_ns, "pressure"))
 
@@ -339,7 +339,7 @@ def _decode(channel: Channel, data: bytes) -> list[Fields]:
         return []
 
 
-def _first(message: Message) -> object:
+def _decode_if_read(message: Message) -> object:
     """Decode a message, if it is of a type that is read. A sample is returned as it is.
 
     None for other types, and where the message does not hold what its type says.

@@ -191,7 +191,7 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
         date=f"date = {format_time(min(starts))[:19]}Z\n" if starts else "",
         logs=", ".join(_quote(Path(os.path.relpath(log, folder)).as_posix()) for log in logs),
         beams=BEAMS if beams_to_ask_for(summary) else "",
-        topics=_topics(summary, guessed),
+        topics=_topic_lines(summary, guessed),
         tray=f"joint = {_quote(tray)} ".ljust(33),
         joints=f": {_printable(', '.join(names))}" if names else "",
         **mounts,
@@ -236,7 +236,7 @@ def joint_names(summary: LogSummary) -> list[str]:
     return []
 
 
-def _topics(summary: LogSummary, guessed: dict[str, str]) -> str:
+def _topic_lines(summary: LogSummary, guessed: dict[str, str]) -> str:
     """Write the lines of [topics]: the topic that was guessed for each sensor, then all others."""
     if all(note.channel.encoding == "sample" for note in summary.topics):
         return "# the names of the files say which sensor is which\n"

@@ -51,7 +51,7 @@ def spread_bursts(name: str, stamp: Ints, logged: Ints, notes: list[Finding]) ->
         notes.append(Finding("stamps-in-bursts", {**values, "within_s": None}, name))
         # times of the logger's clock, put onto the sensor's clock where the two are far apart
         return logged - (logged_minus_stamp_ns if abs(logged_minus_stamp_ns) > FAR_S * NS else 0)
-    spread, within_s = _spread(stamp[order], starts)
+    spread, within_s = _spread_evenly(stamp[order], starts)
     notes.append(Finding("stamps-in-bursts", {**values, "within_s": within_s}, name))
     out = np.empty_like(stamp)
     out[order] = spread
@@ -76,7 +76,7 @@ def _burst_starts(t_ns: Ints) -> Ints | None:
     return starts if is_even else None
 
 
-def _spread(t_ns: Ints, starts: Ints) -> tuple[Ints, float]:
+def _spread_evenly(t_ns: Ints, starts: Ints) -> tuple[Ints, float]:
     """Spread the stamps of each burst evenly over the time in which its readings gathered.
 
     A buffer is read at the end of that time: its burst is spread back to the burst before. A clock

@@ -63,7 +63,7 @@ def heading_by_rates(t_ns: Ints, rotation: Rotation, rates: Array) -> RateHeadin
     growth[(step_s > LONGEST_GAP_S) | ~known[1:] | ~known[:-1]] = 0.0
     # heading of the rates minus that of the orientation, rad
     difference = np.concatenate([[0.0], np.cumsum(growth)])
-    drift, sigma = _drift(t_s, difference)
+    drift, sigma = _estimate_drift(t_s, difference)
     difference = difference - drift * (t_s - t_s.mean())
     difference = difference - np.median(difference)
     return RateHeading(
@@ -74,7 +74,7 @@ def heading_by_rates(t_ns: Ints, rotation: Rotation, rates: Array) -> RateHeadin
     )
 
 
-def _drift(t_s: Array, difference: Array) -> tuple[float, float]:
+def _estimate_drift(t_s: Array, difference: Array) -> tuple[float, float]:
     """Estimate the slope of a difference (n,) of headings, rad/s, and its sigma.
 
     A line is fitted and combined with the prior that the slope is zero. The residuals of the line

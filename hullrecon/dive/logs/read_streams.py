@@ -193,7 +193,7 @@ def _sort_by_sensor(
     Arguments as of `read_streams`, for one message of the log with number `log`. Images go to
     `take_image`, all other samples to `out`.
     """
-    for sensor, read in _translated(message, topics, out):
+    for sensor, read in _samples_of(message, topics, out):
         # attitude and depth by sensors inside the DVL are stamped by the DVL's clock
         sensor_added_ns = added_ns.get("dvl" if is_of_dvl(read) else sensor, 0)
         sample = replace(read, t_ns=read.t_ns + sensor_added_ns) if sensor_added_ns else read
@@ -254,7 +254,7 @@ def _carry_joints_into_window(out: LogContents, window: TimeWindow) -> None:
             out.notes.append(Finding("joint-before-window", values, f"joint {name}"))
 
 
-def _translated(
+def _samples_of(
     message: Message, topics: Mapping[str, Sequence[str]], out: LogContents
 ) -> Iterator[tuple[str, Sample]]:
     """Translate a message into samples, and yield each with its sensor.
@@ -278,7 +278,7 @@ def _translated(
             ):
                 raise DamagedError("their stamps lie beyond the year 2116")
         except DamagedError as error:
-            out.undecoded[channel.topic, _reason(channel.topic, str(error), out)] += 1
+            out.undecoded[channel.topic, _limit_reasons(channel.topic, str(error), out)] += 1
             continue
         out.used.add((channel.topic, sensor))
         yield from ((sensor, sample) for sample in found)
@@ -331,7 +331,7 @@ def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> 
     return found
 
 
-def _reason(topic: str, reason: str, out: LogContents) -> str:
+def _limit_reasons(topic: str, reason: str, out: LogContents) -> str:
     """Replace a reason by a general one where the topic has MOST_REASONS others already.
 
     Each damaged message may have its own.

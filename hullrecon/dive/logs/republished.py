@@ -72,7 +72,7 @@ def find_republished(values: Array) -> Mask:
     lost = np.isnan(values)
     alike = np.all((values[1:] == values[:-1]) | (lost[1:] & lost[:-1]), axis=1)
     again = np.r_[False, alike & known[1:] & known[:-1]]
-    by_chance = len(values) * _chance(values[~again])
+    by_chance = len(values) * _chance_of_alike(values[~again])
     is_chance = again.sum() <= by_chance + SIGNIFICANT * np.sqrt(by_chance)
     return np.zeros(len(values), bool) if is_chance or not is_even(again) else again
 
@@ -86,7 +86,7 @@ def is_even(again: Mask) -> bool:
     return len(starts) >= LEAST_MEASURED and usual >= 2 and bool(even.mean() >= 0.9)
 
 
-def _chance(values: Array) -> float:
+def _chance_of_alike(values: Array) -> float:
     """Bound the probability that two consecutive readings of a sensor are alike by chance.
 
     It is, for each of the k values (n, k), at most the sensor's resolution over the value's usual

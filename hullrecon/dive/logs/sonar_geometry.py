@@ -40,7 +40,7 @@ def pings_of_one_window(
     reach = np.array([s.range_m[-1] for s in samples])
     shapes = Counter(s.image.shape for s in samples)
     agreed = max((_widest_agreement(samples, reach, shape) for shape in shapes), key=len)
-    best = _of_one_fan(samples, agreed)
+    best = _select_common_fan(samples, agreed)
     windows = Counter(round(float(reach[i]), 6) for i in best)
     common = windows.most_common(1)[0][0]
     kept = [samples[i] for i in best]
@@ -97,7 +97,7 @@ def _widest_agreement(
     return [int(i) for i in near]
 
 
-def _of_one_fan(samples: Sequence[SonarSample], rows: Sequence[int]) -> list[int]:
+def _select_common_fan(samples: Sequence[SonarSample], rows: Sequence[int]) -> list[int]:
     """Select the rows whose beams point as in the most common fan.
 
     Pings without beam directions count as one fan. Pings of one fan mostly share one array, so

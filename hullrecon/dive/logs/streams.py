@@ -136,6 +136,7 @@ def dvl_pings(
         Ranges along beams that nothing describes, values that only another unit explains, or
         pings of two DVLs.
     """
+    # A ping with another number of beams than most keeps its velocity alone.
     counts = Counter(len(s.ranges) for s in samples if len(s.ranges)).most_common(1)
     width = counts[0][0] if counts else 0
     ranges = np.full((len(samples), width), np.nan)
@@ -147,6 +148,7 @@ def dvl_pings(
     if width and not np.isfinite(ranges).any():
         notes.append(Finding("ranges-all-lost", where="dvl"))
         ranges, width = ranges[:, :0], 0
+    # A whole log is refused before single absurd velocities are dropped: it is judged by all.
     scale = METRES_A_SECOND[unit]
     velocity = scale * np.array([s.velocity for s in samples]).reshape(-1, 3)
     velocity[~np.isfinite(velocity).all(axis=1)] = np.nan
@@ -165,6 +167,7 @@ def dvl_pings(
     cut = windows(velocity[np.isfinite(velocity).all(axis=1)])
     refuse_two_sensors("dvl", np.linalg.norm(cut - cut[:, :1], axis=2), "m/s")
     directions = choose_beams(samples, beams, width, notes)
+    # Ranges logged as distances along the DVL's axis become distances along the beams.
     along_axis = np.array([s.along_axis for s in samples], bool)
     along_beams = ranges[along_axis] / directions[:, 2]
     ranges[along_axis] = np.where(np.isfinite(along_beams) & (along_beams > 0), along_beams, np.nan)
@@ -456,7 +459,7 @@ def pressure_samples(
     """
     if any(is_of_dvl(s) for s in samples):
         notes.append(Finding("depth-of-dvl", where="pressure"))
-    depth = np.array([_depth(s, model) for s in samples])
+    depth = np.array([_depth_m(s, model) for s in samples])
     good = np.isfinite(depth)
     notes += _describe_lost("pressure", good)
     if not good.any():
@@ -510,7 +513,7 @@ def _refuse_unclear_numbers(
         return
     fitting = []
     for name in ("hPa", "cm"):
-        depth = [_depth(s, replace(model, unit=name)) for s in samples]
+        depth = [_depth_m(s, replace(model, unit=name)) for s in samples]
         low, high = np.percentile(depth, [5, 95])
         if low < -HIGHEST_M or high > DEEPEST_HULL_M:
             return
@@ -523,7 +526,7 @@ def _refuse_unclear_numbers(
     )
 
 
-def _depth(sample: PressureSample | DepthSample, model: PressureModel) -> float:
+def _depth_m(sample: PressureSample | DepthSample, model: PressureModel) -> float:
     """Convert a reading to metres below the water.
 
     A unit in dive.toml decides whether the number is a pressure or a depth, else its type does.
@@ -543,7 +546,7 @@ def _above_water(
 ) -> InputError:
     """Make the error for depths that lie above the water, with the units that bring them below."""
     unit = model.unit or ("Pa" if isinstance(samples[0], PressureSample) else "m")
-    height = -float(np.median([_depth(s, model) for s in samples]))
+    height = -float(np.median([_depth_m(s, model) for s in samples]))
     what = f"half of the depths lie {height:.1f} m or more above the water"
     if unit not in PASCALS:
         other = "down" if samples[0].is_up else "up"  # type: ignore[union-attr]
@@ -555,12 +558,12 @@ def _above_water(
         return InputError(what, where="pressure", remedy=f"{remedy} than the water is no depth")
     fitting = []
     for name in {scale: name for name, scale in PASCALS.items()}.values():  # hPa stands for mbar
-        depth = [_depth(s, replace(model, unit=name)) for s in samples]
+        depth = [_depth_m(s, replace(model, unit=name)) for s in samples]
         low, high = np.percentile(depth, [5, 95])
         if low > -HIGHEST_M and high < DEEPEST_HULL_M:
             fitting.append(f'pressure.unit = "{name}" ({low:.1f} to {high:.1f} m deep then)')
     relative = "pressure.atmosphere = 0 for a pressure over that of the air"
-    still_m = float(np.ptp(np.percentile([_depth(s, model) for s in samples], [5, 95])))
+    still_m = float(np.ptp(np.percentile([_depth_m(s, model) for s in samples], [5, 95])))
     if still_m < STILL_M:
         relative += (
             f"; readings that stay within {still_m:.2f} m may be the air's in an enclosure: then "

@@ -140,7 +140,7 @@ def join_time_bases(
             notes.append(Finding("clock-drifts", {"per_million": 1e6 * rate}, name))
     # All others of another base are shifted onto the right one.
     for name, stamps in ((name, known[name]) for name in known if name not in shifts):
-        shift = None if name in right else _shift(stamps, [known[other] for other in right])
+        shift = None if name in right else _find_shift(stamps, [known[other] for other in right])
         if shift is None:
             continue
         shifts[name] = shift
@@ -155,7 +155,7 @@ def join_time_bases(
     return shifts, notes
 
 
-def _shift(stamps: BagStamps, right: Sequence[BagStamps]) -> Ints | None:
+def _find_shift(stamps: BagStamps, right: Sequence[BagStamps]) -> Ints | None:
     """Compute what to add to the stamps (n,), ns, of a sensor that is not of the right base.
 
     A steady sensor is logged by a constant lag after its stamp. Where a sensor of the right base is

@@ -134,7 +134,7 @@ def compare_turns(
     tray_from_top = rig.tray_from(Camera.TOP).rotation
     axis = tray_from_top.inv().apply(TRAY_AXIS)
     sigma = np.hypot(motions.sigma_rad[:, :1], TURN_SIGMA_RAD)
-    attitude_at, seen = _lookup(attitude), motions.second_from_first.rotation.inv()
+    attitude_at, seen = _fast_rotation(attitude), motions.second_from_first.rotation.inv()
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
         """Compute the disagreement (n, 3) of rows, in sigmas."""
@@ -147,7 +147,7 @@ def compare_turns(
         turn[_outside(motions, rows, shift_ns, attitude.t_ns)] = np.nan
         return np.asarray((turn - (turn * axis).sum(axis=1, keepdims=True) * axis) / sigma[rows])
 
-    return _of_motions(motions, ClockedSensor.IMU, TURN_S, evaluate)
+    return _compare_with_images(motions, ClockedSensor.IMU, TURN_S, evaluate)
 
 
 def compare_directions(
@@ -168,10 +168,11 @@ def compare_directions(
     halfway = Rotation.from_rotvec(0.5 * motions.second_from_first.rotation.as_rotvec())
     seen = -_directions(halfway.inv().apply(motions.second_from_first.translation))
     lever, turned = top_from_dvl.translation, top_from_dvl.rotation
+    # motion of the DVL relative to the camera, as both turn
     swept = halfway.inv().apply(lever) - halfway.apply(lever)
 
     def step(shift_s: float, rows: Ints) -> Array:
-        """Compute the camera's step (n, 3) between two images by the DVL, m, halfway axes."""
+        """Compute the camera's step (n, 3), m, between two images by the DVL, in halfway axes."""
         t_ns = np.concatenate([motions.first_ns[rows], motions.second_ns[rows]])
         at = path.at(seconds(t_ns, start) + shift_s)
         return np.asarray(turned.apply(at[len(rows) :] - at[: len(rows)]) - swept[rows])
@@ -201,7 +202,7 @@ def compare_directions(
         found[unknown] = np.nan
         return np.asarray(found)
 
-    return _of_motions(motions, ClockedSensor.DVL, DIRECTION_S, evaluate)
+    return _compare_with_images(motions, ClockedSensor.DVL, DIRECTION_S, evaluate)
 
 
 def compare_depth(
@@ -229,7 +230,7 @@ def compare_depth(
         rig.tray_from_dvl.translation
     )
     lever = dvl_origin - rig.pressure_origin
-    attitude_at = _lookup(attitude)
+    attitude_at = _fast_rotation(attitude)
 
     @lru_cache(maxsize=8)
     def sunk(shift_ns: int) -> Array:
@@ -269,7 +270,7 @@ def compare_hull_turns(
     used, of_used = np.unique(triples, return_inverse=True)
     used_ns, of_used = t_ns[used], of_used.reshape(-1, 3)
     in_vehicle = _vehicle_from_dvl(servo, rig, used_ns).apply(normal[used])
-    attitude_at = _lookup(attitude)
+    attitude_at = _fast_rotation(attitude)
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
         """Compute the second difference (n, 1) of the normals in `global` along the tray axis."""
@@ -302,7 +303,7 @@ def compare_accelerations(
     t_s, felt_s = seconds(t_ns, int(t_ns[0])), integrated.t_s
     velocity = _vehicle_from_dvl(servo, rig, t_ns).apply(dvl.velocity[known])
     lever = tray_poses(rig.tray_origin, servo.angle_at(t_ns)).apply(rig.tray_from_dvl.translation)
-    attitude_at = _lookup(attitude)
+    attitude_at = _fast_rotation(attitude)
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
         """Compute the second difference (n, 3), m/s, of what the two velocities differ by."""
@@ -347,7 +348,7 @@ def hull_normals(dvl: DvlPings) -> tuple[Ints, Array]:
     return dvl.t_ns[enough], np.asarray(normal * away[:, None])
 
 
-def _of_motions(
+def _compare_with_images(
     motions: ImageMotions,
     first: ClockedSensor,
     systematic_s: float,
@@ -444,7 +445,7 @@ def _shift_ns(offsets: Offsets, sensor: ClockedSensor, other: ClockedSensor) -> 
     return round((offsets.get(sensor, 0.0) - offsets.get(other, 0.0)) * NS)
 
 
-def _lookup(attitude: AttitudeHistory) -> Callable[[Ints], Rotation]:
+def _fast_rotation(attitude: AttitudeHistory) -> Callable[[Ints], Rotation]:
     """Make a function that interpolates R_g_v (m) at times (m,) as attitude.rotation does, faster.
 
     The search calls it at a thousand offsets. So what depends on the readings alone is computed

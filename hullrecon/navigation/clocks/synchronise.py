@@ -111,13 +111,13 @@ def synchronise(
     if measure is not None and len(frames[0]):
         stamps.append(frames[0])
     span = min(int(t_ns[0]) for t_ns in stamps), max(int(t_ns[-1]) for t_ns in stamps)
-    spans = segments((t for t_ns in stamps for t in _pauses(t_ns)), span)
+    spans = segments((t for t_ns in stamps for t in _longest_pauses(t_ns)), span)
 
     heard, motions = hear(logs, tilt_rad), None
     if measure is not None and len(frames[0]):
-        motions = _motions(frames, spans, measure, heard.velocities, heard.attitude)
+        motions = _measure_motions(frames, spans, measure, heard.velocities, heard.attitude)
         motions = motions if len(motions) >= LEAST_MOTIONS else None
-    known = _compare(logs, heard, rig, motions)
+    known = _compare_clocks(logs, heard, rig, motions)
 
     # Explain the dive as a whole and each segment, then choose for each segment.
     evidence = weigh_comparisons(known)
@@ -151,7 +151,7 @@ def synchronise(
     )
     remarks = [*describe_offsets(offsets), *([] if offsets else dict.fromkeys(unknown))]
     return Synchronised(
-        logs=_corrected(logs, offsets),
+        logs=_correct_logs(logs, offsets),
         heard=None if offsets else heard,
         offsets=offsets,
         remarks=remarks,
@@ -159,7 +159,7 @@ def synchronise(
     )
 
 
-def _compare(
+def _compare_clocks(
     logs: NavigationLogs, heard: Heard, rig: Rig, motions: ImageMotions | None
 ) -> list[ClockComparison]:
     """Compare the clocks of all sensors.
@@ -205,7 +205,7 @@ def _is_a_minute_off(logs: NavigationLogs) -> bool:
     return bool(min(abs(began_s), abs(ended_s)) > FAR_S and began_s * ended_s > 0)
 
 
-def _pauses(t_ns: Ints) -> list[int]:
+def _longest_pauses(t_ns: Ints) -> list[int]:
     """Find the middles (ns) of a stream's longest pauses, where its clock may have jumped."""
     step = np.diff(t_ns)
     if not len(step):
@@ -215,7 +215,7 @@ def _pauses(t_ns: Ints) -> list[int]:
     return [int(t) for t in t_ns[longest] + step[longest] // 2]
 
 
-def _motions(
+def _measure_motions(
     frames: tuple[Ints, Ints],
     spans: Sequence[Span],
     measure: MeasureMotion,
@@ -294,7 +294,7 @@ def corrected_stamps(t_ns: Ints, offsets: Sequence[TimeOffset], sensor: ClockedS
     return out
 
 
-def _corrected(logs: NavigationLogs, offsets: Sequence[TimeOffset]) -> NavigationLogs:
+def _correct_logs(logs: NavigationLogs, offsets: Sequence[TimeOffset]) -> NavigationLogs:
     """Subtract the offsets from the stamps of the logs, and sort the readings again."""
     wrong = {offset.sensor for offset in offsets}
 
@@ -357,12 +357,12 @@ def describe_offsets(offsets: Sequence[TimeOffset]) -> list[str]:
         others = f"those of {', '.join(most)} and {last}" if most else f"that of {last}"
         out.append(
             f"{sensor}: the clock is {spans}, relative to {others}; the stamps were put right"
-            f"{_by_key(found)}"
+            f"{_describe_key(found)}"
         )
     return out
 
 
-def _by_key(found: Sequence[TimeOffset]) -> str:
+def _describe_key(found: Sequence[TimeOffset]) -> str:
     """Say by how much to change the key of dive.toml that corrects a clock.
 
     "" where the offset changes along the dive.

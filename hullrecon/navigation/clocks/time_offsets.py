@@ -190,7 +190,7 @@ def refine(evidence: Evidence, start: Offsets) -> Refined | None:
         return comparison.residuals({**start, comparison.first: first})
 
     for _ in range(ROUNDS):
-        slope, found, weight = _linearised(residuals, moved)
+        slope, found, weight = _linearise(residuals, moved)
         curvature, gradient = float((weight * slope**2).sum()), (weight * slope * found).sum(axis=1)
         if curvature <= 0:
             return None
@@ -209,7 +209,7 @@ def refine(evidence: Evidence, start: Offsets) -> Refined | None:
     )
 
 
-def _linearised(residuals: Callable[[float], Array], at_s: float) -> tuple[Array, Array, Array]:
+def _linearise(residuals: Callable[[float], Array], at_s: float) -> tuple[Array, Array, Array]:
     """Compute slopes by the offset, residuals and robust weights of rows, each (n, k).
 
     All are 0 where a residual is unknown.
@@ -375,7 +375,7 @@ def _relative_rate(
     if fit is None:
         return None
     at_s = fit.relative_s - evidence.relative(corrected)
-    slope, found, weight = _linearised(residuals, at_s)
+    slope, found, weight = _linearise(residuals, at_s)
     since_s = 0.5 * ((comparison.begin_ns - middle_ns) + (comparison.end_ns - middle_ns)) / NS
     columns = np.stack([slope, slope * since_s[:, None]])
     information = np.einsum("ank,bnk->ab", columns * weight, columns)

@@ -50,10 +50,10 @@ from hullrecon.records.trajectory import (
 from hullrecon.rig import Rig
 from hullrecon.typing import Ints
 
-# before the first and after the last velocity each image within REACH_S gets a node; beyond, as far
-# as it goes on from the image next to it
+# Before the first and after the last velocity each image within REACH_S gets a node. Farther images
+# do only as long as each overlaps its neighbour
 REACH_S = 1.0
-# of the motion across an outage, above which images without overlap get no pose
+# sigma of the motion across an outage above which images that overlap neither side get no pose
 LOST_SIGMA_M = 0.5
 
 
@@ -92,22 +92,32 @@ def dead_reckon(
 ) -> Navigated:
     """Reckon the path of a dive from DVL, IMU, pressure and tray.
 
-    x = y = 0 at the first ping with a velocity while the IMU runs, heading as logged.
+    x = y = 0 at the first ping with a velocity while the IMU runs. The heading is as logged.
 
-    walk follows the upper camera's images. Before and after DVL and IMU are heard together, and in
-    outages of the DVL, images get nodes as far as each overlaps its neighbour. Without a walk the
-    images before and after get no node, and all images in an outage do.
+    Parameters
+    ----------
+    logs, rig, sigmas
+        What the sensors measured, where they sit, and how well both are known.
+    walk
+        Follows the upper camera's images where DVL or IMU are silent. Images there get nodes as
+        long as each overlaps its neighbour. Without it, images before and after the DVL get no
+        node, and all images in an outage do.
+    heard
+        Velocities and attitude of these logs, where they were computed already.
 
-    Raises StageError where there are fewer than two usable velocities or attitudes, or no node.
+    Raises
+    ------
+    StageError
+        Where there are fewer than two usable velocities, attitudes or nodes.
     """
     # The path, and the nodes on it at which it is recorded.
     heard = hear(logs, sigmas.tilt_rad) if heard is None else heard
-    velocities, start_ns, span = _velocities(logs, heard.velocities, walk)
+    velocities, start_ns, span = _extend_velocities(logs, heard.velocities, walk)
     history = heard.attitude
     path = reckon(velocities, history, servo(logs.tray, int(velocities.t_ns[0])), rig, start_ns)
-    nodes = _nodes(logs, path, span, walk)
+    nodes = _place_nodes(logs, path, span, walk)
     at = path.at(nodes.t_ns)
-    depth = _depth(logs.pressure, path, nodes)
+    depth = _correct_depth(logs.pressure, path, nodes)
 
     # The DVL's returns at the nodes, and what was wrong with the sensors.
     beams = returns(logs.dvl, path, at, flag_ranges(logs.dvl, sigmas.range_m))
@@ -115,7 +125,7 @@ def dead_reckon(
     notes += describe_unplaced(logs.dvl, logs.imu, logs.pressure, velocities, nodes.t_ns, beams)
 
     # Poses with their errors, and the motions between neighbouring nodes.
-    poses = _poses(path, at, depth)
+    poses = _poses_at_nodes(path, at, depth)
     errors = dead_reckoning_errors(path, at, poses, depth, sigmas)
     covariance = trajectory_covariance(errors, poses)
     trajectory = Trajectory(
@@ -128,12 +138,13 @@ def dead_reckon(
     )
 
     def path_at(t_ns: Ints) -> VehiclePath:
+        """Interpolate vehicle and tray on the path at times (m,)."""
         instant = path.at(t_ns)
         return VehiclePath(poses=instant.poses(), tray=instant.tray)
 
     exposures = exposures_of(trajectory, beams, (logs.top, logs.bottom), logs.timing, path_at, rig)
     edges = widen_for_delay(odometry(path, at), path, at, sigmas.dvl_late_s)
-    attitude = _attitude(path, at, depth, sigmas)
+    attitude = _record_attitude(path, at, depth, sigmas)
     return Navigated(
         trajectory=replace(trajectory, exposures=exposures),
         error_model=errors,
@@ -147,9 +158,9 @@ def dead_reckon(
 
 @dataclass(frozen=True, kw_only=True)
 class Heard:
-    """Velocities of the DVL and attitude of the IMU before integration."""
+    """Usable velocities of the DVL and smoothed attitude of the IMU, before integration."""
 
-    velocities: Velocities  # while the IMU was read
+    velocities: Velocities  # those while the IMU was read
     attitude: AttitudeHistory
 
 
@@ -202,10 +213,10 @@ def finite_attitude(imu: ImuSamples) -> ImuSamples:
     )
 
 
-def _velocities(
+def _extend_velocities(
     logs: NavigationLogs, found: Velocities, walk: ImageWalk | None
 ) -> tuple[Velocities, int, tuple[int, int]]:
-    """Extend the velocities as far beyond the IMU's readings as images overlap.
+    """Extend the velocities beyond the IMU's readings as far as images overlap each other.
 
     Returns
     -------
@@ -230,13 +241,26 @@ def _velocities(
     return found, heard[0], span
 
 
-def _nodes(
+def _place_nodes(
     logs: NavigationLogs,
     path: Reckoning,
     span_ns: tuple[int, int],
     walk: ImageWalk | None,
 ) -> Nodes:
-    """Place the nodes. Frames deep in an outage, which overlap neither of its sides, get none."""
+    """Place the nodes of the path.
+
+    Frames in an outage that moves the vehicle by an unknown way (LOST_SIGMA_M), and that overlap
+    neither of its sides, get none.
+
+    Parameters
+    ----------
+    logs, path
+        What the sensors measured, and the path.
+    span_ns
+        In which frames get a node.
+    walk
+        Tells which frames overlap.
+    """
     heard, reach = path.velocities.t_ns, int(REACH_S * 1e9)
     pings = logs.dvl.t_ns[
         (logs.dvl.t_ns >= heard[0] - reach) & (logs.dvl.t_ns <= heard[-1] + reach)
@@ -257,10 +281,10 @@ def _nodes(
     return nodes
 
 
-def _depth(pressure: PressureSamples | None, path: Reckoning, nodes: Nodes) -> Depth | None:
-    """Hold the path's depth to the pressure sensor.
+def _correct_depth(pressure: PressureSamples | None, path: Reckoning, nodes: Nodes) -> Depth | None:
+    """Correct the path's depth by the pressure sensor.
 
-    None without a pressure sensor or where it was read at no node.
+    None without a pressure sensor, or where it was not read near any node.
     """
     if pressure is None:
         return None
@@ -277,10 +301,10 @@ def usable_frames(index: ImageIndex | None) -> tuple[Ints, Ints]:
     return index.t_ns[rows], rows
 
 
-def _poses(path: Reckoning, at: Instant, depth: Depth | None) -> Poses:
-    """Place the vehicle at the nodes: T_g_v (n) with x = y = 0 at the start.
+def _poses_at_nodes(path: Reckoning, at: Instant, depth: Depth | None) -> Poses:
+    """Compute global_from_vehicle (n) at the nodes, with x = y = 0 at the start.
 
-    z is held to the pressure sensor where there is one.
+    z is that of the path, corrected by the pressure sensor where there is one.
     """
     start = path.at(np.array([path.start_ns])).poses().translation[0]
     position = at.poses().translation - start
@@ -289,13 +313,14 @@ def _poses(path: Reckoning, at: Instant, depth: Depth | None) -> Poses:
     return Poses(at.rotation.as_quat(), position)
 
 
-def _attitude(
+def _record_attitude(
     path: Reckoning, at: Instant, depth: Depth | None, sigmas: NavigationSigmas
 ) -> Attitude:
     """Record depth, roll and pitch of the nodes with their sigmas.
 
-    Values without a reading nearby get a wide sigma. Nodes that share a pressure reading carry its
-    information once.
+    Values without a reading nearby get a wide sigma. Sigmas of nodes that share a pressure reading
+    are inflated, so that it counts once. That of a late pressure sensor grows with the rate of the
+    depth.
     """
     n = len(at.t_ns)
     roll, pitch, _ = roll_pitch_yaw(at.rotation).T

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Propagate the errors of dead reckoning to every node.
 
-Errors that persist are unknowns of the dive with covariance J P J'. White noise adds to that.
+Persistent errors are one unknown each for the dive. With Jacobian J and covariance P they add
+J P J' to the covariance of the poses. White noise and random walks add to that.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from hullrecon.typing import Array, Ints
 
 UNKNOWN_DEPTH_M = 10.0  # sigma of the start's depth without a pressure sensor
 LEAST_SIGMA_M = 1e-4  # of a position: keeps the covariance at the start invertible
-# The errors that persist, in the order of the columns of `pose_by_error`.
+# Columns of `pose_by_error`, the persistent errors.
 SCALE, DRIFT, MOUNT_TURN, TRAY_BACKLASH = 0, 1, slice(2, 5), 5
 ROLL_PITCH, HEADING, DVL_LATE, DEPTH_BIAS, PRESSURE_LATE = slice(6, 8), 8, 9, 10, 11
 ERRORS = 12
@@ -37,14 +38,27 @@ ERRORS = 12
 def dead_reckoning_errors(
     path: Reckoning, at: Instant, poses: Poses, depth: Depth | None, sigmas: NavigationSigmas
 ) -> TrajectoryErrorModel:
-    """Compute the errors of dead-reckoned poses global_from_vehicle (n,) relative to the start.
+    """Compute the error model of dead-reckoned poses global_from_vehicle (n,).
 
-    Depth is absolute: its bias and the smoothed noise of the pressure. Without pressure it drifts
-    like x and y, from the next node that was read where the sensor was silent for a while.
+    Errors are relative to the start of the path, but that of depth is absolute where a pressure
+    sensor was logged: its bias and the smoothed noise of its readings. At nodes where it was silent
+    the drift since the nearest measured node adds to that. Without a pressure sensor depth drifts
+    like x and y.
+
+    Parameters
+    ----------
+    path, at
+        The path, and its instants at the nodes.
+    poses
+        The nodes' poses, with the depth that was corrected.
+    depth
+        By the pressure sensor, None without one.
+    sigmas
+        Of the errors.
     """
     by_error = pose_by_error(at)
     by_error[:, :3, DVL_LATE] = path.path_by_delay(at.t_ns)
-    # the path starts there
+    # errors of the position are zero at the start of the path
     by_error[:, :3] -= pose_by_error(path.at(np.array([path.start_ns])))[:, :3]
     by_error[:, 2, DEPTH_BIAS] = 1.0
     by_error[:, 2, PRESSURE_LATE] = -np.gradient(poses.translation[:, 2], at.t_s)
@@ -53,21 +67,20 @@ def dead_reckoning_errors(
     white[:, [0, 1, 2], [0, 1, 2]] = LEAST_SIGMA_M**2
     in_hole = path.attitude.hole_sigma(at.t_ns)
     white[:, [3, 4, 5], [3, 4, 5]] = (path.attitude.sigma_rad**2 + in_hole**2)[:, None]
-    walk[:, [0, 1, 2], [0, 1, 2]] += _by_direction(
+    walk[:, [0, 1, 2], [0, 1, 2]] += _variance_by_direction(
         at, path.servo.unread_sigma(at.t_ns), np.zeros(len(at.t_ns), np.int64)
     )[:, None]
-    walk[:, [0, 1, 2], [0, 1, 2]] += _by_direction(
+    walk[:, [0, 1, 2], [0, 1, 2]] += _variance_by_direction(
         at, in_hole, path.attitude.holes_before(at.t_ns)
     )[:, None]
-    turned = _by_unread_attitude(path, at, poses)
+    turned = _covariance_by_unread_attitude(path, at, poses)
     if depth is not None:
         near = _nearest_depth(at, depth)
         by_error[:, 2, :DEPTH_BIAS] -= by_error[near, 2, :DEPTH_BIAS]
         white[:, 2, 2] = depth.sigma**2 + np.abs(walk[:, 2, 2] - walk[near, 2, 2])
         walk[:, 2, 2] = 0.0
     to_twist = twist_by_pose_error(poses)
-    # The velocities' noise shifts the rest of the path: a shift is the same twist wherever the node
-    # stands.
+    # Noise of the velocities shifts the remaining path: a shift is the same twist at every node.
     return TrajectoryErrorModel(
         by_error=to_twist @ by_error,
         error_covariance=np.diag(_error_sigma(sigmas, depth is not None) ** 2),
@@ -77,20 +90,20 @@ def dead_reckoning_errors(
 
 
 def _drift_since_start(path: Reckoning, at: Instant) -> Array:
-    """Compute the variance (n,) m2, each axis, of velocities integrated since the start.
+    """Compute the variance (n,), m2, each axis, of the integral of the velocities' noise.
 
-    It is negative before the start.
+    It counts from the start of the path, and is negative before it.
     """
     start = np.full(len(at.t_ns), path.start_ns)
     variance = velocity_variance(path, np.minimum(start, at.t_ns), np.maximum(start, at.t_ns))
     return np.asarray(np.sign(at.t_ns - start) * variance)
 
 
-def _by_unread_attitude(path: Reckoning, at: Instant, poses: Poses) -> Array:
-    """Compute the covariance (n, 6, 6) of twists by unmeasured turns of the attitude.
+def _covariance_by_unread_attitude(path: Reckoning, at: Instant, poses: Poses) -> Array:
+    """Compute the covariance (n, 6, 6) of twists by turns that the IMU did not measure.
 
-    Beyond the IMU's readings, or where its heading stepped, such a turn rotates the rest of the
-    path about the place where it was made.
+    They happen beyond the IMU's readings, and where its heading stepped. Each rotates the remaining
+    path about the position where it happened, so it adds to the twists of all later nodes.
     """
     turned, stepped = path.attitude.turned_unread(at.t_ns), path.attitude.turned_by_steps(at.t_ns)
     about = 0.5 * (poses.translation[1:] + poses.translation[:-1])
@@ -101,15 +114,24 @@ def _by_unread_attitude(path: Reckoning, at: Instant, poses: Poses) -> Array:
     return np.asarray(walk - walk[min(int(np.searchsorted(at.t_ns, path.start_ns)), len(walk) - 1)])
 
 
-def _by_direction(at: Instant, sigma_rad: Array, stretch: Ints) -> Array:
-    """Compute the variance (n,) m2, each axis, of velocities in a wrong direction.
+def _variance_by_direction(at: Instant, sigma_rad: Array, stretch: Ints) -> Array:
+    """Compute the variance (n,), m2, each axis, of positions by velocities in a wrong direction.
 
-    The direction is wrong by an unread tray or attitude. sigma_rad (n,): of the direction. stretch
-    (n,): ascending numbers of the spans over which the direction has one common error.
+    The direction is wrong where the tray or the attitude was not read. Within a stretch the error
+    is common, so its effect grows with the way. Stretches are independent.
+
+    Parameters
+    ----------
+    at
+        The nodes.
+    sigma_rad
+        Sigma (n,) of the direction.
+    stretch
+        Number (n,) of each node's stretch, ascending.
     """
     step_m = np.linalg.norm(np.diff(at.instrument, axis=0), axis=1)
     way = np.concatenate([[0.0], np.cumsum(0.5 * (sigma_rad[1:] + sigma_rad[:-1]) * step_m)])
-    # of each node's stretch: the step to its first node counts
+    # row before each node's stretch: the step to its first node counts
     begin = np.maximum(np.searchsorted(stretch, stretch) - 1, 0)
     whole = np.where(
         np.diff(stretch, prepend=stretch[0]) > 0, np.roll(way - way[begin], 1) ** 2, 0.0
@@ -155,15 +177,15 @@ def twist_by_pose_error(poses: Poses) -> Array:
 
 
 def pose_by_error(at: Instant) -> Array:
-    """Compute the derivatives (n, 6, ERRORS) of poses by the errors that persist.
+    """Compute the Jacobian (n, 6, ERRORS) of poses by the persistent errors.
 
     Poses are (translation in the global frame, rotation perturbed on the right in the vehicle's).
     The errors are the DVL's scale, the heading drift, the mount's rotation vector, the tray's
-    backlash, roll and pitch bias, and the heading at the start. Those of the depth's bias and of
-    delays are zero here.
+    backlash, roll and pitch bias, and the heading at the start. Columns of the depth's bias and of
+    time offsets are left zero here.
 
-    A drift c turns the velocity at the time s by c s: the path moves by c z x (integral of s v ds),
-    the lever arm by c t z x (-R r).
+    A heading drift c turns the velocity at time s by c s. That moves the path by
+    c z x (integral of s v ds), and the lever arm by c t z x (-R r).
     """
     rotation = at.rotation.as_matrix()
     turned_lever = at.rotation.apply(at.lever)
@@ -184,9 +206,9 @@ def pose_by_error(at: Instant) -> Array:
 
 
 def _error_sigma(sigmas: NavigationSigmas, depth_is_measured: bool) -> Array:
-    """Compute the prior sigma (ERRORS,) of each error.
+    """Collect the prior sigma (ERRORS,) of each persistent error.
 
-    The heading at the start is known like a roll or pitch.
+    The heading at the start has the sigma of a roll or pitch.
     """
     out = np.zeros(ERRORS)
     out[SCALE] = sigmas.scale

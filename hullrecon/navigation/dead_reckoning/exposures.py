@@ -15,17 +15,18 @@ from hullrecon.records.trajectory import Exposures, Returns, Trajectory, Vehicle
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
-# Around an exposure, over which its motion is taken: a vehicle keeps its speed for so long, and
-# the noise of an encoder or an attitude over it stays below the motion within an exposure.
+# Time around an exposure over which the tray's motion is averaged: a vehicle keeps its speed for so
+# long, and noise of an encoder or an attitude then stays below the motion within an exposure.
 SPAN_S = 0.2
-NEAR_S = 1.0  # of a node, DVL returns that measure the depth of its scene
+NEAR_S = 1.0  # between a node and the DVL returns that measure the depth of its scene
 
 
 @dataclass(frozen=True, kw_only=True)
 class CameraTiming:
     """When rows of images are exposed relative to the images' stamps."""
 
-    bottom_after_stamp_s: float = 0.0  # how long after its stamps the bottom camera is exposed
+    # how long after its stamps the bottom camera is exposed (positive where its stamps are early)
+    bottom_after_stamp_s: float = 0.0
     readout_s: tuple[float, float] = (0.0, 0.0)  # of top and bottom, first row to last
 
     @property
@@ -42,7 +43,9 @@ def exposures_of(
     path_at: Callable[[Ints], VehiclePath],
     rig: Rig,
 ) -> Exposures | None:
-    """Compute when a dive's images were exposed. None where all were at their node's time.
+    """Compute when a dive's images were exposed, and how the tray moved then.
+
+    None where all images were exposed at their node's time, all rows at once.
 
     Parameters
     ----------
@@ -80,7 +83,10 @@ def exposures_of(
 
 
 def _scene_depths(trajectory: Trajectory, returns: Returns, rig: Rig) -> Array:
-    """Measure the depth (n,) of each node's scene in the top camera, m. NaN without returns."""
+    """Measure the median depth (n,), m, of DVL returns near each node in the top camera.
+
+    NaN where none near in time lies in front of the camera.
+    """
     path = trajectory.track().path
     good = returns.take(np.flatnonzero(~returns.flagged & np.isfinite(returns.range_m)))
     good = good.take(np.argsort(good.t_ns, kind="stable"))

@@ -13,9 +13,9 @@ import numpy as np
 from hullrecon.records.clock import longest_pause_s
 from hullrecon.typing import Ints
 
-# between images compared in a walk: closer images overlap as well
+# between images that are compared in a walk; those between them then overlap as well
 STRIDE_S = 0.5
-# whether two images overlap, by their rows in the index
+# tells whether two images overlap, given by their rows in the index
 GoesOn = Callable[[int, int], bool]
 
 
@@ -28,19 +28,19 @@ class ImageWalk:
     progress: Callable[[range], Iterable[int]] = iter  # shows how far a walk is
 
     def widened(self, span_ns: tuple[int, int]) -> tuple[int, int]:
-        """Widen a span on both sides as far as each frame overlaps its neighbour."""
+        """Widen a span (ns) on both sides as far as each frame overlaps its neighbour."""
         t_ns = self.frames[0]
         inside = np.flatnonzero((t_ns >= span_ns[0]) & (t_ns <= span_ns[1]))
         if not len(inside):
             return span_ns
-        first = self._follow(int(inside[0]), range(int(inside[0]) - 1, -1, -1))
-        last = self._follow(int(inside[-1]), range(int(inside[-1]) + 1, len(t_ns)))
+        first = self._last_joined(int(inside[0]), range(int(inside[0]) - 1, -1, -1))
+        last = self._last_joined(int(inside[-1]), range(int(inside[-1]) + 1, len(t_ns)))
         return min(span_ns[0], int(t_ns[first])), max(span_ns[1], int(t_ns[last]))
 
     def lost_in(self, outage_ns: tuple[int, int]) -> tuple[int, int] | None:
-        """Find the first and last stamp of frames in an outage that overlap neither of its sides.
+        """Find the frames in an outage that no chain of overlapping frames joins to either side.
 
-        None where there are no such frames.
+        Returns the first and last stamp, None where there are no such frames.
         """
         t_ns = self.frames[0]
         begin, end = (
@@ -49,23 +49,29 @@ class ImageWalk:
         )
         if begin < 0 or end >= len(t_ns) or end - begin < 2:
             return None
-        first = self._follow(int(begin), range(int(begin) + 1, int(end))) + 1
-        last = self._follow(int(end), range(int(end) - 1, first - 1, -1)) - 1
+        first = self._last_joined(int(begin), range(int(begin) + 1, int(end))) + 1
+        last = self._last_joined(int(end), range(int(end) - 1, first - 1, -1)) - 1
         return (int(t_ns[first]), int(t_ns[last])) if first <= last else None
 
-    def _follow(self, at: int, steps: range) -> int:
-        """Follow frames along `steps`, by strides where they are dense, and name the last."""
+    def _last_joined(self, at: int, steps: range) -> int:
+        """Find the last frame that a chain of overlapping frames joins to frame `at`.
+
+        Frames are compared by strides of up to STRIDE_S. Where a stride does not overlap, the next
+        frame is tried.
+
+        steps: frames to go along, forward or backward.
+        """
         for k in self.progress(steps):
             if (k - at) * steps.step <= 0:
                 continue
-            stride = self._stride(at, k, steps)
+            stride = self._farthest_within_stride(at, k, steps)
             reached = next((frame for frame in (stride, k) if self._goes_on(at, frame)), None)
             if reached is None:
                 break
             at = reached
         return at
 
-    def _stride(self, at: int, following: int, steps: range) -> int:
+    def _farthest_within_stride(self, at: int, following: int, steps: range) -> int:
         """Find the farthest frame along `steps` within a stride's time, at least the next."""
         t_ns = self.frames[0]
         while (
@@ -80,6 +86,7 @@ class ImageWalk:
         return 1e9 * longest_pause_s(self.frames[0])
 
     def _goes_on(self, first: int, second: int) -> bool:
+        """Tell whether two frames overlap. Frames with a long pause between them do not."""
         t_ns, row = self.frames
         near = abs(int(t_ns[second] - t_ns[first])) <= self._longest_ns
         return near and self.goes_on(int(row[first]), int(row[second]))

@@ -12,7 +12,7 @@ import numpy as np
 from hullrecon.records.clock import nearest, seconds_to_nearest
 from hullrecon.typing import Ints, Mask
 
-FAR_FROM_FRAME_S = 1.0
+FAR_FROM_FRAME_S = 1.0  # pings farther from any frame get nodes of their own
 NODE_SPACING_S = 0.4  # between nodes where there is no camera
 
 
@@ -31,7 +31,7 @@ class Nodes:
 def pair_frames(top_ns: Ints, bottom_ns: Ints) -> Ints:
     """Pair the frames of two cameras: mutually nearest stamps within half a frame period.
 
-    Returns rows (k, 2) of stamps in time order.
+    Stamps are in time order. Returns rows (k, 2) of the two arrays.
     """
     if not len(top_ns) or not len(bottom_ns):
         return np.zeros((0, 2), np.int64)
@@ -97,7 +97,7 @@ def choose_nodes(
 
 
 def _thin(t_ns: Ints) -> Mask:
-    """Choose the first stamp of each cell of the clock, 0.9 of the spacing wide for jitter."""
+    """Choose the first stamp of each interval of 0.9 NODE_SPACING_S: the rest is for jitter."""
     if not len(t_ns):
         return np.zeros(0, bool)
     cell = (t_ns - t_ns[0]) // int(0.9e9 * NODE_SPACING_S)

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compute the motion between neighbouring nodes by DVL and IMU, and its derivatives by errors.
 
-The pressure has no part in it: it enters the adjustment as depth. Each derivative says how the
-measured motion would change if dead reckoning had known the error: a true speed of (1 + e) v, a
-true heading of the logged one plus c t, a mount R_s_d Exp(w), a tray at theta + d.
+The pressure is not used here: it enters the adjustment as depth. Each derivative says how the
+measured motion would change if dead reckoning had known the error: a true velocity of (1 + e) v, a
+true heading of the logged one plus c t, a mount R_s_d Exp(w), a tray angle theta + d.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from hullrecon.navigation.dead_reckoning.reckoning import (
 from hullrecon.records.trajectory import Odometry
 from hullrecon.typing import Array, Ints
 
-LEAST_SIGMA_M = 2e-4  # of a step between two nodes: stamps and levers
+LEAST_SIGMA_M = 2e-4  # of a step between two nodes, by errors of stamps and lever arms
 
 
 def odometry(path: Reckoning, at: Instant) -> Odometry:
@@ -81,10 +81,13 @@ def odometry(path: Reckoning, at: Instant) -> Odometry:
 
 
 def widen_for_delay(found: Odometry, path: Reckoning, at: Instant, late_s: float) -> Odometry:
-    """Widen the edges by the delay of the DVL, whose sigma is late_s.
+    """Widen the edges by the uncertain time offset of the DVL.
 
-    It is one error for the dive, and edges are independent: the variance of the largest shift that
-    it causes is shared out among them by how much the velocity changes.
+    The offset is one error for the dive, but edges are independent. So the variance of the largest
+    shift of the path that it causes is distributed among the edges, by how much the velocity
+    changes along each.
+
+    late_s: sigma of the offset.
     """
     shift = path.path_by_delay(at.t_ns)
     largest = np.linalg.norm(shift - shift[0], axis=1).max()
@@ -98,8 +101,10 @@ def widen_for_delay(found: Odometry, path: Reckoning, at: Instant, late_s: float
 def widen_for_tray(found: Odometry, tray_sigma: Array) -> Odometry:
     """Widen the edges by the second-order effect of a wrong tray angle.
 
-    The edges' derivative by the tray is taken at the logged angle. tray_sigma (n,) rad: 0 where the
-    tray was read.
+    The derivative of an edge by the tray's angle, which the adjustment uses, holds near the logged
+    angle only.
+
+    tray_sigma (n,): rad, of the nodes' tray angles, 0 where the tray was read.
     """
     turn = np.maximum(tray_sigma[found.first], tray_sigma[found.second])
     covariance = found.covariance.copy()
@@ -112,7 +117,7 @@ def widen_for_tray(found: Odometry, tray_sigma: Array) -> Odometry:
 def white_covariance(path: Reckoning, at: Instant, step: Poses) -> Array:
     """Compute the white covariance (m, 6, 6) of steps by velocity noise, outages and turns.
 
-    The turn's noise also swings the lever.
+    The noise of the turn also moves the lever arm from the vehicle to the DVL.
     """
     start, stop = at.t_ns[:-1], at.t_ns[1:]
     shift = (velocity_variance(path, start, stop) + LEAST_SIGMA_M**2)[:, None, None]
@@ -127,28 +132,28 @@ def white_covariance(path: Reckoning, at: Instant, step: Poses) -> Array:
 
 
 def velocity_variance(path: Reckoning, start_ns: Ints, stop_ns: Ints) -> Array:
-    """Compute the variance (m,) m2, each axis, of steps by the velocity's noise and by outages.
+    """Compute the variance (m,), m2, each axis, of steps by the velocity's noise and by outages.
 
-    A velocity's noise holds until the next ping. An interval has the sum of its parts, whatever
-    sigma each ping has.
+    The noise of a velocity is constant until the next ping, so the variance is the integral of
+    sigma^2 over the interval times the period of the pings.
     """
     v = path.velocities
     period = float(np.median(np.diff(v.t_ns))) * 1e-9
     heard_s = (v.t_ns - path.start_ns) * 1e-9
-    gained = np.concatenate(
+    integrated = np.concatenate(
         [[0.0], np.cumsum(0.5 * (v.sigma[1:] ** 2 + v.sigma[:-1] ** 2) * np.diff(heard_s))]
     )
 
-    def gained_until(t_ns: Ints) -> Array:
+    def integrated_until(t_ns: Ints) -> Array:
         """Integrate sigma^2 from the first velocity on, holding sigma constant beyond the ends."""
         t_s = (t_ns - path.start_ns) * 1e-9
         early, late = np.minimum(t_s - heard_s[0], 0), np.maximum(t_s - heard_s[-1], 0)
         return np.asarray(
-            np.interp(t_s, heard_s, gained) + v.sigma[0] ** 2 * early + v.sigma[-1] ** 2 * late
+            np.interp(t_s, heard_s, integrated) + v.sigma[0] ** 2 * early + v.sigma[-1] ** 2 * late
         )
 
     return np.asarray(
-        period * (gained_until(stop_ns) - gained_until(start_ns))
+        period * (integrated_until(stop_ns) - integrated_until(start_ns))
         + v.bridged_variance(start_ns, stop_ns)
     )
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Attach external positions to the nodes of the path, or say why they show nothing."""
+"""Tie position fixes (USBL, GNSS) to the nodes of the path, or say why they determine nothing."""
 
 from __future__ import annotations
 
@@ -17,24 +17,26 @@ from hullrecon.records.trajectory import PositionTies, Trajectory
 from hullrecon.typing import Array
 
 FARTHEST_S = 5.0  # from a node: the path between two nodes is taken as straight
-ONE_PLACE = 0.99  # quantile of the scatter of fixes at one place
-# Coordinates are exchanged where so they lie by so small a share of their way to the path, which as
-# they stand is farther than dead reckoning errs: their sigmas, and a share of the path's length
+ONE_PLACE = 0.99  # quantile of the chi-square of fixes that all measure one point
+# The two coordinates were exchanged in the log where fixes lie farther from the path than their
+# sigmas (FAR_SIGMAS) and dead reckoning (DRIFT, of the path's length) explain, and where exchanging
+# them reduces that distance to a share of EXPLAINED
 EXPLAINED, FAR_SIGMAS, DRIFT = 0.4, 3.0, 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
 class AttachedPositions:
-    """Position fixes attached to the nodes of a path."""
+    """Position fixes tied to the nodes of a path."""
 
-    ties: PositionTies | None  # None with too few, or with all at one place
+    ties: PositionTies | None  # None with too few fixes, or with all at one point
     outside: int  # fixes before or after the path, or far from any node
-    refusal: str | None  # why they show nothing, None where they do
-    # m from the path, as logged and with both coordinates exchanged, where that was put right
+    refusal: str | None  # why the fixes determine nothing, None where they are used
+    # Distances from the path, m, as logged and with both coordinates exchanged, where the fixes
+    # were corrected by exchanging these
     put_right_m: tuple[float, float] | None = None
 
     def sentences(self) -> list[str]:
-        """Describe in the report's words which positions cannot be used, and why."""
+        """Describe, for the report, which fixes cannot be used or were corrected, and why."""
         out = []
         if self.outside:
             lie = (
@@ -66,9 +68,11 @@ class AttachedPositions:
 def attach_positions(
     fixes: PositionFixes, trajectory: Trajectory, origin: Array
 ) -> AttachedPositions:
-    """Attach fixes to the nodes nearest in time.
+    """Tie each fix to the node nearest in time, if that is within FARTHEST_S.
 
-    origin (3,) m: the antenna in the vehicle frame.
+    Fixes whose two coordinates were exchanged in the log are corrected.
+
+    origin (3,): m, antenna or transponder in the vehicle frame.
     """
     t = trajectory.t_ns
     node = nearest(t, fixes.t_ns)
@@ -85,9 +89,9 @@ def attach_positions(
     )
     exchanged = replace(ties, north_east=fixes.exchanged[near])
     put_right_m = None
-    refusal = _refusal(ties)
+    refusal = _why_useless(ties)
     if refusal is None:
-        put_right_m = _put_right(ties, exchanged, poses)
+        put_right_m = _distances_if_exchanged(ties, exchanged, poses)
         ties = ties if put_right_m is None else exchanged
     return AttachedPositions(
         ties=ties if refusal is None else None,
@@ -97,25 +101,30 @@ def attach_positions(
     )
 
 
-def _put_right(
+def _distances_if_exchanged(
     ties: PositionTies, exchanged: PositionTies, path: Poses
 ) -> tuple[float, float] | None:
-    """Tell whether positions fit the path only once their two coordinates are exchanged.
+    """Measure how far fixes lie from the path, as logged and with their coordinates exchanged.
 
-    Returns the median distances from the path, as logged and exchanged, m. A path along a line fits
-    either way as well.
+    None unless they fit the path only once the coordinates are exchanged. A straight path fits
+    either way.
+
+    Returns
+    -------
+    tuple
+        Median distances, m, as logged and exchanged.
     """
-    as_logged, put_right = (_distance(one, path) for one in (ties, exchanged))
+    as_logged_m, exchanged_m = (_median_distance(one, path) for one in (ties, exchanged))
     at = path[ties.node].apply(ties.antenna)[:, :2]
     way_m = float(np.linalg.norm(np.diff(at, axis=0), axis=1).sum())
     least_m = FAR_SIGMAS * float(np.median(ties.sigma)) + DRIFT * way_m
-    if as_logged < least_m or put_right > EXPLAINED * as_logged:
+    if as_logged_m < least_m or exchanged_m > EXPLAINED * as_logged_m:
         return None
-    return as_logged, put_right
+    return as_logged_m, exchanged_m
 
 
-def _distance(ties: PositionTies, path: Poses) -> float:
-    """Compute the median distance, m, of positions from the path that is placed on them."""
+def _median_distance(ties: PositionTies, path: Poses) -> float:
+    """Compute the median distance, m, of fixes from the path once it is fitted to them."""
     north, east, heading = place_path(ties, path)
     at = path[ties.node].apply(ties.antenna)[:, :2]
     turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
@@ -123,10 +132,11 @@ def _distance(ties: PositionTies, path: Poses) -> float:
     return float(np.median(np.linalg.norm(away, axis=1)))
 
 
-def _refusal(ties: PositionTies) -> str | None:
-    """Explain why positions determine nothing of a path whose heading and place are free.
+def _why_useless(ties: PositionTies) -> str | None:
+    """Explain why fixes determine nothing of a path whose heading and start are free, else None.
 
-    A single position fits any such path. Positions at one place fit any path that stays there.
+    A single fix fits any such path. Fixes that all measure one point show no heading: that is
+    tested by the chi-square of their scatter about the weighted mean.
     """
     if len(ties) < 2:
         return (
@@ -136,8 +146,8 @@ def _refusal(ties: PositionTies) -> str | None:
         )
     weight = 1 / ties.sigma**2
     middle = (weight[:, None] * ties.north_east).sum(axis=0) / weight.sum()
-    square = float((weight[:, None] * (ties.north_east - middle) ** 2).sum())
-    if square > chdtri(2 * len(ties) - 2, 1 - ONE_PLACE):
+    chi2 = float((weight[:, None] * (ties.north_east - middle) ** 2).sum())
+    if chi2 > chdtri(2 * len(ties) - 2, 1 - ONE_PLACE):
         return None
     return (
         f"all {len(ties)} are of one place within their sigma of "

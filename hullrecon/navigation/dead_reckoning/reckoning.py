@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Strapdown dead reckoning at the DVL's rate, with its derivatives by the errors that persist.
+"""Strapdown dead reckoning at the DVL's rate, with its derivatives by persistent errors.
 
-See [Ozog2016 1.2] and docs/methods.md 2. The DVL gives the velocity of the instrument in its own
-axes. Through T_s_d, the tray's angle and the attitude it becomes a velocity in g, which is
-integrated. The vehicle stands one lever arm from the instrument: p_v = p_d - R_g_v r_v(theta). That
-is the integral of `v_v = v_d - omega x r - r'`, tray rotation included, without differentiating an
-attitude.
+See [Ozog2016 1.2] and docs/methods.md 2. The DVL measures the velocity of the instrument in its own
+axes. The mount T_s_d, the tray's angle and the attitude turn it into a velocity in g, which is
+integrated. The vehicle's position is that of the instrument minus the lever arm,
+p_v = p_d - R_g_v r_v(theta). That equals the integral of `v_v = v_d - omega x r - r'`, with the
+rotation of the tray, but needs no derivative of the attitude.
 """
 
 from __future__ import annotations
@@ -30,10 +30,11 @@ from hullrecon.typing import Array, Ints
 UP_DOWN = np.array([0.0, 0.0, 1.0])  # z of g
 TILT_AXIS = np.array([0.0, 1.0, 0.0])  # the tray turns about y of the vehicle
 
-SPEED_S = 0.3  # over which the velocity is smoothed to tell what a delay would do
+SPEED_S = 0.3  # over which the path's derivative by a time offset of the DVL is smoothed
 
-# Columns of the integrated derivatives: the path itself, the path weighted with time, and what each
-# error adds to it.
+# Columns of the integrals: the path itself, the integral of the velocity times the time, and the
+# derivatives of the path by the mount's rotation vector, the tray's angle, its backlash, and roll,
+# pitch and heading.
 PATH, MOMENT, MOUNT, TRAY, BACKLASH, TILT = 0, 1, slice(2, 5), 5, 6, slice(7, 10)
 
 
@@ -41,7 +42,7 @@ PATH, MOMENT, MOUNT, TRAY, BACKLASH, TILT = 0, 1, slice(2, 5), 5, 6, slice(7, 10
 class Reckoning:
     """A path that can be evaluated at any time."""
 
-    start_ns: int  # where it begins
+    start_ns: int  # from which times count
     sums: Integral  # (n, 3, 10) in g, columns as above
     attitude: AttitudeHistory
     servo: Servo
@@ -67,11 +68,11 @@ class Reckoning:
         )
 
     def path_by_delay(self, t_ns: Ints) -> Array:
-        """Compute how the path (n, 3) in g moves at times (n,) by a second of the DVL's delay.
+        """Compute how far the path (n, 3) moves for each second that the DVL is late, m/s in g.
 
-        A DVL whose stamps are late has its velocities turned by a later attitude. To first order
-        that moves the path by minus the integral of the change of the velocity in its own axes,
-        turned into g (docs/methods.md, *Clocks*).
+        The velocities of a DVL whose stamps are late are turned by a later attitude. To first order
+        that moves the path by minus the integral of the change of the velocity in the DVL's own
+        axes, turned into g (docs/methods.md, *Clocks*).
         """
         own, at_ns = self.velocities.velocity, self.velocities.t_ns
         tray = tray_poses(self.rig.tray_origin, self.servo.angle_at(at_ns)).rotation
@@ -79,7 +80,7 @@ class Reckoning:
         step = np.diff(own, axis=0)
         change = 0.5 * (turn[:-1].apply(step) + turn[1:].apply(step))
         total = np.concatenate([np.zeros((1, 3)), np.cumsum(change, axis=0)])
-        at_s, t_s = (seconds(of, self.start_ns) for of in (at_ns, t_ns))
+        at_s, t_s = (seconds(stamps, self.start_ns) for stamps in (at_ns, t_ns))
         return -local_line(at_s, total, t_s, SPEED_S)[0]
 
 
@@ -93,8 +94,8 @@ class Instant:
     sums: Array  # (n, 3, 10) in g: the path and its derivatives, columns PATH to TILT
     tray: Array  # (n,) rad
     direction: Array  # (n,) +1 or -1: in which the tray last moved
-    lever: Array  # (n, 3) m of the instrument in the vehicle's frame
-    lever_by_tray: Array  # (n, 3) its derivative
+    lever: Array  # (n, 3) m, position of the DVL in the vehicle's frame
+    lever_by_tray: Array  # (n, 3) m/rad, its derivative by the tray's angle
 
     @property
     def instrument(self) -> Array:
@@ -113,7 +114,15 @@ def reckon(
     rig: Rig,
     start_ns: int | None = None,
 ) -> Reckoning:
-    """Integrate at least two velocities to a path, from the first or from start_ns."""
+    """Integrate at least two velocities to a path, with its derivatives by persistent errors.
+
+    Parameters
+    ----------
+    velocities, attitude, servo, rig
+        Of the dive.
+    start_ns
+        From which times count, None: the first velocity.
+    """
     t_ns = velocities.t_ns
     start = int(t_ns[0]) if start_ns is None else start_ns
     t = seconds(t_ns, start)

@@ -18,15 +18,22 @@ from hullrecon.records.clock import SILENT_S, format_time, longest_pause_s
 from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Array, Ints
 
-FEW_PERIODS = 2.5  # of the DVL, to the next velocity: one ping may be lost
+FEW_PERIODS = 2.5  # of the DVL between two velocities: one lost ping is no outage
 
 
 def remarks_of(
     pings_ns: Ints, path: Reckoning, nodes: Nodes, depth: Depth | None, returns: Returns
 ) -> tuple[list[str], dict[str, object]]:
-    """Describe what was wrong with the sensors, with the numbers for navigation.json.
+    """Describe in words what was wrong with the sensors, and collect numbers for navigation.json.
 
-    Times in the numbers are seconds since start_ns.
+    Times in the numbers are seconds since the start of the path.
+
+    Parameters
+    ----------
+    pings_ns
+        Stamps of all pings.
+    path, nodes, depth, returns
+        What navigation made of the dive.
     """
     way_m = np.concatenate(
         [[0.0], np.cumsum(np.linalg.norm(np.diff(path.at(nodes.t_ns).instrument, axis=0), axis=1))]
@@ -55,7 +62,7 @@ def _motion_remarks(path: Reckoning, nodes_ns: Ints, returns: Returns) -> Iterat
     """Describe what was wrong with DVL and IMU."""
     v, attitude = path.velocities, path.attitude
     holes, turned = attitude.holes, attitude.steps
-    yield _bridged(v)
+    yield _describe_outages(v)
     yield _silent_dvl(v, nodes_ns)
     yield _silent_imu(attitude, nodes_ns)
     if len(v.outliers):
@@ -64,8 +71,10 @@ def _motion_remarks(path: Reckoning, nodes_ns: Ints, returns: Returns) -> Iterat
         yield f"{returns.flagged.sum()} of {len(returns.flagged)} DVL ranges rejected as outliers"
     if len(holes):
         yield f"IMU: {_times(len(holes), 'gap')} in the attitude, {_longest(holes)}"
-    yield _heading_steps(np.degrees(turned.size), attitude.t_ns[turned.row])
-    yield _disagreements(np.degrees(turned.disagreement_rad), attitude.t_ns[turned.disagreement])
+    yield _describe_heading_steps(np.degrees(turned.size), attitude.t_ns[turned.row])
+    yield _describe_disagreements(
+        np.degrees(turned.disagreement_rad), attitude.t_ns[turned.disagreement]
+    )
     if not attitude.fused:
         yield "IMU: no rates; the attitude between readings is interpolated"
 
@@ -136,10 +145,10 @@ def _seconds_since(start_ns: int, t_ns: Ints) -> list[float]:
     return [round(float(t), 3) for t in (np.asarray(t_ns) - start_ns).ravel() * 1e-9]
 
 
-def _bridged(velocities: Velocities) -> str:
-    """Count the outages that last longer than a few periods of the DVL.
+def _describe_outages(velocities: Velocities) -> str:
+    """Describe the outages that last longer than FEW_PERIODS of the DVL.
 
-    Between two pings of a slow DVL nothing was lost.
+    Between two pings of a slow DVL nothing is lost.
     """
     few_ns = (
         FEW_PERIODS * float(np.median(np.diff(velocities.t_ns)))
@@ -156,10 +165,14 @@ def _bridged(velocities: Velocities) -> str:
 
 
 def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
-    """Find the spans between two nodes with images that are far longer than usual.
+    """Find the spans without images that are far longer than the usual time between images.
 
-    way_m (n,): distance travelled up to each node. Returns (first node, last node, m travelled) for
-    each span.
+    way_m (n,): distance travelled up to each node.
+
+    Returns
+    -------
+    list of tuple
+        Of each span the nodes with images before and after it, and the distance travelled, m.
     """
     seen = np.flatnonzero((nodes.image >= 0).any(axis=1))
     if len(seen) < 3:
@@ -173,7 +186,10 @@ def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
 def _without_images(
     nodes_ns: Ints, blank: list[tuple[int, int, float]], velocities: Velocities
 ) -> str:
-    """Describe what the longest span without images means for the path."""
+    """Describe the longest span without images, in which images do not support the path.
+
+    blank: as of `images_missing`.
+    """
     if not blank:
         return ""
     first, last, way_m = max(blank, key=lambda span: nodes_ns[span[1]] - nodes_ns[span[0]])
@@ -192,7 +208,7 @@ def _times(count: int, noun: str) -> str:
     return f"{count} {noun if count == 1 else plural}"
 
 
-def _heading_steps(size_deg: Array, at_ns: Ints) -> str:
+def _describe_heading_steps(size_deg: Array, at_ns: Ints) -> str:
     """Describe the steps that were removed from the heading."""
     if len(size_deg) == 0:
         return ""
@@ -208,7 +224,7 @@ def _heading_steps(size_deg: Array, at_ns: Ints) -> str:
     )
 
 
-def _disagreements(apart_deg: Array, at_ns: Ints) -> str:
+def _describe_disagreements(apart_deg: Array, at_ns: Ints) -> str:
     """Describe where heading and rates contradict each other."""
     if len(apart_deg) == 0:
         return ""
@@ -228,7 +244,7 @@ def _longest(spans_ns: Ints) -> str:
 
 
 def _unsure(velocities: Velocities) -> str:
-    """Describe how well navigation knows the way across the outage that it knows least."""
+    """Describe the sigma of the displacement over the outage where it is largest."""
     if not len(velocities.outages):
         return ""
     sigma_m = np.sqrt(velocities.bridged_variance(*velocities.outages.T).max())

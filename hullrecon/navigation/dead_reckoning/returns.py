@@ -14,16 +14,24 @@ from hullrecon.records.sensors import DvlPings
 from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Mask
 
-WINDOW_S = 3.0  # of neighbouring ranges that a range is compared with
-# a range is flagged where it leaves their median by more than either
+WINDOW_S = 3.0  # around a range, of the beam's neighbouring ranges that it is compared with
+# a range is flagged where it differs from their median by more than so many m, or so many sigmas
 JUMP_M, OUTLIER_SIGMAS = 0.5, 5.0
 
 
 def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Mask) -> Returns:
-    """Attach each beam that came back to the nearest node, by ping and then by beam.
+    """Attach each range that came back to the node nearest in time, sorted by ping and then beam.
 
-    flagged (pings, beams). Pings beyond the nodes' span by more than a second are left out: nothing
-    places them.
+    Pings more than a second beyond the nodes are left out, as their pose is not known.
+
+    Parameters
+    ----------
+    dvl, path
+        The pings, and the path by dead reckoning.
+    nodes
+        The path at the nodes.
+    flagged
+        Ranges (pings, beams) that disagree with their neighbours.
     """
     inside = (dvl.t_ns >= nodes.t_ns[0] - 10**9) & (dvl.t_ns <= nodes.t_ns[-1] + 10**9)
     ping, beam = np.nonzero(np.isfinite(dvl.ranges) & inside[:, None])
@@ -44,16 +52,26 @@ def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Mask) -> Re
 
 
 def flag_ranges(dvl: DvlPings, sigma_range_m: float, sigmas: float = OUTLIER_SIGMAS) -> Mask:
-    """Flag DVL ranges (n, b) that disagree with the median of their beam's neighbours.
+    """Flag DVL ranges (n, b) that disagree with the running median of their beam.
 
-    The robust sigma is that of the neighbours' own departures, at least the instrument's.
+    The sigma is the robust scatter of the neighbouring ranges about that median, or that of the
+    instrument where this is larger.
+
+    Parameters
+    ----------
+    dvl
+        The pings.
+    sigma_range_m
+        Of the instrument.
+    sigmas
+        Beyond which a range is flagged.
     """
     ranges = dvl.ranges
     if len(ranges) < 3:
         return np.zeros(ranges.shape, bool)
     period_s = float(np.median(np.diff(dvl.t_ns))) * 1e-9
     count = 2 * max(1, round(0.5 * WINDOW_S / max(period_s, 1e-3))) + 1
-    away = np.abs(ranges - running_median(ranges, count))
-    sigma = np.maximum(NORMAL_MAD * running_median(away, count), sigma_range_m)
+    deviation = np.abs(ranges - running_median(ranges, count))
+    sigma = np.maximum(NORMAL_MAD * running_median(deviation, count), sigma_range_m)
     with np.errstate(invalid="ignore"):
-        return np.asarray((away > JUMP_M) | (away > sigmas * sigma))
+        return np.asarray((deviation > JUMP_M) | (deviation > sigmas * sigma))

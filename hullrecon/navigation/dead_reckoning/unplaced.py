@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""DVL and IMU measurements that go unused because nothing places the vehicle there."""
+"""Describe DVL and IMU measurements that go unused because the vehicle's pose is not known then."""
 
 from __future__ import annotations
 
@@ -21,29 +21,33 @@ def describe_unplaced(
     nodes_ns: Ints,
     returns: Returns,
 ) -> list[str]:
-    """Say how much was measured where nothing places the vehicle.
+    """Describe how much was measured while the vehicle's pose is not known.
 
-    These are velocities without an attitude, ranges beyond the path, and an IMU that ran on without
-    a velocity. Small shares are not mentioned.
+    These are velocities without an attitude, ranges before or after the path, and readings of an
+    IMU that ran on without a velocity. Small shares are not mentioned.
     """
     given_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
     used_ns = np.concatenate([velocities.t_ns, velocities.outliers])
-    unread = int(np.count_nonzero((given_ns < used_ns.min()) | (given_ns > used_ns.max())))
-    back = int(np.count_nonzero(np.isfinite(dvl.ranges)))
+    without_attitude = int(
+        np.count_nonzero((given_ns < used_ns.min()) | (given_ns > used_ns.max()))
+    )
+    ranges = int(np.count_nonzero(np.isfinite(dvl.ranges)))
     unheard_s = seconds_beyond(imu.t_ns, pressure, (int(nodes_ns[0]), int(nodes_ns[-1])))
     return [
-        *_unused(unread, len(given_ns), "velocities", "where no attitude was read"),
-        *_unused(back - len(returns.t_ns), back, "ranges", "before or after the path"),
+        *_describe_unused(
+            without_attitude, len(given_ns), "velocities", "where no attitude was read"
+        ),
+        *_describe_unused(ranges - len(returns.t_ns), ranges, "ranges", "before or after the path"),
         *([_silent(unheard_s)] if unheard_s >= UNPLACED_S else []),
     ]
 
 
-def _unused(count: int, of: int, noun: str, where: str) -> list[str]:
-    """Note measurements that cannot be used, where they are more than UNPLACED_SHARE of all."""
-    if count < UNPLACED_SHARE * max(of, 1):
+def _describe_unused(count: int, total: int, noun: str, where: str) -> list[str]:
+    """Describe measurements that cannot be used, if they are UNPLACED_SHARE of all or more."""
+    if count < UNPLACED_SHARE * max(total, 1):
         return []
     return [
-        f"DVL: {100 * count / of:.0f} % of its {noun} ({count} of {of}) lie "
+        f"DVL: {100 * count / total:.0f} % of its {noun} ({count} of {total}) lie "
         f"{where} and are not used"
     ]
 

@@ -13,18 +13,18 @@ from hullrecon.navigation.planes.patches import Patches
 from hullrecon.records.trajectory import VehiclePath
 from hullrecon.typing import Array, Ints, Mask
 
-# Differences of two patches beyond curvature: frames, seams, the change of the curvature itself.
+# Sigmas of the difference of two patches that curvature does not explain: frames, seams.
 ROUGHNESS = np.array([0.003, 0.002, 0.002])  # m, slopes in azimuth and elevation
-# Of the difference of two patches' curvatures, which says how fast it changes: the share by which
-# their mean may be off, what that leaves of the height beside the slopes, and how a change within a
-# patch of 0.66 m, a cubic, tilts what is fitted to it.
+# The difference of two patches' curvatures tells how fast the curvature changes. As shares of it:
+# the error of their mean, and the error of the height that the slopes do not hold. And in m2, how a
+# change of curvature within a patch of 0.66 m, a cubic, tilts the plane that is fitted to it.
 MEAN_OFF, HEIGHT_OFF, TILT_M2 = 0.5, 0.05, 0.5 * 0.66**2 / 6
-MIN_DISTANCE_M = 0.5
+MIN_DISTANCE_M = 0.5  # between two patches, where the change of curvature is related to it
 
 
 @dataclass(frozen=True, kw_only=True)
 class PatchPairs:
-    """Pairs (m) of patches on a path, with the difference between their planes."""
+    """Pairs (m) of patches on a path, and how the second differs from the first extrapolated."""
 
     first: Ints  # (m,)
     second: Ints  # (m,)
@@ -50,19 +50,28 @@ class PatchPairs:
 
 
 def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePath) -> PatchPairs:
-    """Compare pairs (m,) of patches on a path T_g_v.
+    """Compare pairs (m,) of patches on a path.
 
-    The first patch is continued to the second's place, with a curvature that changes evenly from
-    its own to the second's. The gap is what is left in height and two slopes. `noise` is its
-    covariance by the curvatures, `fit` by both patches' planes.
+    The first patch is extrapolated to the second's centre, with a curvature that changes evenly
+    from its own to the second's. The gap is the difference in height and two slopes there. Its
+    covariance has two parts, `noise` by the curvatures and `fit` by the fits of both planes.
+
+    Parameters
+    ----------
+    patches
+        All patches.
+    first, second
+        Rows (m,) of the pairs.
+    path
+        global_from_vehicle, with the tray, at all nodes.
     """
     motion = path.poses[patches.anchor[first]].inverse() @ path.poses[patches.anchor[second]]
-    position, expected, gap, turn = _gap(patches, first, second, motion)
+    position, expected, gap, turn = _extrapolate_and_compare(patches, first, second, motion)
     turned_k = _turn_curvature(turn)
     other = np.einsum("mij,mj->mi", turned_k, patches.curvature[second])
-    carried = _carried(position)
-    # How the gap changes with either curvature, directly and through the fitted planes.
-    by_height, by_slopes = _by_curvature(position)
+    carried = _jacobian_by_plane(position)
+    # Jacobians of the gap by either curvature, directly and through the fitted planes.
+    by_height, by_slopes = _jacobian_by_curvature(position)
     first_by_k = np.concatenate([by_height[:, None] / 3, 0.5 * by_slopes], axis=1)
     second_by_k = np.concatenate([by_height[:, None] / 6, 0.5 * by_slopes], axis=1)
     turned = _turn_plane(turn)
@@ -74,7 +83,7 @@ def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePa
         m_first @ patches.curvature_covariance[first] @ m_first.swapaxes(1, 2)
         + m_second @ patches.curvature_covariance[second] @ m_second.swapaxes(1, 2)
         + by_change @ by_change.swapaxes(1, 2)
-        + _roughness(position, change)
+        + _covariance_by_roughness(position, change)
     )
     fit = carried @ patches.plane_covariance[first] @ carried.swapaxes(1, 2)
     fit = fit + turned @ patches.plane_covariance[second] @ turned.swapaxes(1, 2)
@@ -84,17 +93,18 @@ def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePa
         place=motion.apply(patches.center[second]),
         position=position,
         expected=expected,
-        by_position=_by_position(position, patches.curvature[first], other),
+        by_position=_jacobian_by_position(position, patches.curvature[first], other),
         gap=gap,
         noise=noise,
         fit=fit,
     )
 
 
-def _roughness(position: Array, change: Array) -> Array:
-    """Compute the covariance (m, 3, 3) of gaps from the unmodelled change of curvature.
+def _covariance_by_roughness(position: Array, change: Array) -> Array:
+    """Compute the covariance (m, 3, 3) of gaps by roughness and by the change of curvature.
 
-    change (m, 3): between the two curvatures.
+    position (m, 2): of the second patch in the first's axes, m. change (m, 3): second curvature
+    minus the first.
     """
     distance = np.maximum(np.linalg.norm(position, axis=1), MIN_DISTANCE_M)
     of_axes = np.sqrt(change[:, [0, 2]] ** 2 + change[:, [1]] ** 2)
@@ -106,9 +116,9 @@ def _roughness(position: Array, change: Array) -> Array:
 def gap_by_poses(
     patches: Patches, pairs: PatchPairs, path: VehiclePath, tray_origin: Array
 ) -> Array:
-    """Differentiate the gaps by both anchors' poses and trays: (m, 3, 14).
+    """Compute the Jacobian (m, 3, 14) of the gaps by both anchors' poses and trays.
 
-    Each anchor has (translation in g, rotation on the right, tray).
+    Of each anchor there are (translation in g, rotation on the right, tray angle).
     """
     return position_and_gap_by_poses(patches, pairs, path, tray_origin)[:, 2:]
 
@@ -116,9 +126,10 @@ def gap_by_poses(
 def position_and_gap_by_poses(
     patches: Patches, pairs: PatchPairs, path: VehiclePath, tray_origin: Array
 ) -> Array:
-    """Differentiate positions and gaps by both anchors' poses and trays: (m, 5, 14).
+    """Compute the Jacobian (m, 5, 14) of positions and gaps by both anchors' poses and trays.
 
-    Each anchor has (translation in g, rotation on the right, tray).
+    Of each anchor there are (translation in g, rotation on the right, tray angle). Derivatives are
+    central differences.
     """
     anchors = [patches.anchor[pairs.first], patches.anchor[pairs.second]]
     out = np.zeros((len(pairs), 5, 14))
@@ -127,10 +138,10 @@ def position_and_gap_by_poses(
         values = []
         for sign in (1, -1):
             moved = [path.poses[a] for a in anchors]
-            moved[k // 7] = _perturbed(
+            moved[k // 7] = _perturb(
                 moved[k // 7], path.tray[anchors[k // 7]], k % 7, sign * step, tray_origin
             )
-            position, _, gap, _ = _gap(
+            position, _, gap, _ = _extrapolate_and_compare(
                 patches, pairs.first, pairs.second, moved[0].inverse() @ moved[1]
             )
             values.append(np.hstack([position, gap]))
@@ -138,8 +149,14 @@ def position_and_gap_by_poses(
     return out
 
 
-def _perturbed(poses: Poses, tray: Array, column: int, step: float, tray_origin: Array) -> Poses:
-    """Move the vehicle, or its tray, which carries the DVL and the patches seen by it."""
+def _perturb(poses: Poses, tray: Array, column: int, step: float, tray_origin: Array) -> Poses:
+    """Perturb the poses of what carries the patches by one coordinate of vehicle or tray.
+
+    The tray's angle moves the DVL, and so the patches that it saw, about the tray's axis.
+
+    column: 0 to 2 translation in g, 3 to 5 rotation on the right, 6 the tray's angle. step: m or
+    rad.
+    """
     vector = np.zeros((1, 6))
     if column < 3:
         return Poses(poses.quaternion, poses.translation + step * np.eye(3)[column])
@@ -152,17 +169,24 @@ def _perturbed(poses: Poses, tray: Array, column: int, step: float, tray_origin:
 
 
 def _exp(vector: Array) -> Poses:
+    """Make poses from small twists (n, 6), to second order."""
     half = 0.5 * vector[:, 3:]
     return Poses(np.c_[half, np.sqrt(1 - np.sum(half**2, axis=1))], vector[:, :3].copy())
 
 
-def _gap(
+def _extrapolate_and_compare(
     patches: Patches, first: Ints, second: Ints, motion: Poses
 ) -> tuple[Array, Array, Array, Array]:
-    """Compute position (m, 2), expected and gap (m, 3), and the turn (m, 2, 2) between the axes.
+    """Extrapolate the first patch of each pair to the second, and compute the difference.
 
-    The turn takes the second's axes along the hull into the first's. motion: first_from_second of
-    what carries the patches.
+    motion: first_from_second (m) of the vehicles whose frames the patches are in.
+
+    Returns
+    -------
+    tuple
+        Position (m, 2) of the second's centre in the first's axes, m. Expected height and slopes
+        (m, 3) there. The gap (m, 3), those of the second minus these. And the turn (m, 2, 2) of the
+        second's axes along the hull into the first's.
     """
     axes = patches.axes[first]
     rotation = axes.swapaxes(1, 2) @ motion.rotation.as_matrix() @ patches.axes[second]
@@ -170,7 +194,7 @@ def _gap(
         "mji,mj->mi", axes, motion.apply(patches.center[second]) - patches.center[first]
     )
     position, turn = center[:, :2], rotation[:, :2, :2]
-    by_height, by_slopes = _by_curvature(position)
+    by_height, by_slopes = _jacobian_by_curvature(position)
     own = patches.curvature[first]
     other = np.einsum("mij,mj->mi", _turn_curvature(turn), patches.curvature[second])
     height = np.sum(by_height * (own / 3 + other / 6), axis=1)
@@ -181,18 +205,21 @@ def _gap(
     return position, expected, np.column_stack([center[:, 2], seen]) - expected, turn
 
 
-def _by_curvature(position: Array) -> tuple[Array, Array]:
-    """Differentiate x' K x (m, 3) and K x (m, 2, 3) at places x by (K_aa, K_ae, K_ee)."""
+def _jacobian_by_curvature(position: Array) -> tuple[Array, Array]:
+    """Compute the Jacobians of x' K x (m, 3) and of K x (m, 2, 3) by (K_aa, K_ae, K_ee).
+
+    position (m, 2): x.
+    """
     a, e = position.T
     zero = np.zeros_like(a)
     slopes = np.stack([np.stack([a, e, zero], axis=1), np.stack([zero, a, e], axis=1)], axis=1)
     return np.stack([a**2, 2 * a * e, e**2], axis=1), slopes
 
 
-def _by_position(position: Array, own: Array, other: Array) -> Array:
-    """Differentiate expected height and slopes by the place: (m, 3, 2).
+def _jacobian_by_position(position: Array, own: Array, other: Array) -> Array:
+    """Compute the Jacobian (m, 3, 2) of expected height and slopes by the position.
 
-    own, other (m, 3): the two curvatures.
+    own, other (m, 3): curvatures of the first and of the second patch, in the first's axes.
     """
     by_height = 2 * np.einsum("mij,mj->mi", _matrix(own / 3 + other / 6), position)
     return np.concatenate([by_height[:, None], _matrix(0.5 * (own + other))], axis=1)
@@ -203,14 +230,15 @@ def _matrix(curvature: Array) -> Array:
     return np.asarray(curvature[:, [0, 1, 1, 2]].reshape(-1, 2, 2))
 
 
-def _carried(position: Array) -> Array:
-    """Differentiate a plane's (height, slopes) at places by those at its centre: (m, 3, 3)."""
+def _jacobian_by_plane(position: Array) -> Array:
+    """Compute the Jacobian (m, 3, 3) of a plane's height and slopes at positions by its own."""
     out = np.tile(np.eye(3), (len(position), 1, 1))
     out[:, 0, 1:] = position
     return out
 
 
 def _turn_plane(turn: Array) -> Array:
+    """Build the matrices (m, 3, 3) that turn height and slopes, by turns (m, 2, 2)."""
     out = np.zeros((len(turn), 3, 3))
     out[:, 0, 0], out[:, 1:, 1:] = 1.0, turn
     return out
@@ -225,17 +253,20 @@ def _turn_curvature(turn: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class PlaneDifference:
-    """The difference between the planes of two patches, as in TiedPlanes."""
+    """The difference between the planes of two patches, as vectors of TiedPlanes."""
 
     difference: Array  # (m, 3) m
-    information: Array
-    by_place: Array  # (m, 3, 3)
+    information: Array  # (m, 3, 3) square root of the information on it
+    by_place: Array  # (m, 3, 3) derivative by the second's centre
 
 
 def difference_of_planes(patches: Patches, pairs: PatchPairs, noise: Array) -> PlaneDifference:
     """Compute the plane expected at the second's centre minus the first's plane.
 
-    noise (m, 3, 3): of the gaps.
+    A plane is its unit normal times its distance from the origin of the first anchor's vehicle
+    frame. The native graph compares the planes of a pair by this difference.
+
+    noise (m, 3, 3): covariance of the gaps, which is propagated to the difference.
     """
     axes, slopes = patches.axes[pairs.first], pairs.expected[:, 1:]
     length = np.sqrt(1 + np.sum(slopes**2, axis=1))[:, None, None]
@@ -245,7 +276,7 @@ def difference_of_planes(patches: Patches, pairs: PatchPairs, noise: Array) -> P
     point = patches.center[pairs.first] + np.einsum("mij,mj->mi", axes, local)
     distance = -np.sum(normal * point, axis=1)[:, None]
     difference = distance * normal - patches.plane[pairs.first]
-    # by height and slopes at the second's centre: the plane is raised there, or turned about it
+    # derivative by height and slopes at the second's centre: the plane is raised, or turned there
     turned = -axes[:, :, :2]
     along = np.einsum("mij,mi->mj", turned, normal)
     by_normal = (turned - normal[:, :, None] * along[:, None, :]) / length
@@ -256,8 +287,8 @@ def difference_of_planes(patches: Patches, pairs: PatchPairs, noise: Array) -> P
     by_height = -normal * in_patch[:, 2]
     by_gap = np.concatenate([by_height[:, :, None], by_slopes], axis=2)
     whole = by_gap @ noise @ by_gap.swapaxes(1, 2)
-    # by the place: height and slopes change on the way, and the point that the plane passes through
-    # is another one
+    # derivative by the position: height and slopes change with it, and so does the point through
+    # which the plane passes
     by_position = (
         by_gap @ pairs.by_position
         - normal[:, :, None] * np.einsum("mi,mij->mj", normal, axes[:, :, :2])[:, None, :]

@@ -2,10 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Estimate how strongly a hull bends, from its CAD model or from the dive [Ozog2016 2.3.4].
 
-The characteristic curvature is the sigma about zero of the curvature K in azimuth, in twist and in
-elevation (1/m): what is known of a patch before its returns are looked at. A patch measures its own
-curvature, so that this matters little: in the sphere of [Ozog2016 C] the map is the same for radii
-from 4 to 20 m.
+The characteristic curvature is the prior of a patch's curvature: the sigma about zero of K in
+azimuth, in twist and in elevation (1/m). A patch measures its own curvature too, so the prior
+matters little: in the sphere of [Ozog2016 C] the map is the same for radii from 4 to 20 m.
 """
 
 from __future__ import annotations
@@ -24,13 +23,13 @@ SAMPLES = 3000  # points of a CAD model
 NEAR_M = 1.5  # between the points whose normals are compared
 LEAST_NEIGHBOURS = 6
 LEAST_ALIGNMENT = 0.7  # cosine between the normals of one surface
-CLIPPED = 95  # percentile: edges and knuckles are no curvature
+CLIPPED = 95  # percentile at which squared curvatures are clipped: edges and knuckles do not count
 
 
 def curvature_of_patches(patches: Patches) -> Array:
     """Estimate the characteristic curvature (3,) from patches that were fitted with a broad prior.
 
-    It is the spread of their curvatures, less their noise.
+    It is the root mean square of their curvatures, less their noise, within LEAST and BROAD.
     """
     if len(patches) < LEAST_NEIGHBOURS:
         return BROAD
@@ -40,12 +39,15 @@ def curvature_of_patches(patches: Patches) -> Array:
 
 
 def curvature_of_mesh(mesh: Mesh) -> Array:
-    """Estimate the characteristic curvature (3,) of a CAD model by how its normals turn."""
-    points, normals = _sample(mesh, np.random.default_rng(0))
+    """Estimate the characteristic curvature (3,) of a CAD model from how its normals turn.
+
+    The curvature at sampled points is fitted to the normals around, and its root mean square taken.
+    """
+    points, normals = _sample_mesh(mesh, np.random.default_rng(0))
     near = cKDTree(points).query_ball_point(points, NEAR_M)
     found = [
         k
-        for k in (_curvature(points, normals, i, np.array(rows)) for i, rows in enumerate(near))
+        for k in (_fit_curvature(points, normals, i, np.array(rows)) for i, rows in enumerate(near))
         if k is not None
     ]
     if len(found) < LEAST_NEIGHBOURS:
@@ -62,10 +64,19 @@ def curvature_of_mesh(mesh: Mesh) -> Array:
     )
 
 
-def _curvature(points: Array, normals: Array, row: int, near: Array) -> Array | None:
-    """Fit the curvature K (3,) at a point to the normals near it.
+def _fit_curvature(points: Array, normals: Array, row: int, near: Array) -> Array | None:
+    """Fit the curvature K (3,) at a point to the normals near it, by least squares.
 
     None where fewer than LEAST_NEIGHBOURS of them face the same way.
+
+    Parameters
+    ----------
+    points, normals
+        Of all samples (n, 3).
+    row
+        The point.
+    near
+        Rows of samples near it.
     """
     near = near[normals[near] @ normals[row] > LEAST_ALIGNMENT]
     if len(near) < LEAST_NEIGHBOURS:
@@ -79,7 +90,7 @@ def _curvature(points: Array, normals: Array, row: int, near: Array) -> Array | 
     return np.asarray(np.linalg.lstsq(rows, slopes.T.ravel(), rcond=None)[0])
 
 
-def _sample(mesh: Mesh, rng: np.random.Generator) -> tuple[Array, Array]:
+def _sample_mesh(mesh: Mesh, rng: np.random.Generator) -> tuple[Array, Array]:
     """Sample points (SAMPLES, 3) evenly over the faces, with the unit normals there."""
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
     cross = np.cross(b - a, c - a)

@@ -12,11 +12,11 @@ from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.typing import Array, Mask
 
 LEAST_RETURNS = 12
-LEAST_SPREAD_M = 0.15  # of the returns, one sigma, in both directions along the hull
-MAX_RMS_SIGMAS = 3.0  # of the residuals in units of a range's sigma: the patch is no smooth surface
+LEAST_SPREAD_M = 0.15  # standard deviation of the returns, in both directions along the hull
+MAX_RMS_SIGMAS = 3.0  # of the residuals, in sigmas of a range; beyond, the surface is not smooth
 OUTLIER_SIGMAS = 3.5
-LEAST_INCIDENCE = 0.3  # cosine between beam and normal
-TURNS = 4  # of rejecting outliers and turning the axes into the plane that touches
+LEAST_INCIDENCE = 0.3  # cosine between beam and normal, below which it is clipped
+TURNS = 4  # iterations of fitting, rejecting outliers and turning the axes into the tangent plane
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,24 +27,31 @@ class PatchFit:
     axes: Array  # (3, 3), columns azimuth, elevation, normal towards the vehicle
     curvature: Array  # (3,) 1/m: K_aa, K_ae, K_ee, towards the vehicle
     curvature_covariance: Array
-    plane_covariance: Array  # (3, 3) of (height m, slopes) at the centre as if K were known
-    by_curvature: Array  # (3, 3) derivative of these by K
+    plane_covariance: Array  # (3, 3) of (height m, slopes) at the centre, given K
+    by_curvature: Array  # (3, 3) derivative of height and slopes by K
     sigma_m: float  # of a range
-    kept: Mask  # (n,) points that agree
-    to_plane: Array  # (n,) m from a point along its beam to the plane
+    kept: Mask  # (n,) inliers
+    to_plane: Array  # (n,) m from a point along its beam to the tangent plane
 
 
 def fit_patch(
     points: Array, rays: Array, sigma_range_m: float, curvature_sigma: Array
 ) -> PatchFit | None:
-    """Fit a patch to points (n, 3) that beams of unit directions rays (n, 3) met.
+    """Fit a curved patch to the ends of DVL beams.
 
     The height over the tangent plane, height + slopes' x + 0.5 x' K x, is fitted by weighted least
     squares. Then the plane is moved and turned so that height and slopes vanish, outliers are left
-    out, and it is fitted again.
+    out, and the fit is repeated. None where the points are too few, lie on a line, or do not lie on
+    a smooth surface.
 
-    curvature_sigma (3,) 1/m: of K about zero. None where the points are too few, lie on a line, or
-    not on a smooth surface.
+    Parameters
+    ----------
+    points, rays
+        Ends (n, 3) of the beams, m, and their unit directions (n, 3).
+    sigma_range_m
+        Of a range.
+    curvature_sigma
+        Prior sigma (3,) of K about zero, 1/m.
     """
     kept = np.ones(len(points), bool)
     if len(points) < LEAST_RETURNS:
@@ -61,7 +68,7 @@ def fit_patch(
         if kept.sum() < LEAST_RETURNS or local[kept, :2].std(axis=0).min() < LEAST_SPREAD_M:
             return None
 
-        # Along a beam the sigma is that of a range; a slanting beam turns it into less height.
+        # The sigma of a height is that of the range times the cosine of the incidence.
         rows = _rows(local)
         weight = 1 / (sigma_range_m * incidence)
         weighted = rows[kept] * weight[kept, None] ** 2
@@ -96,9 +103,9 @@ def fit_patch(
 
 
 def patch_axes(normal: Array) -> Array:
-    """Choose axes (3, 3) with a unit normal (3,) as third column.
+    """Choose axes (3, 3) of a patch: azimuth, elevation, and its unit normal (3,), as columns.
 
-    The first is level where the normal is not upright.
+    Azimuth is horizontal, unless the normal is nearly vertical.
     """
     level = np.cross([0.0, 0.0, 1.0], normal)
     if np.linalg.norm(level) < 0.3:  # under a flat bottom: the first axis is the vehicle's y

@@ -17,10 +17,11 @@ from hullrecon.records.trajectory import Returns, VehiclePath
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
-WINDOW_M = 0.8  # of the path in one window: about half of what its beams span at a metre's distance
-WINDOW_S = 8.0  # dead reckoning within it is good to millimetres
-MOST_RETURNS = 60  # of a window: more, where the vehicle stands still, add nothing
-# of the vehicle's origin from a patch: three numbers cannot describe a plane through its anchor
+WINDOW_M = 0.8  # of path in one window: about half of what the beams span at a distance of a metre
+WINDOW_S = 8.0  # of a window at most: dead reckoning over it is good to millimetres
+MOST_RETURNS = 60  # of a window; more of them, where the vehicle stands still, add nothing
+# between a patch and the origin of its anchor: a plane through that origin cannot be written as its
+# normal times its distance
 LEAST_DISTANCE_M = 0.1
 
 
@@ -45,7 +46,7 @@ class Patches:
 
     @property
     def plane(self) -> Array:
-        """Compute the patches' planes (w, 3) m in their anchors' frames, as in TiedPlanes."""
+        """The patches' planes (w, 3), m: unit normal times distance from the anchor's origin."""
         normal = self.axes[:, :, 2]
         return np.asarray(-np.sum(normal * self.center, axis=1, keepdims=True) * normal)
 
@@ -53,14 +54,24 @@ class Patches:
 def find_patches(
     returns: Returns, path: VehiclePath, t_ns: Ints, rig: Rig, curvature_sigma: Array
 ) -> Patches:
-    """Find the patches that the returns show along a path with stamps t_ns (n,).
+    """Fit a patch of hull to the DVL returns of each window along a path.
 
-    curvature_sigma (3,) 1/m: of azimuth, twist and elevation about zero, known of the hull
-    beforehand.
+    Windows whose returns fit no smooth patch are left out.
+
+    Parameters
+    ----------
+    returns
+        Of the DVL.
+    path, t_ns
+        Poses of vehicle and tray at the nodes, and their stamps (n,).
+    rig
+        Mounts of the sensors.
+    curvature_sigma
+        Prior sigma (3,), 1/m, of the curvature in azimuth, twist and elevation.
     """
     # The returns of each window along the path, thinned evenly.
     travelled = travelled_m(path.poses)
-    number = _windows(travelled, t_ns)[returns.node]
+    number = _number_windows(travelled, t_ns)[returns.node]
     usable = np.flatnonzero(~returns.flagged)
     order = usable[np.argsort(number[usable], kind="stable")]
     groups = np.split(order, np.flatnonzero(np.diff(number[order])) + 1) if len(order) else []
@@ -69,8 +80,8 @@ def find_patches(
         for group in groups
     ]
 
-    # A patch is fitted in the frame of its anchor, the node in the middle of its window. There it
-    # has to lie in front of the vehicle, not around it.
+    # A patch is fitted in the vehicle frame of its anchor, the node in the middle of its window.
+    # Its plane must not pass through that frame's origin.
     anchors = [int(np.median(returns.node[rows])) for rows in chosen]
     points, rays = _seen_from(returns, chosen, path, anchors, rig)
     found: list[tuple[int, Ints, PatchFit]] = []
@@ -116,10 +127,11 @@ def travelled_m(poses: Poses) -> Array:
     )
 
 
-def _windows(travelled: Array, t_ns: Ints) -> Ints:
+def _number_windows(travelled: Array, t_ns: Ints) -> Ints:
     """Divide the path into windows of at most WINDOW_M and WINDOW_S.
 
-    Returns the number (n,) of each node's window.
+    travelled, t_ns (n,): length of the path up to each node, m, and stamps. Returns the number (n,)
+    of each node's window.
     """
     out, begun = np.zeros(len(travelled), np.int64), 0
     for k in range(1, len(travelled)):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Solve the pose graph without planes, then with the patches that the path shows seen again."""
+"""Solve the pose graph without planes, then with patches of hull that the DVL saw on two passes."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ from hullrecon.records.planes import TiedPlanes
 from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Array
 
-# One sigma of a patch's curvature about zero, over the characteristic one: with that itself patches
-# come out too flat, by a fifth where their noise is half of it, and the planes of a whole turn
-# around a hull pull the path along it.
+# Prior sigma of a patch's curvature over the characteristic curvature. With 1 patches come out too
+# flat, by a fifth where their noise is half of it, and the planes of a full circle around a hull
+# pull the path along it.
 PRIOR_WIDER = 2.0
-MOST_ROUNDS = 5
+MOST_ROUNDS = 5  # of solving and offering ties anew
 LEAST_TIES = 5
-# share of the ties offered: on a ship's side 0.9 and more; in a cave or on rocks far fewer
+# share of the offered ties that agree: on a ship's side 0.9 and more, on rocks far less
 LEAST_AGREEING = 0.6
-MAX_ROUGHNESS = 5.0  # of the hull: beyond it, patches carry little and uncertain information
-SAME_ROUGHNESS = 0.05
-# of the navigation errors as found, 99.9 % of their six degrees of freedom
+MAX_ROUGHNESS = 5.0  # factor on the noise, beyond which patches tell little and uncertainly
+SAME_ROUGHNESS = 0.05  # relative change of the factors, below which they have converged
+# chi-square of the estimated navigation errors: 99.9 % at their six degrees of freedom
 MAX_NAVIGATION_CHI2 = 22.5
 
 
@@ -45,9 +45,9 @@ MAX_NAVIGATION_CHI2 = 22.5
 class PlanarSolution(GraphSolution):
     """A solved pose graph, with planes or without."""
 
-    patches: int  # seen on its path
-    offered: int  # pairs that would add information
-    refusal: str | None  # why planes that were offered were left out; None where they were not
+    patches: int  # number of patches that the returns show on its path
+    offered: int  # number of pairs of them that would add information
+    refusal: str | None  # why offered planes were left out; None where they are used
 
     @property
     def planes(self) -> TiedPlanes | None:
@@ -57,13 +57,12 @@ class PlanarSolution(GraphSolution):
 
 @dataclass(frozen=True, kw_only=True)
 class Offer:
-    """Pairs of patches that add to what is known."""
+    """Ties between patches that would add information to the path."""
 
-    patches: int
-    # (3,) of the hull in height and slopes, in units of what curvature leaves open
-    roughness: Array
-    offered: int
-    agreeing: frozenset[tuple[int, int]]
+    patches: int  # number of patches on the path
+    roughness: Array  # (3,) factors on the noise of height and slopes, 1 for a smooth hull
+    offered: int  # number of pairs that would add information
+    agreeing: frozenset[tuple[int, int]]  # those whose patches agree
     planes: TiedPlanes | None  # of the agreeing pairs; None with too few
 
     @property
@@ -78,13 +77,21 @@ class PlanarGraph:
 
     graph: PoseGraph
     returns: Returns
-    curvature: Array | None  # (3,), None where the dive has to show it
+    curvature: Array | None  # (3,) 1/m, None where it is estimated from the dive
 
     def solve(self, links: CameraLinks, before: GraphSolution | None = None) -> PlanarSolution:
         """Solve for the path with links, and with planes where these add information.
 
-        Planes that contradict each other or navigation are all left out: a wrong plane is worse
-        than none.
+        Ties are proposed on the solved path, the graph is solved with them, and so on until the
+        same ties agree. Planes that contradict each other or navigation are all left out: a wrong
+        plane is worse than none.
+
+        Parameters
+        ----------
+        links
+            Relative poses that images measured.
+        before
+            A solution with fewer links, to start from.
         """
         alone = self.graph.solve(links, before)
         known = (
@@ -93,39 +100,46 @@ class PlanarGraph:
             else self.curvature
         )
         curvature = PRIOR_WIDER * known
-        solved, offer = alone, self._offer(alone, alone, curvature, np.ones(3))
+        solved, offer = alone, self._offer_ties(alone, alone, curvature, np.ones(3))
         for _ in range(MOST_ROUNDS):
-            if offer.planes is None or _refusal(offer, alone) is not None:
+            if offer.planes is None or _why_refused(offer, alone) is not None:
                 break
             solved = replace(self.graph, planes=offer.planes).solve(links, solved)
-            last, offer = offer, self._offer(alone, solved, curvature, offer.roughness)
+            last, offer = offer, self._offer_ties(alone, solved, curvature, offer.roughness)
             if last.agreeing == offer.agreeing and np.allclose(
                 last.roughness, offer.roughness, rtol=SAME_ROUGHNESS
             ):
                 break
-        refusal = _refusal(offer, solved)
+        refusal = _why_refused(offer, solved)
         return _with_offer(alone if refusal else solved, offer, refusal)
 
-    def _offer(
+    def _offer_ties(
         self, alone: GraphSolution, solved: GraphSolution, curvature: Array, rough: Array
     ) -> Offer:
-        """Propose the ties between planes that a solved path shows.
+        """Propose the ties between planes on a solved path.
 
-        alone: the solution without planes, which gives the prior covariance. curvature and rough
-        (3,): the present estimates for the hull.
+        Parameters
+        ----------
+        alone
+            The solution without planes, whose covariance tells what a tie would add.
+        solved
+            The solution on whose path patches are compared.
+        curvature, rough
+            Estimates (3,) for the hull so far: prior sigma of the curvature, and the factors of
+            roughness.
         """
         path, rig = solved.path, self.graph.rig
         patches = self._patches(solved, curvature)
         first, second = propose_ties(patches, path)
 
-        # The noise of pairs follows from how uneven they show the hull to be.
+        # The noise of all pairs is inflated by how much their gaps exceed it.
         smooth = compare_patches(patches, first, second, path)
-        joint = _joint(solved, patches, smooth)
+        joint = _joint_covariance(solved, patches, smooth)
         rough = np.maximum(rough, roughness(patches, smooth, path, rig, joint))
         pairs = smooth.roughened(rough)
 
-        # Worth a tie are pairs that tell more than the path without planes does.
-        known = joint if solved is alone else _joint(alone, patches, pairs)
+        # A tie is offered where it tells more than the path without planes does.
+        known = joint if solved is alone else _joint_covariance(alone, patches, pairs)
         gains = is_informative(patches, pairs, path, rig, known)
         gains &= is_placed(patches, pairs, path, rig, known)
         pairs, joint = pairs.rows(gains), joint[gains]
@@ -147,7 +161,7 @@ class PlanarGraph:
 
 
 def planar_graph(graph: PoseGraph, returns: Returns, cad_model: Mesh | None) -> PlanarGraph:
-    """Join a pose graph with the planes of its returns, of the CAD model's curvature."""
+    """Make a planar graph. The curvature is the CAD model's, if there is one."""
     return PlanarGraph(
         graph=graph,
         returns=returns,
@@ -155,7 +169,7 @@ def planar_graph(graph: PoseGraph, returns: Returns, cad_model: Mesh | None) -> 
     )
 
 
-def _joint(solved: GraphSolution, patches: Patches, pairs: PatchPairs) -> Array:
+def _joint_covariance(solved: GraphSolution, patches: Patches, pairs: PatchPairs) -> Array:
     """Compute the covariance (m, 14, 14) of the poses and trays of both anchors of each pair."""
     if not len(pairs):
         return np.zeros((0, 14, 14))
@@ -165,8 +179,12 @@ def _joint(solved: GraphSolution, patches: Patches, pairs: PatchPairs) -> Array:
     return native.pair_covariance(solved.problem, nodes, OPTIONS).pose
 
 
-def _refusal(offer: Offer, solved: GraphSolution) -> str | None:
-    """Explain why planes are left out. None where they are used, or none was offered."""
+def _why_refused(offer: Offer, solved: GraphSolution) -> str | None:
+    """Explain why planes are left out. None where they are used, or where none was offered.
+
+    They are left out where few of them agree, where the hull is too rough, and where the solution
+    with them asks for implausible errors of navigation.
+    """
     if offer.offered >= LEAST_TIES and not offer.trusted:
         share = 100 * len(offer.agreeing) / offer.offered
         return (
@@ -190,6 +208,7 @@ def _refusal(offer: Offer, solved: GraphSolution) -> str | None:
 
 
 def _with_offer(solved: GraphSolution, offer: Offer, refusal: str | None) -> PlanarSolution:
+    """Add to a solution what was offered, and why planes were refused."""
     return PlanarSolution(
         graph=solved.graph,
         links=solved.links,

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Find patches that are one piece of the hull seen again, and are worth tying.
+"""Find pairs of patches that are one piece of the hull seen twice, and tie them.
 
-They are near each other on the hull and alike within their covariance. A wrong tie is worse than
-none, so each has to pass a gate both ways. A tie that adds no information, as between nodes that
-images tie, is left out.
+Both have to be near each other on the hull and agree within their covariance. A wrong tie is worse
+than none, so each has to pass the gate from either patch. A tie that adds no information, as
+between nodes that images link, is left out.
 """
 
 from __future__ import annotations
@@ -28,23 +28,25 @@ from hullrecon.records.trajectory import Returns, VehiclePath
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Mask
 
-# along the hull, from the centre of a patch to that of another: beyond it, curvature says nothing
-# of the second
+# between the centres of two patches along the hull; farther, a patch cannot be extrapolated
 REACH_M = 2.2
-# of the path between two patches of one pass, where odometry is better than any patch
+# of path between two patches of one pass, over which odometry is better than any tie
 SAME_PASS_M = 3.0
 MOST_TIES = 4  # of a patch to earlier ones, the nearest on the hull
-SEARCH_M = 4.0  # across and along the hull, for patches that a drift has put apart
-MOST_UNSURE_M = 0.25 * REACH_M  # sigma of the second relative to the first along the hull
+SEARCH_M = 4.0  # between two centres in space: a drift may have moved them apart
+MOST_UNSURE_M = 0.25 * REACH_M  # sigma of the second's position along the hull from the first
 LEAST_ALIGNMENT = 0.7  # cosine between the normals of two patches of one piece of hull
-GATE_CHI2 = 11.34  # 99 % of three degrees of freedom
-# variance of the gap as the path has it over that as the patches measure it, in the direction that
-# gains most
+GATE_CHI2 = 11.34  # 99 % at three degrees of freedom
+# variance of the gap by the path over that by the patches, in the direction where it is largest
 LEAST_GAIN = 1.0
 
 
 def propose_ties(patches: Patches, path: VehiclePath) -> tuple[Ints, Ints]:
-    """Propose pairs (m,) of patches of different passes whose footprints meet."""
+    """Propose pairs (m,) of patches of different passes that are near each other on the hull.
+
+    Of each patch at most MOST_TIES to earlier ones are proposed. Returns rows of the earlier and of
+    the later patches.
+    """
     if len(patches) < 2:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
     at = path.poses[patches.anchor]
@@ -72,23 +74,28 @@ def is_informative(
 ) -> Mask:
     """Tell which pairs (m,) measure their gap better than the path predicts it, in some direction.
 
+    It is the largest generalised eigenvalue of the two covariances of the gap that decides.
+
     joint (m, 14, 14): the covariance of both anchors' poses and trays on the path.
     """
-    known, measured = _known(patches, pairs, path, rig, joint), pairs.noise + pairs.fit
-    root = np.linalg.inv(np.linalg.cholesky(measured))
+    predicted = _predicted_covariance(patches, pairs, path, rig, joint)
+    root = np.linalg.inv(np.linalg.cholesky(pairs.noise + pairs.fit))
     return np.asarray(
-        np.linalg.eigvalsh(root @ known @ root.swapaxes(1, 2)).max(axis=1, initial=0.0) > LEAST_GAIN
+        np.linalg.eigvalsh(root @ predicted @ root.swapaxes(1, 2)).max(axis=1, initial=0.0)
+        > LEAST_GAIN
     )
 
 
 def is_placed(
     patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array
 ) -> Mask:
-    """Tell which pairs (m,) lie where the path says, to a part of the reach of the curvature.
+    """Tell of which pairs (m,) the path knows the relative position well enough to compare them.
 
-    Farther off, as after minutes without a DVL, the hull has another shape than the one compared.
-    Gaps are linearised in the place. They would pull the path along the hull to where that shape
-    fits best, with a covariance that is far too small.
+    Where it does not, as after minutes without a DVL, the second patch may be of another part of
+    the hull with another shape. Gaps are linearised in the position. Such ties would pull the path
+    along the hull to where the shapes fit best, with a covariance that is far too small.
+
+    joint: as of `is_informative`.
     """
     by_poses = position_and_gap_by_poses(patches, pairs, path, rig.tray_origin)[:, :2]
     variance = np.linalg.eigvalsh(by_poses @ joint @ by_poses.swapaxes(1, 2)).max(
@@ -100,12 +107,16 @@ def is_placed(
 def is_alike(
     patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array
 ) -> Mask:
-    """Tell which pairs (m,) are alike within their covariance, seen from both patches."""
+    """Tell which pairs (m,) agree within their covariance, extrapolated from either patch.
+
+    joint: as of `is_informative`.
+    """
     back = compare_patches(patches, pairs.second, pairs.first, path)
     swapped = np.r_[7:14, 0:7]
     agrees = np.ones(len(pairs), bool)
     for way, covariance in ((pairs, joint), (back, joint[:, swapped][:, :, swapped])):
-        whole = _known(patches, way, path, rig, covariance) + way.noise + way.fit
+        predicted = _predicted_covariance(patches, way, path, rig, covariance)
+        whole = predicted + way.noise + way.fit
         agrees &= (
             np.sum(way.gap * np.linalg.solve(whole, way.gap[:, :, None])[:, :, 0], axis=1)
             < GATE_CHI2
@@ -116,21 +127,24 @@ def is_alike(
 def roughness(
     patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array
 ) -> Array:
-    """Estimate by how much the gaps of pairs exceed their sigma (3,), in height and two slopes.
+    """Estimate by what factor (3,) the gaps of pairs exceed their sigma, in height and two slopes.
 
-    One robust factor each for the dive, at least 1: an uneven hull widens the ties by it.
+    It is one robust factor for the whole dive, at least 1. On an uneven hull the noise of the ties
+    is inflated by it.
+
     joint: as of `is_informative`.
     """
-    whole = _known(patches, pairs, path, rig, joint) + pairs.noise + pairs.fit
+    predicted = _predicted_covariance(patches, pairs, path, rig, joint)
+    whole = predicted + pairs.noise + pairs.fit
     ratio = np.abs(pairs.gap) / np.sqrt(np.einsum("mii->mi", whole))
     return np.maximum(NORMAL_MAD * np.median(ratio, axis=0), 1.0) if len(pairs) else np.ones(3)
 
 
 def tie_planes(patches: Patches, pairs: PatchPairs, returns: Returns) -> TiedPlanes:
-    """Make planes of the patches that pairs touch, with their returns as ranges to them.
+    """Make the tables of the native graph: planes of patches, ranges to them, and their pairs.
 
-    A patch in many pairs brings its own error into each. The noise of a pair grows with the number
-    of pairs of its patches.
+    A patch brings its own error into each of its pairs. So the noise of a pair is inflated by the
+    mean number of pairs of its two patches.
     """
     used = np.unique(np.concatenate([pairs.first, pairs.second]))
     number = np.full(len(patches), -1, np.int64)
@@ -141,7 +155,7 @@ def tie_planes(patches: Patches, pairs: PatchPairs, returns: Returns) -> TiedPla
     return TiedPlanes(
         plane=patches.plane[used],
         table=PlaneTable(anchor=patches.anchor[used].astype(np.int32)),
-        ranges=_ranges(patches, used, returns),
+        ranges=_range_table(patches, used, returns),
         pairs=PlanePairTable(
             first=number[pairs.first].astype(np.int32),
             second=number[pairs.second].astype(np.int32),
@@ -154,14 +168,20 @@ def tie_planes(patches: Patches, pairs: PatchPairs, returns: Returns) -> TiedPla
     )
 
 
-def _known(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Array:
-    """Propagate the path's covariance to the gaps (m, 3, 3)."""
+def _predicted_covariance(
+    patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array
+) -> Array:
+    """Propagate the covariance of the anchors' poses to the gaps (m, 3, 3)."""
     by_poses = gap_by_poses(patches, pairs, path, rig.tray_origin)
     return np.asarray(by_poses @ joint @ by_poses.swapaxes(1, 2))
 
 
-def _ranges(patches: Patches, used: Ints, returns: Returns) -> PlaneRangeTable:
-    """Build the table of ranges to the patches' planes, of the returns that they were fitted to."""
+def _range_table(patches: Patches, used: Ints, returns: Returns) -> PlaneRangeTable:
+    """Build the table of ranges to planes, from the returns that the patches were fitted to.
+
+    used: rows of the patches that become planes. A range to the plane is the measured one plus the
+    way from the curved patch to its tangent plane.
+    """
     size = np.array([len(patches.rows[k]) for k in used], np.int64)
     rows = np.concatenate([np.zeros(0, np.int64), *(patches.rows[k] for k in used)])
     to_plane = np.concatenate([np.zeros(0), *(patches.to_plane[k] for k in used)])

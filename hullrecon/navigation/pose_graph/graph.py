@@ -104,8 +104,8 @@ class PoseGraph:
 
         pose (n, 8): start of global_from_vehicle and the tray. known: start of the other unknowns.
         """
-        problem = self._problem(links, native.LinkKernel.NONE, _vehicle(pose))
-        start = problem.unknowns if known is None else self._started(problem, known)
+        problem = self._build_problem(links, native.LinkKernel.NONE, _vehicle(pose))
+        start = problem.unknowns if known is None else self._carry_over(problem, known)
         return native.solve(problem.started_from(replace(start, pose=pose)), OPTIONS).unknowns
 
     def _solve_guarded(
@@ -115,20 +115,20 @@ class PoseGraph:
 
         Returns the solution and its cost.
         """
-        problem = self._problem(links, KERNELS[self.kernel], _vehicle(known.pose))
-        result = native.solve(problem.started_from(self._started(problem, known)), OPTIONS)
+        problem = self._build_problem(links, KERNELS[self.kernel], _vehicle(known.pose))
+        result = native.solve(problem.started_from(self._carry_over(problem, known)), OPTIONS)
         solved = problem.started_from(result.unknowns)
         found = GraphSolution(
             graph=self,
             links=links,
             problem=solved,
-            rejected=_rejected(solved, len(links)),
+            rejected=_find_rejected(solved, len(links)),
             converged=result.converged,
         )
         return found, float(reached_cost(result.iterations.cost, result.iterations.accepted)[-1])
 
     @staticmethod
-    def _started(problem: native.Problem, known: native.Unknowns) -> native.Unknowns:
+    def _carry_over(problem: native.Problem, known: native.Unknowns) -> native.Unknowns:
         """Carry over the unknowns of another problem of the same dive.
 
         Switches of links and planes stay those of `problem`, as their number may differ.
@@ -137,7 +137,7 @@ class PoseGraph:
             known, link_switch=problem.unknowns.link_switch, plane=problem.unknowns.plane
         )
 
-    def _problem(
+    def _build_problem(
         self, links: CameraLinks, kernel: native.LinkKernel, path: Poses
     ) -> native.Problem:
         """Build the native problem, started from dead reckoning.
@@ -166,7 +166,7 @@ class PoseGraph:
         }
         held = {name for name, prior in priors.items() if prior is None}
         problem = native.Problem(
-            unknowns=_unknowns(start, mounts, switches),
+            unknowns=_start_unknowns(start, mounts, switches),
             constant=tuple(
                 sorted(held | {"T_g_M", "deviation", "intrinsics_top", "intrinsics_bottom"})
             ),
@@ -300,7 +300,7 @@ class GraphErrors:
             return np.zeros((0, 6, 6))
         pairs = np.column_stack([first, second]).astype(np.int32)
         joint = native.pair_covariance(self.problem, pairs, OPTIONS).pose
-        by_first, by_second = self._by_vehicle(first), self._by_vehicle(second)
+        by_first, by_second = self._jacobian_by_vehicle(first), self._jacobian_by_vehicle(second)
         rotation, position = self._cameras
         back = rotation[second].swapaxes(1, 2)
         relative = back @ rotation[first]
@@ -341,7 +341,7 @@ class GraphErrors:
             mount[self.bottom] = (top @ pose_from_vector(self.problem.unknowns.T_ct_cb)).matrix()
         return vehicle, tray, mount
 
-    def _by_vehicle(self, nodes: Ints) -> Array:
+    def _jacobian_by_vehicle(self, nodes: Ints) -> Array:
         """Compute the Jacobian (m, 6, 7) of the camera's pose by the vehicle's pose and tray angle.
 
         Poses are perturbed as (position in g, rotation on the right).
@@ -389,7 +389,7 @@ def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> nat
         camera_first=links.bottom[:, 1].astype(np.int32),
         camera_second=links.bottom[:, 0].astype(np.int32),
         measured=Poses(links.quaternion, links.translation).vectors(),
-        sqrt_information=_whitening(links) / np.sqrt(shared)[:, None, None],
+        sqrt_information=_square_root_information(links) / np.sqrt(shared)[:, None, None],
         scaled=links.scaled,
         kernel=np.full(len(links), int(kernel), np.int32),
     )
@@ -403,7 +403,7 @@ def _shared_noise(degree: Ints, first: Ints, second: Ints) -> Array:
     return np.asarray(np.maximum(0.5 * (degree[first] + degree[second]) / SHARED_IMAGES, 1.0))
 
 
-def _whitening(links: CameraLinks) -> Array:
+def _square_root_information(links: CameraLinks) -> Array:
     """Compute the square root of the links' information (m, 6, 6), from the Cholesky factor.
 
     A link without a length measures five numbers, two of the direction and three of the rotation.
@@ -430,7 +430,7 @@ def _vehicle(pose: Array) -> Poses:
     return Poses(pose[:, 3:7], pose[:, :3])
 
 
-def _rejected(problem: native.Problem, count: int) -> Mask:
+def _find_rejected(problem: native.Problem, count: int) -> Mask:
     """Find links whose chi-square is beyond REJECTED_CHI2 per degree of freedom.
 
     Residuals are evaluated without the robust kernel: a switch would reduce those of a wrong link
@@ -449,7 +449,7 @@ def _rejected(problem: native.Problem, count: int) -> Mask:
     return np.asarray(chi2 > REJECTED_CHI2 * np.maximum(degrees_of_freedom, 1))
 
 
-def _unknowns(
+def _start_unknowns(
     start: VehiclePath, nominal: Mapping[str, Poses | None], switches: int
 ) -> native.Unknowns:
     """Make the unknowns: poses and trays of the path, nominal mounts, and all switches at 1."""

@@ -63,10 +63,10 @@ def path_along_links(
     nearest: dict[int, tuple[int, Array]] = {}
     for row in np.flatnonzero(badly)[np.argsort(first[badly], kind="stable")]:
         nearest[int(second[row])] = int(first[row]), moved[row]
-    return from_matrix(_compose(reckoned, nearest))
+    return from_matrix(_chain_motions(reckoned, nearest))
 
 
-def _compose(reckoned: Poses, along: dict[int, tuple[int, Array]]) -> Array:
+def _chain_motions(reckoned: Poses, along: dict[int, tuple[int, Array]]) -> Array:
     """Chain motions to poses (n, 4, 4).
 
     reckoned: poses whose steps are used. along: by node, an earlier node and the motion from there,

@@ -148,10 +148,10 @@ def attitude_history(
         return AttitudeHistory(
             imu.t_ns, steps.taken_off(imu.quaternion), sigma_tilt_rad, 0.0, holes, False, steps
         )
-    steps = find_heading_steps(t, _disagreement(t, imu)[:, 2])
+    steps = find_heading_steps(t, _orientation_minus_rates(t, imu)[:, 2])
     imu = replace(imu, quaternion=steps.taken_off(imu.quaternion))
-    gap = _disagreement(t, imu)
-    white, walk = _noise(t, gap)
+    gap = _orientation_minus_rates(t, imu)
+    white, walk = _estimate_noise(t, gap)
     step = period(t)
     width = float(np.clip(np.sqrt(white * step / max(walk, 1e-12)), 3 * step, 5.0))
     slow, _ = local_line(t, gap, t, width)
@@ -172,7 +172,7 @@ def _turn_within_jitter(t: Array, imu: ImuSamples) -> float:
     return float(jitter_s * np.sqrt(np.nanmean(np.square(imu.angular_velocity))))
 
 
-def _disagreement(t: Array, imu: ImuSamples) -> Array:
+def _orientation_minus_rates(t: Array, imu: ImuSamples) -> Array:
     """Compute the rotation vector in g (n, 3), rad, from the integrated rates to the orientation.
 
     The rates' mean bias is taken off. Small rotations are summed as vectors: the sum wanders by far
@@ -191,7 +191,7 @@ def _disagreement(t: Array, imu: ImuSamples) -> Array:
     return np.vstack([np.zeros(3), np.cumsum(orientation[1:].apply(growth), axis=0)])
 
 
-def _noise(t: Array, gap: Array, longest_s: float = 2.0) -> tuple[float, float]:
+def _estimate_noise(t: Array, gap: Array, longest_s: float = 2.0) -> tuple[float, float]:
     """Estimate the white variance (rad2) of the orientation and the walk (rad2/s) of the rates.
 
     The variance of differences over a lag is twice the white variance plus the walk times the lag.

@@ -78,7 +78,7 @@ def hold_to_pressure(
     edges = path_seconds(
         path, silent_spans(path.velocities.t_ns, int(first_ns), int(last_ns)).ravel()
     )
-    smooth = _smooth(t, steady, np.concatenate([at, t]), edges, widths)
+    smooth = _smooth_segments(t, steady, np.concatenate([at, t]), edges, widths)
     slow, fitted, unread = smooth[: len(at)], smooth[len(at) :], unread_s(t_ns, nodes_ns)
     # between readings far apart a line fitted to noise would lead far astray
     shift = np.where(unread > 0, np.interp(at, t, fitted), slow)
@@ -131,7 +131,7 @@ def depth_at_nodes_sigma(sigma_m: float, shared: Array) -> Array:
     return np.where(shared > 0, sigma_m * np.sqrt(shared), UNKNOWN_SIGMA_M)
 
 
-def _smooth(
+def _smooth_segments(
     t_s: Array, values: Array, at_s: Array, edges_s: Array, widths_s: tuple[float, float]
 ) -> Array:
     """Smooth readings by local lines, separately in each segment between edges.
@@ -165,7 +165,7 @@ def _smoothed_noise(at_s: Array, edges_s: Array, widths_s: tuple[float, float]) 
 
     Times the sigma of a reading and the square root of the readings' period it is the sigma of the
     smoothed value. It is larger at the edges of a segment, which have readings on one side only.
-    Arguments as of `_smooth`.
+    Arguments as of `_smooth_segments`.
     """
     width = np.where(
         _silent(np.searchsorted(edges_s, at_s, side="right")), widths_s[1], widths_s[0]

@@ -88,7 +88,7 @@ def servo(tray: JointSamples | None, start_ns: int) -> Servo:
     return Servo(
         t_ns=tray.t_ns[known],
         angle=angle,
-        direction=_directions(angle, max(LEAST_TRAVEL_RAD, 6 * flicker)),
+        direction=_directions_of_motion(angle, max(LEAST_TRAVEL_RAD, 6 * flicker)),
     )
 
 
@@ -142,7 +142,7 @@ def _flicker(angle: Array) -> float:
     return float(robust_sigma(np.diff(angle, n=2), about=0.0)) / float(np.sqrt(6))
 
 
-def _directions(angle: Array, travel: float) -> Array:
+def _directions_of_motion(angle: Array, travel: float) -> Array:
     """Find in which sense, +1 or -1, a servo last moved at each reading.
 
     The sense changes when the angle has come back by `travel` rad from its farthest point. The

@@ -48,7 +48,7 @@ def local_line(t_s: Array, values: Array, at_s: Array, width_s: float) -> tuple[
         np.stack([_bin(bin_of, off**power * v, len(bins)) for v in values.T], axis=1)
         for power in range(2)
     ]
-    level, slope = _lines(weight, moment, step, width_s)
+    level, slope = _fit_lines(weight, moment, step, width_s)
     node = start + step * bins
     return _between(node, level, at_s), _between(node, slope, at_s)
 
@@ -86,7 +86,7 @@ def _bin(cell: Ints, weight: Array, size: int) -> Array:
     return np.asarray(np.bincount(cell, weight, minlength=size)[:size], float)
 
 
-def _lines(
+def _fit_lines(
     weight: list[Array], moment: list[Array], step: float, width_s: float
 ) -> tuple[Array, Array]:
     """Fit level (g, k) and slope (g, k) at the bins. NaN where no sample is in reach.

@@ -98,7 +98,7 @@ def usable_velocities(
         velocity=v_good,
         sigma=sigma_good,
         outages=gaps(t_good, longest_gap_s),
-        agitation=_agitation(t_good, v_good, sigma_good),
+        agitation=_estimate_agitation(t_good, v_good, sigma_good),
         outliers=t[outlier],
     )
 
@@ -121,7 +121,7 @@ def _find_outliers(t_ns: Ints, velocity: Array) -> Mask:
     return np.asarray(away > max(jump, OUTLIER_SIGMAS * NORMAL_MAD * float(np.median(away))))
 
 
-def _agitation(t_ns: Ints, velocity: Array, sigma: Array) -> Agitation:
+def _estimate_agitation(t_ns: Ints, velocity: Array, sigma: Array) -> Agitation:
     """Estimate the agitation at lags of 1, 2, 4, ... s, up to half of the record.
 
     It is the mean squared change of the velocity less that of the instrument's noise, of the axis

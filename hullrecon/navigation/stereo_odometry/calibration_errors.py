@@ -12,17 +12,23 @@ from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect
 from hullrecon.typing import Array
 
 ITERATIONS = 20
-# of an error of the disparity, rad: where the iterations begin, 2 px in a lens of 1,000 px
+# first guess of an unknown error's sigma, rad of disparity: 2 px at a focal length of 1,000 px
 LARGEST = 2e-3
 
 
 def calibration_moment(evidence: Sequence[CalibrationEffect], prior_sigma: Array) -> Array:
-    """Estimate the second moment (k, k) of the calibration's errors from what motions show of them.
+    """Estimate the second moment (k, k) of the calibration's errors from the motions of a dive.
 
-    prior_sigma (k,): NaN where unknown. The unknown errors share one sigma: the most likely given
-    all motions of the dive (expectation maximisation with an empirical prior). A good calibration
-    shows small errors, and the errors that no motion can see, such as the scale, are then taken to
-    be small too. A rough calibration is taken to be rough in them too.
+    Errors of unknown sigma share one, which is estimated by expectation maximisation. A good
+    calibration shows small errors in the motions. Errors that no motion can show, such as the
+    scale, are then taken to be as small. Those of a rough calibration are taken to be as large.
+
+    Parameters
+    ----------
+    evidence
+        Of each motion, how it depends on the errors.
+    prior_sigma
+        Sigma (k,) of each error, 0 where it is held, NaN where unknown.
     """
     information = np.sum([e.information for e in evidence], axis=0)
     gradient = np.sum([e.gradient for e in evidence], axis=0)

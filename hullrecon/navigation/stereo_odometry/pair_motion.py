@@ -17,9 +17,10 @@ Frame = TypeVar("Frame")
 class CalibrationEffect:
     """The effect of the k errors of the cameras' calibration, one unknown each for the dive."""
 
-    by_error: Array  # (6, k) derivative of a motion
-    information: Array  # (k, k) by its features, once the motion is free
-    gradient: Array  # (k,) of the same
+    by_error: Array  # (6, k) derivative of a motion by the errors
+    # (k, k) information of the motion's features on the errors, with the motion marginalised
+    information: Array
+    gradient: Array  # (k,) of the features' cost by the errors, likewise
 
 
 @dataclass(frozen=True, kw_only=True)

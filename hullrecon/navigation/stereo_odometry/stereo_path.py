@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Records of a dive whose vehicle is followed by stereo odometry."""
+"""Make the records of navigation for a dive whose path is stereo odometry, without a DVL."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Frames:
 
 @dataclass(frozen=True, kw_only=True)
 class Aids:
-    """What else was logged. None: not logged."""
+    """Sensors beside the cameras that support stereo odometry. None: not logged."""
 
     imu: ImuSamples | None = None
     pressure: PressureSamples | None = None
@@ -75,14 +75,30 @@ def stereo_navigate(
     calibration_sigma: Array,
     progress: Callable[[Sequence[int]], Iterable[int]] = list,
 ) -> Navigated:
-    """Compute the path of a dive whose vehicle is followed by its stereo cameras.
+    """Compute the path of a dive by stereo odometry.
 
-    g starts at the first pair with x = y = 0. Its attitude there is the IMU's, else level with
-    heading 0. Its depth is the pressure sensor's, else 0. calibration_sigma (k,): sigma of the
-    calibration errors by which motions are differentiated, NaN where the dive has to show it.
+    The path starts at the first pair with x = y = 0. The attitude there is the IMU's, else level
+    with heading 0. The depth is the pressure sensor's, else 0.
 
-    Raises StageError where there are fewer than two pairs or fewer than half of the steps can be
-    joined.
+    Parameters
+    ----------
+    frames, aids
+        The images, and what other sensors measured.
+    motion
+        Measures the motion between two stereo pairs.
+    rig, sigmas
+        Where sensors sit, and how well they are known.
+    calibration_sigma
+        Sigma (k,) of the calibration errors by which motions are differentiated, NaN where it is
+        estimated from the dive.
+    progress
+        Shows how many pairs were read.
+
+    Raises
+    ------
+    StageError
+        Where there are fewer than two pairs, or where more than half of the steps cannot be
+        measured.
     """
     pair = pair_frames(frames.top[0], frames.bottom[0])
     if len(pair) < 2:
@@ -98,7 +114,7 @@ def stereo_navigate(
     angle = tray.angle_at(t_ns)
     vehicle_from_camera = tray_poses(rig.tray_origin, angle) @ rig.tray_from(Camera.TOP)
     history = _history(aids.imu, sigmas.tilt_rad)
-    guess = _guess(t_ns, history, vehicle_from_camera)
+    guess = _prepare_guess(t_ns, history, vehicle_from_camera)
     chain = follow([(int(a), int(b)) for a, b in image], motion, guess, progress)
     if 2 * len(chain.lost) > len(chain.step):
         where = (
@@ -107,8 +123,8 @@ def stereo_navigate(
         )
         raise StageError("the stereo pairs do not join", where=where)
     step, covariance, by_calibration = in_vehicle(chain, vehicle_from_camera)
-    depth = _depths(aids.pressure, t_ns)
-    path = compose(_start(history, depth, t_ns, rig), step)
+    depth = _measured_depth(aids.pressure, t_ns)
+    path = compose(_start_pose(history, depth, t_ns, rig), step)
     calibration = calibration_moment(chain.evidence, calibration_sigma)
     errors = chain_errors(path, covariance, by_calibration, calibration)
     trajectory = Trajectory(
@@ -123,13 +139,13 @@ def stereo_navigate(
     return Navigated(
         trajectory=trajectory,
         error_model=errors,
-        odometry=_edges(
+        odometry=_odometry_of_steps(
             step,
             covariance + by_calibration @ calibration @ np.swapaxes(by_calibration, 1, 2),
             chain.lost,
         ),
         returns=no_returns(),
-        attitude=_attitude(history, depth, t_ns, sigmas, tray),
+        attitude=_record_attitude(history, depth, t_ns, sigmas, tray),
         remarks=_remarks(chain, t_ns, unpaired, aids, depth, tray),
         facts=_facts(chain, step, t_ns),
     )
@@ -142,8 +158,13 @@ def _history(imu: ImuSamples | None, sigma_tilt_rad: float) -> AttitudeHistory |
     return attitude_history(finite_attitude(imu), sigma_tilt_rad)
 
 
-def _guess(t_ns: Ints, history: AttitudeHistory | None, vehicle_from_camera: Poses) -> StepGuess:
-    """Collect what steps can be guessed from. vehicle_from_camera: T_v_ct (n) at the pairs."""
+def _prepare_guess(
+    t_ns: Ints, history: AttitudeHistory | None, vehicle_from_camera: Poses
+) -> StepGuess:
+    """Collect what steps can be guessed from, where images do not show them.
+
+    t_ns (n,): of the pairs. vehicle_from_camera: of the top camera (n) at the pairs.
+    """
     t_s = seconds(t_ns, int(t_ns[0]))
     if history is None:
         return StepGuess(t_s=t_s)
@@ -153,12 +174,12 @@ def _guess(t_ns: Ints, history: AttitudeHistory | None, vehicle_from_camera: Pos
     )
 
 
-def _start(
+def _start_pose(
     history: AttitudeHistory | None, depth: MeasuredDepth | None, t_ns: Ints, rig: Rig
 ) -> Poses:
-    """Place the vehicle at the first pair, by the IMU's attitude and the measured depth.
+    """Compute global_from_vehicle at the first pair, from the IMU's attitude and the depth.
 
-    Level where there is no IMU, at depth 0 where there is no pressure sensor.
+    The vehicle is level without an IMU, and at depth 0 without a pressure sensor.
     """
     start = (
         identity()
@@ -171,7 +192,7 @@ def _start(
     return Poses(start.quaternion, np.array([[0.0, 0.0, depth.depth[0] - sensor]]))
 
 
-def _depths(pressure: PressureSamples | None, t_ns: Ints) -> MeasuredDepth | None:
+def _measured_depth(pressure: PressureSamples | None, t_ns: Ints) -> MeasuredDepth | None:
     """Interpolate the depth of the sensor at the nodes. None where it was not measured."""
     if pressure is None or np.isfinite(pressure.depth).sum() < 2:
         return None
@@ -183,8 +204,11 @@ def _depths(pressure: PressureSamples | None, t_ns: Ints) -> MeasuredDepth | Non
     return MeasuredDepth(depth=depth, silence=describe_silence(read_ns, t_ns), shared=shared)
 
 
-def _edges(step: Poses, covariance: Array, lost: Ints) -> Odometry:
-    """Write the steps as odometry. lost: steps that were guessed, not seen."""
+def _odometry_of_steps(step: Poses, covariance: Array, lost: Ints) -> Odometry:
+    """Write the steps as odometry.
+
+    lost: rows of steps that were guessed, so that they do not count as measured by images.
+    """
     m = len(step)
     return Odometry(
         first=np.arange(m),
@@ -214,16 +238,16 @@ def no_returns() -> Returns:
     )
 
 
-def _attitude(
+def _record_attitude(
     history: AttitudeHistory | None,
     depth: MeasuredDepth | None,
     t_ns: Ints,
     sigmas: NavigationSigmas,
     tray: Servo,
 ) -> Attitude:
-    """Record depth, roll and pitch, with a wide sigma for what was not measured.
+    """Record depth, roll and pitch of the nodes, with a wide sigma for what was not measured.
 
-    Empty but for the tray where neither depth nor attitude was measured.
+    Where neither depth nor attitude was measured, only the tray is recorded.
     """
     direction = tray.direction_at(t_ns)
     tray_sigma = np.hypot(tray.unread_sigma(t_ns), sigmas.tray_untold_rad)
@@ -269,7 +293,10 @@ def _remarks(
     depth: MeasuredDepth | None,
     tray: Servo,
 ) -> list[str]:
-    """Say what the path lacks: sensors that were not logged or were silent, steps not seen."""
+    """Describe what the path lacks: sensors that were not logged or were silent, guessed steps.
+
+    unpaired: images without a partner in the other camera.
+    """
     no_depth, no_angle = "" if depth is None else depth.silence, tray.silence(t_ns)
     longest_s = 1e-9 * float(np.diff(t_ns)[chain.lost].max(initial=0))
     sentences = [
@@ -295,6 +322,7 @@ def _remarks(
 
 
 def _facts(chain: StereoChain, step: Poses, t_ns: Ints) -> dict[str, object]:
+    """Collect numbers for navigation.json."""
     return {
         "start_ns": int(t_ns[0]),
         "inliers": chain.inliers.tolist(),

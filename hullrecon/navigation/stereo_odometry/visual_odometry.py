@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stereo visual odometry: the path of a dive without a DVL, pair by pair.
 
-g begins at the first pair. With an IMU and a pressure sensor, its attitude and depth there are
-theirs. Without, the vehicle is taken to be level and at the surface, and a remark says so.
+The path begins at the first pair. Attitude and depth there are those of IMU and pressure sensor.
+Without these the vehicle is taken to be level and at the surface, and a remark says so.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from hullrecon.navigation.stereo_odometry.pair_motion import (
 from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.typing import Array, Ints
 
-LOOK_BACK = 3  # pairs that a motion is sought from, the nearest first
+LOOK_BACK = 3  # previous pairs from which a motion is measured, the nearest first
 LEAST_VARIANCE = 1e-10  # m2, rad2: keeps the covariance of the first pose invertible
-LOST_SIGMA_M, LOST_SIGMA_RAD = 0.5, 0.2  # of a guessed step of usual duration
-LOST_M_S, LOST_RAD_S = 0.2, 0.05  # growth of these per second of longer duration
-# their maximum: beyond it the parts that images join are practically untied
+LOST_SIGMA_M, LOST_SIGMA_RAD = 0.5, 0.2  # sigmas of a guessed step of usual duration
+LOST_M_S, LOST_RAD_S = 0.2, 0.05  # growth of these sigmas per second of longer duration
+# largest of these sigmas: with it, the parts of the path on either side are practically independent
 MOST_LOST_M, MOST_LOST_RAD = 10.0, 1.0
 
 
@@ -42,17 +42,17 @@ class StereoChain:
     # (n - 1, 6, 6) white, of (translation in first, rotation perturbed on the right)
     covariance: Array
     by_calibration: Array  # (n - 1, 6, k) derivative by the errors of the calibration
-    evidence: list[CalibrationEffect]  # what was seen of these errors
-    inliers: Ints  # (n - 1,)
-    lost: Ints  # (k,) steps that were guessed
+    evidence: list[CalibrationEffect]  # of each measured step, how its features show these errors
+    inliers: Ints  # (n - 1,) features that agree on each step, 0 where it was guessed
+    lost: Ints  # (k,) rows of steps that were guessed
 
 
 @dataclass(frozen=True, kw_only=True)
 class StepGuess:
-    """A guess for steps that no pair shows.
+    """Guesses steps that images do not show.
 
-    The previous step's velocity is kept, with a sigma that grows with the duration. The turn is the
-    IMU's where there is one.
+    The velocity of the previous step is kept, with a sigma that grows with the duration. The turn
+    is the IMU's where there is one.
     """
 
     t_s: Array  # (n,) of the pairs
@@ -60,7 +60,10 @@ class StepGuess:
     turn_variance: Array | None = None  # (n - 1,) rad2 of its turns
 
     def motion(self, k: int, steps: Sequence[StereoMotion]) -> StereoMotion:
-        """Guess the step from pair k to the next from the steps before it and the attitude."""
+        """Guess the motion from pair k to the next one.
+
+        steps: the motions between all pairs before.
+        """
         duration_s = np.diff(self.t_s)
         longer_s = max(float(duration_s[k] - np.median(duration_s)), 0.0)
         before = steps[-1].pose if steps else identity()
@@ -84,11 +87,21 @@ def follow(
     guess: StepGuess,
     progress: Callable[[Sequence[int]], Iterable[int]],
 ) -> StereoChain:
-    """Chain stereo pairs by the motions between them.
+    """Measure the steps between neighbouring stereo pairs.
 
-    images: their rows in the indices of the top and the bottom camera, in time order. Each pair is
-    read once. A step that cannot be measured from the previous pair is measured from an earlier
-    one, else guessed.
+    A step that cannot be measured from the previous pair is measured from an earlier one, else
+    guessed. Each pair is read once.
+
+    Parameters
+    ----------
+    images
+        Rows of each pair in the indices of the top and the bottom camera, in time order.
+    motion
+        Reads pairs, and measures the motion between two of them.
+    guess
+        Guesses steps that cannot be measured.
+    progress
+        Shows how many pairs were read.
     """
     recent: list[Frame] = []
     steps: list[StereoMotion] = []
@@ -118,19 +131,28 @@ def follow(
 def _from_recent(
     recent: Sequence[Frame], new: Frame, steps: Sequence[StereoMotion], motion: PairMotion[Frame]
 ) -> StereoMotion | None:
-    """Measure the step from the last pair to the new one, through an older pair where needed."""
+    """Measure the step from the last pair to the new one.
+
+    Where that fails, the motion from an older pair is measured, and the known steps between that
+    pair and the last one are taken off. None where no recent pair shows it.
+
+    recent: the last pairs, the newest at the end. steps: motions between all pairs so far.
+    """
     for back in range(1, len(recent) + 1):
         found = motion.between(recent[-back], new)
         if found is None:
             continue
         for between in steps[len(steps) - back + 1 :]:
-            found = _remainder(between, found)
+            found = _remaining_motion(between, found)
         return found
     return None
 
 
-def _remainder(first: StereoMotion, whole: StereoMotion) -> StereoMotion:
-    """Compute first^-1 whole, with the errors of both in the later pair's axes."""
+def _remaining_motion(first: StereoMotion, whole: StereoMotion) -> StereoMotion:
+    """Compute first^-1 whole: what remains of a motion after its first part.
+
+    Covariances and derivatives of both are propagated to it.
+    """
     rest = first.pose.inverse() @ whole.pose
     back = first.pose.rotation.inv().as_matrix()[0]
     of_whole = np.eye(6)
@@ -158,9 +180,15 @@ def _stack_effects(steps: Sequence[StereoMotion]) -> Array:
 
 
 def in_vehicle(chain: StereoChain, vehicle_from_top: Poses) -> tuple[Poses, Array, Array]:
-    """Convert the camera's steps to the vehicle's, with white covariance and derivatives.
+    """Convert the steps of the top camera to those of the vehicle.
 
     vehicle_from_top (n): at each pair.
+
+    Returns
+    -------
+    tuple
+        Steps, their white covariance (n - 1, 6, 6), and their derivatives (n - 1, 6, k) by the
+        calibration's errors.
     """
     before, after = (
         vehicle_from_top[np.arange(len(chain.step))],
@@ -192,11 +220,21 @@ def compose(start: Poses, step: Poses) -> Poses:
 def chain_errors(
     path: Poses, covariance: Array, by_calibration: Array, calibration: Array
 ) -> TrajectoryErrorModel:
-    """Propagate the steps' errors to poses global_from_vehicle (n,) relative to the first.
+    """Propagate the errors of steps to the poses of a path, relative to its first pose.
 
-    Steps have the white covariance (n - 1, 6, 6) and change by the calibration's errors as
-    by_calibration (n - 1, 6, k), of covariance (k, k). Written as twists about the origin of g, the
-    steps' errors simply add: omega = R_j w, rho = R_i t + p_j x omega.
+    Written as twists about the origin of g, the errors of the steps simply add up:
+    omega = R_j w, rho = R_i t + p_j x omega.
+
+    Parameters
+    ----------
+    path
+        global_from_vehicle (n).
+    covariance
+        White covariance (n - 1, 6, 6) of the steps.
+    by_calibration
+        Derivatives (n - 1, 6, k) of the steps by the calibration's errors.
+    calibration
+        Covariance (k, k) of these errors.
     """
     rotation, p = path.rotation.as_matrix(), path.translation
     to_twist = np.zeros((len(rotation) - 1, 6, 6))
@@ -205,7 +243,7 @@ def chain_errors(
     to_twist[:, :3, 3:] = cross_matrix(p[1:]) @ rotation[1:]
     steps = to_twist @ covariance @ np.swapaxes(to_twist, 1, 2)
     at_node = twist_by_pose_error(path)
-    # The derivative is that of the measured motion: what the calibration adds is taken off.
+    # The derivative is that of the measured motion. The true motion is without it, hence the minus.
     by_error = -np.cumsum(to_twist @ by_calibration, axis=0)
     return TrajectoryErrorModel(
         by_error=np.concatenate([np.zeros((1, *by_error.shape[1:])), by_error]),

@@ -179,14 +179,14 @@ def describe_damage(path: Path) -> str:
                 break
             sums, count = found, count + 1
             finished = count if any(frame[4:8]) else finished
-        if _holds(stream, frame, header[16:24]):
+        if _contains(stream, frame, header[16:24]):
             return f"it is damaged from frame {count + 1} on"
     if frame and len(frame) < FRAME_HEAD + page:
         return "it is cut off"
     return "its last transaction was not finished" if count > finished else ""
 
 
-def _holds(stream: BinaryIO, start: bytes, salt: bytes) -> bool:
+def _contains(stream: BinaryIO, start: bytes, salt: bytes) -> bool:
     """Tell whether the salt of the last generation's frames occurs in `start` or behind it."""
     while start:
         if salt in start:

@@ -31,7 +31,7 @@ def type_name(channel: Channel) -> str:
 
 def decode(channel: Channel, data: bytes) -> Fields:
     """Decode a message. Raises DamagedError for damaged bytes and types without a definition."""
-    store = _store(channel)
+    store = _type_store(channel)
     if isinstance(store, str):
         raise DamagedError(store)
     try:
@@ -50,13 +50,15 @@ def describe(error: Exception) -> str:
 
 
 @lru_cache(maxsize=64)
-def _store(channel: Channel) -> Typestore | str:
+def _type_store(channel: Channel) -> Typestore | str:
     """Compile the types for decoding a channel's messages, or explain why that fails."""
     if channel.encoding not in ENCODINGS:
         return f"messages in the encoding {channel.encoding!r} are not read"
     try:
         return (
-            _from_definition(channel) if channel.definition.strip() else _standard(channel.encoding)
+            _from_definition(channel)
+            if channel.definition.strip()
+            else _standard_types(channel.encoding)
         )
     except Exception as error:  # the grammar of a damaged definition may fail anywhere
         return f"the definition of {channel.type} cannot be read: {describe(error)}"
@@ -81,7 +83,7 @@ def _from_definition(channel: Channel) -> Typestore:
 
 
 @lru_cache(maxsize=2)
-def _standard(encoding: str) -> Typestore:
+def _standard_types(encoding: str) -> Typestore:
     """Load the types of ROS 1 or 2 and those bundled here, for logs without definitions."""
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 

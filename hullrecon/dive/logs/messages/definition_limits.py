@@ -47,7 +47,7 @@ def check_idl(text: str) -> None:
     """Raise DamagedError for IDL that the parser would not finish: nested, open or computed."""
     if len(text) > LONGEST_IDL:
         raise DamagedError(f"it has {len(text)} characters")
-    code = TEXT.sub(_blank, text)
+    code = TEXT.sub(_blank_text, text)
     for opening, closing, deepest in (("(", ")", MOST_PARENTHESES), ("<", ">", MOST_ANGLES)):
         depth = 0
         for character in code:
@@ -58,7 +58,7 @@ def check_idl(text: str) -> None:
         raise DamagedError("it computes its constants")
 
 
-def _blank(match: re.Match[str]) -> str:
+def _blank_text(match: re.Match[str]) -> str:
     """Replace a string or a comment of IDL by blanks, so that its brackets are not counted.
 
     Raises DamagedError where it does not end.

@@ -112,12 +112,12 @@ def _pixels(message: Fields, channels: int, width: int) -> NDArray[np.integer]:
             f"pixels of {channels * width} bytes"
         )
     rows = np.ascontiguousarray(data[: step * height].reshape(height, -1)[:, :row])
-    pixels = _deep(rows, bool(message.is_bigendian)) if width == 2 else rows
+    pixels = _read_16_bits(rows, bool(message.is_bigendian)) if width == 2 else rows
     shape = (height, int(message.width), channels)
     return pixels.reshape(shape[:2] if channels == 1 else shape)
 
 
-def _deep(rows: NDArray[np.uint8], is_bigendian: bool) -> NDArray[np.integer]:
+def _read_16_bits(rows: NDArray[np.uint8], is_bigendian: bool) -> NDArray[np.integer]:
     """Read samples of 16 bits. Raises DamagedError where their bytes are in the other order.
 
     Neighbouring pixels of a picture are alike. With the bytes exchanged they differ all over.

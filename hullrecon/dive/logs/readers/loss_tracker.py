@@ -38,7 +38,7 @@ class LossTracker:
         """Add the loss of a part with a known span. Without topics, of every topic seen so far."""
         if self._is_beyond_limit():
             return
-        self._add(why, dict.fromkeys(topics or self._last, start_ns), end_ns, start_ns)
+        self._add_by_topic(why, dict.fromkeys(topics or self._last, start_ns), end_ns, start_ns)
 
     def open_gap(self, why: str) -> None:
         """Note the loss of a part of unknown content.
@@ -91,10 +91,10 @@ class LossTracker:
     def _close(self, end_ns: int | None) -> None:
         """End all open gaps at a time of the log, None: at its end."""
         for why, last in self._open:
-            self._add(why, last, end_ns, min(last.values(), default=None))
+            self._add_by_topic(why, last, end_ns, min(last.values(), default=None))
         self._open = []
 
-    def _add(
+    def _add_by_topic(
         self, why: str, starts: Mapping[str, int], end_ns: int | None, start_ns: int | None
     ) -> None:
         """Add a loss for each topic, or one for all where there are more than MOST_TOPICS.

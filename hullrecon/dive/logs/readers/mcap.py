@@ -62,6 +62,7 @@ class McapLog(FileLog):
         self._seen = _Unchecked()
 
     def _read(self) -> Iterator[Message]:
+        """Yield the messages by the chunks of the summary, or from the start without one."""
         size = self.path.stat().st_size
         self._budget, self._seen = UnpackBudget(size), _Unchecked()
         with self.path.open("rb") as stream:

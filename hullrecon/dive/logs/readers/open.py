@@ -120,7 +120,7 @@ def _open_folder(path: Path, package: Path | None) -> Log:
     raise _not_read(
         f"the folder {printable(path.name)}",
         printable(str(path.parent)),
-        *_describe(sorted(path.iterdir())),
+        *_describe_contents(sorted(path.iterdir())),
     )
 
 
@@ -162,7 +162,9 @@ def _find_logs(path: Path) -> list[Path]:
         p for folder in (path, path / "logs") if folder.is_dir() for p in sorted(folder.iterdir())
     ]
     raise _not_read(
-        f"the folder {printable(path.name)}", printable(str(path.parent)), *_describe(inside)
+        f"the folder {printable(path.name)}",
+        printable(str(path.parent)),
+        *_describe_contents(inside),
     )
 
 
@@ -198,7 +200,7 @@ def is_of_sonar(path: Path) -> bool:
     )
 
 
-def _describe(inside: Sequence[Path]) -> tuple[str, str]:
+def _describe_contents(inside: Sequence[Path]) -> tuple[str, str]:
     """Describe a folder without a log by the names of its files, else by their first bytes.
 
     Returns what it is and what to do about it, both "" where unknown. A packed file is described

@@ -36,6 +36,7 @@ class Pd0Log(FileLog):
     gives_samples = True
 
     def _read(self) -> Iterator[Message]:
+        """Yield velocity, attitude and depth of each ensemble, as far as it has them."""
         frames, has_bottom = set(), False
         with self.path.open("rb") as stream:
             for start, end, found in ensembles(stream):

@@ -93,11 +93,13 @@ class PlainLog:
             values = {"files": printable(shown), "tables": tables}
             self.notes.append(Finding("tables-not-read", values))
         for table in self.tables():
-            yield from self._table(table.removesuffix(".csv"))
+            yield from self._read_table(table.removesuffix(".csv"))
 
     def first_messages(self) -> list[Message]:
         """Read the first row of each table that can be read."""
-        first = (next(self._table(table.removesuffix(".csv")), None) for table in self.tables())
+        first = (
+            next(self._read_table(table.removesuffix(".csv")), None) for table in self.tables()
+        )
         return [message for message in first if message is not None]
 
     def losses(self) -> list[Loss]:
@@ -121,13 +123,13 @@ class PlainLog:
             {self._in_package(path) for path in map(self._locate, names) if is_file(path)}
         )
 
-    def _table(self, sensor: str) -> Iterator[Message]:
+    def _read_table(self, sensor: str) -> Iterator[Message]:
         """Yield the readings of a sensor's table.
 
         Rows that cannot be read are counted. Raises InputError where that is all of them, or where
         most stamps are no seconds.
         """
-        channel, translate = Channel(sensor, f"{sensor}.csv", "sample"), self._samples()[sensor]
+        channel, translate = Channel(sensor, f"{sensor}.csv", "sample"), self._translators()[sensor]
         bad, rows, late, first_reason = _BadLines(), 0, list[float](), ""
         first_ns = last_ns = read = 0
         for line, row in self._read(sensor):
@@ -185,18 +187,20 @@ class PlainLog:
     def _read(self, sensor: str) -> Iterator[tuple[int, Row | None]]:
         return read_rows(self.path / f"{sensor}.csv", COLUMNS[sensor])
 
-    def _samples(self) -> dict[str, Callable[[Row], Sample]]:
+    def _translators(self) -> dict[str, Callable[[Row], Sample]]:
         """List the function that translates a row, by table."""
         return {
             "dvl": _dvl,
             "imu": _imu,
-            "pressure": lambda row: PressureSample(_ns(row), _number(row["pascal"])),
-            "joints": lambda row: JointSample(
-                _ns(row), printable(row["name"].strip()), _number(row["rad"])
+            "pressure": lambda row: PressureSample(
+                _read_stamp_ns(row), _read_number(row["pascal"])
             ),
-            "camera_top": lambda row: self._image("camera_top", row),
-            "camera_bottom": lambda row: self._image("camera_bottom", row),
-            "sonar": self._sonar,
+            "joints": lambda row: JointSample(
+                _read_stamp_ns(row), printable(row["name"].strip()), _read_number(row["rad"])
+            ),
+            "camera_top": lambda row: self._read_image("camera_top", row),
+            "camera_bottom": lambda row: self._read_image("camera_bottom", row),
+            "sonar": self._read_ping,
             "position": _position,
         }
 
@@ -209,7 +213,7 @@ class PlainLog:
         places = [folder / known for known in names for folder in (self.path, self.package)]
         return next((place for place in places if is_there(place)), self.package / name.strip())
 
-    def _image(self, camera: str, row: Row) -> ImageSample:
+    def _read_image(self, camera: str, row: Row) -> ImageSample:
         """Read a row of a camera's table, which names an image file or a frame of a video."""
         name = row["file"].strip()
         path = self._locate(name)
@@ -217,10 +221,12 @@ class PlainLog:
         if not is_name or (is_there(path) and not is_file(path)):
             raise ValueError(f"{printable(name, LONGEST_REASON)!r} is no file")
         if path.suffix.lower() in video_frames.SUFFIXES:
-            return ImageSample(_ns(row), camera, self._frame(camera, path, row))
-        return ImageSample(_ns(row), camera, b"", self._in_package(path).as_posix())
+            return ImageSample(
+                _read_stamp_ns(row), camera, self._read_video_frame(camera, path, row)
+            )
+        return ImageSample(_read_stamp_ns(row), camera, b"", self._in_package(path).as_posix())
 
-    def _frame(self, camera: str, path: Path, row: Row) -> bytes:
+    def _read_video_frame(self, camera: str, path: Path, row: Row) -> bytes:
         """Read a frame of a video as JPEG. Rows have to be in the order of the frames."""
         if not (row.get("frame") or "").strip().isdecimal():
             raise ValueError("a video needs the number of its frame in column frame")
@@ -238,7 +244,7 @@ class PlainLog:
             path.relative_to(self.package) if path.is_relative_to(self.package) else path.absolute()
         )
 
-    def _sonar(self, row: Row) -> SonarSample:
+    def _read_ping(self, row: Row) -> SonarSample:
         """Read a ping. Beams lie in the y-z plane of `sonar`, azimuth from z towards y."""
         name = printable(row["file"], LONGEST_REASON)
         path = Path(os.path.realpath(self._locate(row["file"])))  # of links in a circle, too
@@ -258,7 +264,9 @@ class PlainLog:
             raise ValueError(
                 f"{name}: with it the pings would unpack to more than {PING_RATIO} times their size"
             )
-        return SonarSample(_ns(row), image, None if azimuth is None else in_fan(azimuth), range_m)
+        return SonarSample(
+            _read_stamp_ns(row), image, None if azimuth is None else in_fan(azimuth), range_m
+        )
 
 
 def _is_remark(stamp: str) -> bool:
@@ -322,22 +330,22 @@ def _dvl(row: Row) -> DvlSample:
     if odd:
         raise ValueError(f"column {odd[0]} is none of range_1, range_2, ...")
     names.sort(key=lambda n: int(n[6:]))
-    velocity = np.array([_number(row[name], lost=True) for name in ("vx", "vy", "vz")])
-    ranges = np.array([_number(row[name], lost=True) for name in names])
-    altitude = _number(row[ALTITUDE], lost=True) if ALTITUDE in row else float("nan")
+    velocity = np.array([_read_number(row[name], lost=True) for name in ("vx", "vy", "vz")])
+    ranges = np.array([_read_number(row[name], lost=True) for name in names])
+    altitude = _read_number(row[ALTITUDE], lost=True) if ALTITUDE in row else float("nan")
     return DvlSample(
-        _ns(row), velocity, float("nan"), ranges, None, altitude=altitude, by_hand=True
+        _read_stamp_ns(row), velocity, float("nan"), ranges, None, altitude=altitude, by_hand=True
     )
 
 
 def _imu(row: Row) -> ImuSample:
     """Translate a row of imu.csv. Rates and accelerations may be missing."""
-    quaternion = np.array([_number(row[name]) for name in ("qx", "qy", "qz", "qw")])
+    quaternion = np.array([_read_number(row[name]) for name in ("qx", "qy", "qz", "qw")])
     rates, acceleration = (
-        np.array([_number(row.get(name) or "", lost=True) for name in names])
+        np.array([_read_number(row.get(name) or "", lost=True) for name in names])
         for names in (RATES, ACCELERATION)
     )
-    return ImuSample(_ns(row), quaternion, rates, acceleration)
+    return ImuSample(_read_stamp_ns(row), quaternion, rates, acceleration)
 
 
 def _position(row: Row) -> PositionSample:
@@ -349,17 +357,19 @@ def _position(row: Row) -> PositionSample:
     names = ("latitude", "longitude", "altitude") if geographic else ("x", "y", "z")
     if not geographic and not {"x", "y"} <= row.keys():
         raise ValueError("a position needs columns latitude and longitude, or x and y")
-    place = np.array([_number(row.get(name) or "", lost=True) for name in names])
-    return PositionSample(_ns(row), place, _number(row.get("sigma_m") or "", lost=True), geographic)
+    place = np.array([_read_number(row.get(name) or "", lost=True) for name in names])
+    return PositionSample(
+        _read_stamp_ns(row), place, _read_number(row.get("sigma_m") or "", lost=True), geographic
+    )
 
 
 def _window(row: Row) -> tuple[float, float] | None:
     """Read where a DIDSON's samples begin and end. None where the row has neither."""
     near, far = ((row.get(name) or "").strip() for name in WINDOW)
-    return (_number(near), _number(far)) if near or far else None
+    return (_read_number(near), _read_number(far)) if near or far else None
 
 
-def _number(value: str, lost: bool = False) -> float:
+def _read_number(value: str, lost: bool = False) -> float:
     """Read a cell's number. One without a value is a lost value where `lost` allows it."""
     if lost and (value or "").strip().lower() in NULLS:
         return float("nan")
@@ -369,7 +379,7 @@ def _number(value: str, lost: bool = False) -> float:
         raise ValueError(f"{value.strip()!r} is no number") from None
 
 
-def _ns(row: Row) -> int:
+def _read_stamp_ns(row: Row) -> int:
     """Read seconds since 1970 as nanoseconds, exact to the digits written, or a date and time."""
     text = row["t"].strip()
     try:

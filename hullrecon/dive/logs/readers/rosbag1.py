@@ -42,6 +42,7 @@ class Rosbag1Log(FileLog):
     kind = "ROS 1 bag"
 
     def _read(self) -> Iterator[Message]:
+        """Yield the messages by the index, or from the bag's start without one."""
         size = self.path.stat().st_size
         connections, budget = Connections(), UnpackBudget(size)
         with self.path.open("rb") as stream:

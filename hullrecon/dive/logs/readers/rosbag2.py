@@ -63,8 +63,8 @@ class Rosbag2Log:
         """
         self.notes, self._losses = [], []
         seen: Counter[str] = Counter()
-        info = self._metadata()
-        for log in self._parts(info):
+        info = self._read_metadata()
+        for log in self._open_parts(info):
             try:
                 for message in log.messages():
                     seen[message.channel.topic] += 1
@@ -87,7 +87,7 @@ class Rosbag2Log:
         """List what the last pass could not read."""
         return list(self._losses)
 
-    def _parts(self, info: _Metadata) -> list[Log]:
+    def _open_parts(self, info: _Metadata) -> list[Log]:
         """Open the folder's files, and list those that the metadata name but are missing.
 
         Where a file lies there both packed and unpacked, the unpacked one is taken.
@@ -104,7 +104,7 @@ class Rosbag2Log:
         self._losses += [Loss(self._describe_missing(name)) for name in missing]
         order = [name for name in named if name in forms]
         order += [name for name in sorted(forms) if name not in named]
-        chosen = [self._choose(forms[name]) for name in order]
+        chosen = [self._choose_form(forms[name]) for name in order]
         return [self._open(path) for path in chosen if path is not None]
 
     def _describe_missing(self, name: str) -> str:
@@ -113,7 +113,7 @@ class Rosbag2Log:
         there = f", {printable(packed)} lies there: unpack it" if packed else ""
         return f"the file {printable(name)} is missing{there}"
 
-    def _choose(self, forms: Sequence[Path]) -> Path | None:
+    def _choose_form(self, forms: Sequence[Path]) -> Path | None:
         """Choose the first of a file's forms, unpacked and packed, that has bytes.
 
         None where all are empty, which is added to the losses.
@@ -133,7 +133,7 @@ class Rosbag2Log:
             self._opened[path] = open_stored(path)
         return self._opened[path]
 
-    def _metadata(self) -> _Metadata:
+    def _read_metadata(self) -> _Metadata:
         """Read metadata.yaml. Empty, with a note, when it is missing or damaged."""
         path = self.path / METADATA
         try:
@@ -148,7 +148,7 @@ class Rosbag2Log:
             why = f"{METADATA} cannot be read: {type(error).__name__}"
             self.notes.append(Finding("folder-by-name", {"why": why}))
             return _Metadata()
-        return _parse(table.get("rosbag2_bagfile_information"))
+        return _parse_metadata(table.get("rosbag2_bagfile_information"))
 
 
 def _why_empty(path: Path) -> str:
@@ -170,7 +170,7 @@ class _Metadata:
     counts: Mapping[str, int] = field(default_factory=dict)  # messages by topic
 
 
-def _parse(info: object) -> _Metadata:
+def _parse_metadata(info: object) -> _Metadata:
     """Take files and counts from the metadata, as far as fields are of the right type.
 
     A half-written file lacks the others.

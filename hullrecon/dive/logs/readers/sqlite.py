@@ -26,6 +26,7 @@ class SqliteLog(FileLog):
     kind = "ROS 2 database"
 
     def _read(self) -> Iterator[Message]:
+        """Yield the messages of the database, merged with its write-ahead log if there is one."""
         with ExitStack() as stack:
             merged = self._copy_with_log(stack)
             address = (

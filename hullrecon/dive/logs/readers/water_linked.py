@@ -80,6 +80,7 @@ class WaterLinkedLog(FileLog):
     gives_samples = True
 
     def _read(self) -> Iterator[Message]:
+        """Yield velocities and attitudes of the reports, and note what these lack."""
         offset_deg, timeless = None, 0
         with self.path.open("rb") as stream:
             for number, report in read_reports(stream):

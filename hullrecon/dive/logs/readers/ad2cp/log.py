@@ -75,6 +75,7 @@ class Ad2cpLog(FileLog):
     gives_samples = True
 
     def _read(self) -> Iterator[Message]:
+        """Yield velocities and attitudes of the bottom tracks, and note what else was met."""
         seen: Counter[str] = Counter()
         beams: dict[int, Array] = {}
         with self.path.open("rb") as stream:
