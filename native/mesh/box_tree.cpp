@@ -24,7 +24,8 @@ void BoxTree::arrange() {
     if (placed[first]) continue;
     const Triangle kept = triangle_[first];
     size_t at = first;
-    for (size_t from = order_[at]; from != first; at = from, from = order_[at]) triangle_[at] = triangle_[from], placed[at] = true;
+    for (size_t from = order_[at]; from != first; at = from, from = order_[at])
+      triangle_[at] = triangle_[from], placed[at] = true;
     triangle_[at] = kept, placed[at] = true;
   }
 }
@@ -51,8 +52,7 @@ int32_t BoxTree::build(Range range) {
   const auto at = static_cast<int32_t>(nodes_.size());
   nodes_.emplace_back();
   const int32_t half = split(range);
-  const std::array<int32_t, 5> cut{range.first, split({range.first, half}), half, split({half, range.last}),
-                                   range.last};
+  const std::array<int32_t, 5> cut{range.first, split({range.first, half}), half, split({half, range.last}), range.last};
   for (int k = 0; k < 4; ++k) {
     Vec3 low = Vec3::Constant(kInfinite), high = -low;
     for (int32_t i = cut[k]; i < cut[k + 1]; ++i) {
