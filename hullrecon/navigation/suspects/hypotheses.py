@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What may be wrong with a sensor: each hypothesis holds the records with its fault taken off.
+"""Hypotheses of what is wrong with a sensor, each with the records as they would be without it.
 
-Comparisons are made again with them (suspects.py). Nothing here judges.
+Comparisons are repeated with these records in suspects.py, which judges the hypotheses.
 """
 
 from __future__ import annotations
@@ -39,20 +39,23 @@ RADIANS_A_SECOND = {
     "mrad/s": 1e-3,
     "rpm": np.pi / 30,
 }
-# by which a length may be too short or too long: steps that the comparisons tolerate
+# factors by which a length may be wrong, in steps so small that a comparison agrees at the nearest
 FACTORS = [*np.geomspace(0.5, 0.93, 10), *np.geomspace(1.07, 2.0, 10)]
-SIZES = (0.25, 0.5, 2.0, 4.0)  # of a calibration's pictures over those logged: reduced ones
-RADIAL = [s * k for k in np.arange(0.05, 0.65, 0.05) for s in (1, -1)]  # of k1, as tolerated
+SIZES = (0.25, 0.5, 2.0, 4.0)  # of a calibration's pictures over those logged, which were resized
+# changes of k1, in steps so small that a comparison agrees at the nearest
+RADIAL = [s * k for k in np.arange(0.05, 0.65, 0.05) for s in (1, -1)]
 WATER = 1.333  # refractive index of water: a calibration made in air has focal lengths that short
 REPEATED = 4  # pings with one velocity to the last digit: noise of 1 mm/s makes two of them rare
-# between the clocks of two sensors, as far as navigation/clocks searches, in steps that the depth
-# comparison tolerates near zero
+# By which stamps may be late (negative: early), as far as navigation/clocks searches. Near zero the
+# steps are so small that the comparison of depths agrees at the nearest
 LATE_S = [s * late for late in (*np.arange(0.25, 5.0, 0.25), *range(5, 61)) for s in (1, -1)]
 
-TURN_STEP_DEG = 5  # of a DVL about its axis, an IMU about the vehicle's: comparisons tolerate it
-FASTEST = 0.03  # rate of a clock that is doubted: quartz is right to 1e-4, a wrong divider is not
+# between two turns that are tried, of a DVL about its axis or an IMU about the vehicle's; small
+# enough for comparisons to agree at the nearest
+TURN_STEP_DEG = 5
+FASTEST = 0.03  # largest error of a clock's rate: quartz is right to 1e-4, a wrong divider is not
 UPRIGHT = 0.7  # mean cosine of the tilt, above which a vehicle is not on its side
-FAR_S = 5.0  # beyond which the clock of a camera is not doubted
+FAR_S = 5.0  # largest offset of a camera's clock that is tried
 
 Stream = TypeVar("Stream")
 
@@ -64,10 +67,12 @@ class Hypothesis:
     sensor: Sensor
     fault: str  # the second of a key of FAULTS of hullrecon/findings/sensors.py, "clock" or "rate"
     value: str  # which unit, which axes
-    mended: SensorRecords  # with the fault taken off; without the sensor where nothing mends it
-    exact: bool = False  # the mended readings can be used
-    flows: Sequence[Flow] | None = None  # of the images, where the camera is at fault
-    late_s: float = 0.0  # of a clock's stamps, of the last where it runs fast
+    # with the fault corrected, or without the sensor where that is impossible
+    mended: SensorRecords
+    exact: bool = False  # the corrected readings can be used, as the correction is known exactly
+    flows: Sequence[Flow] | None = None  # corrected features, where the camera is at fault
+    # by which the stamps are late (the last one, where the clock runs fast); negative: early
+    late_s: float = 0.0
 
 
 def hypotheses(
@@ -77,58 +82,72 @@ def hypotheses(
     flows: Sequence[Flow] = (),
     camera: CameraModel | None = None,
 ) -> Iterator[Hypothesis]:
-    """List what may be wrong with some sensors of a dive, one fault at a time.
+    """Yield what may be wrong with some sensors of a dive, one fault at a time.
 
     Parameters
     ----------
-    records, sensors
-        The dive, and who is suspected.
+    records
+        The dive.
+    sensors
+        Those that are suspected.
     atmosphere_m
-        The air's pressure in metres of water, which was taken off.
-    flows, camera
-        Of the images, and by which calibration.
+        The air's pressure in metres of water, which was subtracted from the pressure.
+    flows
+        Features of neighbouring images.
+    camera
+        Calibration of the upper camera.
     """
     dvl, imu, pressure, tray = records.dvl, records.imu, records.pressure, records.tray
     if Sensor.PRESSURE in sensors and pressure is not None:
-        yield from _of_pressure(records, pressure, atmosphere_m)
+        yield from _pressure_faults(records, pressure, atmosphere_m)
     if Sensor.DVL in sensors and dvl is not None:
-        yield from _of_dvl(records, dvl)
+        yield from _dvl_faults(records, dvl)
     if Sensor.RATES in sensors and imu is not None:
-        yield from _of_rates(records, imu)
+        yield from _rate_faults(records, imu)
     if imu is not None and sensors & {Sensor.ATTITUDE, Sensor.ACCELERATION}:
-        yield from _of_attitude(records, imu)
+        yield from _imu_faults(records, imu)
     if Sensor.TRAY in sensors and tray is not None:
-        yield from _of_tray(records, tray)
+        yield from _tray_faults(records, tray)
     if Sensor.CAMERA in sensors:
-        yield from _of_camera(records, flows, camera)
+        yield from _camera_faults(records, flows, camera)
 
 
-def _of_pressure(
+def _pressure_faults(
     records: SensorRecords, pressure: PressureSamples, air_m: float
 ) -> Iterator[Hypothesis]:
-    """Vary the pressure: units, scales, gauge pressure, sign, no reading at all, clocks."""
+    """Yield faults of the pressure: units, scales, gauge pressure, sign, constant readings, clock.
+
+    air_m: the air's pressure in metres of water.
+    """
     depth = pressure.depth
-    # the usual readings first: of those that explain as much, the first counts
-    readings = {
+    # the usual interpretations first: of those that explain as much, the first counts
+    interpretations = {
         **{("unit", unit): pa * (depth + air_m) - air_m for unit, pa in PASCAL.items()},
         **{("unit", unit): metre * depth for unit, metre in METRES.items() if metre != 1},
         **{("scale", f"{factor:.2f}"): factor * depth for factor in FACTORS},
         **{("gauge", unit): pa * (depth + air_m) for unit, pa in {"Pa": 1.0, **PASCAL}.items()},
         ("sign", ""): -depth,
     }
-    for (fault, value), mended in readings.items():
-        held = replace(records, pressure=replace(pressure, depth=mended))
-        yield Hypothesis(sensor=Sensor.PRESSURE, fault=fault, value=value, mended=held, exact=True)
-    gone = replace(records, pressure=None)
-    yield Hypothesis(sensor=Sensor.PRESSURE, fault="constant", value="", mended=gone, exact=True)
-    for clock in _clocks(pressure.t_ns):
-        yield clock.of(Sensor.PRESSURE, replace(records, pressure=clock.on(pressure)))
+    for (fault, value), corrected in interpretations.items():
+        mended = replace(records, pressure=replace(pressure, depth=corrected))
+        yield Hypothesis(
+            sensor=Sensor.PRESSURE, fault=fault, value=value, mended=mended, exact=True
+        )
+    without = replace(records, pressure=None)
+    yield Hypothesis(sensor=Sensor.PRESSURE, fault="constant", value="", mended=without, exact=True)
+    for clock in _clock_faults(pressure.t_ns):
+        yield clock.hypothesis(Sensor.PRESSURE, replace(records, pressure=clock.correct(pressure)))
 
 
-def _of_dvl(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
-    """Vary the DVL: units, scales, axes and turns of its velocity, its ranges, beams, and clock."""
+def _dvl_faults(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
+    """Yield faults of the DVL: of its velocity, its ranges, the order of its beams, its clock.
+
+    The velocity may have another unit, scale or axes, be turned about the DVL's axis, or be
+    repeated by the driver.
+    """
     frozen = repeated(dvl.velocity)
-    readings = {
+    # velocity (n, 3) by fault and value, and whether it can be used
+    interpretations = {
         **{
             ("unit", unit): (factor * dvl.velocity, True)
             for unit, factor in METRES_PER_SECOND.items()
@@ -136,42 +155,44 @@ def _of_dvl(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
         **{("scale", f"{f:.2f}"): (f * dvl.velocity, False) for f in FACTORS},
         **{("axes", name): (dvl.velocity @ turn.T, False) for name, turn in signed_axes()},
     }
-    for angle in range(-175, 180, TURN_STEP_DEG):  # by right angles: "axes"
+    for angle in range(-175, 180, TURN_STEP_DEG):  # turns by right angles are among "axes"
         if angle % 90:
             turn = Rotation.from_euler("z", angle, degrees=True)
-            readings["turn", f"{angle:d}"] = turn.apply(dvl.velocity), False
+            interpretations["turn", f"{angle:d}"] = turn.apply(dvl.velocity), False
     if frozen.any():
-        readings["repeated", ""] = (np.where(frozen[:, None], np.nan, dvl.velocity), True)
-    for (fault, value), (velocity, exact) in readings.items():
-        held = replace(records, dvl=replace(dvl, velocity=velocity))
-        yield Hypothesis(sensor=Sensor.DVL, fault=fault, value=value, mended=held, exact=exact)
+        interpretations["repeated", ""] = (np.where(frozen[:, None], np.nan, dvl.velocity), True)
+    for (fault, value), (velocity, exact) in interpretations.items():
+        mended = replace(records, dvl=replace(dvl, velocity=velocity))
+        yield Hypothesis(sensor=Sensor.DVL, fault=fault, value=value, mended=mended, exact=exact)
     for value, factor in {**METRES, **{f"{f:.2f}": f for f in FACTORS}}.items():
-        held = replace(records, dvl=replace(dvl, ranges=factor * dvl.ranges))
+        mended = replace(records, dvl=replace(dvl, ranges=factor * dvl.ranges))
         if factor != 1:
-            yield Hypothesis(sensor=Sensor.DVL, fault="ranges", value=value, mended=held)
+            yield Hypothesis(sensor=Sensor.DVL, fault="ranges", value=value, mended=mended)
     for order in itertools.permutations(range(4)) if dvl.ranges.shape[1] == 4 else ():
-        held = replace(records, dvl=replace(dvl, ranges=dvl.ranges[:, order]))
+        mended = replace(records, dvl=replace(dvl, ranges=dvl.ranges[:, order]))
         if order != (0, 1, 2, 3):
             value = ", ".join(str(beam + 1) for beam in order)
-            yield Hypothesis(sensor=Sensor.DVL, fault="beams", value=value, mended=held)
-    for clock in _clocks(dvl.t_ns):
-        yield clock.of(Sensor.DVL, replace(records, dvl=clock.on(dvl)))
+            yield Hypothesis(sensor=Sensor.DVL, fault="beams", value=value, mended=mended)
+    for clock in _clock_faults(dvl.t_ns):
+        yield clock.hypothesis(Sensor.DVL, replace(records, dvl=clock.correct(dvl)))
 
 
-def _of_rates(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
-    """Vary the IMU's rates: units and axes, also both at once."""
+def _rate_faults(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
+    """Yield faults of the IMU's rates: units, axes, and both at once."""
     degree = np.pi / 180
-    readings = {("unit", unit): f * imu.angular_velocity for unit, f in RADIANS_A_SECOND.items()}
+    interpretations = {
+        ("unit", unit): f * imu.angular_velocity for unit, f in RADIANS_A_SECOND.items()
+    }
     for name, turn in signed_axes():
-        readings["axes", name] = imu.angular_velocity @ turn.T
-        readings["axes", f"{name}, deg/s"] = degree * imu.angular_velocity @ turn.T
-    for (fault, value), rates in readings.items():
-        held = replace(records, imu=replace(imu, angular_velocity=rates))
-        yield Hypothesis(sensor=Sensor.RATES, fault=fault, value=value, mended=held, exact=True)
+        interpretations["axes", name] = imu.angular_velocity @ turn.T
+        interpretations["axes", f"{name}, deg/s"] = degree * imu.angular_velocity @ turn.T
+    for (fault, value), rates in interpretations.items():
+        mended = replace(records, imu=replace(imu, angular_velocity=rates))
+        yield Hypothesis(sensor=Sensor.RATES, fault=fault, value=value, mended=mended, exact=True)
 
 
-def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
-    """Vary the IMU: conventions of its orientation, mount, axes of accelerations, clock."""
+def _imu_faults(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
+    """Yield faults of the IMU: conventions of orientation and acceleration, mount, clock."""
     # The orientation alone: written in another order, in other frames, with other signs or axes.
     attitude = Rotation.from_quat(imu.quaternion)
     angles = attitude.as_euler("ZYX")
@@ -190,14 +211,16 @@ def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
         if name:
             turned["sign", name] = Rotation.from_euler("ZYX", angles * signs)
     quaternions = {key: rotation.as_quat() for key, rotation in turned.items()}
-    quaternions |= {("axes", name): turned for name, turned in _of_other_axes(attitude)}
+    quaternions |= {
+        ("axes", name): turned for name, turned in _orientations_of_other_axes(attitude)
+    }
     for (fault, value), quaternion in quaternions.items():
-        held = replace(records, imu=replace(imu, quaternion=quaternion))
-        yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=held)
-    for clock in _clocks(imu.t_ns):
-        yield clock.of(Sensor.ATTITUDE, replace(records, imu=clock.on(imu)))
+        mended = replace(records, imu=replace(imu, quaternion=quaternion))
+        yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=mended)
+    for clock in _clock_faults(imu.t_ns):
+        yield clock.hypothesis(Sensor.ATTITUDE, replace(records, imu=clock.correct(imu)))
     # The whole instrument: in the other convention, mounted turned about the vehicle's z, or on
-    # its side.
+    # its side. Each is a rotation of the global axes, and imu_from_vehicle.
     bodies = {
         ("frame", "all axes"): (NED_FROM_ENU, FRD_FROM_FLU),
         ("frame", "vehicle's axes"): (Rotation.identity(), FRD_FROM_FLU),
@@ -207,35 +230,36 @@ def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
             imu_from_vehicle = Rotation.from_euler("z", -angle, degrees=True)
             bodies["mount", f"{angle:d}"] = Rotation.identity(), imu_from_vehicle
     for name, vehicle_from_imu in _on_its_side():
-        if _uprightness(attitude * vehicle_from_imu.inv()) > UPRIGHT:  # else a DVL sits otherwise
+        # Else the vehicle would lie on its side: it is not the IMU that is mounted otherwise
+        if _uprightness(attitude * vehicle_from_imu.inv()) > UPRIGHT:
             bodies["body", name] = Rotation.identity(), vehicle_from_imu.inv()
     for (fault, value), (rotation, imu_from_vehicle) in bodies.items():
         axes = imu_from_vehicle.as_matrix()
         body = replace(
             imu,
-            quaternion=_chained(rotation, attitude.as_quat(), imu_from_vehicle),
+            quaternion=_multiply_both_sides(rotation, attitude.as_quat(), imu_from_vehicle),
             angular_velocity=imu.angular_velocity @ axes,
             acceleration=imu.acceleration @ axes,
         )
-        held = replace(records, imu=body)
-        yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=held)
+        mended = replace(records, imu=body)
+        yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=mended)
     # The accelerations alone.
     felt = {("sign", ""): -imu.acceleration}
     felt |= {("axes", name): imu.acceleration @ turn.T for name, turn in signed_axes()}
     for (fault, value), acceleration in felt.items():
-        held = replace(records, imu=replace(imu, acceleration=acceleration))
+        mended = replace(records, imu=replace(imu, acceleration=acceleration))
         yield Hypothesis(
-            sensor=Sensor.ACCELERATION, fault=fault, value=value, mended=held, exact=True
+            sensor=Sensor.ACCELERATION, fault=fault, value=value, mended=mended, exact=True
         )
 
 
-def _of_tray(records: SensorRecords, tray: JointSamples) -> Iterator[Hypothesis]:
-    """Vary the tray's angles: units, zeros a quarter of a turn away, and signs."""
+def _tray_faults(records: SensorRecords, tray: JointSamples) -> Iterator[Hypothesis]:
+    """Yield faults of the tray's angles: zeros a quarter or half a turn off, units, signs."""
     degree = np.pi / 180
     for off_deg in (90, -90, 180):
-        held = replace(records, tray=replace(tray, angle=tray.angle - degree * off_deg))
+        mended = replace(records, tray=replace(tray, angle=tray.angle - degree * off_deg))
         yield Hypothesis(
-            sensor=Sensor.TRAY, fault="zero", value=f"{off_deg:+d}", mended=held, exact=True
+            sensor=Sensor.TRAY, fault="zero", value=f"{off_deg:+d}", mended=mended, exact=True
         )
     for fault, value, factor, exact in (
         ("unit", "deg", degree, True),
@@ -243,14 +267,17 @@ def _of_tray(records: SensorRecords, tray: JointSamples) -> Iterator[Hypothesis]
         ("sign", "", -1.0, False),
         ("sign", "deg", -degree, False),
     ):
-        held = replace(records, tray=replace(tray, angle=factor * tray.angle))
-        yield Hypothesis(sensor=Sensor.TRAY, fault=fault, value=value, mended=held, exact=exact)
+        mended = replace(records, tray=replace(tray, angle=factor * tray.angle))
+        yield Hypothesis(sensor=Sensor.TRAY, fault=fault, value=value, mended=mended, exact=exact)
 
 
-def _of_camera(
+def _camera_faults(
     records: SensorRecords, flows: Sequence[Flow], camera: CameraModel | None
 ) -> Iterator[Hypothesis]:
-    """Vary the camera: focal length, medium, turn and size of its pictures, lens, clock."""
+    """Yield faults of the camera: focal length, medium, turned or resized pictures, lens, clock.
+
+    The features' ideal coordinates are recomputed as by the right calibration.
+    """
     turns = {("focal", f"{factor:.2f}"): np.eye(2) / factor for factor in FACTORS}
     turns |= {("medium", f"{WATER:.2f}"): np.eye(2) / WATER}
     for name, turn in signed_axes():
@@ -268,13 +295,13 @@ def _of_camera(
             sensor=Sensor.CAMERA, fault=fault, value=value, mended=records, flows=moved
         )
     first_ns = np.array([flow.t_ns[0] for flow in flows], np.int64)
-    for clock in _clocks(first_ns, FAR_S):
+    for clock in _clock_faults(first_ns, FAR_S):
         late_ns = (first_ns - clock.t_ns).tolist()
         moved = [
             replace(flow, t_ns=(flow.t_ns[0] - late, flow.t_ns[1] - late))
             for flow, late in zip(flows, late_ns, strict=True)
         ]
-        yield replace(clock.of(Sensor.CAMERA, records), flows=moved)
+        yield replace(clock.hypothesis(Sensor.CAMERA, records), flows=moved)
 
 
 def _uprightness(attitude: Rotation) -> float:
@@ -283,9 +310,12 @@ def _uprightness(attitude: Rotation) -> float:
 
 
 def _on_its_side() -> Iterator[tuple[str, Rotation]]:
-    """List how an instrument may be mounted by right angles, its z not the vehicle's up or down.
+    """Yield how an instrument may be mounted by right angles with its z axis across the vehicle's.
 
-    Each with its roll, pitch and yaw in the vehicle, deg.
+    Yields
+    ------
+    tuple
+        Roll, pitch and yaw of the instrument in the vehicle, deg, as text, and vehicle_from_imu.
     """
     for _, turn in signed_axes():
         if np.linalg.det(turn) > 0 and turn[2, 2] == 0:
@@ -293,12 +323,17 @@ def _on_its_side() -> Iterator[tuple[str, Rotation]]:
             yield ", ".join(f"{angle:g}" for angle in mount_angles_deg(rotation)), rotation
 
 
-def _of_other_axes(attitude: Rotation) -> Iterator[tuple[str, Array]]:
-    """List what orientations may be of other axes: a vehicle's, global ones, or both.
+def _orientations_of_other_axes(attitude: Rotation) -> Iterator[tuple[str, Array]]:
+    """Yield orientations of other axes: of the vehicle, of `global`, or of both.
 
-    Exchanged components of a quaternion and frames that were chained in the wrong order are such.
-    Of the global axes only the one that points down counts: nothing here tells the heading.
-    Yields quaternions (n, 4).
+    Exchanged components of a quaternion, and frames that were chained in the wrong order, amount to
+    that. Global axes that differ by the heading only are not told apart, so one is tried for each
+    axis that points down.
+
+    Yields
+    ------
+    tuple
+        Name of the axes, and quaternions (n, 4).
     """
     turns = [("+x +y +z", np.eye(3)), *signed_axes()]
     proper = [(name, turn) for name, turn in turns if np.linalg.det(turn) > 0]
@@ -309,14 +344,15 @@ def _of_other_axes(attitude: Rotation) -> Iterator[tuple[str, Array]]:
         for down, globally in downwards.items():
             for name, turn in own.items():
                 if inverse or (down, name) != ("+z", "+x +y +z"):
-                    turned = _chained(own[globally], quaternion, turn)
+                    turned = _multiply_both_sides(own[globally], quaternion, turn)
                     yield f"{name} for those of the vehicle, {down} downwards{inverse}", turned
 
 
-def _chained(first: Rotation, quaternion: Array, last: Rotation) -> Array:
-    """Multiply quaternions (n, 4) with one rotation from the left and one from the right.
+def _multiply_both_sides(first: Rotation, quaternion: Array, last: Rotation) -> Array:
+    """Multiply quaternions (n, 4) by one rotation from the left and one from the right.
 
-    Both at once are a matrix: hundreds of hypotheses turn each reading of an IMU.
+    Both products are linear in the quaternion, so they are applied as one 4x4 matrix. This is
+    faster than two products of rotations, and hundreds of hypotheses turn all readings of an IMU.
     """
     x, y, z, w = first.as_quat()
     left = np.array([[w, -z, y, x], [z, w, -x, y], [-y, x, w, z], [-x, -y, -z, w]])
@@ -326,50 +362,55 @@ def _chained(first: Rotation, quaternion: Array, last: Rotation) -> Array:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Clock:
+class _ClockFault:
     """A fault of a clock, and the stamps without it."""
 
-    fault: str  # "clock", "rate"
+    fault: str  # "clock" (offset) or "rate"
     value: str
-    late_s: float  # of the stamps, of the last where it runs fast
-    t_ns: Ints
+    late_s: float  # by which the stamps are late (the last one, where the clock runs fast)
+    t_ns: Ints  # corrected
 
-    def of(self, sensor: Sensor, mended: SensorRecords) -> Hypothesis:
+    def hypothesis(self, sensor: Sensor, mended: SensorRecords) -> Hypothesis:
+        """Make the hypothesis that a sensor has this fault."""
         return Hypothesis(
             sensor=sensor, fault=self.fault, value=self.value, mended=mended, late_s=self.late_s
         )
 
-    def on(self, record: Stream) -> Stream:
-        """Put a record on this clock."""
+    def correct(self, record: Stream) -> Stream:
+        """Replace a record's stamps by the corrected ones."""
         return replace(record, t_ns=self.t_ns)  # type: ignore[type-var]
 
 
-def _clocks(t_ns: Ints, farthest_s: float = np.inf) -> Iterator[_Clock]:
-    """List what may be wrong with a sensor's clock, in the order of its stamps."""
+def _clock_faults(t_ns: Ints, farthest_s: float = np.inf) -> Iterator[_ClockFault]:
+    """Yield what may be wrong with a sensor's clock: offsets, and errors of its rate.
+
+    t_ns (n,): stamps. farthest_s: larger offsets are not tried.
+    """
     since_ns = t_ns - t_ns[:1]
     lasts_s = float(np.ptp(t_ns)) / NS if len(t_ns) else 0.0
     for late_s in (late_s for late_s in LATE_S if abs(late_s) < farthest_s):
         moved = t_ns - round(late_s * NS)
-        yield _Clock(fault="clock", value=f"{late_s:g} s", late_s=late_s, t_ns=moved)
+        yield _ClockFault(fault="clock", value=f"{late_s:g} s", late_s=late_s, t_ns=moved)
         if abs(late_s) < FASTEST * lasts_s:
             rate = late_s / lasts_s
             moved = t_ns - np.round(rate * since_ns).astype(np.int64)
-            yield _Clock(fault="rate", value=f"{100 * rate:+.1f}", late_s=late_s, t_ns=moved)
+            yield _ClockFault(fault="rate", value=f"{100 * rate:+.1f}", late_s=late_s, t_ns=moved)
 
 
 def _turned(ideal: Array, turn: Array) -> Array:
+    """Multiply ideal coordinates (n, 2) by a matrix (2, 2)."""
     return np.asarray(ideal @ turn.T)
 
 
 def _resized(ideal: Array, camera: CameraModel, size: float) -> Array:
-    """Read the pixels (n, 2) by the calibration of pictures that are so many times as large."""
+    """Recompute ideal coordinates (n, 2) for a calibration of pictures `size` times as large."""
     fx, fy = camera.fx / size, camera.fy / size
     cx, cy = (camera.cx + 0.5) / size - 0.5, (camera.cy + 0.5) / size - 0.5
     return replace(camera, fx=fx, fy=fy, cx=cx, cy=cy).undistort(camera.distort(ideal))
 
 
 def _straightened(ideal: Array, k1: float) -> Array:
-    """Take off the distortion (n, 2) that a calibration misses."""
+    """Remove radial distortion that a calibration misses from ideal coordinates (n, 2)."""
     return np.asarray(ideal * (1 - k1 * (ideal**2).sum(axis=1, keepdims=True)))
 
 
@@ -387,7 +428,7 @@ def signed_axes() -> list[tuple[str, Array]]:
 
 
 def repeated(velocity: Array) -> Mask:
-    """Find the pings in runs of REPEATED or more with one velocity (n, 3) to the last digit."""
+    """Find pings in runs of REPEATED or more with the same velocity (n, 3) to the last digit."""
     same = np.concatenate([[False], (np.diff(velocity, axis=0) == 0).all(axis=1)])
     run = np.cumsum(~same)
     return np.asarray(np.bincount(run)[run] >= REPEATED)
