@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Fit the turn of a camera between two images to the features of a rigid scene, whatever its form.
+"""Fit the turn of a camera between two images to the features of a rigid scene of any shape.
 
-Where a camera moves across its view, a wrong distortion looks as if it turned in proportion: the
-hull seems to bend, and an orientation tells that it did not (docs/methods.md, Suspects).
+With a wrong distortion, a camera that moves across its view seems to turn in proportion, as the
+hull seems to bend. The IMU's orientation tells that it did not (docs/methods.md, Suspects).
 """
 
 from __future__ import annotations
@@ -19,10 +19,11 @@ from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array, Ints
 
-MOST_FEATURES = 120  # of a pair: twelve pairs of as many know a turn to 0.05 degrees
-LEAST_SIGMA = 0.0003  # of a feature's place, ideal coordinates: a tenth of a pixel
-FREE_RAD = np.array([0.2, 0.2, 0.2, 0.05, 0.05])  # sigmas of the turn, and of the way's direction
-STEPS = 3  # of Gauss and Newton
+MOST_FEATURES = 120  # of a pair; twelve pairs of so many tell a turn to 0.05 degrees
+LEAST_SIGMA = 0.0003  # of a feature's position, ideal coordinates: a tenth of a pixel
+# prior sigmas of the turn (3), and of the direction of motion (2)
+FREE_RAD = np.array([0.2, 0.2, 0.2, 0.05, 0.05])
+STEPS = 3  # of Gauss-Newton
 HUBER = 2.0  # sigmas of a residual beyond which its weight falls
 
 
@@ -43,7 +44,7 @@ def fit_turns(
     turn, sigma
         (n, 3) rad, in the second camera's axes.
     """
-    a, b = (_rays(of) for of in (first, second))
+    a, b = (_rays(features) for features in (first, second))
     way, rotation = motion.translation, motion.rotation.as_matrix()
     length = np.linalg.norm(way, axis=1)[:, None, None]
     across = length * np.linalg.svd(way[:, None])[2][:, 1:]
@@ -57,37 +58,37 @@ def fit_turns(
         # derivatives of the essential matrix
         by_turn = moved[:, None] @ cross_matrix(np.eye(3)) @ turned[:, None]
         by_unknown = np.concatenate([by_turn, cross_matrix(across) @ turned[:, None]], axis=1)
-        # Sampson distances: b' E a over the length of both lines' normals, held in the derivative
+        # Sampson errors: b' E a over the length of both lines' normals, held in the derivative
         lines = np.concatenate(
             [a @ essential[:, :2].transpose(0, 2, 1), b @ essential[:, :, :2]], axis=2
         )
         size = np.sqrt(np.maximum((lines**2).sum(axis=2), 1e-18))
-        left = ((b @ essential) * a).sum(axis=2) / size
+        error = ((b @ essential) * a).sum(axis=2) / size
         jacobian = ((b[:, None] @ by_unknown) * a[:, None]).sum(axis=3) / size[:, None]
         # one normal equation a pair
-        sigma = np.maximum(NORMAL_MAD * np.nanmedian(np.abs(left), axis=1), LEAST_SIGMA)[:, None]
-        weight = np.minimum(1, HUBER * sigma / np.maximum(np.abs(left), 1e-12)) / sigma**2
-        known = np.isfinite(left)
-        weight, left = np.where(known, weight, 0.0), np.where(known, left, 0.0)
+        sigma = np.maximum(NORMAL_MAD * np.nanmedian(np.abs(error), axis=1), LEAST_SIGMA)[:, None]
+        weight = np.minimum(1, HUBER * sigma / np.maximum(np.abs(error), 1e-12)) / sigma**2
+        known = np.isfinite(error)
+        weight, error = np.where(known, weight, 0.0), np.where(known, error, 0.0)
         jacobian = np.where(known[:, None], jacobian, 0.0)
         weighted = jacobian * weight[:, None]
         information = weighted @ jacobian.transpose(0, 2, 1) + np.diag(FREE_RAD**-2)
-        gradient = np.einsum("nkm,nm->nk", weighted, left) + unknowns / FREE_RAD**2
+        gradient = np.einsum("nkm,nm->nk", weighted, error) + unknowns / FREE_RAD**2
         unknowns = unknowns - np.linalg.solve(information, gradient[..., None])[..., 0]
     variance = np.diagonal(np.linalg.inv(information), axis1=1, axis2=2)
     return unknowns[:, :3], np.sqrt(variance[:, :3])
 
 
 def _rays(features: Sequence[Array]) -> Array:
-    """Choose rays (n, m, 3) to at most MOST_FEATURES of each image, NaN beyond its number."""
+    """Choose rays (n, m, 3) to at most MOST_FEATURES of each image, evenly, padded with NaN."""
     rays = np.full((len(features), min(MOST_FEATURES, max(map(len, features))), 3), np.nan)
-    for ray, of in zip(rays, features, strict=True):
-        rows = _spread(len(of))
-        ray[: len(rows), :2], ray[: len(rows), 2] = of[rows], 1.0
+    for ray, found in zip(rays, features, strict=True):
+        rows = _spread_rows(len(found))
+        ray[: len(rows), :2], ray[: len(rows), 2] = found[rows], 1.0
     return rays
 
 
 @cache
-def _spread(count: int) -> Ints:
-    """Spread at most MOST_FEATURES rows over so many."""
+def _spread_rows(count: int) -> Ints:
+    """Choose at most MOST_FEATURES of `count` rows, evenly spread."""
     return np.unique(np.linspace(0, count - 1, MOST_FEATURES).astype(np.int64))
