@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The key of dive.toml that takes a sensor's fault off, where there is one."""
+"""Name the key of dive.toml that corrects a sensor's fault, where there is one."""
 
 from __future__ import annotations
 
@@ -14,8 +14,10 @@ from hullrecon.geometry.rotations import mount_angles_deg
 from hullrecon.navigation.suspects.comparisons import Sensor
 from hullrecon.navigation.suspects.hypotheses import signed_axes
 
+# the other of two conventions
 OTHER = {"ned": "enu", "enu": "ned", "up": "down", "down": "up"}
-OTHER_SIDE = Rotation.from_euler("x", 180, degrees=True)  # forward, port, up to starboard and down
+# between axes forward, port, up and axes forward, starboard, down
+OTHER_SIDE = Rotation.from_euler("x", 180, degrees=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,14 +32,19 @@ class Conventions:
 def find_remedy(
     sensor: Sensor, fault: str, value: str, given: Conventions, tray_from_dvl: Poses
 ) -> str:
-    """Name the keys, with their values, that take a fault off. "" where none does.
+    """Name the keys of dive.toml, with their values, that correct a fault.
 
     Parameters
     ----------
     sensor, fault, value
-        As a Hypothesis has them.
+        Those of the Hypothesis that explains a contradiction.
     given, tray_from_dvl
-        By dive.toml.
+        Conventions and mount of the DVL that dive.toml gives now.
+
+    Returns
+    -------
+    str
+        Part of a sentence, "" where no key corrects the fault.
     """
     if sensor is Sensor.DVL and fault in ("axes", "turn"):
         return _turned_dvl(fault, value, tray_from_dvl)
@@ -52,35 +59,41 @@ def find_remedy(
     # As streams.imu_samples applies frame and mount, one after the other
     if (fault, value) == ("frame", "all axes"):
         mount = OTHER_SIDE * vehicle_from_imu * OTHER_SIDE
-        return frame if given.imu_mount_deg is None else f"{frame} and {_mount(mount)}"
+        return frame if given.imu_mount_deg is None else f"{frame} and {_mount_key(mount)}"
     if (fault, value) == ("frame", "global axes"):
-        return f"{frame} and {_mount(vehicle_from_imu * OTHER_SIDE)}"
+        return f"{frame} and {_mount_key(vehicle_from_imu * OTHER_SIDE)}"
     if (fault, value) == ("frame", "vehicle's axes"):
-        return f"give {_mount(OTHER_SIDE * vehicle_from_imu)}"
+        return f"give {_mount_key(OTHER_SIDE * vehicle_from_imu)}"
     if fault == "mount":
         turn = Rotation.from_euler("z", float(value), degrees=True)
-        return f"give {_mount(turn * vehicle_from_imu)}, or correct dvl.mount where that is wrong"
+        return (
+            f"give {_mount_key(turn * vehicle_from_imu)}, or correct dvl.mount where that is wrong"
+        )
     if fault == "body":
         angles_deg = [float(angle) for angle in value.split(", ")]
         turn = Rotation.from_euler("ZYX", angles_deg[::-1], degrees=True)
-        return f"give {_mount(turn * vehicle_from_imu)}"
+        return f"give {_mount_key(turn * vehicle_from_imu)}"
     return ""
 
 
 def _turned_dvl(fault: str, value: str, tray_from_dvl: Poses) -> str:
-    """Give the mount of a DVL whose velocities are right once they are turned."""
+    """Name dvl.mount for a DVL whose velocities are right once they are turned.
+
+    fault, value: a turn about the DVL's axis, deg, or its axes, as in `signed_axes`.
+    """
     if fault == "turn":
         turn = Rotation.from_euler("z", float(value), degrees=True)
     elif np.linalg.det(axes := dict(signed_axes())[value]) > 0:
         turn = Rotation.from_matrix(axes)
     else:
-        return ""  # mirrored: nothing sits so
-    place = tray_from_dvl.translation[0].tolist()
+        return ""  # mirrored axes, which no mount gives
+    position = tray_from_dvl.translation[0].tolist()
     angles_deg = mount_angles_deg((tray_from_dvl.rotation * turn)[0])
-    shown = ", ".join(f"{number:g}" for number in [*place, *angles_deg])
+    shown = ", ".join(f"{number:g}" for number in [*position, *angles_deg])
     return f"where the whole DVL sits so, give dvl.mount = [{shown}]"
 
 
-def _mount(vehicle_from_imu: Rotation) -> str:
+def _mount_key(vehicle_from_imu: Rotation) -> str:
+    """Write a mount as imu.mount_deg of dive.toml: roll, pitch and yaw, deg."""
     shown = ", ".join(f"{angle:g}" for angle in mount_angles_deg(vehicle_from_imu))
     return f"imu.mount_deg = [{shown}]"
