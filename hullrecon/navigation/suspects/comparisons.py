@@ -4,16 +4,17 @@
 
 - pressure and DVL: the change of depth against the integral of the DVL's vertical velocity,
 - rates and attitude: the integral of an IMU's rates against the turn of its orientation,
-- attitude and acceleration: gravity points down,
-- acceleration and DVL: the integral of what the IMU feels, less gravity, against the change of the
-  DVL's velocity,
-- images and DVL: the features' motion against that of a hull at the DVL's range, seen by a camera
+- attitude and acceleration: what an accelerometer feels at rest points up, opposite to gravity,
+- acceleration and DVL: the integral of the IMU's acceleration, less gravity, against the change of
+  the DVL's velocity,
+- images and DVL: the motion of features against that of a hull at the DVL's range, seen by a camera
   that moves by the DVL's velocity and turns by the attitude,
-- DVL's velocity and ranges: the hull stands still where the DVL comes nearer to it or turns.
+- DVL's velocity and ranges: the hull, which does not move, as seen by a DVL that moves and turns.
 
-Each comparison is a table of residuals with their sigmas, and of what they would be for one sigma
-of each error that a faultless sensor has (a mount's tilt, a scale): `Comparison.chi2` fits these.
-Stamps are taken as they are: clocks are compared in navigation/clocks.
+Each comparison is a table of residuals with their sigmas. Errors that faultless sensors have too (a
+mount's tilt, a scale) are nuisances: the table holds the change of the residuals by one sigma of
+each, and `Comparison.chi2` fits them. Stamps are taken as they are: clocks are compared in
+navigation/clocks.
 """
 
 from __future__ import annotations
@@ -45,34 +46,37 @@ from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples, Sen
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
-# one sigma of the features' motion: of the whole, of all in common (range, curvature), and in rad
+# sigmas of the features' motion: a share of each motion, a share that all have in common (range,
+# curvature), and rad
 FLOW_SHARE, FLOW_SCALE, FLOW_RAD = 0.05, 0.03, 0.003
-VIEW_RAD = np.radians(0.2)  # of a turn between two images by the attitude, and by a good lens
-# of the windows in which motions are compared
-SUNK_S, TURNED_S, NEARED_S, PUSHED_S = 3.0, 1.0, 2.0, 1.0
+VIEW_RAD = np.radians(0.2)  # sigma of a turn between two images by the attitude, and by a good lens
+# lengths of the windows in which depth, turns, distance and velocity are compared
+SUNK_S, TURNED_S, NEARED_S, CHANGED_S = 3.0, 1.0, 2.0, 1.0
 LEAST_WINDOWS, MOST_WINDOWS = 4, 2000
 LONGEST_GAP_S = 1.5  # between two readings of a window
-SMOOTH_S = 0.4  # of pressure and ranges
+SMOOTH_S = 0.4  # sigma of the weights by which depth, ranges and velocities are smoothed
 # One sigma of errors that faultless sensors have:
 TILT_RAD = np.radians(2.0)  # between DVL and IMU: mounts as measured by hand, backlash of a tray
 SCALE = 0.015  # of a DVL and of the water's density together
-LATE_S = 0.15  # between two sensors' clocks, which navigation/clocks judges
-RATE_BIAS_RAD_S, RATE_SHARE = 0.01, 0.05  # of a MEMS gyroscope: bias, scale and axes
+LATE_S = 0.15  # between two sensors' clocks; larger offsets are judged in navigation/clocks
+RATE_BIAS_RAD_S, RATE_SHARE = 0.01, 0.05  # of a MEMS gyroscope: bias, and scale with axes
 ALONG_1_M = 0.05  # curvature of a hull along its length
 RELIEF_M, RELIEF_RAD = 0.03, 0.03  # plates, weld seams and curvature within a window
-LEVELS = np.linspace(0.25, 0.75, 5)  # quantiles of the depth that are held against the surface
-HIGHEST_M, SURFACE_SIGMA_M = 1.0, 0.3  # a sensor at the surface, the day's air pressure
+LEVELS = np.linspace(0.25, 0.75, 5)  # quantiles of the depth that are compared with the surface
+HIGHEST_M, SURFACE_SIGMA_M = 1.0, 0.3  # a sensor above the surface, and the day's air pressure
 GRAVITY_SIGMA = 1.0  # m/s2, of a median over the dive
-# m/s2 of a MEMS accelerometer's bias and of roll and pitch (half a degree), m/s of thrusters'
-# vibration in a window, m between the IMU and the vehicle's origin
-FELT_BIAS_M_S2, PUSHED_SIGMA_M_S, IMU_LEVER_M = 0.1, 0.02, 0.2
-PUSHED_SHARE = 0.05  # of an accelerometer's scale and axes
-DEPTH_SIGMA_M = 0.005  # of a change of depth: what two smoothed readings leave at least
-ROUGH_SHARE = 0.4  # of LATE_S, by which the smoothing of two sensors differs from time to time
-CLIP = 4.0  # sigmas, beyond which a residual costs no more
-SHARED = 0.8  # of a signal's squares, that one which follows another has in common with it
-GAIN = 25.0  # of chi-square beyond its mean: five sigmas, as in navigation/clocks
-MISFIT = 2.0  # of chi-square by row: 1.2 at most on 17 faultless dives, 3.3 to 11 with faults
+# m/s2 by a MEMS accelerometer's bias and by roll and pitch (half a degree); m/s by vibration of
+# thrusters in a window; m between the IMU and the vehicle's origin
+FELT_BIAS_M_S2, CHANGED_SIGMA_M_S, IMU_LEVER_M = 0.1, 0.02, 0.2
+CHANGED_SHARE = 0.05  # of an accelerometer's scale and axes
+DEPTH_SIGMA_M = 0.005  # of a change of depth by two smoothed readings, at least
+ROUGH_SHARE = 0.4  # of LATE_S, by which the lags of two smoothed sensors differ from time to time
+# What decides:
+CLIP = 4.0  # sigmas at which a residual is clipped
+SHARED = 0.8  # squared correlation from which on one signal is a scaled copy of the other
+GAIN = 25.0  # of chi-square above its mean: five sigmas, as in navigation/clocks
+# of chi-square over the rows: 1.2 at most on 17 faultless dives, 3.3 to 11 with faults
+MISFIT = 2.0
 
 
 class Sensor(StrEnum):
@@ -87,6 +91,7 @@ class Sensor(StrEnum):
     CAMERA = "camera"
 
 
+# sensors that the comparisons with images depend on
 SEEN = frozenset({Sensor.CAMERA, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY})
 
 
@@ -94,13 +99,13 @@ SEEN = frozenset({Sensor.CAMERA, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY})
 class Flow:
     """Features of a rigid scene in two images of the upper camera."""
 
-    t_ns: tuple[int, int]
+    t_ns: tuple[int, int]  # stamps of the images
     first: Array  # (m, 2) ideal coordinates
     second: Array  # (m, 2)
 
     @cached_property
     def rays(self) -> Array:
-        """Build the rays (m, 3) of the first image."""
+        """Build the rays (m, 3) to the features of the first image, with z = 1."""
         return np.column_stack([self.first, np.ones(len(self.first))])
 
     @cached_property
@@ -117,10 +122,12 @@ class Comparison:
     sensors: frozenset[Sensor]
     residual: Array  # (n,)
     sigma: Array  # (n,)
-    nuisance: Array  # (n, k) change of the residual for one sigma of each error that is no fault
+    nuisance: Array  # (n, k) change of the residual by one sigma of each error that is no fault
     first: Array  # (n,) the motion by the sensor that is compared
-    second: Array  # (n,) the same by the others
-    vouches: bool = False  # speaks for its sensors; too coarse to accuse one, but of a sign
+    second: Array  # (n,) the same motion by the others
+    # True of a coarse comparison: agreement speaks for its sensors, but it accuses one of a wrong
+    # sign only
+    vouches: bool = False
     opposite: Array | None = None  # (n,) the residual if the first sensor had the other sign
 
     @property
@@ -130,78 +137,92 @@ class Comparison:
 
     @property
     def is_contradiction(self) -> bool:
-        """Tell whether the residuals are beyond what faultless sensors leave."""
-        left, common = self._fit
-        rows, chi2 = len(self.residual), _clipped(left)
+        """Tell whether the residuals are larger than those of faultless sensors.
+
+        Their chi-square is too large, or the nuisances would have to be, or a sign is reversed.
+        """
+        remaining, nuisances = self._fit
+        rows, chi2 = len(self.residual), _clipped_chi2(remaining)
         beyond = chi2 - rows > GAIN and chi2 > MISFIT * rows
-        return beyond or bool((common**2).sum() > GAIN) or self.is_reversed
+        return beyond or bool((nuisances**2).sum() > GAIN) or self.is_reversed
 
     @property
     def is_reversed(self) -> bool:
-        """Tell whether the motions agree with the opposite sign, whatever the size of the noise."""
+        """Tell whether the motions agree far better with the opposite sign.
+
+        The size of the noise is taken as unknown: the ratio of the two sums of squares decides.
+        """
         if self.opposite is None:
             return False
-        as_is, other = self._left(self.residual), self._left(self.opposite)
+        as_is, other = self._squares(self.residual), self._squares(self.opposite)
         rows = len(self.residual) - self.nuisance.shape[1]
         return bool(rows * np.log((as_is + 1e-9) / (other + 1e-9)) > GAIN)
 
-    def _left(self, residual: Array) -> float:
-        """Sum the squares that the nuisances leave of residuals, in sigmas."""
+    def _squares(self, residual: Array) -> float:
+        """Sum the squares of residuals, in sigmas, after a fit of the nuisances."""
         z, design = residual / self.sigma, self.nuisance / self.sigma[:, None]
         prior = np.eye(design.shape[1])
-        left = z - design @ np.linalg.solve(design.T @ design + prior, design.T @ z)
-        return float(left @ left)
+        remaining = z - design @ np.linalg.solve(design.T @ design + prior, design.T @ z)
+        return float(remaining @ remaining)
 
     @property
     def misfit(self) -> float:
         """Compute the rms of the residuals as a share of that of the motion.
 
-        Errors that a faultless sensor may have (mount, scale) are taken off first, unless they
-        would have to be larger than such errors are.
+        The fitted nuisances (mount, scale) are taken off first, unless they would have to be larger
+        than those of faultless sensors.
         """
         motion = np.maximum(np.abs(self.first), np.abs(self.second))
-        left, common = self._fit
-        left = self.residual if (common**2).sum() > GAIN else left * self.sigma
-        left = np.minimum(np.abs(left), motion)
-        return _rms(left) / max(_rms(motion), 1e-12)
+        remaining, nuisances = self._fit
+        error = self.residual if (nuisances**2).sum() > GAIN else remaining * self.sigma
+        error = np.minimum(np.abs(error), motion)
+        return _rms(error) / max(_rms(motion), 1e-12)
 
     @property
     def stands_still(self) -> bool:
         """Tell whether the first sensor measures almost none of the motion that the others measure.
 
-        A small share of the motion, as in another unit, is not nothing.
+        One that measures the motion in another unit, and so a small but correlated signal, does not
+        stand still.
         """
-        alike = (self.first @ self.second) ** 2
-        is_share = alike > SHARED * (self.first @ self.first) * (self.second @ self.second)
-        return is_still(self.first, self.second) and not is_share
+        product = (self.first @ self.second) ** 2
+        is_scaled = product > SHARED * (self.first @ self.first) * (self.second @ self.second)
+        return is_still(self.first, self.second) and not is_scaled
 
     @property
     def chi2(self) -> float:
         """Sum the squares of clipped residuals and of the fitted nuisances, in sigmas."""
-        left, common = self._fit
-        return _clipped(left) + float((common**2).sum())
+        remaining, nuisances = self._fit
+        return _clipped_chi2(remaining) + float((nuisances**2).sum())
 
     @cached_property
     def _fit(self) -> tuple[Array, Array]:
-        """Fit the nuisances (k,). Returns the residuals left (n,) and them, in sigmas."""
+        """Fit the nuisances by reweighted least squares, with their priors.
+
+        Returns
+        -------
+        tuple
+            Remaining residuals (n,) and nuisances (k,), both in sigmas.
+        """
         z, design = self.residual / self.sigma, self.nuisance / self.sigma[:, None]
-        left: Array = z
-        common: Array = np.zeros(design.shape[1])
+        remaining: Array = z
+        nuisances: Array = np.zeros(design.shape[1])
         weight: Array = np.ones(len(z))
-        for _ in range(3):  # reweighted, so that clipped residuals do not pull
+        for _ in range(3):  # Huber's weights, so that clipped residuals do not pull
             normal = design.T @ (weight[:, None] * design) + np.eye(design.shape[1])
-            common = np.asarray(np.linalg.solve(normal, design.T @ (weight * z)), float)
-            left = np.asarray(z - design @ common)
-            weight = np.asarray(np.minimum(1.0, CLIP / np.maximum(np.abs(left), 1e-9)), float)
-        return np.asarray(left), np.asarray(common)
+            nuisances = np.asarray(np.linalg.solve(normal, design.T @ (weight * z)), float)
+            remaining = np.asarray(z - design @ nuisances)
+            weight = np.asarray(np.minimum(1.0, CLIP / np.maximum(np.abs(remaining), 1e-9)), float)
+        return np.asarray(remaining), np.asarray(nuisances)
 
 
-def _clipped(left: Array) -> float:
-    return float(np.square(np.minimum(np.abs(left), CLIP)).sum())
+def _clipped_chi2(residual: Array) -> float:
+    """Sum the squares of residuals (n,), in sigmas, each clipped at CLIP."""
+    return float(np.square(np.minimum(np.abs(residual), CLIP)).sum())
 
 
-# Sensors on whose readings each comparison rests, by its kind, the quickest first.
-RESTS_ON = {
+# Sensors whose readings each kind of comparison depends on, the quickest to compute first.
+DEPENDS_ON = {
     "level": {Sensor.PRESSURE},
     "gravity": {Sensor.ACCELERATION, Sensor.ATTITUDE},
     "turn": {Sensor.RATES, Sensor.ATTITUDE},
@@ -212,14 +233,23 @@ RESTS_ON = {
     "flow": {Sensor.CAMERA, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY},
     "view": {Sensor.CAMERA, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY},
 }
-OF_TRACK = {kind for kind, sensors in RESTS_ON.items() if Sensor.DVL in sensors}
+OF_TRACK = {kind for kind, sensors in DEPENDS_ON.items() if Sensor.DVL in sensors}
 
 
 class Motions:
-    """What a dive's records tell of its motion, each part computed when it is first asked for.
+    """What the records of a dive tell of its motion, each part computed when it is first asked for.
 
-    A hypothesis leaves most readings as they are. What follows from these alone is taken from the
-    motions `before` it.
+    A hypothesis changes the readings of one sensor only. Parts that depend on none of the changed
+    readings are taken from the motions `before`, so that they are not computed for each hypothesis.
+
+    Parameters
+    ----------
+    records, rig
+        The dive.
+    flows
+        Features of neighbouring images.
+    before
+        Motions by the records that a hypothesis changed into these. None without a hypothesis.
     """
 
     def __init__(
@@ -233,107 +263,129 @@ class Motions:
 
     @cached_property
     def turn(self) -> Comparison | None:
-        """Compare the IMU's rates and orientation. None without readings enough."""
+        """Compare the IMU's rates and orientation. None without enough readings.
+
+        It depends on times between readings only: a hypothesis that moves all stamps of the IMU by
+        the same offset leaves it unchanged.
+        """
         imu, before = self.records.imu, self._before
         if imu is None or len(imu.t_ns) < 2:
             return None
-        if before is not None and before.records.imu is not None and self._leaves(_turns):
-            then_ns = before.records.imu.t_ns  # of all stamps that are moved together
-            if np.array_equal(imu.t_ns - imu.t_ns[0], then_ns - then_ns[0]):
+        if before is not None and before.records.imu is not None and self._has_same(_turn_readings):
+            before_ns = before.records.imu.t_ns
+            if np.array_equal(imu.t_ns - imu.t_ns[0], before_ns - before_ns[0]):
                 return before.turn
         return compare_rates(imu)
 
     @cached_property
     def track(self) -> Track | None:
-        """Integrate the DVL's velocity. None without DVL or IMU."""
+        """Integrate the DVL's velocity in the axes of `global`. None where `track_of` gives none.
+
+        Where the attitude at the pings is unchanged, only the velocity is integrated anew.
+        """
         dvl, before = self.records.dvl, None if self._before is None else self._before.track
-        if dvl is None or before is None or not self._leaves(_attitudes):
+        if dvl is None or before is None or not self._has_same(_attitude_readings):
             return track_of(self.records, self.rig)
-        if self._leaves(_velocities):
+        if self._has_same(_velocity_readings):
             return before
-        if not np.array_equal(_heard(self.records), before.rows):
+        if not np.array_equal(_rows_with_velocity(self.records), before.rows):
             return track_of(self.records, self.rig)
         return before.with_velocity(dvl.velocity[before.rows])
 
     @cached_property
     def felt(self) -> Integral | None:
-        """Integrate the accelerations from the track's start. None without such or a track."""
+        """Integrate the accelerations, less gravity, at seconds since the start of the track.
+
+        None without a track, without accelerations, or where gravity was taken off.
+        """
         track, imu = self.track, self.records.imu
         if track is None or imu is None:
             return None
-        if self._before is not None and self._leaves(_accelerations):
+        if self._before is not None and self._has_same(_acceleration_readings):
             before = self._before.track
             if before is not None and before.t_ns[0] == track.t_ns[0]:
                 return self._before.felt
         return velocity_felt(imu, int(track.t_ns[0]))
 
     @cached_property
-    def sinking(self) -> Sinking | None:
-        """Smooth the depth along the track. None without readings or track enough."""
+    def depth(self) -> SmoothedDepth | None:
+        """Smooth the pressure sensor's depth at the pings of the track.
+
+        None without a track, or where too few windows have both.
+        """
         track, pressure = self.track, self.records.pressure
         if track is None or pressure is None:
             return None
-        if self._before is not None and self._leaves(_depths):
+        if self._before is not None and self._has_same(_depth_readings):
             before = self._before.track
             if before is not None and np.array_equal(before.t_ns, track.t_ns):
-                return self._before.sinking
-        return sinking_of(pressure, track.t_ns)
+                return self._before.depth
+        return smooth_depth(pressure, track.t_ns)
 
     @cached_property
     def hull(self) -> HullPlanes | None:
-        """Fit planes to the DVL's ranges. None without DVL."""
+        """Fit planes of hull to the DVL's ranges. None without a DVL."""
         dvl = self.records.dvl
-        if self._before is not None and self._leaves(_ranges):
+        if self._before is not None and self._has_same(_range_readings):
             return self._before.hull
         return None if dvl is None else hull_planes(dvl)
 
     @cached_property
     def views(self) -> Views | None:
-        """Look up how the camera moved between images. None without images or track enough."""
+        """Predict what pairs of images show.
+
+        None without a track, without planes of hull, or with too few pairs.
+        """
         dvl, hull, track = self.records.dvl, self.hull, self.track
         if dvl is None or hull is None or track is None:
             return None
         return views_of(dvl.t_ns, hull, self.rig, self.flows, track)
 
-    def _leaves(self, readings: Callable[[SensorRecords], Sequence[object]]) -> bool:
-        """Tell whether the records hold the same readings, not only equal ones, as before."""
+    def _has_same(self, readings: Callable[[SensorRecords], Sequence[object]]) -> bool:
+        """Tell whether the records hold the same arrays as those before.
+
+        Identity is tested, not equality, as that takes no time. readings: lists the arrays that
+        count, as `_turn_readings` does.
+        """
         if self._before is None:
             return False
         now, before = readings(self.records), readings(self._before.records)
         return len(now) == len(before) and all(a is b for a, b in zip(now, before, strict=True))
 
 
-def _turns(records: SensorRecords) -> Sequence[object]:
+def _turn_readings(records: SensorRecords) -> Sequence[object]:
+    """List the readings, beside stamps, that the comparison of rates and attitude depends on."""
     return () if records.imu is None else (records.imu.quaternion, records.imu.angular_velocity)
 
 
-def _accelerations(records: SensorRecords) -> Sequence[object]:
+def _acceleration_readings(records: SensorRecords) -> Sequence[object]:
+    """List the readings that the integral of the accelerations in `global` depends on."""
     imu = records.imu
     return () if imu is None else (imu.t_ns, imu.quaternion, imu.acceleration)
 
 
-def _velocities(records: SensorRecords) -> Sequence[object]:
+def _velocity_readings(records: SensorRecords) -> Sequence[object]:
     return () if records.dvl is None else (records.dvl.velocity,)
 
 
-def _ranges(records: SensorRecords) -> Sequence[object]:
+def _range_readings(records: SensorRecords) -> Sequence[object]:
     return () if records.dvl is None else (records.dvl.ranges,)
 
 
-def _depths(records: SensorRecords) -> Sequence[object]:
+def _depth_readings(records: SensorRecords) -> Sequence[object]:
     return () if records.pressure is None else (records.pressure.t_ns, records.pressure.depth)
 
 
-def _attitudes(records: SensorRecords) -> Sequence[object]:
-    """List what the attitude at the pings follows from."""
+def _attitude_readings(records: SensorRecords) -> Sequence[object]:
+    """List the readings that the attitude of the DVL at its pings depends on."""
     dvl, imu = records.dvl, records.imu
     if dvl is None or imu is None:
         return ()
     return dvl.t_ns, imu.t_ns, imu.quaternion, records.tray
 
 
-def compare(motions: Motions, kinds: Set[str] = RESTS_ON.keys()) -> list[Comparison]:
-    """Make the comparisons of some kinds for which the dive has readings and motion enough."""
+def compare(motions: Motions, kinds: Set[str] = DEPENDS_ON.keys()) -> list[Comparison]:
+    """Make the comparisons of some kinds for which the dive has enough readings and motion."""
     found: list[Comparison | None] = []
     imu, dvl, pressure = motions.records.imu, motions.records.dvl, motions.records.pressure
     if pressure is not None and "level" in kinds:
@@ -345,10 +397,10 @@ def compare(motions: Motions, kinds: Set[str] = RESTS_ON.keys()) -> list[Compari
     track = motions.track if kinds & OF_TRACK else None
     if track is None or dvl is None:
         return [one for one in found if one is not None]
-    if "depth" in kinds and motions.sinking is not None:
-        found.append(compare_depth(motions.sinking, track))
+    if "depth" in kinds and motions.depth is not None:
+        found.append(compare_depth(motions.depth, track))
     if "push" in kinds and motions.felt is not None:
-        found.append(compare_push(motions.felt, track))
+        found.append(compare_acceleration(motions.felt, track))
     if "flow" in kinds and motions.views is not None:
         found.append(compare_flow(motions.views))
     if "view" in kinds and motions.views is not None:
@@ -359,18 +411,21 @@ def compare(motions: Motions, kinds: Set[str] = RESTS_ON.keys()) -> list[Compari
 
 
 def compare_rates(imu: ImuSamples) -> Comparison | None:
-    """Compare the turns of an IMU's orientation with the integrals of its rates."""
+    """Compare the turns of an IMU's orientation with the integrals of its rates.
+
+    None where too few windows have both.
+    """
     known = np.isfinite(imu.angular_velocity).all(axis=1)
     t_ns, rates = imu.t_ns[known], imu.angular_velocity[known]
-    windows = _windows(t_ns, TURNED_S)
+    windows = _cut_windows(t_ns, TURNED_S)
     if len(windows) < LEAST_WINDOWS:
         return None
     t_s = seconds(t_ns, int(t_ns[0]))
     by_rates = _over(integral(t_s, rates).total, windows)
     attitude = Rotation.from_quat(imu.quaternion[known])
     turn = (attitude[windows[:, 0]].inv() * attitude[windows[:, 1]]).as_rotvec()
-    # White noise of the orientation: what the rates do not explain from reading to reading, or the
-    # scatter of the turns themselves if that is less.
+    # White noise of the orientation, from the steps between readings that the rates do not explain,
+    # or from the scatter of the turns themselves if that is less.
     step = (attitude[:-1].inv() * attitude[1:]).as_rotvec() - 0.5 * (
         rates[1:] + rates[:-1]
     ) * np.diff(t_s)[:, None]
@@ -390,54 +445,58 @@ def compare_rates(imu: ImuSamples) -> Comparison | None:
 
 
 def compare_gravity(imu: ImuSamples) -> Comparison | None:
-    """Compare the mean acceleration with gravity: at rest, -g along z of `global`.
+    """Compare the median acceleration with that at rest, which is -g along z of `global`.
 
-    None without accelerations, or of a sensor that has gravity taken off.
+    None without accelerations, or where gravity was taken off.
     """
     _, felt = felt_in_global(imu)
     if not len(felt):
         return None
-    mean, down = np.median(felt, axis=0), np.array([0.0, 0.0, -GRAVITY_M_S2])
+    median, at_rest = np.median(felt, axis=0), np.array([0.0, 0.0, -GRAVITY_M_S2])
     return Comparison(
         kind="gravity",
         sensors=frozenset({Sensor.ACCELERATION, Sensor.ATTITUDE}),
-        residual=mean - down,
+        residual=median - at_rest,
         sigma=np.full(3, GRAVITY_SIGMA),
         nuisance=np.zeros((3, 0)),
-        first=mean,
-        second=down,
+        first=median,
+        second=at_rest,
     )
 
 
-def compare_push(felt: Integral, track: Track) -> Comparison | None:
+def compare_acceleration(felt: Integral, track: Track) -> Comparison | None:
     """Compare the change of the DVL's velocity with the integral of the IMU's accelerations.
 
-    None of a sensor that gives gravity alone.
+    Nuisances are the bias of the accelerometer and a time offset. None where too few windows have
+    both, or where there is hardly anything but gravity.
+
+    felt: integral of the accelerations in `global`, less gravity, at seconds since the start of the
+    track.
     """
     t_s = track.way.t_s
-    windows = _windows(track.t_ns, PUSHED_S, (t_s >= felt.t_s[0]) & (t_s <= felt.t_s[-1]))
+    windows = _cut_windows(track.t_ns, CHANGED_S, (t_s >= felt.t_s[0]) & (t_s <= felt.t_s[-1]))
     if len(windows) < LEAST_WINDOWS:
         return None
-    pushed = felt.at(t_s)
+    integrated = felt.at(t_s)
     swept = local_line(t_s, track.lever, t_s, SMOOTH_S)[1]
     by_dvl, by_imu = (
         _over(local_line(t_s, speed, t_s, SMOOTH_S)[0], windows)
-        for speed in (track.way.signal - swept, pushed)
+        for speed in (track.way.signal - swept, integrated)
     )
     if is_still(by_imu, by_dvl):
-        return None  # gravity alone: filtered, as the vertical of an attitude
-    slope = local_line(t_s, pushed, t_s, SMOOTH_S)[1]
+        return None  # gravity alone, as of a filter that gives the vertical of its attitude
+    slope = local_line(t_s, integrated, t_s, SMOOTH_S)[1]
     late = LATE_S * _over(slope, windows)
     turn = track.global_from_vehicle[windows[:, 0]].inv()
     spun = IMU_LEVER_M * (turn * track.global_from_vehicle[windows[:, 1]]).magnitude()
     lasts = np.asarray(_over(t_s, windows))[:, None, None]
     biased = FELT_BIAS_M_S2 * lasts * track.global_from_vehicle[windows[:, 0]].as_matrix()
-    sigma = np.hypot(PUSHED_SIGMA_M_S, spun)[:, None] * np.ones(3)
+    sigma = np.hypot(CHANGED_SIGMA_M_S, spun)[:, None] * np.ones(3)
     return Comparison(
         kind="push",
         sensors=frozenset({Sensor.ACCELERATION, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}),
         residual=(by_dvl - by_imu).ravel(),
-        sigma=np.hypot(sigma, PUSHED_SHARE * by_imu).ravel(),
+        sigma=np.hypot(sigma, CHANGED_SHARE * by_imu).ravel(),
         nuisance=np.concatenate([biased.reshape(-1, 3), late.reshape(-1, 1)], axis=1),
         first=by_dvl.ravel(),
         second=by_imu.ravel(),
@@ -448,37 +507,44 @@ def compare_push(felt: Integral, track: Track) -> Comparison | None:
 class Track:
     """The path and attitude of the DVL at the pings with a velocity."""
 
-    rows: Ints  # (n,) of all pings
+    rows: Ints  # (n,) rows of these pings among all pings
     t_ns: Ints  # (n,)
     global_from_dvl: Rotation  # (n,)
     global_from_vehicle: Rotation  # (n,)
-    way: Integral  # (n, 3) of the velocity in `global`, m
-    lever: Array  # (n, 3) from pressure sensor to DVL in `global`
+    way: Integral  # (n, 3) m, path: the integral of the velocity in `global`
+    lever: Array  # (n, 3) m, from pressure sensor to DVL in `global`
 
     @cached_property
     def sunk_by_tilt(self) -> Array:
-        """Compute how much deeper the path would be of a DVL mounted with a tilt, (n, 3) m.
+        """Compute how much deeper (n, 3), m, the path would be if the DVL were tilted by TILT_RAD.
 
-        The tilt is TILT_RAD, about each of its axes in turn.
+        The columns are for a tilt about each of its axes.
         """
-        # v sinks by (R (a x v))_z = a . (v x r), where a is the tilt's axis and r the last row of R
+        # A tilt about the axis a adds (R (a x v))_z = a . (v x r) to the velocity downwards. Here v
+        # is the velocity in the DVL's axes, R is global_from_dvl, and r its last row.
         rotation = self.global_from_dvl.as_matrix()
         own = np.einsum("nij,ni->nj", rotation, self.way.signal)
         turned = integral(self.way.t_s, cross(own, rotation[:, 2])).total
         return np.asarray(TILT_RAD * turned)
 
     def with_velocity(self, velocity: Array) -> Track:
-        """Integrate another velocity (n, 3) of the same pings, in the DVL's axes."""
+        """Replace the path by the integral of another velocity (n, 3), in the DVL's axes.
+
+        The pings and their attitude stay, as under a hypothesis of the velocity alone.
+        """
         way = integral(self.way.t_s, self.global_from_dvl.apply(velocity))
         return replace(self, way=way)
 
 
 def track_of(records: SensorRecords, rig: Rig) -> Track | None:
-    """Integrate the DVL's velocity in the axes of `global`. None without DVL or IMU."""
+    """Integrate the DVL's velocity in the axes of `global`.
+
+    None without DVL or IMU, or where hardly any velocity was measured while the IMU was read.
+    """
     dvl, imu = records.dvl, records.imu
     if dvl is None or imu is None or len(imu.t_ns) < 2:
         return None
-    rows = _heard(records)
+    rows = _rows_with_velocity(records)
     if len(rows) < LEAST_WINDOWS:
         return None
     t_ns = dvl.t_ns[rows]
@@ -498,8 +564,8 @@ def track_of(records: SensorRecords, rig: Rig) -> Track | None:
     )
 
 
-def _heard(records: SensorRecords) -> Ints:
-    """List the rows of the pings with a velocity while the IMU was logged."""
+def _rows_with_velocity(records: SensorRecords) -> Ints:
+    """List the rows of the pings that have a velocity and lie within the IMU's record."""
     dvl, imu = records.dvl, records.imu
     if dvl is None or imu is None:
         return np.zeros(0, np.int64)
@@ -508,44 +574,50 @@ def _heard(records: SensorRecords) -> Ints:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sinking:
-    """The depth by the pressure sensor along a track."""
+class SmoothedDepth:
+    """The depth by the pressure sensor at the pings of a track, smoothed."""
 
-    windows: Ints  # (m, 2) rows of the track, between which depths are compared
-    depth: Array  # (n,) m, smoothed
-    sigma: float  # m, what smoothing leaves of the readings' noise
+    windows: Ints  # (m, 2) first and last row of each window in which changes are compared
+    depth: Array  # (n,) m
+    sigma: float  # m, noise of a smoothed depth
 
 
-def sinking_of(pressure: PressureSamples, ping_ns: Ints) -> Sinking | None:
-    """Smooth the depth at the pings of a track. None without readings or motion enough."""
+def smooth_depth(pressure: PressureSamples, ping_ns: Ints) -> SmoothedDepth | None:
+    """Smooth the pressure sensor's depth at the pings of a track.
+
+    None where too few windows have both. ping_ns (n,): stamps of the track.
+    """
     read = np.isfinite(pressure.depth)
     read_ns, depth = pressure.t_ns[read], pressure.depth[read]
     if len(read_ns) < LEAST_WINDOWS:
         return None
-    windows = _windows(ping_ns, SUNK_S, (ping_ns >= read_ns[0]) & (ping_ns <= read_ns[-1]))
+    windows = _cut_windows(ping_ns, SUNK_S, (ping_ns >= read_ns[0]) & (ping_ns <= read_ns[-1]))
     if len(windows) < LEAST_WINDOWS:
         return None
     start = int(ping_ns[0])
     read_s, t_s = seconds(read_ns, start), seconds(ping_ns, start)
-    # noise of a reading by second differences, and what smoothing leaves of it
+    # White noise of a reading, from second differences. Smoothing reduces it to `sigma`.
     white = robust_sigma(np.diff(depth, n=2), about=0.0) / np.sqrt(6)
-    return Sinking(
+    return SmoothedDepth(
         windows=windows,
         depth=local_line(read_s, depth, t_s, SMOOTH_S)[0][:, 0],
         sigma=float(white * np.sqrt(period(read_s) / (2 * np.sqrt(np.pi) * SMOOTH_S))),
     )
 
 
-def compare_depth(sinking: Sinking, track: Track) -> Comparison:
-    """Compare the change of the pressure sensor's depth with that of the DVL's path."""
-    windows = sinking.windows
-    sunk, way = _over(sinking.depth, windows), _over(track.way.total, windows)
+def compare_depth(smoothed: SmoothedDepth, track: Track) -> Comparison:
+    """Compare the change of the pressure sensor's depth with that of the DVL's path.
+
+    Nuisances are a tilt of the DVL, a scale and a time offset.
+    """
+    windows = smoothed.windows
+    sunk, way = _over(smoothed.depth, windows), _over(track.way.total, windows)
     late = LATE_S * _over(track.way.signal[:, 2], windows)
     return Comparison(
         kind="depth",
         sensors=frozenset({Sensor.PRESSURE, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}),
         residual=sunk - way[:, 2] + _over(track.lever[:, 2], windows),
-        sigma=np.sqrt(2 * sinking.sigma**2 + DEPTH_SIGMA_M**2 + (ROUGH_SHARE * late) ** 2),
+        sigma=np.sqrt(2 * smoothed.sigma**2 + DEPTH_SIGMA_M**2 + (ROUGH_SHARE * late) ** 2),
         nuisance=np.column_stack([_over(track.sunk_by_tilt, windows), SCALE * way[:, 2], late]),
         first=sunk,
         second=way[:, 2],
@@ -555,31 +627,41 @@ def compare_depth(sinking: Sinking, track: Track) -> Comparison:
 def compare_ranges(ping_ns: Ints, hull: HullPlanes, track: Track) -> list[Comparison]:
     """Compare the hull that the DVL's ranges show with its velocity, and with the attitude.
 
-    The hull stands still: it comes nearer by the velocity along its normal, and its normal turns
-    across the tray's axis by the attitude alone. ping_ns: of all pings.
+    As the hull does not move, its distance changes by the velocity along its normal ("range"), and
+    its normal keeps its direction in `global` ("hull"). Of the latter the part along the tray's
+    axis is compared, which the tray's angle does not change. Both are coarse, as a hull is curved.
+
+    Parameters
+    ----------
+    ping_ns
+        Stamps of all pings.
+    hull
+        Planes of the pings that show one.
+    track
+        Path and attitude of the DVL.
     """
-    common, rows, of = np.intersect1d(track.t_ns, ping_ns[hull.ping], return_indices=True)
+    common, rows, plane_rows = np.intersect1d(track.t_ns, ping_ns[hull.ping], return_indices=True)
     if len(common) < LEAST_WINDOWS:
         return []
     t_s = seconds(common, int(common[0]))
-    planes = np.column_stack([hull.normal, hull.distance])[of]
+    planes = np.column_stack([hull.normal, hull.distance])[plane_rows]
     smooth, _ = local_line(t_s, planes, t_s, SMOOTH_S)
     normal = smooth[:, :3] / np.linalg.norm(smooth[:, :3], axis=1, keepdims=True)
     distance = smooth[:, 3]
-    windows = _windows(common, NEARED_S)
+    windows = _cut_windows(common, NEARED_S)
     if len(windows) < LEAST_WINDOWS:
         return []
     first, last = windows.T
     own = track.global_from_dvl[rows]
     seen, axis = own.apply(normal), track.global_from_vehicle[rows].apply([0.0, 1.0, 0.0])
-    # By the velocity the distance falls by the way along the normal. Nothing should be left.
+    # The distance falls by the way along the normal, so that the sum of both changes is zero.
     way = _over(track.way.total[rows], windows)
     middle = 0.5 * (seen[first] + seen[last])
     nearer = _over(distance, windows) + (middle * way).sum(axis=1)
     # the same with the velocity along the DVL's axis reversed
     toward = track.global_from_dvl.inv().apply(track.way.signal) * [1.0, 1.0, -1.0]
     mirrored = integral(track.way.t_s, track.global_from_dvl.apply(toward)).total[rows]
-    # In global axes the normal should not change. Across the tray's axis the tray itself turns it.
+    # In `global` the normal does not change. Along the tray's axis it holds no error of the tray.
     turned = ((seen[last] - seen[first]) * axis[first]).sum(axis=1)
     along = (way * axis[first]).sum(axis=1)
     return [
@@ -610,28 +692,29 @@ def compare_ranges(ping_ns: Ints, hull: HullPlanes, track: Track) -> list[Compar
 
 @dataclass(frozen=True, kw_only=True)
 class Views:
-    """Pairs of images, with the motions and the planes of hull that other sensors give them."""
+    """Pairs of images, with what DVL, attitude and tray predict for them."""
 
-    flows: Sequence[Flow]  # n
-    path: Poses  # global_from_dvl at the pings of path_ns
-    path_ns: Ints
-    dvl_from_top: Poses
+    flows: Sequence[Flow]  # n, the features of each pair
+    path: Poses  # global_from_dvl (m) at the pings of the track
+    path_ns: Ints  # (m,) stamps of the path
+    dvl_from_top: Poses  # mount of the upper camera
     tray_axis: Array  # (3,) in the camera
-    away: Array  # (n, 3) normals of the hull in the first camera
-    depth: Array  # (n,) m, of these planes
+    away: Array  # (n, 3) normals of the planes of hull, in the axes of the first camera
+    depth: Array  # (n,) m, distance of the planes from the first camera
 
     @cached_property
     def second_from_first(self) -> Poses:
         """Compute the motions (n) of the upper camera by DVL, attitude and tray."""
-        return self._moved(0)
+        return self._motions_at(0)
 
     @cached_property
     def late(self) -> Array:
-        """Compute by how much that turns otherwise where stamps are late by LATE_S, (n, 3) rad."""
-        later = self._moved(round(LATE_S * NS))
+        """Compute the change of the turns, (n, 3) rad, if images were exposed LATE_S later."""
+        later = self._motions_at(round(LATE_S * NS))
         return np.asarray((later.rotation * self.second_from_first.rotation.inv()).as_rotvec())
 
-    def _moved(self, late_ns: int) -> Poses:
+    def _motions_at(self, late_ns: int) -> Poses:
+        """Compute second_from_first (n), with images exposed late_ns after their stamps."""
         at = np.array([flow.t_ns for flow in self.flows], np.int64) + late_ns
         top = interpolate(self.path_ns, self.path, at.T.ravel()) @ self.dvl_from_top
         return top[len(at) :].inverse() @ top[: len(at)]
@@ -640,19 +723,31 @@ class Views:
 def views_of(
     ping_ns: Ints, hull: HullPlanes, rig: Rig, flows: Sequence[Flow], track: Track
 ) -> Views | None:
-    """Look up how the upper camera moved between two images, and the plane of hull in front of it.
+    """Predict from DVL, attitude and tray what pairs of images show.
 
-    None without images or motion enough. ping_ns: of all pings.
+    That is how the upper camera moved between the two, and the plane of hull in front of it, from
+    the nearest ping. None without a camera or with too few pairs.
+
+    Parameters
+    ----------
+    ping_ns, hull
+        Stamps of all pings, and planes of those that show one.
+    rig
+        Mounts of the sensors.
+    flows
+        Features of the pairs of images.
+    track
+        Path and attitude of the DVL.
     """
     flows = [f for f in flows if track.t_ns[0] <= f.t_ns[0] and f.t_ns[1] <= track.t_ns[-1]]
     if rig.tray_from_top is None or len(flows) < LEAST_WINDOWS:
         return None
     # the ping with a plane of hull that is nearest to each first image
-    common, _, of = np.intersect1d(track.t_ns, ping_ns[hull.ping], return_indices=True)
+    common, _, plane_rows = np.intersect1d(track.t_ns, ping_ns[hull.ping], return_indices=True)
     if len(common) < LEAST_WINDOWS:
         return None
     first_ns = np.array([flow.t_ns[0] for flow in flows], np.int64)
-    near = of[np.abs(common[:, None] - first_ns).argmin(axis=0)]
+    near = plane_rows[np.abs(common[:, None] - first_ns).argmin(axis=0)]
     dvl_from_top = rig.tray_from_dvl.inverse() @ rig.tray_from_top
     return Views(
         flows=flows,
@@ -666,8 +761,12 @@ def views_of(
 
 
 def compare_flow(views: Views) -> Comparison | None:
-    """Compare the motion of features with what DVL, attitude and tray make of it."""
-    seen, made = [], []
+    """Compare the median motion of features with that predicted from DVL, attitude and tray.
+
+    The features' rays are met with the plane of hull, and the points projected into the second
+    image. None where too few pairs show the hull in front of the camera.
+    """
+    seen, predicted = [], []
     turned, moved = (
         views.second_from_first.rotation.as_matrix(),
         views.second_from_first.translation,
@@ -679,11 +778,11 @@ def compare_flow(views: Views) -> Comparison | None:
         points = (flow.rays * (views.depth[k] / slope)[:, None]) @ turned[k].T + moved[k]
         if (points[:, 2] <= 0).any():
             continue
-        made.append(np.median(points[:, :2] / points[:, 2:] - flow.first, axis=0))
+        predicted.append(np.median(points[:, :2] / points[:, 2:] - flow.first, axis=0))
         seen.append(flow.shift)
     if len(seen) < LEAST_WINDOWS:
         return None
-    by_images, by_dvl = np.array(seen), np.array(made)
+    by_images, by_dvl = np.array(seen), np.array(predicted)
     size = np.linalg.norm(by_dvl, axis=1, keepdims=True) * np.ones(2)
     return Comparison(
         kind="flow",
@@ -699,8 +798,9 @@ def compare_flow(views: Views) -> Comparison | None:
 def compare_view(views: Views) -> Comparison | None:
     """Compare the camera's turn that features show with the turn by attitude and tray.
 
-    The direction of motion counts too: with a wrong distortion, motion across the view looks in
-    part like a turn. About the tray's own axis, where its backlash is, the turns tell little.
+    The motion compared includes that of the scene by the camera's displacement: with a wrong
+    distortion, a displacement across the view looks in part like a turn. About the tray's axis the
+    sigma is large, because of its backlash. None where too few pairs show the hull.
     """
     rows = np.flatnonzero(views.depth > 0)
     if len(rows) < LEAST_WINDOWS:
@@ -709,15 +809,15 @@ def compare_view(views: Views) -> Comparison | None:
     turn, sigma = fit_turns(moved, [flow.first for flow in flows], [flow.second for flow in flows])
     backlash, lag = TILT_RAD * views.tray_axis, views.late[rows]
     shift = cross(np.array([0.0, 0.0, 1.0]), moved.translation) / views.depth[rows, None]
-    made = moved.rotation.as_rotvec() + shift
+    predicted = moved.rotation.as_rotvec() + shift
     return Comparison(
         kind="view",
-        sensors=SEEN - {Sensor.DVL},  # of which the way's direction alone counts
+        sensors=SEEN - {Sensor.DVL},  # only the direction of its motion has an influence
         residual=turn.ravel(),
         sigma=np.sqrt(sigma**2 + VIEW_RAD**2 + backlash**2 + lag**2).ravel(),
         nuisance=np.zeros((turn.size, 0)),
-        first=(made + turn).ravel(),
-        second=made.ravel(),
+        first=(predicted + turn).ravel(),
+        second=predicted.ravel(),
     )
 
 
@@ -731,7 +831,7 @@ class HullPlanes:
 
 
 def hull_planes(dvl: DvlPings) -> HullPlanes:
-    """Fit a plane to the returns of each ping."""
+    """Fit a plane to the returns of each ping that has enough, with its distance from the DVL."""
     t_ns, normal = hull_normals(dvl)
     if not len(t_ns):
         return HullPlanes(ping=t_ns, normal=normal, distance=np.zeros(0))
@@ -742,7 +842,7 @@ def hull_planes(dvl: DvlPings) -> HullPlanes:
 
 
 def compare_level(pressure: PressureSamples) -> Comparison:
-    """Compare the depth with zero: no vehicle dives above the water surface."""
+    """Compare quantiles of the depth with the water's surface: no vehicle dives above it."""
     read = pressure.depth[np.isfinite(pressure.depth)]
     depth = np.quantile(read, LEVELS) if len(read) else np.zeros(len(LEVELS))
     above = np.minimum(depth + HIGHEST_M, 0.0)
@@ -761,8 +861,23 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(np.square(values)))) if len(values) else 0.0
 
 
-def _windows(t_ns: Ints, lasts_s: float, inside: Array | None = None) -> Ints:
-    """Cut time into windows (m, 2) of rows, without long gaps, at most MOST_WINDOWS of them."""
+def _cut_windows(t_ns: Ints, lasts_s: float, inside: Array | None = None) -> Ints:
+    """Cut a record into consecutive windows, at most about MOST_WINDOWS, thinned evenly.
+
+    Parameters
+    ----------
+    t_ns
+        Stamps (n,).
+    lasts_s
+        Length of a window.
+    inside
+        Rows (n,) at which a window may begin or end.
+
+    Returns
+    -------
+    Ints
+        First and last row (m, 2) of windows without a gap longer than LONGEST_GAP_S.
+    """
     if len(t_ns) < 2:
         return np.zeros((0, 2), np.int64)
     usable = np.ones(len(t_ns), bool) if inside is None else inside

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Find the sensor that contradicts the others, put it right, leave it out, or name it.
+"""Find the sensor that contradicts the others, and correct it, leave it out, or name it.
 
 See docs/methods.md, Suspects. Comparisons of two sensors show where a dive contradicts itself. Each
-hypothesis takes a fault off one sensor. The one that explains a contradiction has to leave none
-behind, and no other sensor's may explain as much. Where no hypothesis explains it, or several
-sensors' do, all of them are named.
+hypothesis corrects a fault of one sensor. It explains the contradictions of that sensor if they
+vanish with it. A sensor is at fault where no hypothesis of another sensor explains as much. Where
+no hypothesis explains them, or hypotheses of several sensors do, all of these sensors are named.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from scipy.spatial.transform import Rotation
 from hullrecon.dive.logs.heading import heading_by_rates
 from hullrecon.findings.finding import Finding
 from hullrecon.navigation.suspects.comparisons import (
+    DEPENDS_ON,
     GAIN,
-    RESTS_ON,
     Comparison,
     Flow,
     Motions,
@@ -35,32 +35,33 @@ from hullrecon.records.sensors import ImuSamples, SensorRecords
 from hullrecon.rig import Rig
 
 ALIKE = 4.0  # hypotheses whose chi-squares differ by less explain as much (navigation/clocks)
-EXPLAINED = 0.4  # of a motion, which the residuals of a hypothesis that explains it stay below
-GROSS = 0.6  # of a motion; a contradiction that size makes a path worthless
-GROSS_SWING_RAD = 0.1  # of a heading: it moves a tenth of the way across
-KEPT = 0.5  # of the rows of a comparison, which a hypothesis leaves to judge it by
-SHOWN = 8  # hypotheses by contradiction that are listed
-UNITS = ("unit", "gauge")  # faults of a pressure that are one of its unit
+EXPLAINED = 0.4  # residuals of a hypothesis, as a share of the motion, below which it is explained
+GROSS = 0.6  # residuals as a share of the motion, above which a path would be worthless
+GROSS_SWING_RAD = 0.1  # swing of a heading: a path then errs sideways by a tenth of its length
+KEPT = 0.5  # share of a comparison's rows that must remain under a hypothesis to judge it
+SHOWN = 8  # hypotheses that are listed for each contradiction
+UNITS = ("unit", "gauge")  # faults of a pressure that concern its unit
+# faults of a pressure, the usual ones first
 USUAL = {fault: rank for rank, fault in enumerate((*UNITS, "scale", "sign", "constant"))}
-USUAL_ANGLE_DEG = 45  # of mounts
-# Faults by any factor. One of the factors that are tried fits about as well as a cause whose factor
-# is known: water's for focal lengths, a picture of half the size.
+USUAL_ANGLE_DEG = 45  # mounts are usually turned by multiples of it
+# Faults by an arbitrary factor. One of the factors that are tried fits about as well as a cause
+# whose factor is known: the medium of focal lengths, a picture of half the size. The cause counts.
 ANY_FACTOR = ("focal", "ranges", "scale")
 KNOWN_FACTOR = ("medium", "size")
-SAME_DEPTH_M = 0.5  # by which two readings of a pressure may differ that are one
+SAME_DEPTH_M = 0.5  # median depths by two interpretations that differ by less are the same
 BY_DEFAULT = Conventions()
-FAULTS = 3  # that are looked for, one after the other
+FAULTS = 3  # that are sought, one after the other
 
 
 @dataclass(frozen=True, kw_only=True)
 class Tried:
-    """What a hypothesis explains."""
+    """A hypothesis that was tried, and what it explains."""
 
     sensor: Sensor
     fault: str
     value: str
-    chi2: float  # of the comparisons that it may change, by this hypothesis
-    chi2_before: float
+    chi2: float  # of all comparisons, under this hypothesis
+    chi2_before: float  # of all comparisons, as the dive was logged
     explains: bool
 
     def document(self) -> dict[str, object]:
@@ -77,11 +78,11 @@ class Tried:
 
 @dataclass(frozen=True, kw_only=True)
 class Judged:
-    """Records with what was put right, and what was found."""
+    """Result of judging the sensors of a dive."""
 
-    records: SensorRecords
+    records: SensorRecords  # with faults corrected where that is possible
     findings: list[Finding]
-    tried: list[Tried]  # those that explain most, by contradiction
+    tried: list[Tried]  # for each contradiction, the hypotheses that explain most
     depth_offset_m: float = 0.0  # by which the level of depths may be off, where it stepped
 
 
@@ -93,16 +94,18 @@ def judge(
     flows: Sequence[Flow] = (),
     given: Conventions = BY_DEFAULT,
 ) -> Judged:
-    """Hold the sensors of a dive against each other.
+    """Compare the sensors of a dive with each other, and find the one that is wrong.
+
+    Up to FAULTS faults are sought one after the other, as long as each can be corrected exactly.
 
     Parameters
     ----------
     records, rig
         The dive.
     atmosphere_m
-        The air's pressure in metres of water, which was taken off the pressure.
+        The air's pressure in metres of water, which was subtracted from the pressure.
     topics
-        Of the sensors, for what is said.
+        Of the sensors, for the findings.
     flows
         Features of neighbouring images.
     given
@@ -121,7 +124,7 @@ def judge(
         best = explain_best(found)
         sensors = list(dict.fromkeys(h.sensor for h, _ in best))
         late = [h for h, _ in best if h.fault == "clock"]
-        if late:  # a swell repeats itself: of offsets that fit as well, the least
+        if late:  # a swell repeats itself, so of offsets that fit as well the smallest is told
             least = min(late, key=lambda h: abs(h.late_s))
             values = {"sensor": str(least.sensor), "seconds": least.late_s}
             findings.append(Finding("sensors-late", values))
@@ -130,15 +133,15 @@ def judge(
             findings.append(Finding("sensors-drift", values))
         elif len(sensors) != 1:
             findings.append(_describe_unknown(records, sensors, wrong, base))
-        elif len(readings := _depths([h for h, _ in best])) > 1:
+        elif len(units := _possible_units([h for h, _ in best])) > 1:
             where = topics.get(Sensor.PRESSURE, "")
-            findings.append(Finding("pressure-unit-open", {"readings": readings}, where))
+            findings.append(Finding("pressure-unit-open", {"readings": units}, where))
         elif best[0][0].exact:
             records = best[0][0].mended
-            findings.append(_describe("sensor-mended", best[0][0], wrong, topics))
+            findings.append(_describe_fault("sensor-mended", best[0][0], wrong, topics))
             continue
         else:
-            found_wrong = _describe("sensor-wrong", best[0][0], wrong, topics)
+            found_wrong = _describe_fault("sensor-wrong", best[0][0], wrong, topics)
             one = best[0][0]
             remedy = find_remedy(one.sensor, one.fault, one.value, given, rig.tray_from_dvl)
             values = {**found_wrong.values, "remedy": remedy}
@@ -148,44 +151,60 @@ def judge(
 
 
 def explain_best(found: Sequence[tuple[Hypothesis, Tried]]) -> list[tuple[Hypothesis, Tried]]:
-    """Select the hypotheses that explain most. `found` begins with those that leave least."""
+    """Select the hypotheses that explain most, the usual ones first.
+
+    found: all hypotheses that were tried, by growing chi-square.
+    """
     best = [(h, one) for h, one in found if one.explains]
-    if any(h.fault in UNITS for h, _ in best):  # a sensor left out has no residuals at all
+    # leaving the sensor out always has the least chi-square, as no residuals of it remain
+    if any(h.fault in UNITS for h, _ in best):
         best = [(h, one) for h, one in best if h.fault != "constant"]
     best = [pair for pair in best if _explains_as_much(*pair, *best[0])]
     if any(h.fault in KNOWN_FACTOR for h, _ in best):
         best = [(h, one) for h, one in best if h.fault not in ANY_FACTOR]
-    return sorted(best, key=lambda pair: _rank(pair[0]))
+    return sorted(best, key=lambda pair: _rank_by_usualness(pair[0]))
 
 
 def _explains_as_much(one: Hypothesis, tried: Tried, best: Hypothesis, least: Tried) -> bool:
-    """Tell whether a hypothesis explains as much as the best.
+    """Tell whether a hypothesis explains as much as the best one.
 
-    To the comparison of depths with velocities, a factor of the depths and its reciprocal of the
-    velocities are the same but for the noise, which grows with the factor.
+    The comparison of depths with velocities cannot tell a factor of the depths from its reciprocal
+    of the velocities, except by the noise, which grows with the factor. So a larger difference of
+    chi-square is allowed between two scales.
+
+    one, tried: the hypothesis, and its result. best, least: those of the best one.
     """
-    factors = one.fault == best.fault == "scale"
-    return tried.chi2 < least.chi2 + (GAIN if factors else ALIKE)
+    are_scales = one.fault == best.fault == "scale"
+    return tried.chi2 < least.chi2 + (GAIN if are_scales else ALIKE)
 
 
-def _rank(one: Hypothesis) -> int:
-    """Order readings of a pressure, mount angles and axes of orientations by how usual they are."""
+def _rank_by_usualness(one: Hypothesis) -> int:
+    """Rank a hypothesis by how usual its fault is, 0 for the most usual.
+
+    It orders faults of a pressure and of a tray, angles of mounts and axes of orientations.
+    """
     if one.sensor is Sensor.ATTITUDE and one.fault == "axes":
         return 1
     if one.fault in ("turn", "mount"):
         return int(int(one.value) % USUAL_ANGLE_DEG != 0)
     if one.sensor is Sensor.TRAY:
-        # where the zero explains as much as a unit: in degrees the angles would swing by 57 times
-        # as much
+        # A reading near 1.57 is a zero that is off by a quarter of a turn, or a small angle in
+        # degrees. Where both explain as much, the zero counts: a tray that is logged in degrees
+        # would swing by 57 times as much.
         return int(one.fault != "zero")
     return USUAL.get(one.fault, len(USUAL)) if one.sensor is Sensor.PRESSURE else 0
 
 
-def _depths(best: Sequence[Hypothesis]) -> list[list[object]]:
-    """List the readings of a pressure that explain it best: fault, unit, least and greatest depth.
+def _possible_units(best: Sequence[Hypothesis]) -> list[list[object]]:
+    """List the units of a pressure that explain a contradiction equally well.
 
-    Empty where all explain another sensor. A pressure in one unit is taken as absolute, not as
-    above the air's.
+    Interpretations with the same depths count once. Where a unit fits both as absolute and as gauge
+    pressure, only the absolute one is listed.
+
+    Returns
+    -------
+    list of list
+        Fault, unit, and least and greatest depth, m. Empty where another sensor is at fault.
     """
     absolute = {one.value for one in best if one.fault == "unit"}
     out: list[list[object]] = []
@@ -195,8 +214,8 @@ def _depths(best: Sequence[Hypothesis]) -> list[list[object]]:
         if one.sensor is not Sensor.PRESSURE or pressure is None or one.fault not in UNITS:
             continue
         low, median, high = map(float, np.percentile(pressure.depth, [5, 50, 95]))
-        is_known = one.fault == "gauge" and one.value in absolute
-        if not is_known and all(abs(median - other) > SAME_DEPTH_M for other in medians):
+        is_listed = one.fault == "gauge" and one.value in absolute
+        if not is_listed and all(abs(median - other) > SAME_DEPTH_M for other in medians):
             medians.append(median)
             out.append([one.fault, one.value, low, high])
     return out
@@ -207,47 +226,55 @@ def _try_all(
     atmosphere_m: float,
     base: Sequence[Comparison],
 ) -> list[tuple[Hypothesis, Tried]]:
-    """Make the comparisons again under each hypothesis. Those that explain most come first.
+    """Repeat the comparisons under each hypothesis, and sort by what it explains.
 
-    A hypothesis that leaves a contradiction explains nothing. Only the SHOWN best are compared with
-    all sensors, and none that could not come near the best even if those comparisons left nothing.
+    A hypothesis that leaves a contradiction explains nothing. To save time all comparisons of its
+    sensor are repeated only for hypotheses that may still be the best, and for some others that are
+    listed.
+
+    motions, base: motions and comparisons of the dive as logged.
     """
-    # Take each hypothesis to the contradictions in which its sensor has a part: does it solve them?
-    wrong = sorted((c for c in base if c.accuses), key=lambda c: list(RESTS_ON).index(c.kind))
+    # Repeat the contradictions of each hypothesis' sensor: does it solve them?
+    wrong = sorted((c for c in base if c.accuses), key=lambda c: list(DEPENDS_ON).index(c.kind))
     suspects = frozenset().union(*(c.sensors for c in wrong))
     before = sum(c.chi2 for c in base)
-    solved: list[tuple[float, Hypothesis, _Again]] = []
-    unsolved: list[tuple[float, Hypothesis, _Again]] = []
+    # with a lower bound of chi-square
+    solved: list[tuple[float, Hypothesis, _Repeated]] = []
+    # with the growth of the chi-square of a contradiction that remains
+    unsolved: list[tuple[float, Hypothesis, _Repeated]] = []
     records, flows, camera = motions.records, motions.flows, motions.rig.top
     for one in hypotheses(records, suspects, atmosphere_m, flows, camera):
         own = [c for c in wrong if one.sensor in c.sensors]
         is_constant = one.fault == "constant"
         if not own or (is_constant and not all(c.stands_still for c in own if c.second.any())):
             continue
-        again = _Again(one, motions)
-        left = None if is_constant else next((c for c in own if not again.solves(c)), None)
-        if left is None:
-            # at best, comparisons not made again yet fall to nothing
-            gain = sum(c.chi2 - _chi2_left(c, again.made(c.kind)) for c in own)
+        repeated = _Repeated(one, motions)
+        remaining = None if is_constant else next((c for c in own if not repeated.solves(c)), None)
+        if remaining is None:
+            # the chi-square of comparisons that are not repeated yet falls to zero at best
+            gain = sum(c.chi2 - _chi2_under(c, repeated.made(c.kind)) for c in own)
             gain += sum(c.chi2 for c in base if one.sensor in c.sensors and not c.accuses)
-            solved.append((before - gain, one, again))
+            solved.append((before - gain, one, repeated))
         else:
-            worse = _chi2_left(left, again.made(left.kind)) - left.chi2
-            unsolved = sorted([*unsolved, (worse, one, again)], key=lambda found: found[0])[:SHOWN]
-    # Make the other comparisons of those that may still be the best, and of some that failed.
+            worse = _chi2_under(remaining, repeated.made(remaining.kind)) - remaining.chi2
+            unsolved = sorted([*unsolved, (worse, one, repeated)], key=lambda row: row[0])[:SHOWN]
+    # Repeat all comparisons of hypotheses that may still be the best, and of some that failed.
     tried: list[tuple[Hypothesis, Tried]] = []
     best = np.inf
-    for least, one, again in sorted(solved, key=lambda found: found[0]):
+    for least, one, repeated in sorted(solved, key=lambda found: found[0]):
         if least <= best + GAIN or len(tried) < SHOWN:
-            tried.append((one, _weigh(one, base, again)))
+            tried.append((one, _weigh_hypothesis(one, base, repeated)))
             best = min(best, tried[-1][1].chi2) if tried[-1][1].explains else best
-    for _, one, again in unsolved:
-        tried.append((one, _weigh(one, base, again)))
+    for _, one, repeated in unsolved:
+        tried.append((one, _weigh_hypothesis(one, base, repeated)))
     return sorted(tried, key=lambda pair: (not pair[1].explains, pair[1].chi2))
 
 
-class _Again:
-    """Comparisons under a hypothesis, each made when it is asked for."""
+class _Repeated:
+    """Comparisons under a hypothesis, each made when it is asked for.
+
+    before: motions as the dive was logged, of which unchanged parts are used again.
+    """
 
     def __init__(self, one: Hypothesis, before: Motions) -> None:
         flows = before.flows if one.flows is None else one.flows
@@ -255,29 +282,36 @@ class _Again:
         self._made: dict[str, Comparison | None] = {}
 
     def made(self, kind: str) -> Comparison | None:
-        """Make a comparison of one kind. None without readings or motion enough."""
+        """Make a comparison of one kind, once. None without enough readings or motion."""
         if kind not in self._made:
             found = compare(self._motions, {kind})
             self._made |= {kind: None, **{c.kind: c for c in found}}
         return self._made[kind]
 
     def solves(self, before: Comparison) -> bool:
-        """Tell whether the hypothesis explains a contradiction, not by having fewer rows."""
+        """Tell whether the hypothesis explains a contradiction, and not by losing rows.
+
+        before: the comparison as the dive was logged.
+        """
         after = self.made(before.kind)
         if after is None or len(after.residual) < KEPT * len(before.residual):
             return False
         return after.misfit < EXPLAINED or (before.is_reversed and not after.is_contradiction)
 
 
-def _weigh(one: Hypothesis, base: Sequence[Comparison], again: _Again) -> Tried:
-    """Tell what a hypothesis explains, by the comparisons that its sensor has a part in."""
+def _weigh_hypothesis(one: Hypothesis, base: Sequence[Comparison], repeated: _Repeated) -> Tried:
+    """Tell whether a hypothesis explains the contradictions, by all comparisons of its sensor.
+
+    It has to solve all contradictions of its sensor and cause no new one. It also has to lower
+    chi-square by GAIN, unless a sign was reversed: large sigmas may hide that from chi-square.
+    """
     own = [c for c in base if c.accuses and one.sensor in c.sensors]
     before = sum(c.chi2 for c in base)
     chi2 = before + sum(
-        _chi2_left(c, again.made(c.kind)) - c.chi2 for c in base if one.sensor in c.sensors
+        _chi2_under(c, repeated.made(c.kind)) - c.chi2 for c in base if one.sensor in c.sensors
     )
-    solved = one.fault == "constant" or all(again.solves(c) for c in own)
-    after = [again.made(kind) for kind, sensors in RESTS_ON.items() if one.sensor in sensors]
+    solved = one.fault == "constant" or all(repeated.solves(c) for c in own)
+    after = [repeated.made(kind) for kind, sensors in DEPENDS_ON.items() if one.sensor in sensors]
     sound = not any(c.accuses for c in after if c is not None)
     gains = chi2 < before - GAIN or any(c.is_reversed for c in own)
     return Tried(
@@ -290,17 +324,26 @@ def _weigh(one: Hypothesis, base: Sequence[Comparison], again: _Again) -> Tried:
     )
 
 
-def _chi2_left(before: Comparison, after: Comparison | None) -> float:
-    """Compute chi-square under a hypothesis. Rows that it loses cost what they did, at most one."""
+def _chi2_under(before: Comparison, after: Comparison | None) -> float:
+    """Compute a comparison's chi-square under a hypothesis.
+
+    Rows that are lost under it cost as much as before, but at most one each, so that losing them is
+    no gain.
+
+    before, after: the comparison as logged, and under the hypothesis.
+    """
     kept = after.chi2 if after is not None else 0.0
     lost = len(before.residual) - (len(after.residual) if after is not None else 0)
     return kept + max(0, lost) * min(1.0, before.chi2 / max(1, len(before.residual)))
 
 
-def _describe(
+def _describe_fault(
     code: str, one: Hypothesis, wrong: Sequence[Comparison], topics: Mapping[Sensor, str]
 ) -> Finding:
-    """Say what is wrong with a sensor, and by which comparison."""
+    """Make the finding of what is wrong with a sensor, with the comparison that shows it most.
+
+    code: of the finding. one: the fault. wrong: comparisons that accuse a sensor.
+    """
     own = max((c for c in wrong if one.sensor in c.sensors), key=lambda c: c.chi2)
     values = {"sensor": str(one.sensor), "fault": one.fault, "value": one.value, **_facts(own)}
     return Finding(code, values, topics.get(one.sensor, ""))
@@ -312,18 +355,30 @@ def _describe_unknown(
     wrong: Sequence[Comparison],
     base: Sequence[Comparison],
 ) -> Finding:
-    """Name the sensors that contradict each other where it is not known which is wrong.
+    """Make the finding that sensors contradict each other, and it is not known which is wrong.
 
-    Those that agree with another one, and a tray that was not logged, are left out.
+    Named are the given sensors, else those of the worst contradiction. Of the latter, sensors that
+    agree with another one in some comparison are left out, and so is a tray that was not logged.
+
+    Parameters
+    ----------
+    records
+        The dive.
+    sensors
+        Whose hypotheses explain the contradiction equally well, empty where none does.
+    wrong, base
+        Comparisons that accuse a sensor, and all comparisons.
     """
     worst = max(wrong, key=lambda c: c.chi2)
     agree = [c.sensors for c in base if len(c.sensors) > 1 and c not in wrong and not c.vouches]
-    if worst.kind == "turn":  # gravity and depth tell nothing of an orientation that stands still
+    if worst.kind == "turn":  # an orientation that stands still may agree with gravity and depth
         agree = []
     named = [s for s in Sensor if s in worst.sensors and not any(s in c for c in agree)]
     named = [s for s in named if s is not Sensor.TRAY or records.tray is not None]
     facts = _facts(worst)
-    swing_rad = _swing(records.imu) if worst.kind == "turn" and records.imu is not None else 0.0
+    swing_rad = (
+        _heading_swing(records.imu) if worst.kind == "turn" and records.imu is not None else 0.0
+    )
     if swing_rad:
         facts["kind"] = "heading"
     is_gross = worst.misfit > GROSS or swing_rad > GROSS_SWING_RAD
@@ -333,10 +388,11 @@ def _describe_unknown(
     )
 
 
-def _swing(imu: ImuSamples) -> float:
+def _heading_swing(imu: ImuSamples) -> float:
     """Measure by how much the orientation's heading swings about that of the rates, rad.
 
-    0 where the two contradict each other about other axes than the vertical too.
+    0 where the two contradict each other also about other axes than the vertical, so that it is no
+    compass that swings.
     """
     turned = heading_by_rates(imu.t_ns, Rotation.from_quat(imu.quaternion), imu.angular_velocity)
     again = compare_rates(replace(imu, quaternion=turned.rotation.as_quat()))
@@ -344,5 +400,6 @@ def _swing(imu: ImuSamples) -> float:
 
 
 def _facts(comparison: Comparison) -> dict[str, object]:
+    """Collect a finding's values: kind of comparison, largest motion by either side, misfit."""
     first, second = (float(np.abs(one).max()) for one in (comparison.first, comparison.second))
     return {"kind": comparison.kind, "first": first, "second": second, "misfit": comparison.misfit}
