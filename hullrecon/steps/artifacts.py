@@ -204,13 +204,17 @@ class LinksArtifact(StepArtifact):
 
     @property
     def features(self) -> PairFeatures:
-        """The features that the joined pairs have in common, mapped from the file."""
+        """The common features of the pairs that matched and were kept (`NodePairs.joined`).
+
+        They are mapped from the file, pair by pair, as those of a long dive do not fit into memory.
+        """
         index, rows = self.folder / "features.npz", self.folder / COMMON_FEATURES
         for path in (index, rows):
             if not path.exists():
                 raise self.missing(path.name)
         start = load_arrays(index)["start"]
-        mode: Literal["r"] | None = "r" if start[-1] else None  # none cannot be mapped
+        # numpy cannot map an array without rows
+        mode: Literal["r"] | None = "r" if start[-1] else None
         return PairFeatures(start=start, rows=np.load(rows, mmap_mode=mode, allow_pickle=False))
 
 

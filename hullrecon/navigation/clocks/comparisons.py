@@ -129,7 +129,7 @@ def compare_turns(
     """Compare attitude and images by the turns of the upper camera between images.
 
     The residual is the rotation that images and attitude disagree by, in sigmas, without its part
-    about the tray's axis.
+    about the tray's axis. It is NaN where a motion begins or ends beyond the attitude's readings.
     """
     tray_from_top = rig.tray_from(Camera.TOP).rotation
     axis = tray_from_top.inv().apply(TRAY_AXIS)
@@ -143,6 +143,7 @@ def compare_turns(
         tray = tray_poses(rig.tray_origin, servo.angle_at(t_ns)).rotation
         camera = attitude_at(t_ns) * tray * tray_from_top
         first, second = camera[: len(rows)], camera[len(rows) :]
+        # second_from_first by the attitude, undone by that of the images: nil if both agree
         turn = (seen[rows] * second.inv() * first).as_rotvec()
         turn[_outside(motions, rows, shift_ns, attitude.t_ns)] = np.nan
         return np.asarray((turn - (turn * axis).sum(axis=1, keepdims=True) * axis) / sigma[rows])
@@ -158,6 +159,12 @@ def compare_directions(
     Both sit on the tray, so that no attitude is needed. The motion of the lever arm between them
     follows from the rotation that the images measured. A small rotation between their mounts is
     estimated. None for fewer than two pings.
+
+    The residual, (n, 3), is the small rotation from the direction in which the images saw the top
+    camera go to the one by the DVL, in sigmas, both in axes halfway between those of the two
+    images.
+
+    velocities: of the DVL in its own frame.
     """
     if len(velocities.t_ns) < 2:
         return None
@@ -166,9 +173,11 @@ def compare_directions(
     top_from_dvl = rig.tray_from(Camera.TOP).inverse() @ rig.tray_from_dvl
     # in axes halfway between those of the two images, in which the DVL measured its step
     halfway = Rotation.from_rotvec(0.5 * motions.second_from_first.rotation.as_rotvec())
+    # the translation of second_from_first is where the first camera lies seen from the second: the
+    # motion is its negative
     seen = -_directions(halfway.inv().apply(motions.second_from_first.translation))
     lever, turned = top_from_dvl.translation, top_from_dvl.rotation
-    # motion of the DVL relative to the camera, as both turn
+    # by how much the DVL moves relative to the camera, as the rig turns
     swept = halfway.inv().apply(lever) - halfway.apply(lever)
 
     def step(shift_s: float, rows: Ints) -> Array:
@@ -181,6 +190,8 @@ def compare_directions(
     length = np.linalg.norm(step(0.0, np.arange(len(motions))), axis=1)
     of_step = STEP_SIGMA_M / np.maximum(length, STEP_SIGMA_M) + DIRECTION_SIGMA_RAD
     sigma = np.hypot(motions.sigma_rad[:, 1], of_step)[:, None]
+    # derivative of `angle` by a small rotation between the mounts: its part about the direction
+    # itself does not show
     by_mount = np.eye(3) - seen[:, :, None] * seen[:, None, :]
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
@@ -215,8 +226,11 @@ def compare_depth(
     """Compare pressure sensor and DVL by the depth.
 
     The depth by pressure is held against the integral of the DVL's vertical velocity. The attitude
-    that levels the velocity is looked up with the IMU's offset. None without pings, or with fewer
-    than LEAST_ROWS pressure readings.
+    that levels the velocity is looked up with the IMU's offset. None without three pings that lie
+    SUNK_S apart, or with fewer than LEAST_ROWS pressure readings.
+
+    Residuals are second differences over such three pings, so that a bias of the depth and a steady
+    rate, as by a wrong mount, cancel.
     """
     known, read = np.isfinite(dvl.velocity).all(axis=1), np.isfinite(pressure.depth)
     t_ns, read_ns = dvl.t_ns[known], pressure.t_ns[read]
@@ -246,6 +260,7 @@ def compare_depth(
         at_s = t_s + _shift_ns(offsets, ClockedSensor.PRESSURE, ClockedSensor.DVL) / NS
         depth = np.interp(at_s, read_s, smooth)
         depth[(at_s < read_s[0]) | (at_s > read_s[-1])] = np.nan
+        # by what the two depths differ, (n, 3) m at the three pings of each row
         apart = (depth - sunk(_shift_ns(offsets, ClockedSensor.IMU, ClockedSensor.DVL)))[
             triples[rows]
         ]
@@ -261,7 +276,9 @@ def compare_hull_turns(
 ) -> ClockComparison | None:
     """Compare attitude and DVL by the apparent turns of the hull, which does not move.
 
-    The normal of the hull is that of a plane through a ping's returns. None without such pings.
+    The normal of the hull is that of a plane through a ping's returns. Turned into the global frame
+    with an attitude of the right time, it stands still or turns evenly. None without three such
+    pings that lie TURNED_S apart.
     """
     t_ns, normal = hull_normals(dvl)
     triples = _rows_apart(t_ns, TURNED_S)
@@ -291,8 +308,9 @@ def compare_accelerations(
 ) -> ClockComparison | None:
     """Compare IMU and DVL by the change of velocity, with the integral of the acceleration.
 
-    None without pings, without accelerations that hold gravity, or where these hold hardly anything
-    else.
+    Residuals are second differences of the velocity over three pings, so that gravity's and the
+    IMU's constant errors cancel. None without three pings that lie CHANGED_S apart, without
+    accelerations that hold gravity, or where these hold hardly anything else.
     """
     known = np.isfinite(dvl.velocity).all(axis=1)
     t_ns = dvl.t_ns[known]
@@ -310,6 +328,7 @@ def compare_accelerations(
         shift_ns = _shift_ns(offsets, ClockedSensor.IMU, ClockedSensor.DVL)
         at_ns, at_s = t_ns + shift_ns, t_s + shift_ns / NS
         level = attitude_at(at_ns)
+        # velocity of the DVL relative to the vehicle's origin, as the vehicle turns
         swept = np.gradient(level.apply(lever), t_s, axis=0)
         apart = level.apply(velocity) - swept - integrated.at(at_s)
         apart[(at_s < felt_s[0]) | (at_s > felt_s[-1])] = np.nan
@@ -354,7 +373,10 @@ def _compare_with_images(
     systematic_s: float,
     evaluate: Callable[[Offsets, Ints], Array],
 ) -> ClockComparison:
-    """Make a comparison of a sensor with images, a row for each motion between two images."""
+    """Make a comparison of a sensor with images, a row for each motion between two images.
+
+    Errors of different motions are taken to be independent, so each row is a block of its own.
+    """
     rows = np.arange(len(motions))
     return ClockComparison(
         first=first,
@@ -476,12 +498,14 @@ def _vehicle_from_dvl(servo: Servo, rig: Rig, t_ns: Ints) -> Rotation:
 
 
 def _rows_apart(t_ns: Ints, apart_s: float) -> Ints:
-    """Choose triples of pings that lie apart_s from each other.
+    """Choose triples of pings that lie apart_s from each other, for second differences.
+
+    A ping is left out as the first of three where another comes too late (LATE), as in an outage.
 
     Returns
     -------
     Ints
-        Rows (m, 3) of the three, thinned evenly to about MOST_ROWS.
+        Rows (m, 3) of the three, thinned evenly to about MOST_ROWS. Empty without any.
     """
     rows = [np.arange(len(t_ns))]
     near = np.ones(len(t_ns), bool)

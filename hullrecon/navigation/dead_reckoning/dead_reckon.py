@@ -167,6 +167,9 @@ class Heard:
 def hear(logs: NavigationLogs, tilt_rad: float) -> Heard:
     """Reject outliers of the DVL's velocities and smooth the IMU's attitude.
 
+    Both are needed before there is a path, to compare the sensors' clocks. Velocities from before
+    and after the IMU's record are left out.
+
     tilt_rad: white sigma of roll and pitch where the IMU's rates do not tell it.
     """
     slack = int(LONGEST_GAP_S * 1e9)
@@ -216,7 +219,13 @@ def finite_attitude(imu: ImuSamples) -> ImuSamples:
 def _extend_velocities(
     logs: NavigationLogs, found: Velocities, walk: ImageWalk | None
 ) -> tuple[Velocities, int, tuple[int, int]]:
-    """Extend the velocities beyond the IMU's readings as far as images overlap each other.
+    """Take in velocities from before and after the IMU's record, as far as images go on there.
+
+    There the attitude is held, with a sigma that grows, so the velocities give a rough path on
+    which images get nodes. Each of these images overlaps its neighbour, so that links can hold it.
+    Without a walk (no images) nothing is added. Raises StageError for fewer than two velocities.
+
+    found: velocities while the IMU was read.
 
     Returns
     -------
@@ -231,6 +240,8 @@ def _extend_velocities(
             "while the IMU was running"
         )
         raise StageError("the DVL gave no velocity to reckon with", where=where)
+    # images within REACH_S of the first and last velocity get a pose anyway; beyond, only those
+    # that overlap
     heard = int(found.t_ns[0]), int(found.t_ns[-1])
     reached = heard[0] - reach, heard[1] + reach
     span = reached if walk is None else walk.widened(reached)
@@ -247,19 +258,22 @@ def _place_nodes(
     span_ns: tuple[int, int],
     walk: ImageWalk | None,
 ) -> Nodes:
-    """Place the nodes of the path.
+    """Place the nodes of the path at images, and at pings where there are no images.
 
-    Frames in an outage that moves the vehicle by an unknown way (LOST_SIGMA_M), and that overlap
-    neither of its sides, get none.
+    In a long outage of the DVL the vehicle may have gone anywhere. Where its displacement is known
+    worse than LOST_SIGMA_M, frames that no chain of overlapping frames joins to either side of the
+    outage get no node. Raises StageError for fewer than two nodes.
 
     Parameters
     ----------
-    logs, path
-        What the sensors measured, and the path.
+    logs
+        Stamps of images and pings, at which nodes are placed.
+    path
+        Its velocities say where the outages are, and how well they are bridged.
     span_ns
-        In which frames get a node.
+        First and last instant at which frames get a node.
     walk
-        Tells which frames overlap.
+        Finds the frames that overlap neither side of an outage. Without it each frame gets a node.
     """
     heard, reach = path.velocities.t_ns, int(REACH_S * 1e9)
     pings = logs.dvl.t_ns[
@@ -304,7 +318,7 @@ def usable_frames(index: ImageIndex | None) -> tuple[Ints, Ints]:
 def _poses_at_nodes(path: Reckoning, at: Instant, depth: Depth | None) -> Poses:
     """Compute global_from_vehicle (n) at the nodes, with x = y = 0 at the start.
 
-    z is that of the path, corrected by the pressure sensor where there is one.
+    z is that of the path, corrected by the pressure sensor. Without one it is 0 at the start too.
     """
     start = path.at(np.array([path.start_ns])).poses().translation[0]
     position = at.poses().translation - start
@@ -316,7 +330,7 @@ def _poses_at_nodes(path: Reckoning, at: Instant, depth: Depth | None) -> Poses:
 def _record_attitude(
     path: Reckoning, at: Instant, depth: Depth | None, sigmas: NavigationSigmas
 ) -> Attitude:
-    """Record depth, roll and pitch of the nodes with their sigmas.
+    """Record depth, roll and pitch of the nodes with their sigmas, as the adjustment uses them.
 
     Values without a reading nearby get a wide sigma. Sigmas of nodes that share a pressure reading
     are inflated, so that it counts once. That of a late pressure sensor grows with the rate of the

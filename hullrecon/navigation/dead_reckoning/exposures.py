@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""When the images of the nodes were exposed, and how the vehicle moved meanwhile."""
+"""When the images of the nodes were exposed, and how the tray with the cameras moved meanwhile."""
 
 from __future__ import annotations
 
@@ -43,22 +43,26 @@ def exposures_of(
     path_at: Callable[[Ints], VehiclePath],
     rig: Rig,
 ) -> Exposures | None:
-    """Compute when a dive's images were exposed, and how the tray moved then.
+    """Compute how long after its node each image was exposed, and how the tray moved then.
 
-    None where all images were exposed at their node's time, all rows at once.
+    Nodes have one pose, but the bottom image may be later and rows are read out one after the
+    other: later steps move each feature to its node's time with this. None where all were exposed
+    at their node's time, all rows at once, or without a mounted camera.
 
     Parameters
     ----------
-    trajectory, returns
-        Of the dive.
+    trajectory
+        The nodes, with the rows of their images.
+    returns
+        DVL returns, which give the depth of each node's scene.
     images
-        Indices of top and bottom camera.
+        Indices of top and bottom camera, None where there is none.
     timing
-        Of the cameras.
+        When rows are exposed, relative to the images' stamps.
     path_at
-        The vehicle's path at any times, ns.
+        Interpolates vehicle and tray at any times, ns.
     rig
-        The vehicle's sensors.
+        Where tray, cameras and DVL sit.
     """
     late_s = np.zeros((len(trajectory.t_ns), 2))
     for column, index in enumerate(images):
@@ -70,6 +74,7 @@ def exposures_of(
     if rig.tray_from_top is None or (not late_s.any() and timing.is_ideal):
         return None
     half_ns = round(0.5e9 * SPAN_S)
+    # midway between the exposures of the two cameras (late_s of a missing one is zero)
     middle_ns = trajectory.t_ns + np.rint(0.5e9 * late_s.sum(axis=1)).astype(np.int64)
     before, after = (
         rig.poses_along(path_at(middle_ns + step), "tray") for step in (-half_ns, half_ns)

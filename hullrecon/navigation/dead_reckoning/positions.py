@@ -70,7 +70,8 @@ def attach_positions(
 ) -> AttachedPositions:
     """Tie each fix to the node nearest in time, if that is within FARTHEST_S.
 
-    Fixes whose two coordinates were exchanged in the log are corrected.
+    Fixes that show nothing are refused. North and east are exchanged where they fit the path only
+    so.
 
     origin (3,): m, antenna or transponder in the vehicle frame.
     """
@@ -79,11 +80,11 @@ def attach_positions(
     near = np.abs(t[node] - fixes.t_ns) <= FARTHEST_S * 1e9
     near &= (fixes.t_ns >= t[0]) & (fixes.t_ns <= t[-1])
     poses = trajectory.poses()
-    moved = poses[node[near]].inverse() @ interpolate(t, poses, fixes.t_ns[near])
+    node_from_fix = poses[node[near]].inverse() @ interpolate(t, poses, fixes.t_ns[near])
     ties = PositionTies(
         t_ns=fixes.t_ns[near],
         node=node[near],
-        antenna=moved.rotation.apply(origin) + moved.translation,
+        antenna=node_from_fix.rotation.apply(origin) + node_from_fix.translation,
         north_east=fixes.north_east[near],
         sigma=fixes.sigma[near],
     )
@@ -107,8 +108,9 @@ def _distances_if_exchanged(
     """Measure how far fixes lie from the path, as logged and with their coordinates exchanged.
 
     None unless they fit the path only once the coordinates are exchanged. A straight path fits
-    either way.
+    either way, so its fixes are left as logged.
 
+    ties, exchanged: the fixes as logged, and with their coordinates exchanged.
     Returns
     -------
     tuple

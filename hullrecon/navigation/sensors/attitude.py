@@ -58,11 +58,13 @@ class AttitudeHistory:
     def turn_variance(self, start_ns: Ints, stop_ns: Ints) -> Array:
         """Compute the variance (m,) rad2, each axis, of the turn between two instants.
 
-        Over short times it is the walk of the rates, over long ones twice the variance of an
-        attitude. Holes in the record, steps of the heading and times beyond the readings add to it.
+        With it the turns between nodes are weighted. Over short times it is the walk of the rates,
+        over long ones twice the variance of an attitude. Holes in the record, steps of the heading
+        and times beyond the readings add to it.
         """
         limit = 2 * self.sigma_rad**2
         short = self.walk * (stop_ns - start_ns) * 1e-9
+        # grows as the walk at first, and levels off at the limit
         bound = limit * -np.expm1(-short / limit) if self.fused else np.full(len(start_ns), limit)
         hole_s = np.zeros(len(start_ns))
         for begin, end in self.holes:
@@ -91,7 +93,7 @@ class AttitudeHistory:
     def turned_by_steps(self, at_ns: Ints) -> Array:
         """Accumulate the variance (m,) rad2, about z of g, of the heading's steps up to times (m,).
 
-        A step that was taken off leaves the variance of its size. Where heading and rates diverge
+        The difference of two times is the variance of the turn between them. A step that was taken off leaves the variance of its size. Where heading and rates diverge
         slowly, the whole divergence counts.
         """
         out = self.steps.sigma_rad**2 * np.searchsorted(
@@ -101,6 +103,7 @@ class AttitudeHistory:
         for at, apart in zip(
             self.t_ns[self.steps.disagreement], self.steps.disagreement_rad, strict=True
         ):
+            # the divergence is spread evenly over BESIDE_S on either side of its reading
             out += apart**2 * np.clip((at_ns - at + reach) / (2 * reach), 0.0, 1.0)
         return np.asarray(out)
 
@@ -130,12 +133,13 @@ def attitude_history(
 ) -> AttitudeHistory:
     """Smooth an IMU's orientation by its rates, and take off steps of its heading.
 
-    With few readings or without rates, only jumps of the heading are taken off.
+    With fewer than 50 readings or without rates nothing is smoothed: only jumps of the heading are
+    taken off.
 
     Parameters
     ----------
     imu
-        In time order.
+        Orientations and rates, in time order. All orientations are known.
     sigma_tilt_rad
         White error of roll and pitch where no rates can show it.
     longest_gap_s
@@ -155,6 +159,7 @@ def attitude_history(
     step = period(t)
     width = float(np.clip(np.sqrt(white * step / max(walk, 1e-12)), 3 * step, 5.0))
     slow, _ = local_line(t, gap, t, width)
+    # orientation - gap are the integrated rates, to which the smoothed difference is added
     smooth = Rotation.from_rotvec(slow - gap) * Rotation.from_quat(imu.quaternion)
     # sigma of white noise that a Gaussian of that width leaves
     smoothed = np.sqrt(2 * white * step / (2 * np.sqrt(np.pi) * width))
@@ -175,8 +180,9 @@ def _turn_within_jitter(t: Array, imu: ImuSamples) -> float:
 def _orientation_minus_rates(t: Array, imu: ImuSamples) -> Array:
     """Compute the rotation vector in g (n, 3), rad, from the integrated rates to the orientation.
 
-    The rates' mean bias is taken off. Small rotations are summed as vectors: the sum wanders by far
-    less than a degree, so that their order does not matter.
+    The rates' mean bias is taken off. Where readings are missing nothing is added. Small rotations
+    are summed as vectors: the sum wanders by far less than a degree, so that their order does not
+    matter.
     """
     row = np.arange(len(t))
     known = np.isfinite(imu.angular_velocity).all(axis=1)
@@ -194,7 +200,8 @@ def _orientation_minus_rates(t: Array, imu: ImuSamples) -> Array:
 def _estimate_noise(t: Array, gap: Array, longest_s: float = 2.0) -> tuple[float, float]:
     """Estimate the white variance (rad2) of the orientation and the walk (rad2/s) of the rates.
 
-    The variance of differences over a lag is twice the white variance plus the walk times the lag.
+    The walk is the variance that integrated rates gain in each second. Both set how wide the
+    smoothing is. The variance of differences over a lag is twice the white variance plus the walk times the lag.
     A line through these variances at several lags gives both. The variances are robust, from median
     absolute differences, so that a jolt does not count.
 

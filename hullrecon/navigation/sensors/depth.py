@@ -58,9 +58,9 @@ def hold_to_pressure(
     Parameters
     ----------
     pressure
-        Readings.
+        Depths by the pressure sensor, at least two. Those that are not finite are left out.
     path
-        By DVL and attitude.
+        By DVL and attitude, whose vertical motion is corrected.
     nodes_ns
         Stamps (n,) of the nodes.
     window_s
@@ -70,6 +70,7 @@ def hold_to_pressure(
     known = np.isfinite(pressure.depth)
     t_ns, depth = pressure.t_ns[known], pressure.depth[known]
     t, at = path_seconds(path, t_ns), path_seconds(path, nodes_ns)
+    # the difference to be smoothed, without single outliers
     gap = depth - _reckoned_depth(path, t_ns)
     steady = running_median(gap[:, None], 5)[:, 0]
     step = float(np.median(np.diff(t)))
@@ -78,12 +79,14 @@ def hold_to_pressure(
     edges = path_seconds(
         path, silent_spans(path.velocities.t_ns, int(first_ns), int(last_ns)).ravel()
     )
+    # at the nodes, and at the readings themselves
     smooth = _smooth_segments(t, steady, np.concatenate([at, t]), edges, widths)
     slow, fitted, unread = smooth[: len(at)], smooth[len(at) :], unread_s(t_ns, nodes_ns)
     # between readings far apart a line fitted to noise would lead far astray
     shift = np.where(unread > 0, np.interp(at, t, fitted), slow)
     white = robust_sigma(gap - fitted, about=0.0)
     sigma = np.maximum(white * np.sqrt(step) * _smoothed_noise(at, edges, widths), LEAST_SIGMA_M)
+    # what the sensor alone measured at the nodes, over a shorter window
     near, _ = local_line(t, steady, at, window_s)
     jumps = np.abs(np.diff(steady)) > max(STEP_M, 6 * white)
     measured = near[:, 0] + _reckoned_depth(path, nodes_ns)
@@ -170,6 +173,7 @@ def _smoothed_noise(at_s: Array, edges_s: Array, widths_s: tuple[float, float]) 
     width = np.where(
         _silent(np.searchsorted(edges_s, at_s, side="right")), widths_s[1], widths_s[0]
     )
+    # time to the nearest edge of the segment; there is none at the ends of the dive
     far = np.concatenate([[-np.inf], edges_s, [np.inf]])
     after = np.searchsorted(far, at_s)
     gap = np.minimum(at_s - far[after - 1], far[after] - at_s)

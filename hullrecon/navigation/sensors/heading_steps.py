@@ -59,14 +59,16 @@ def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD
 
     The size at each reading is the median of the difference over BESIDE_S after it, minus that
     before it. Peaks of the size are taken from the largest on. A peak is a step where most of it
-    happens within SUDDEN_S, else a disagreement of heading and rates.
+    happens within SUDDEN_S, else a disagreement of heading and rates. None are found in records
+    shorter than four times BESIDE_S, nor with fewer than three readings
+    in BESIDE_S.
 
     Parameters
     ----------
     t_s
         Times (n,) of the readings.
     gap
-        Heading minus integrated rates (n,), rad.
+        Heading minus integrated rates (n,), rad. It is level but for noise, drift and steps.
     least_rad
         Smallest step.
     """
@@ -88,6 +90,7 @@ def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD
     while peaks.max() > 0:
         about = int(np.argmax(peaks))
         begin, end = max(1, about - count), min(len(gap), about + count)
+        # the peak is flat: the step itself is where neighbouring readings differ most
         at = begin + int(np.argmax(np.abs(np.diff(gap[begin - 1 : end]))))
         sudden = abs(gap[min(at + near, len(gap)) - 1] - gap[max(at - near, 0)])
         if sudden > SUDDEN * peaks[about] and abs(size[at]) > least_rad:
@@ -102,7 +105,9 @@ def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD
 def find_jumps(t_s: Array, quaternion: Array) -> HeadingSteps:
     """Find steps in a heading without rates, as turns that no vehicle makes.
 
-    The running median of the turn rate stands in for the rates.
+    The running median of the turn rate stands in for the rates. Only steps too fast for a vehicle
+    (FASTEST_RAD_S) are found, and none in fewer than 12 readings. Slow divergences are not
+    reported, as there are no rates to diverge from.
     """
     if len(t_s) < 12:
         return NO_STEPS

@@ -74,9 +74,9 @@ class Servo:
 
 
 def servo(tray: JointSamples | None, start_ns: int) -> Servo:
-    """Build the servo from a joint's record in time order.
+    """Build the servo from a joint's record in time order. Readings without an angle are dropped.
 
-    A joint that was not logged stays at zero.
+    A joint that was not logged stays at zero. start_ns: stamp that this single angle is given.
     """
     if tray is None or not np.isfinite(tray.angle).any():
         return Servo(
@@ -95,12 +95,13 @@ def servo(tray: JointSamples | None, start_ns: int) -> Servo:
 def doubtful_angles(tray: JointSamples | None, unit: str, sigma_rad: float) -> list[Finding]:
     """Report angles that tell nothing of the tray: one alone, and radians taken for degrees.
 
-    The latter are suspected where a tray moves, but by less than its own sigma.
+    The latter are suspected where a tray moves, but by less than its own sigma. Fewer than
+    FEW_READINGS are a setting, of which nothing is reported.
 
     Parameters
     ----------
     tray
-        Readings.
+        Readings of the tray's joint, None if it was not logged.
     unit
         In which the angles were taken to be logged, "rad" or "deg".
     sigma_rad
@@ -123,7 +124,8 @@ def doubtful_angles(tray: JointSamples | None, unit: str, sigma_rad: float) -> l
 def frozen_readings(angle: Array) -> Mask:
     """Find readings (n,) that repeat the one before to the last digit, in runs that no noise makes.
 
-    None where the others have no noise: such a servo repeats its angle while it rests.
+    There the driver has hung and the tray may have moved. No reading is found where the others show
+    no noise: such a servo repeats its angle while it rests.
     """
     same = np.concatenate([[False], np.diff(angle) == 0])
     run = np.cumsum(~same)
@@ -146,8 +148,8 @@ def _directions_of_motion(angle: Array, travel: float) -> Array:
     """Find in which sense, +1 or -1, a servo last moved at each reading.
 
     The sense changes when the angle has come back by `travel` rad from its farthest point. The
-    change is dated back to that point. The scan is sequential, as each change decides from where
-    the next one counts.
+    change is dated back to that point. A servo that never moves so far has the sense +1. The scan
+    is sequential, as each change decides from where the next one counts.
     """
     out = np.ones(len(angle))
     # sense so far (0: none yet), row of the farthest angle, and first row of the present sense

@@ -118,6 +118,7 @@ def _fit_lines(
     some = s0 > 1e-6
     s0 = np.where(some, s0, np.nan)
     spread = s2 - s1**2 / s0
+    # samples that lie too close together show no slope: the line is level there
     tilt = np.where(spread > 1e-3 * width_s**2 * s0, 1.0, 0.0) / np.maximum(spread, 1e-12)
     slope = (y1 - (s1 / s0)[:, None] * y0) * tilt[:, None]
     return (y0 - slope * s1[:, None]) / s0[:, None], slope

@@ -22,14 +22,16 @@ def tray_motion(
 ) -> Array:
     """Compute the tray's velocity and angular rate (n, 6) in its own axes, m/s and rad/s.
 
-    NaN where DVL or IMU were not read within NEAR_S.
+    The stereo rig is checked with it before there is a path: a delay of one camera shows as the
+    motion within that time. NaN where DVL or IMU were not read within NEAR_S on both sides.
     """
     half_ns = round(0.5e9 * SPAN_S)
     joint = servo(tray, int(dvl.t_ns[0]))
     angle = [joint.angle_at(t_ns + step) for step in (-half_ns, half_ns)]
     tray_from_vehicle = Rotation.from_rotvec(np.outer(-0.5 * (angle[0] + angle[1]), [0, 1.0, 0]))
     rate = tray_from_vehicle.apply(_near_mean(imu.t_ns, imu.angular_velocity, t_ns))
-    rate[:, 1] += (angle[1] - angle[0]) / SPAN_S
+    rate[:, 1] += (angle[1] - angle[0]) / SPAN_S  # the servo turns the tray about y
+    # from the DVL to the tray's origin, about which the DVL is swept
     velocity = rig.tray_from_dvl.rotation.apply(_near_mean(dvl.t_ns, dvl.velocity, t_ns))
     velocity -= np.cross(rate, rig.tray_from_dvl.translation)
     return np.hstack([velocity, rate])
@@ -38,7 +40,7 @@ def tray_motion(
 def _near_mean(read_ns: Ints, values: Array, t_ns: Ints) -> Array:
     """Interpolate readings (m, 3) at times (n,), averaged over SPAN_S.
 
-    NaN where no reading on either side is within NEAR_S.
+    NaN where the reading before or the one after is not within NEAR_S.
     """
     known = np.isfinite(values).all(axis=1)
     if known.sum() < 2:

@@ -69,6 +69,7 @@ class Velocities:
             lasts_s = (end - begin) * 1e-9
             inside = np.maximum(0, np.minimum(stop_ns, end) - np.maximum(start_ns, begin)) * 1e-9
             out += self.agitation.over(lasts_s) * lasts_s**2 / 12 * inside
+        # how far the interval's two ends lie beyond the record, the nearer end first
         before, after = (
             np.maximum(0, away) * 1e-9
             for away in (
@@ -83,7 +84,11 @@ class Velocities:
 def usable_velocities(
     dvl: DvlPings, span_ns: tuple[int, int], longest_gap_s: float = LONGEST_GAP_S
 ) -> Velocities:
-    """Select the velocities that are finite, near their neighbours, and within a span (ns)."""
+    """Select the velocities that are finite, near their neighbours, and within a span (ns).
+
+    Rejected outliers are listed by their stamps. Gaps of more than longest_gap_s between the others
+    are outages, across which the path is bridged with a wider sigma. There may be no velocity left.
+    """
     finite = (
         np.isfinite(dvl.velocity).all(axis=1)
         & np.isfinite(dvl.velocity_sigma)
@@ -108,7 +113,8 @@ def _find_outliers(t_ns: Ints, velocity: Array) -> Mask:
 
     A stop that takes less than half of the window looks like outliers. So the window of a slow DVL
     has fewer pings: nine of them are 9 s at 1 Hz. Between the pings of a slow DVL a vehicle may
-    also change its velocity by more, so the threshold grows with their period.
+    also change its velocity by more, so the threshold grows with their period. With fewer pings
+    than the window none is an outlier.
     """
     if len(velocity) < 3:
         return np.zeros(len(velocity), bool)
@@ -124,13 +130,14 @@ def _find_outliers(t_ns: Ints, velocity: Array) -> Mask:
 def _estimate_agitation(t_ns: Ints, velocity: Array, sigma: Array) -> Agitation:
     """Estimate the agitation at lags of 1, 2, 4, ... s, up to half of the record.
 
-    It is the mean squared change of the velocity less that of the instrument's noise, of the axis
+    With it the sigma of the path across an outage follows from the outage's length. It is the mean squared change of the velocity less that of the instrument's noise, of the axis
     that changes most. It is kept from falling with the lag.
 
     Parameters
     ----------
     t_ns, velocity, sigma
-        Pings (n,), their velocities (n, 3) and sigmas (n,), m/s.
+        Stamps (n,) of pings, their velocities (n, 3) and sigmas (n,), m/s. Fewer than 12 give a
+        fixed value of 0.01 m2/s3.
     """
     lag, rate = [FIRST_LAG_S], [0.01 if len(t_ns) < 12 else LEAST_AGITATION]
     lasts_ns = int(t_ns[-1] - t_ns[0]) if len(t_ns) else 0

@@ -60,7 +60,10 @@ class StepGuess:
     turn_variance: Array | None = None  # (n - 1,) rad2 of its turns
 
     def motion(self, k: int, steps: Sequence[StereoMotion]) -> StereoMotion:
-        """Guess the motion from pair k to the next one.
+        """Guess the top camera's motion from pair k to the next (first_from_second).
+
+        Without an earlier step the camera is taken to stand still. The calibration has no part in
+        a guess, so that its derivatives are empty.
 
         steps: the motions between all pairs before.
         """
