@@ -94,7 +94,8 @@ def _with_remark(found: Navigated, remark: str) -> Navigated:
 def _share_heard(dvl: DvlPings, imu: ImuSamples | None, stereo: ImageIndex) -> float:
     """Compute the share of the images between the first and last velocity of the DVL.
 
-    Only velocities within the IMU's record count, and images up to REACH_S beyond them.
+    With a small share a path by the DVL would leave out most of the dive. Only velocities within
+    the IMU's record count, and images up to REACH_S beyond them. It is 1 without a usable image.
     """
     if not stereo.usable.any():
         return 1.0
@@ -117,6 +118,7 @@ def reckon_dive(
 ) -> Navigated:
     """Correct the clocks of a dive's sensors, and reckon its path.
 
+    Where clocks were not compared well, their remaining offsets widen the path's sigmas.
     Parameters
     ----------
     logs, rig, sigmas

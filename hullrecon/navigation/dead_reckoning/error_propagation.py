@@ -48,13 +48,13 @@ def dead_reckoning_errors(
     Parameters
     ----------
     path, at
-        The path, and its instants at the nodes.
+        The path, and its instants at the nodes, with the derivatives by persistent errors.
     poses
         The nodes' poses, with the depth that was corrected.
     depth
-        By the pressure sensor, None without one.
+        The correction by the pressure sensor with its sigma, None without one.
     sigmas
-        Of the errors.
+        How large each persistent error may be.
     """
     by_error = pose_by_error(at)
     by_error[:, :3, DVL_LATE] = path.path_by_delay(at.t_ns)
@@ -62,6 +62,7 @@ def dead_reckoning_errors(
     by_error[:, :3] -= pose_by_error(path.at(np.array([path.start_ns])))[:, :3]
     by_error[:, 2, DEPTH_BIAS] = 1.0
     by_error[:, 2, PRESSURE_LATE] = -np.gradient(poses.translation[:, 2], at.t_s)
+    # `walk`: errors that add up along the path, common to all later nodes; `white`: each node's own
     walk, white = np.zeros((2, len(at.t_ns), 6, 6))
     walk[:, [0, 1, 2], [0, 1, 2]] = _drift_since_start(path, at)[:, None]
     white[:, [0, 1, 2], [0, 1, 2]] = LEAST_SIGMA_M**2
@@ -74,6 +75,7 @@ def dead_reckoning_errors(
         at, in_hole, path.attitude.holes_before(at.t_ns)
     )[:, None]
     turned = _covariance_by_unread_attitude(path, at, poses)
+    # the depth counts from the nearest node at which it was measured, not from the start
     if depth is not None:
         near = _nearest_depth(at, depth)
         by_error[:, 2, :DEPTH_BIAS] -= by_error[near, 2, :DEPTH_BIAS]
@@ -106,6 +108,7 @@ def _covariance_by_unread_attitude(path: Reckoning, at: Instant, poses: Poses) -
     path about the position where it happened, so it adds to the twists of all later nodes.
     """
     turned, stepped = path.attitude.turned_unread(at.t_ns), path.attitude.turned_by_steps(at.t_ns)
+    # a turn w about the position p between two nodes is the twist (p x w, w)
     about = 0.5 * (poses.translation[1:] + poses.translation[:-1])
     by_turn = np.concatenate([cross_matrix(about), np.tile(np.eye(3), (len(about), 1, 1))], axis=1)
     variance = np.diff(turned)[:, None] + np.diff(stepped)[:, None] * UP_DOWN**2
@@ -117,15 +120,16 @@ def _covariance_by_unread_attitude(path: Reckoning, at: Instant, poses: Poses) -
 def _variance_by_direction(at: Instant, sigma_rad: Array, stretch: Ints) -> Array:
     """Compute the variance (n,), m2, each axis, of positions by velocities in a wrong direction.
 
-    The direction is wrong where the tray or the attitude was not read. Within a stretch the error
-    is common, so its effect grows with the way. Stretches are independent.
+    The direction is wrong where the tray or the attitude was not read. Within a stretch of nodes
+    the error is common, so its effect grows with the distance travelled. Stretches are independent.
+    The variance counts from the start of the path, and is negative before it.
 
     Parameters
     ----------
     at
-        The nodes.
+        The nodes, with the DVL's path whose steps are turned.
     sigma_rad
-        Sigma (n,) of the direction.
+        Sigma (n,) of the direction, zero where it was read.
     stretch
         Number (n,) of each node's stretch, ascending.
     """
@@ -133,6 +137,7 @@ def _variance_by_direction(at: Instant, sigma_rad: Array, stretch: Ints) -> Arra
     way = np.concatenate([[0.0], np.cumsum(0.5 * (sigma_rad[1:] + sigma_rad[:-1]) * step_m)])
     # row before each node's stretch: the step to its first node counts
     begin = np.maximum(np.searchsorted(stretch, stretch) - 1, 0)
+    # at the first node of a stretch: the variance of the whole stretch before it
     whole = np.where(
         np.diff(stretch, prepend=stretch[0]) > 0, np.roll(way - way[begin], 1) ** 2, 0.0
     )
@@ -152,10 +157,13 @@ def _nearest_depth(at: Instant, depth: Depth) -> Ints:
 def trajectory_covariance(model: TrajectoryErrorModel, poses: Poses) -> Array:
     """Compute the covariance (n, 6, 6) of each pose global_from_vehicle alone.
 
-    Errors are (translation in the global frame, rotation perturbed on the right in the vehicle's).
+    It is what a reader of one pose needs. The error model itself also tells how the errors of two
+    poses go together. Errors are (translation in the global frame, rotation perturbed on the right
+    in the vehicle's).
     """
     persistent = model.by_error @ model.error_covariance @ np.swapaxes(model.by_error, 1, 2)
     from_twist = np.linalg.inv(twist_by_pose_error(poses))
+    # before the start of the path the walk is written as negative: its size counts
     walk = np.where(np.trace(model.walk, axis1=1, axis2=2) < 0, -1, 1)[:, None, None] * model.walk
     return np.asarray(
         from_twist @ (persistent + walk + model.white) @ np.swapaxes(from_twist, 1, 2)
@@ -165,7 +173,8 @@ def trajectory_covariance(model: TrajectoryErrorModel, poses: Poses) -> Array:
 def twist_by_pose_error(poses: Poses) -> Array:
     """Compute the matrices (n, 6, 6) that turn pose errors into twists about the global origin.
 
-    Pose errors are (translation in the global frame, rotation perturbed on the right in the
+    As twists, an error that shifts or turns the remaining path is the same at all later nodes, so
+    that errors simply add up. Pose errors are (translation in the global frame, rotation perturbed on the right in the
     vehicle's): omega = R w, rho = t + p x omega.
     """
     rotation = poses.rotation.as_matrix()
@@ -190,6 +199,7 @@ def pose_by_error(at: Instant) -> Array:
     rotation = at.rotation.as_matrix()
     turned_lever = at.rotation.apply(at.lever)
     lever_by_turn = rotation @ cross_matrix(at.lever)  # of -R r
+    # the backlash turns the velocities by the side on which it rests, and swings the lever arm
     swing = at.direction[:, None] * at.rotation.apply(at.lever_by_tray)
     backlash = at.sums[:, :, BACKLASH] - swing
     out = np.zeros((len(at.t_ns), 6, ERRORS))

@@ -28,7 +28,11 @@ class ImageWalk:
     progress: Callable[[range], Iterable[int]] = iter  # shows how far a walk is
 
     def widened(self, span_ns: tuple[int, int]) -> tuple[int, int]:
-        """Widen a span (ns) on both sides as far as each frame overlaps its neighbour."""
+        """Widen a span (ns) on both sides as far as each frame overlaps its neighbour.
+
+        Images there can get nodes, as links will hold them. The span is returned as it is where no
+        frame lies within it.
+        """
         t_ns = self.frames[0]
         inside = np.flatnonzero((t_ns >= span_ns[0]) & (t_ns <= span_ns[1]))
         if not len(inside):
@@ -40,7 +44,8 @@ class ImageWalk:
     def lost_in(self, outage_ns: tuple[int, int]) -> tuple[int, int] | None:
         """Find the frames in an outage that no chain of overlapping frames joins to either side.
 
-        Returns the first and last stamp, None where there are no such frames.
+        After a long outage nothing tells where the vehicle was then, so they get no node. Returns
+        their first and last stamp. None where there are no such frames, or no frames on one side.
         """
         t_ns = self.frames[0]
         begin, end = (
@@ -56,13 +61,14 @@ class ImageWalk:
     def _last_joined(self, at: int, steps: range) -> int:
         """Find the last frame that a chain of overlapping frames joins to frame `at`.
 
-        Frames are compared by strides of up to STRIDE_S. Where a stride does not overlap, the next
-        frame is tried.
+        To compare few frames, the chain goes on by strides of up to STRIDE_S. Where the frame at
+        the end of a stride does not overlap, the next frame is tried. It is `at` itself if none
+        overlaps.
 
         steps: frames to go along, forward or backward.
         """
         for k in self.progress(steps):
-            if (k - at) * steps.step <= 0:
+            if (k - at) * steps.step <= 0:  # within the last stride
                 continue
             stride = self._farthest_within_stride(at, k, steps)
             reached = next((frame for frame in (stride, k) if self._goes_on(at, frame)), None)
@@ -86,7 +92,10 @@ class ImageWalk:
         return 1e9 * longest_pause_s(self.frames[0])
 
     def _goes_on(self, first: int, second: int) -> bool:
-        """Tell whether two frames overlap. Frames with a long pause between them do not."""
+        """Tell whether two frames overlap. Those with a long pause between them are not compared.
+
+        They count as not overlapping, as another place of the hull may look alike.
+        """
         t_ns, row = self.frames
         near = abs(int(t_ns[second] - t_ns[first])) <= self._longest_ns
         return near and self.goes_on(int(row[first]), int(row[second]))

@@ -31,7 +31,8 @@ class Nodes:
 def pair_frames(top_ns: Ints, bottom_ns: Ints) -> Ints:
     """Pair the frames of two cameras: mutually nearest stamps within half a frame period.
 
-    Stamps are in time order. Returns rows (k, 2) of the two arrays.
+    The period is that of the faster camera. Stamps are in time order. Returns rows (k, 2) of the
+    two arrays, without the frames that have no partner.
     """
     if not len(top_ns) or not len(bottom_ns):
         return np.zeros((0, 2), np.int64)
@@ -97,7 +98,10 @@ def choose_nodes(
 
 
 def _thin(t_ns: Ints) -> Mask:
-    """Choose the first stamp of each interval of 0.9 NODE_SPACING_S: the rest is for jitter."""
+    """Choose the first stamp in each interval of nearly NODE_SPACING_S, so that nodes lie apart.
+
+    Intervals are a tenth shorter, so that stamps with jitter do not skip one.
+    """
     if not len(t_ns):
         return np.zeros(0, bool)
     cell = (t_ns - t_ns[0]) // int(0.9e9 * NODE_SPACING_S)

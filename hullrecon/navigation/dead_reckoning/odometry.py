@@ -31,7 +31,7 @@ LEAST_SIGMA_M = 2e-4  # of a step between two nodes, by errors of stamps and lev
 
 
 def odometry(path: Reckoning, at: Instant) -> Odometry:
-    """Compute the n - 1 edges between neighbouring nodes.
+    """Compute the n - 1 edges between neighbouring nodes, which the adjustment takes as measured.
 
     An edge is the pose of the second vehicle in the first. Its derivatives are of (translation in
     the first vehicle's axes, rotation perturbed on the right).
@@ -117,11 +117,15 @@ def widen_for_tray(found: Odometry, tray_sigma: Array) -> Odometry:
 def white_covariance(path: Reckoning, at: Instant, step: Poses) -> Array:
     """Compute the white covariance (m, 6, 6) of steps by velocity noise, outages and turns.
 
-    The noise of the turn also moves the lever arm from the vehicle to the DVL.
+    White: errors of different steps are independent. The noise of the turn also moves the lever arm
+    from the vehicle to the DVL.
+
+    step: pose of the second vehicle in the first, of each pair of neighbouring nodes.
     """
     start, stop = at.t_ns[:-1], at.t_ns[1:]
     shift = (velocity_variance(path, start, stop) + LEAST_SIGMA_M**2)[:, None, None]
     turn = path.attitude.turn_variance(start, stop)[:, None, None]
+    # derivative of the step's translation by a turn at its end, through the lever arm there
     shift_by_turn = step.rotation.as_matrix() @ cross_matrix(at.lever[1:])
     out = np.zeros((len(start), 6, 6))
     out[:, :3, :3] = shift * np.eye(3) + turn * shift_by_turn @ np.swapaxes(shift_by_turn, 1, 2)

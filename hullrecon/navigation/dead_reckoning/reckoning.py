@@ -78,6 +78,7 @@ class Reckoning:
         tray = tray_poses(self.rig.tray_origin, self.servo.angle_at(at_ns)).rotation
         turn = self.attitude.rotation(at_ns) * tray * self.rig.tray_from_dvl.rotation
         step = np.diff(own, axis=0)
+        # turned by the mean of the rotations before and after the change
         change = 0.5 * (turn[:-1].apply(step) + turn[1:].apply(step))
         total = np.concatenate([np.zeros((1, 3)), np.cumsum(change, axis=0)])
         at_s, t_s = (seconds(stamps, self.start_ns) for stamps in (at_ns, t_ns))
@@ -118,8 +119,10 @@ def reckon(
 
     Parameters
     ----------
-    velocities, attitude, servo, rig
-        Of the dive.
+    velocities, attitude, servo
+        What is integrated, and what turns it into g: the attitude, and the tray's angle.
+    rig
+        The mount of the DVL on the tray, and the tray's origin.
     start_ns
         From which times count, None: the first velocity.
     """
@@ -131,6 +134,8 @@ def reckon(
     vehicle_from_dvl = vehicle_from_tray @ rig.tray_from_dvl.rotation.as_matrix()[0]
     v_v = np.einsum("nij,nj->ni", vehicle_from_dvl, velocities.velocity)
     v_g = np.einsum("nij,nj->ni", global_from_vehicle, v_v)
+    # Derivatives of the velocity in g, which are integrated as it is: a small turn w of the mount
+    # adds R (w x v) = -R [v]x w.
     by_mount = -global_from_vehicle @ vehicle_from_dvl @ cross_matrix(velocities.velocity)
     by_tray = np.einsum("nij,nj->ni", global_from_vehicle, np.cross(TILT_AXIS, v_v))
     by_backlash = by_tray * servo.direction_at(t_ns)[:, None]

@@ -26,14 +26,21 @@ def remarks_of(
 ) -> tuple[list[str], dict[str, object]]:
     """Describe in words what was wrong with the sensors, and collect numbers for navigation.json.
 
-    Times in the numbers are seconds since the start of the path.
+    There are no words where nothing was wrong. Times in the numbers are seconds since the start of
+    the path.
 
     Parameters
     ----------
     pings_ns
-        Stamps of all pings.
-    path, nodes, depth, returns
-        What navigation made of the dive.
+        Stamps of all pings, which are counted.
+    path
+        Tells of outages, outliers, gaps in the attitude, heading steps, and angles not read.
+    nodes
+        Tell of images without a pose or a partner, and of spans without images.
+    depth
+        Tells of steps and silences of the pressure sensor, None without one.
+    returns
+        DVL ranges, of which the flagged ones are counted.
     """
     way_m = np.concatenate(
         [[0.0], np.cumsum(np.linalg.norm(np.diff(path.at(nodes.t_ns).instrument, axis=0), axis=1))]
@@ -167,7 +174,7 @@ def _describe_outages(velocities: Velocities) -> str:
 def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
     """Find the spans without images that are far longer than the usual time between images.
 
-    way_m (n,): distance travelled up to each node.
+    way_m (n,): distance travelled up to each node. Empty with fewer than three nodes with images.
 
     Returns
     -------
@@ -188,7 +195,9 @@ def _without_images(
 ) -> str:
     """Describe the longest span without images, in which images do not support the path.
 
-    blank: as of `images_missing`.
+    The distance travelled is left out where an outage of the DVL makes it uncertain.
+
+    blank: the spans, as returned by `images_missing`.
     """
     if not blank:
         return ""
@@ -263,6 +272,7 @@ def _without_pose(count: int) -> str:
 def _silent_dvl(velocities: Velocities, nodes_ns: Ints) -> str:
     """Describe where images alone carry the path, before the first and after the last velocity."""
     heard_ns, ends_ns = velocities.t_ns[[0, -1]], nodes_ns[[0, -1]]
+    # of the path's start to the first velocity, and of the last velocity to the path's end
     sigma_m = np.sqrt(
         velocities.bridged_variance(
             ends_ns.clip(max=heard_ns[1]), ends_ns.clip(min=heard_ns[0])

@@ -22,6 +22,7 @@ JUMP_M, OUTLIER_SIGMAS = 0.5, 5.0
 def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Mask) -> Returns:
     """Attach each range that came back to the node nearest in time, sorted by ping and then beam.
 
+    Ranges then move with the nodes when these are adjusted. Flagged ones are kept with their flag.
     Pings more than a second beyond the nodes are left out, as their pose is not known.
 
     Parameters
@@ -54,6 +55,8 @@ def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Mask) -> Re
 def flag_ranges(dvl: DvlPings, sigma_range_m: float, sigmas: float = OUTLIER_SIGMAS) -> Mask:
     """Flag DVL ranges (n, b) that disagree with the running median of their beam.
 
+    They may have met a fish, a bubble or another part of the hull, and are not used for its
+    surface. None is flagged with fewer than three pings.
     The sigma is the robust scatter of the neighbouring ranges about that median, or that of the
     instrument where this is larger.
 

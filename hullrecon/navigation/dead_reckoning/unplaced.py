@@ -24,7 +24,9 @@ def describe_unplaced(
     """Describe how much was measured while the vehicle's pose is not known.
 
     These are velocities without an attitude, ranges before or after the path, and readings of an
-    IMU that ran on without a velocity. Small shares are not mentioned.
+    IMU that ran on without a velocity. Small shares are not mentioned, so the list may be empty.
+
+    Of `pressure` it is only read when the vehicle was under water.
     """
     given_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
     used_ns = np.concatenate([velocities.t_ns, velocities.outliers])
