@@ -92,12 +92,16 @@ def synchronise(
     tilt_rad: float,
     measure: MeasureMotion | None = None,
 ) -> Synchronised:
-    """Correct the time offsets of a dive's sensors.
+    """Correct the time offsets of a dive's sensors, as far as it is known whose clock is wrong.
+
+    Clocks that disagree where this is not known are left as they are, and a remark says so.
 
     Parameters
     ----------
-    logs, rig
-        The dive, streams in time order.
+    logs
+        What the sensors logged, streams in time order.
+    rig
+        Where sensors sit, as all of them measure the motion of one vehicle.
     tilt_rad
         Sigma of roll and pitch where the IMU's rates do not tell it.
     measure
@@ -119,7 +123,8 @@ def synchronise(
         motions = motions if len(motions) >= LEAST_MOTIONS else None
     known = _compare_clocks(logs, heard, rig, motions)
 
-    # Explain the dive as a whole and each segment, then choose for each segment.
+    # Explain the dive as a whole and each segment (`parts`: its evidence), then choose for each
+    # segment among all explanations. The first is that all clocks are right.
     evidence = weigh_comparisons(known)
     hypotheses, unknown = [find_wrong_clocks([])[0]], []
     parts = (
@@ -165,6 +170,8 @@ def _compare_clocks(
     """Compare the clocks of all sensors.
 
     Where images show the motion they are compared with IMU and DVL, else these with each other.
+    There may be no comparison: without images and pressure, or where IMU and DVL ran a minute
+    apart.
     """
     attitude, tray = heard.attitude, servo(logs.tray, int(logs.dvl.t_ns[0]))
     made: list[ClockComparison | None] = []
@@ -206,7 +213,10 @@ def _is_a_minute_off(logs: NavigationLogs) -> bool:
 
 
 def _longest_pauses(t_ns: Ints) -> list[int]:
-    """Find the middles (ns) of a stream's longest pauses, where its clock may have jumped."""
+    """Find the middles (ns) of a stream's longest pauses, where its clock may have jumped.
+
+    At most MOST_PAUSES are listed, and only those longer than usual by JUMP_S. Empty without any.
+    """
     step = np.diff(t_ns)
     if not len(step):
         return []
@@ -224,7 +234,9 @@ def _measure_motions(
 ) -> ImageMotions:
     """Measure the upper camera's motion in some runs of images of each segment.
 
-    Motions in outages of DVL or IMU, and beyond their records, are left out.
+    With them the clock of the images is compared with those of DVL and IMU. Motions in outages of
+    these, and beyond their records, are left out. So are those that the images do not tell. There
+    may be none.
 
     Parameters
     ----------
@@ -235,7 +247,7 @@ def _measure_motions(
     measure
         Measures the motion between two images.
     velocities, attitude
-        Of DVL and IMU.
+        When DVL and IMU were read, with their outages.
     """
     t_ns, row = frames
     ends = [stream.t_ns[[0, -1]] for stream in (velocities, attitude) if len(stream.t_ns)]
@@ -262,6 +274,9 @@ def _measure_motions(
 
 def choose_runs(t_ns: Ints, inside: Ints, runs: int) -> list[list[int]]:
     """Choose runs of frames, spread evenly over some rows, with STRIDE_S between frames of a run.
+
+    A run has at most RUN_FRAMES frames, and may have a single one. Fewer runs than asked for are
+    chosen where there are few rows, and none from fewer than two.
 
     Parameters
     ----------

@@ -107,7 +107,7 @@ class Evidence:
 
 
 def weigh_comparisons(comparisons: Iterable[ClockComparison]) -> list[Evidence]:
-    """Scan the cost of each comparison over offsets.
+    """Scan the cost of each comparison over offsets, to find offsets at which its sensors agree.
 
     Comparisons with too few rows, or without any scatter, are left out.
     """
@@ -118,7 +118,8 @@ def weigh_comparisons(comparisons: Iterable[ClockComparison]) -> list[Evidence]:
 def _weigh_comparison(comparison: ClockComparison) -> Evidence | None:
     """Scan near offsets, and far ones too unless the near ones show that the clocks agree.
 
-    They do where the best offset is near zero and any other costs GAIN more.
+    They do where the best offset is near zero and any other costs GAIN more. None where the
+    comparison tells nothing (`_scan_offsets`).
     """
     steps = round(NEAR_S / GRID_S)
     near = np.asarray(GRID_S * np.arange(-steps, steps + 1), float)
@@ -148,10 +149,12 @@ def _scan_offsets(comparison: ClockComparison, shifts: Array) -> Evidence | None
     ]
     if not sigmas or not min(sigmas) > 0:
         return None
+    # (offsets, rows)
     cost = np.array([_clipped(found, min(sigmas)) for found in table])
     given = np.isfinite(cost)
     mean_cost = np.where(given, cost, 0.0).sum(axis=0) / np.maximum(given.sum(axis=0), 1)
     total = _filled(cost, mean_cost).sum(axis=1)
+    # take the lowest, exclude offsets within OTHER_S of it, and go on with the rest
     minima: list[float] = []
     while len(minima) < MINIMA and np.isfinite(total).any():
         minima.append(float(shifts[np.argmin(total)]))
@@ -198,6 +201,7 @@ def refine(evidence: Evidence, start: Offsets) -> Refined | None:
         moved = float(np.clip(moved + step, -1.0, 1.0))
         if abs(step) < CONVERGED_S:
             break
+    # scatter of the gradient, if errors were independent from row to row, or common within a block
     by_row = float(np.square(gradient).sum())
     by_block = float(np.square(np.bincount(comparison.block, gradient)).sum())
     if by_row <= 0:
@@ -212,7 +216,8 @@ def refine(evidence: Evidence, start: Offsets) -> Refined | None:
 def _linearise(residuals: Callable[[float], Array], at_s: float) -> tuple[Array, Array, Array]:
     """Compute slopes by the offset, residuals and robust weights of rows, each (n, k).
 
-    All are 0 where a residual is unknown.
+    All are 0 where a residual is unknown. The weight is 1 up to TRUSTED sigmas, less beyond, and 0
+    beyond WILD sigmas.
 
     residuals: computes them at an offset. at_s: the offset.
     """
@@ -287,10 +292,11 @@ def solve_offsets(
     """
     sensors = list(ClockedSensor)
     prior = np.array([UNKNOWN_S if sensor in wrong else SYNCHRONISED_S for sensor in sensors])
+    # a row for each comparison: +1 and -1 at its two sensors, and the difference that it measured
     cost, rows, measured, variance, systematic = 0.0, [], [], [], []
     for one in evidence:
         fit = refine(one, start)
-        if fit is None:
+        if fit is None:  # its residuals do not depend on the offset
             cost += one.cost(start)
             continue
         first, second = one.comparison.first, one.comparison.second
@@ -319,7 +325,7 @@ def remaining_offset_sigmas(
 ) -> dict[ClockedSensor, float]:
     """Estimate the sigma, s, of each sensor's remaining offset from the IMU, after a correction.
 
-    It includes an offset that is seen but was not corrected, and the drift of a clock that runs
+    It widens the path's sigmas. A sensor that no comparison checks gets UNCHECKED_S. It includes an offset that is seen but was not corrected, and the drift of a clock that runs
     fast or slow. Where it is not known which of two clocks drifts, both get it.
 
     Parameters
@@ -458,7 +464,7 @@ def choose_by_segment(
 ) -> list[int]:
     """Choose the offsets of each segment by least chi-square, plus ALIKE for each change.
 
-    The best sequence is found by dynamic programming (Viterbi).
+    So offsets change at a pause only where the comparisons clearly ask for it. The best sequence is found by dynamic programming (Viterbi).
 
     Parameters
     ----------
@@ -474,6 +480,8 @@ def choose_by_segment(
     list of int
         For each segment a row of `states`.
     """
+    # (segments, states); then, by segment: the least total that ends in each state, and the state
+    # of the segment before from which it came
     cost = np.array(
         [[sum(e.cost(state, span) for e in evidence) for state in states] for span in spans]
     )
@@ -489,7 +497,7 @@ def choose_by_segment(
 
 
 def segments(pauses_ns: Iterable[int], span: Span) -> list[Span]:
-    """Cut a span where streams pause."""
+    """Cut a span where streams pause. Pauses outside are ignored, and common ones cut once."""
     inner = sorted({t for t in pauses_ns if span[0] < t < span[1]})
     return list(itertools.pairwise([span[0], *inner, span[1]]))
 

@@ -26,7 +26,8 @@ def describe_unplaced(
     These are velocities without an attitude, ranges before or after the path, and readings of an
     IMU that ran on without a velocity. Small shares are not mentioned, so the list may be empty.
 
-    Of `pressure` it is only read when the vehicle was under water.
+    pressure: tells when the vehicle was under water. velocities: those that the path uses.
+    returns: the ranges that were attached to nodes.
     """
     given_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
     used_ns = np.concatenate([velocities.t_ns, velocities.outliers])

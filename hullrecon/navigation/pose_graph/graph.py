@@ -164,6 +164,7 @@ class PoseGraph:
         priors = {
             name: mount_prior_table(mount, known[name], mount) for name, mount in mounts.items()
         }
+        # mounts that nothing measures, or that are known exactly
         held = {name for name, prior in priors.items() if prior is None}
         problem = native.Problem(
             unknowns=_start_unknowns(start, mounts, switches),
@@ -215,6 +216,9 @@ class GraphSolution:
     def relative_errors(self, bottom: Mask) -> GraphErrors:
         """Prepare the covariances of the nodes' leading cameras relative to each other.
 
+        With them it is predicted where images overlap. A node's leading camera is the one whose
+        image is compared with other nodes.
+
         bottom (n,): nodes where the bottom camera leads.
         """
         return GraphErrors(problem=self.problem, bottom=bottom)
@@ -224,7 +228,8 @@ class GraphSolution:
     ) -> Array:
         """Compute the information (m,), nats, that one more link adds [docs/methods.md (59a)].
 
-        The mounts are held. Links measure the motion of cameras, so an unknown error of the mount
+        It tells which images to compare next. Only links that are not rejected count as known. The
+        mounts are held. Links measure the motion of cameras, so an unknown error of the mount
         would make each of them look informative, however many there are already.
 
         Parameters
@@ -245,7 +250,10 @@ class GraphSolution:
         return np.asarray(0.5 * np.linalg.slogdet(np.eye(6) + own @ known)[1])
 
     def record(self) -> LinkedPath:
-        """Record the path with its covariance, and the parts that links tie together."""
+        """Record the path with its covariance, and the parts that links tie together.
+
+        Links that were rejected tie nothing.
+        """
         marginals = native.covariance(self.problem, OPTIONS)
         pose = self.problem.unknowns.pose
         kept = ~self.rejected
@@ -270,7 +278,13 @@ class GraphSolution:
         )
 
     def _sigma_of_parts(self, part: Ints) -> Array:
-        """Compute the sigma (parts,) m of each part's middle relative to the largest part's."""
+        """Compute the sigma (parts,) m of each part's middle relative to the largest part's.
+
+        It tells how well navigation alone ties parts of the dive that no image joins. It is 0 for
+        the largest part itself.
+
+        part (n,): number of each node's part (`linked_parts`).
+        """
         rows = [np.flatnonzero(part == k) for k in range(part.max(initial=-1) + 1)]
         if not rows:
             return np.zeros(0)
@@ -292,7 +306,7 @@ class GraphErrors:
     def relative_covariance(self, first: Ints, second: Ints) -> Array:
         """Compute the covariance (m, 6, 6) of second_from_first, of the leading cameras.
 
-        It is of (translation in the second camera's axes, rotation perturbed on its right). The
+        first, second: (m,) nodes. It is of (translation in the second camera's axes, rotation perturbed on its right). The
         camera's mount is taken as known, as its error is common to both nodes. The joint marginals
         of both vehicle poses and tray angles are propagated by the Jacobian.
         """
@@ -302,7 +316,8 @@ class GraphErrors:
         joint = native.pair_covariance(self.problem, pairs, OPTIONS).pose
         by_first, by_second = self._jacobian_by_vehicle(first), self._jacobian_by_vehicle(second)
         rotation, position = self._cameras
-        back = rotation[second].swapaxes(1, 2)
+        back = rotation[second].swapaxes(1, 2)  # second camera from g
+        # rotation and translation of second_from_first
         relative = back @ rotation[first]
         shift = np.einsum("mij,mj->mi", back, position[first] - position[second])
         # columns: of each node position (3), rotation (3) and the tray's angle
@@ -348,6 +363,7 @@ class GraphErrors:
         """
         vehicle, tray, mount = (x[nodes] for x in self._chain)
         axis = np.array([0.0, 1.0, 0.0])
+        # from the tray's origin to the camera, in the vehicle's axes
         arm = np.einsum("nij,nj->ni", tray, mount[:, :3, 3])
         out = np.zeros((len(nodes), 6, 7))
         out[:, :3, :3] = np.eye(3)
@@ -370,6 +386,8 @@ def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> nat
 
     Links of one node share the noise of its features. So the more links a node has, the less each
     weighs (`_shared_noise`).
+
+    Rejected links are not left out: the kernel reduces their weight.
 
     Parameters
     ----------
@@ -398,6 +416,9 @@ def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> nat
 def _shared_noise(degree: Ints, first: Ints, second: Ints) -> Array:
     """Compute the factor (m,) by which the variance of links is inflated, 1 or more.
 
+    Links of one node all hold the noise of its features, but are taken as independent. From
+    SHARED_IMAGES links on, the factor keeps them from seeming better than these features are.
+
     degree (n,): links of each node. first, second (m,): nodes of the links.
     """
     return np.asarray(np.maximum(0.5 * (degree[first] + degree[second]) / SHARED_IMAGES, 1.0))
@@ -406,7 +427,7 @@ def _shared_noise(degree: Ints, first: Ints, second: Ints) -> Array:
 def _square_root_information(links: CameraLinks) -> Array:
     """Compute the square root of the links' information (m, 6, 6), from the Cholesky factor.
 
-    A link without a length measures five numbers, two of the direction and three of the rotation.
+    Multiplied by it residuals are in sigmas. A link without a length measures five numbers, two of the direction and three of the rotation.
     Their square root is in the leading block (5, 5).
     """
     covariance = links.covariance.copy()
@@ -415,6 +436,7 @@ def _square_root_information(links: CameraLinks) -> Array:
     full = np.flatnonzero(links.scaled)
     out[full] = np.linalg.inv(np.linalg.cholesky(covariance[full]))
     length = np.linalg.norm(links.translation[free], axis=1)
+    # derivative of the five by translation and rotation: two directions across the translation
     to_five = np.zeros((len(free), 5, 6))
     to_five[:, :2, :3] = (
         native.bearing_basis(links.translation[free]).swapaxes(1, 2) / length[:, None, None]
@@ -462,7 +484,7 @@ def _start_unknowns(
 
 
 def linked_parts(nodes: int, first: Ints, second: Ints) -> Ints:
-    """Label each node (n,) with the connected part that links join it to.
+    """Label each node (n,) with its part: nodes that a chain of links joins to each other.
 
     0 is the part with most nodes, 1 the next. -1 is a node without links.
 

@@ -30,7 +30,7 @@ def path_along_links(
 
     Only links without a length are used, where the odometry between their nodes is uncertain. The
     step takes the link's rotation and direction, and keeps the length of dead reckoning. Nodes
-    after it follow.
+    after it follow. The path is that of dead reckoning where there is no such link.
 
     Returns
     -------
@@ -58,6 +58,7 @@ def path_along_links(
         links.translation[bearings], axis=1, keepdims=True
     )
     second_from_first = Poses(links.quaternion[bearings], direction * length[:, None])
+    # first vehicle from second vehicle, by way of their cameras
     moved = (from_first @ second_from_first.inverse() @ from_second.inverse()).matrix()
     # by second node: the nearest earlier node that a link joins to it, and the motion from there
     nearest: dict[int, tuple[int, Array]] = {}
@@ -67,7 +68,7 @@ def path_along_links(
 
 
 def _chain_motions(reckoned: Poses, along: dict[int, tuple[int, Array]]) -> Array:
-    """Chain motions to poses (n, 4, 4).
+    """Chain motions to poses (n, 4, 4), so that a turned step takes all later nodes along.
 
     reckoned: poses whose steps are used. along: by node, an earlier node and the motion from there,
     which replaces the step.

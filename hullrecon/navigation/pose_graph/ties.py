@@ -18,7 +18,10 @@ MOST_LISTED = 5
 def describe_parts(path: LinkedPath, t_ns: Ints) -> str | None:
     """Describe the parts into which a dive's images fall, and how well navigation ties them.
 
-    None where all are tied together. t_ns (n,): of the nodes.
+    At most MOST_LISTED parts are listed, small ones only counted. None where images tie all nodes
+    together, or none at all.
+
+    path: the path with the part of each node. t_ns (n,): stamps of the nodes.
     """
     size = np.bincount(path.part[path.part >= 0])
     if len(size) < 2:
