@@ -325,7 +325,8 @@ def remaining_offset_sigmas(
 ) -> dict[ClockedSensor, float]:
     """Estimate the sigma, s, of each sensor's remaining offset from the IMU, after a correction.
 
-    It widens the path's sigmas. A sensor that no comparison checks gets UNCHECKED_S. It includes an offset that is seen but was not corrected, and the drift of a clock that runs
+    The path's sigmas are widened by it. A sensor that no comparison checks gets UNCHECKED_S. The
+    sigma includes an offset that is seen but was not corrected, and the drift of a clock that runs
     fast or slow. Where it is not known which of two clocks drifts, both get it.
 
     Parameters

@@ -53,13 +53,14 @@ def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePa
     """Compare pairs (m,) of patches on a path.
 
     The first patch is extrapolated to the second's centre, with a curvature that changes evenly
-    from its own to the second's. The gap is the difference in height and two slopes there. Its
-    covariance has two parts, `noise` by the curvatures and `fit` by the fits of both planes.
+    from its own to the second's. The gap is the difference in height and two slopes there, nil but
+    for errors if both are one piece of hull. Its covariance has two parts, `noise` by the
+    curvatures and `fit` by the fits of both planes. The path's own errors are in neither.
 
     Parameters
     ----------
     patches
-        All patches.
+        All patches along the path.
     first, second
         Rows (m,) of the pairs.
     path
@@ -68,9 +69,13 @@ def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePa
     motion = path.poses[patches.anchor[first]].inverse() @ path.poses[patches.anchor[second]]
     position, expected, gap, turn = _extrapolate_and_compare(patches, first, second, motion)
     turned_k = _turn_curvature(turn)
+    # The second's curvature in the first's axes, and how height and slopes of the first plane carry
+    # over to the second's centre.
     other = np.einsum("mij,mj->mi", turned_k, patches.curvature[second])
     carried = _jacobian_by_plane(position)
-    # Jacobians of the gap by either curvature, directly and through the fitted planes.
+    # Jacobians of the gap by either curvature, directly and through the fitted planes. Of a
+    # curvature that changes evenly, slopes take the mean of both ends, and the height a third of
+    # K x^2 by the first and a sixth by the second.
     by_height, by_slopes = _jacobian_by_curvature(position)
     first_by_k = np.concatenate([by_height[:, None] / 3, 0.5 * by_slopes], axis=1)
     second_by_k = np.concatenate([by_height[:, None] / 6, 0.5 * by_slopes], axis=1)
@@ -103,6 +108,9 @@ def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePa
 def _covariance_by_roughness(position: Array, change: Array) -> Array:
     """Compute the covariance (m, 3, 3) of gaps by roughness and by the change of curvature.
 
+    It covers what the patches' own curvatures do not tell: frames and seams of the plating, and a
+    curvature that does not change evenly.
+
     position (m, 2): of the second patch in the first's axes, m. change (m, 3): second curvature
     minus the first.
     """
@@ -118,7 +126,7 @@ def gap_by_poses(
 ) -> Array:
     """Compute the Jacobian (m, 3, 14) of the gaps by both anchors' poses and trays.
 
-    Of each anchor there are (translation in g, rotation on the right, tray angle).
+    Through it the path's covariance predicts how large gaps may be. Of each anchor there are (translation in g, rotation on the right, tray angle).
     """
     return position_and_gap_by_poses(patches, pairs, path, tray_origin)[:, 2:]
 
@@ -136,6 +144,7 @@ def position_and_gap_by_poses(
     step = 1e-5
     for k in range(14):
         values = []
+        # columns 0 to 6 are the first anchor's, 7 to 13 the second's
         for sign in (1, -1):
             moved = [path.poses[a] for a in anchors]
             moved[k // 7] = _perturb(
@@ -199,6 +208,7 @@ def _extrapolate_and_compare(
     other = np.einsum("mij,mj->mi", _turn_curvature(turn), patches.curvature[second])
     height = np.sum(by_height * (own / 3 + other / 6), axis=1)
     slopes = np.einsum("mij,mj->mi", by_slopes, 0.5 * (own + other))
+    # slopes of the second plane in the first's axes, from its normal (-p, -q, 1)
     normal = rotation[:, :, 2]
     seen = -normal[:, :2] / np.maximum(normal[:, 2:], 1e-3)
     expected = np.column_stack([height, slopes])
@@ -207,6 +217,8 @@ def _extrapolate_and_compare(
 
 def _jacobian_by_curvature(position: Array) -> tuple[Array, Array]:
     """Compute the Jacobians of x' K x (m, 3) and of K x (m, 2, 3) by (K_aa, K_ae, K_ee).
+
+    These give the height and the slopes of a curved patch away from its centre.
 
     position (m, 2): x.
     """
@@ -274,6 +286,7 @@ def difference_of_planes(patches: Patches, pairs: PatchPairs, noise: Array) -> P
     normal = (axes @ in_patch)[:, :, 0]
     local = np.column_stack([pairs.position, pairs.expected[:, 0]])
     point = patches.center[pairs.first] + np.einsum("mij,mj->mi", axes, local)
+    # from the plane to the frame's origin, along the normal
     distance = -np.sum(normal * point, axis=1)[:, None]
     difference = distance * normal - patches.plane[pairs.first]
     # derivative by height and slopes at the second's centre: the plane is raised, or turned there

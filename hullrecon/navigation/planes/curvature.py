@@ -29,7 +29,8 @@ CLIPPED = 95  # percentile at which squared curvatures are clipped: edges and kn
 def curvature_of_patches(patches: Patches) -> Array:
     """Estimate the characteristic curvature (3,) from patches that were fitted with a broad prior.
 
-    It is the root mean square of their curvatures, less their noise, within LEAST and BROAD.
+    It is the root mean square of their curvatures, less their noise, within LEAST and BROAD. With
+    too few patches it is BROAD.
     """
     if len(patches) < LEAST_NEIGHBOURS:
         return BROAD
@@ -42,6 +43,7 @@ def curvature_of_mesh(mesh: Mesh) -> Array:
     """Estimate the characteristic curvature (3,) of a CAD model from how its normals turn.
 
     The curvature at sampled points is fitted to the normals around, and its root mean square taken.
+    It is BROAD where too few points allow a fit.
     """
     points, normals = _sample_mesh(mesh, np.random.default_rng(0))
     near = cKDTree(points).query_ball_point(points, NEAR_M)
@@ -72,11 +74,11 @@ def _fit_curvature(points: Array, normals: Array, row: int, near: Array) -> Arra
     Parameters
     ----------
     points, normals
-        Of all samples (n, 3).
+        Points (n, 3) of all samples, and the unit normals there.
     row
-        The point.
+        Which of them the curvature is fitted at.
     near
-        Rows of samples near it.
+        Rows of samples near it, which may lie on other surfaces.
     """
     near = near[normals[near] @ normals[row] > LEAST_ALIGNMENT]
     if len(near) < LEAST_NEIGHBOURS:
@@ -84,6 +86,7 @@ def _fit_curvature(points: Array, normals: Array, row: int, near: Array) -> Arra
     axes = patch_axes(normals[row])
     a, e = ((points[near] - points[row]) @ axes[:, :2]).T
     turned = normals[near] @ axes
+    # the normal of a surface with slopes (p, q) is along (-p, -q, 1), and K x are the slopes at x
     slopes = -turned[:, :2] / turned[:, 2:]
     zero = np.zeros_like(a)
     rows = np.concatenate([np.stack([a, e, zero], axis=1), np.stack([zero, a, e], axis=1)])

@@ -47,11 +47,11 @@ def fit_patch(
     Parameters
     ----------
     points, rays
-        Ends (n, 3) of the beams, m, and their unit directions (n, 3).
+        Ends (n, 3) of the beams, m, and their unit directions (n, 3), in one frame.
     sigma_range_m
-        Of a range.
+        Sigma of a range. It is widened where the hull turns out uneven.
     curvature_sigma
-        Prior sigma (3,) of K about zero, 1/m.
+        Prior sigma (3,) of K about zero, 1/m. It keeps the bend of a sparse patch plausible.
     """
     kept = np.ones(len(points), bool)
     if len(points) < LEAST_RETURNS:
@@ -68,7 +68,8 @@ def fit_patch(
         if kept.sum() < LEAST_RETURNS or local[kept, :2].std(axis=0).min() < LEAST_SPREAD_M:
             return None
 
-        # The sigma of a height is that of the range times the cosine of the incidence.
+        # The sigma of a height is that of the range times the cosine of the incidence. `rows` holds
+        # the derivatives of the heights by height, slopes and K, all of which are solved for.
         rows = _rows(local)
         weight = 1 / (sigma_range_m * incidence)
         weighted = rows[kept] * weight[kept, None] ** 2
@@ -105,6 +106,7 @@ def fit_patch(
 def patch_axes(normal: Array) -> Array:
     """Choose axes (3, 3) of a patch: azimuth, elevation, and its unit normal (3,), as columns.
 
+    They depend on the normal alone, so that curvatures of neighbouring patches can be compared.
     Azimuth is horizontal, unless the normal is nearly vertical.
     """
     level = np.cross([0.0, 0.0, 1.0], normal)

@@ -56,16 +56,17 @@ def find_patches(
 ) -> Patches:
     """Fit a patch of hull to the DVL returns of each window along a path.
 
-    Windows whose returns fit no smooth patch are left out.
+    Two passes over one place are later tied by their patches. Windows whose returns fit no smooth
+    patch are left out, so there may be none.
 
     Parameters
     ----------
     returns
-        Of the DVL.
+        Ranges of the DVL with their nodes. Flagged ones are not used.
     path, t_ns
         Poses of vehicle and tray at the nodes, and their stamps (n,).
     rig
-        Mounts of the sensors.
+        Where the DVL sits, and the sigma of its ranges.
     curvature_sigma
         Prior sigma (3,), 1/m, of the curvature in azimuth, twist and elevation.
     """
@@ -112,7 +113,11 @@ def find_patches(
 def _seen_from(
     returns: Returns, windows: list[Ints], path: VehiclePath, anchors: list[int], rig: Rig
 ) -> tuple[Array, Array]:
-    """Compute ends and unit directions (m, 3) of the windows' beams in their anchors' frames."""
+    """Compute ends and unit directions (m, 3) of the windows' beams in their anchors' frames.
+
+    windows: rows of the returns of each window. anchors: the node in the middle of each. The beams
+    are listed window after window.
+    """
     if not windows:
         return np.zeros((0, 3)), np.zeros((0, 3))
     beams = rig.dvl_points(returns.take(np.concatenate(windows)), path)
@@ -130,8 +135,10 @@ def travelled_m(poses: Poses) -> Array:
 def _number_windows(travelled: Array, t_ns: Ints) -> Ints:
     """Divide the path into windows of at most WINDOW_M and WINDOW_S.
 
+    Within one the path is good enough for the returns to lie on one patch.
+
     travelled, t_ns (n,): length of the path up to each node, m, and stamps. Returns the number (n,)
-    of each node's window.
+    of each node's window, ascending.
     """
     out, begun = np.zeros(len(travelled), np.int64), 0
     for k in range(1, len(travelled)):

@@ -118,6 +118,9 @@ class PlanarGraph:
     ) -> Offer:
         """Propose the ties between planes on a solved path.
 
+        Pairs of patches are offered that would add information, and of these such as agree become
+        ties. With fewer than LEAST_TIES of them there are no planes.
+
         Parameters
         ----------
         alone
@@ -161,7 +164,7 @@ class PlanarGraph:
 
 
 def planar_graph(graph: PoseGraph, returns: Returns, cad_model: Mesh | None) -> PlanarGraph:
-    """Make a planar graph. The curvature is the CAD model's, if there is one."""
+    """Make a planar graph. The curvature is the CAD model's, else estimated from the dive."""
     return PlanarGraph(
         graph=graph,
         returns=returns,
@@ -170,7 +173,11 @@ def planar_graph(graph: PoseGraph, returns: Returns, cad_model: Mesh | None) -> 
 
 
 def _joint_covariance(solved: GraphSolution, patches: Patches, pairs: PatchPairs) -> Array:
-    """Compute the covariance (m, 14, 14) of the poses and trays of both anchors of each pair."""
+    """Compute the covariance (m, 14, 14) of the poses and trays of both anchors of each pair.
+
+    It tells how well the path predicts the gap between the pair's patches. An anchor is the node in
+    whose vehicle frame a patch was fitted.
+    """
     if not len(pairs):
         return np.zeros((0, 14, 14))
     nodes = np.column_stack([patches.anchor[pairs.first], patches.anchor[pairs.second]]).astype(

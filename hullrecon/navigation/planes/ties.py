@@ -44,8 +44,9 @@ LEAST_GAIN = 1.0
 def propose_ties(patches: Patches, path: VehiclePath) -> tuple[Ints, Ints]:
     """Propose pairs (m,) of patches of different passes that are near each other on the hull.
 
-    Of each patch at most MOST_TIES to earlier ones are proposed. Returns rows of the earlier and of
-    the later patches.
+    Of each patch at most MOST_TIES to earlier ones are proposed. Whether they agree is not looked
+    at yet. Returns rows of the earlier and of the later patches, empty where no place was passed
+    again.
     """
     if len(patches) < 2:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
@@ -57,6 +58,7 @@ def propose_ties(patches: Patches, path: VehiclePath) -> tuple[Ints, Ints]:
     # of another pass, facing the same way, and near each other along the hull
     apart = patches.travelled[second] - patches.travelled[first] > SAME_PASS_M
     alike = np.sum(normal[first] * normal[second], axis=1) > LEAST_ALIGNMENT
+    # the part across the hull does not count, as a drift may be large there
     step = center[second] - center[first]
     across = np.sum(step * normal[first], axis=1, keepdims=True) * normal[first]
     distance = np.linalg.norm(step - across, axis=1)
@@ -74,7 +76,8 @@ def is_informative(
 ) -> Mask:
     """Tell which pairs (m,) measure their gap better than the path predicts it, in some direction.
 
-    It is the largest generalised eigenvalue of the two covariances of the gap that decides.
+    A tie of another pair would add nothing, but might be wrong. It is the largest generalised
+    eigenvalue of the two covariances of the gap that decides.
 
     joint (m, 14, 14): the covariance of both anchors' poses and trays on the path.
     """
@@ -108,6 +111,8 @@ def is_alike(
     patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array
 ) -> Mask:
     """Tell which pairs (m,) agree within their covariance, extrapolated from either patch.
+
+    Those that do not may be of different structures, or of a wrong path, and are not tied.
 
     joint: as of `is_informative`.
     """
@@ -171,7 +176,10 @@ def tie_planes(patches: Patches, pairs: PatchPairs, returns: Returns) -> TiedPla
 def _predicted_covariance(
     patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array
 ) -> Array:
-    """Propagate the covariance of the anchors' poses to the gaps (m, 3, 3)."""
+    """Compute how large gaps may be by the errors of the path alone: their covariance (m, 3, 3).
+
+    joint: the covariance of both anchors' poses and trays, as of `is_informative`.
+    """
     by_poses = gap_by_poses(patches, pairs, path, rig.tray_origin)
     return np.asarray(by_poses @ joint @ by_poses.swapaxes(1, 2))
 

@@ -228,7 +228,7 @@ class GraphSolution:
     ) -> Array:
         """Compute the information (m,), nats, that one more link adds [docs/methods.md (59a)].
 
-        It tells which images to compare next. Only links that are not rejected count as known. The
+        It tells which images to compare next. The
         mounts are held. Links measure the motion of cameras, so an unknown error of the mount
         would make each of them look informative, however many there are already.
 

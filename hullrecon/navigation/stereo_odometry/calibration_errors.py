@@ -19,14 +19,15 @@ LARGEST = 2e-3
 def calibration_moment(evidence: Sequence[CalibrationEffect], prior_sigma: Array) -> Array:
     """Estimate the second moment (k, k) of the calibration's errors from the motions of a dive.
 
-    Errors of unknown sigma share one, which is estimated by expectation maximisation. A good
+    It is the covariance plus the square of what the motions show, as the path is not corrected for
+    these errors: its sigmas have to cover them whole. Held errors have zeros. Errors of unknown sigma share one, which is estimated by expectation maximisation. A good
     calibration shows small errors in the motions. Errors that no motion can show, such as the
     scale, are then taken to be as small. Those of a rough calibration are taken to be as large.
 
     Parameters
     ----------
     evidence
-        Of each motion, how it depends on the errors.
+        How the features of each measured motion depend on the errors.
     prior_sigma
         Sigma (k,) of each error, 0 where it is held, NaN where unknown.
     """

@@ -163,6 +163,8 @@ def _prepare_guess(
 ) -> StepGuess:
     """Collect what steps can be guessed from, where images do not show them.
 
+    With an IMU these are its turns, else the previous step alone.
+
     t_ns (n,): of the pairs. vehicle_from_camera: of the top camera (n) at the pairs.
     """
     t_s = seconds(t_ns, int(t_ns[0]))
@@ -193,7 +195,11 @@ def _start_pose(
 
 
 def _measured_depth(pressure: PressureSamples | None, t_ns: Ints) -> MeasuredDepth | None:
-    """Interpolate the depth of the sensor at the nodes. None where it was not measured."""
+    """Interpolate the depth of the sensor at the nodes. None with fewer than two readings.
+
+    Nodes far from any reading get an interpolated depth too, but share no reading: their depth then
+    has a wide sigma.
+    """
     if pressure is None or np.isfinite(pressure.depth).sum() < 2:
         return None
     known = np.isfinite(pressure.depth)
@@ -205,9 +211,12 @@ def _measured_depth(pressure: PressureSamples | None, t_ns: Ints) -> MeasuredDep
 
 
 def _odometry_of_steps(step: Poses, covariance: Array, lost: Ints) -> Odometry:
-    """Write the steps as odometry.
+    """Write the steps as odometry, which the adjustment takes as measured.
 
-    lost: rows of steps that were guessed, so that they do not count as measured by images.
+    Derivatives by errors of DVL, mount and tray are zero: cameras alone measured the steps.
+
+    covariance: of the steps, the calibration's errors included. lost: rows of steps that were
+    guessed, so that they do not count as measured by images.
     """
     m = len(step)
     return Odometry(
@@ -294,6 +303,8 @@ def _remarks(
     tray: Servo,
 ) -> list[str]:
     """Describe what the path lacks: sensors that were not logged or were silent, guessed steps.
+
+    Nothing is said where nothing is lacking.
 
     unpaired: images without a partner in the other camera.
     """

@@ -93,8 +93,8 @@ def follow(
     """Measure the steps between neighbouring stereo pairs.
 
     A step that cannot be measured from the previous pair is measured from an earlier one, else
-    guessed. Each pair is read once.
-
+    guessed, so that the chain has no gap (`StereoChain.lost` lists the guesses). Each pair is read
+    once.
     Parameters
     ----------
     images
@@ -136,8 +136,8 @@ def _from_recent(
 ) -> StereoMotion | None:
     """Measure the step from the last pair to the new one.
 
-    Where that fails, the motion from an older pair is measured, and the known steps between that
-    pair and the last one are taken off. None where no recent pair shows it.
+    Where that fails, the motion from an older pair is measured, and the steps between that pair and
+    the last one, some of which may be guesses, are taken off. None where no recent pair shows it.
 
     recent: the last pairs, the newest at the end. steps: motions between all pairs so far.
     """
@@ -154,9 +154,11 @@ def _from_recent(
 def _remaining_motion(first: StereoMotion, whole: StereoMotion) -> StereoMotion:
     """Compute first^-1 whole: what remains of a motion after its first part.
 
-    Covariances and derivatives of both are propagated to it.
+    With it a step is got from a motion that was measured over several steps. Covariances and
+    derivatives of both are propagated to it.
     """
     rest = first.pose.inverse() @ whole.pose
+    # derivatives (translation, rotation on the right) of the rest by the whole and by the first
     back = first.pose.rotation.inv().as_matrix()[0]
     of_whole = np.eye(6)
     of_whole[:3, :3] = back
@@ -185,12 +187,14 @@ def _stack_effects(steps: Sequence[StereoMotion]) -> Array:
 def in_vehicle(chain: StereoChain, vehicle_from_top: Poses) -> tuple[Poses, Array, Array]:
     """Convert the steps of the top camera to those of the vehicle.
 
+    The camera moves relative to the vehicle where the tray turns.
+
     vehicle_from_top (n): at each pair.
 
     Returns
     -------
     tuple
-        Steps, their white covariance (n - 1, 6, 6), and their derivatives (n - 1, 6, k) by the
+        Steps of the vehicle (first_from_second), their white covariance (n - 1, 6, 6), and their derivatives (n - 1, 6, k) by the
         calibration's errors.
     """
     before, after = (
@@ -198,6 +202,7 @@ def in_vehicle(chain: StereoChain, vehicle_from_top: Poses) -> tuple[Poses, Arra
         vehicle_from_top[np.arange(1, len(chain.step) + 1)],
     )
     step = before @ chain.step @ after.inverse()
+    # of the vehicle's step by the camera's; a turn of the camera also swings the lever arm
     jacobian = np.zeros((len(step), 6, 6))
     lever = after.inverse().translation
     jacobian[:, :3, :3] = before.rotation.as_matrix()
@@ -211,7 +216,7 @@ def in_vehicle(chain: StereoChain, vehicle_from_top: Poses) -> tuple[Poses, Arra
 
 
 def compose(start: Poses, step: Poses) -> Poses:
-    """Chain T_g_v (n) at every node from the first pose and the steps (n - 1)."""
+    """Chain T_g_v (n) at every node from the first pose and the steps (n - 1), first_from_second."""
     found = [start]
     for k in range(len(step)):
         found.append(found[-1] @ step[k])
