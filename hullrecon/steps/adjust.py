@@ -44,6 +44,9 @@ def run(context: Context[AdjustOptions]) -> None:
 def run_adjustment(context: Context[Options], strategy: Strategy) -> None:
     """Adjust the dive, and write the step's files.
 
+    The chart is written only with a hull, cameras.json only if calibrations were refined, and the
+    COLMAP model only with feature tracks.
+
     strategy: the phases and rounds of the adjustment. hullrecon/studies has published ones.
     """
     refuse_small_address_space(context.parameters.threads)
@@ -82,7 +85,10 @@ def run_adjustment(context: Context[Options], strategy: Strategy) -> None:
 
 
 def guess_without_depth(cad_model: CadModel | None, attitude: Attitude) -> list[str]:
-    """Warn, if no depth was measured, that only the hull's shape determines its height in g."""
+    """Warn, if no depth was measured, that the hull's height in g is known as well as guessed.
+
+    Empty without a CAD model, or if a depth was measured.
+    """
     if cad_model is None or attitude.has_depth.any():
         return []
     sigma_m = float(np.linalg.norm(poses.up_in(cad_model.guess) * cad_model.guess_sigma[:3]))
@@ -93,7 +99,10 @@ def guess_without_depth(cad_model: CadModel | None, attitude: Attitude) -> list[
 
 
 def _measurements(context: Context[Options]) -> Measurements:
-    """Collect the measurements of the adjustment from the artifacts of earlier steps."""
+    """Collect the measurements of the adjustment from the artifacts of earlier steps.
+
+    What the dive lacks is None: tracks without a camera, returns without a DVL, and so on.
+    """
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
     return Measurements(
@@ -143,7 +152,11 @@ def _cad_model(
 
 
 def _write_colmap(context: Context[Options], m: Measurements, adjusted: Adjusted) -> None:
-    """Write the adjusted dive as a COLMAP model. Nothing without a camera."""
+    """Write the adjusted dive as a COLMAP model, for other photogrammetry software.
+
+    Poses and points are in the hull's frame, or in g without a hull. Nothing is written without a
+    camera.
+    """
     state = adjusted.state
     if m.tracks is None or m.rig.top is None or state.mounts.tray_from_top is None:
         return

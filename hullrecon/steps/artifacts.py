@@ -187,7 +187,7 @@ class NavigateArtifact(StepArtifact):
 
     @property
     def depth_offset_m(self) -> float:
-        """Largest difference of two levels of the depths, which stepped, m. Else 0."""
+        """Largest difference between two levels of the depths, m. 0 if the level never stepped."""
         return float(str(self.facts.get("depth_offset_m", 0.0)))
 
 
@@ -242,7 +242,8 @@ class AdjustArtifact(StepArtifact):
     def depth_sigma_m(self) -> float | None:
         """Sigma of the water surface's height in g, m. None if it is unknown.
 
-        It combines the pressure sensor's bias, which all depths share, and its noise.
+        It combines the pressure sensor's bias, which all depths share, and its noise. It is unknown
+        where no depth was measured, as adjust.json then holds no bias.
         """
         bias = _number(self.summary, "navigation_sigma", "depth_bias_m")
         noise = _number(self.summary, "sigmas", "depth_m")
@@ -344,7 +345,8 @@ class InputArtifacts:
     def mounts(self, settings: Mapping[str, object]) -> dict[str, ChosenMount]:
         """Choose each lever arm and mount: by dive.toml, else by the log, else its default.
 
-        Raises InputError where tf_static cannot give one.
+        settings: of a step, which may declare only some of the mounts. Raises InputError where
+        dive.toml leaves a mount to the log, and the log's tf_static cannot give it.
         """
         # A dict, in which a missing key can be asked for: StageSettings raises for keys that the
         # step did not declare.
@@ -355,7 +357,11 @@ class InputArtifacts:
         return choose_mounts(values, self.ingest.sensors)
 
     def mounted(self, settings: StageSettings) -> StageSettings:
-        """Fill in the lever arms and mounts that these settings leave to the log."""
+        """Fill in the lever arms and mounts that these settings leave to the log.
+
+        A mount is filled in under its own key, and in its section where the step declares that.
+        Raises InputError where the log's tf_static cannot give one.
+        """
         values: dict[str, object] = dict(settings)
         for key, mount in self.mounts(settings).items():
             section, _, name = key.rpartition(".")
@@ -365,9 +371,9 @@ class InputArtifacts:
         return settings.replaced(values)
 
     def rig(self, settings: StageSettings) -> Rig:
-        """Build the rig with its priors, by settings that hold the log's mounts.
+        """Build the rig with its priors, by settings that hold the log's mounts (`mounted`).
 
-        That of depths is wider where their level stepped.
+        The prior of the depths' bias is wider where the level of the depths stepped.
         """
         rig = rig_with_priors(settings, self.ingest.camera_models)
         return rig.with_depth_offset(self.navigate.depth_offset_m)

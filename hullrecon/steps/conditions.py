@@ -49,14 +49,20 @@ def why_no_sonar(settings: StageSettings, package: Path) -> str | None:
 
 
 def why_no_change(settings: StageSettings, package: Path) -> str | None:
-    """Say why the dive is not compared with an earlier dive. None if it is."""
+    """Say why the dive is not compared with an earlier dive. None if it is.
+
+    Both an earlier dive and a CAD model are needed, as dives are compared on the CAD model.
+    """
     if settings.read("change", EarlierDive).earlier is None:
         return "no earlier dive is named (change.earlier)"
     return "no CAD model was given" if settings["hull.mesh"] is None else None
 
 
 def files_to_ingest(settings: StageSettings, package: Path) -> list[Path]:
-    """List logs, files that tables name, calibrations and the CAD model."""
+    """List what ingest reads: logs, files that tables name, calibrations and the CAD model.
+
+    When one of them changes, ingest runs again.
+    """
     keys = [*(f"{camera.section}.calibration" for camera in Camera), "hull.mesh"]
     named = [settings.read_optional(key, str) for key in keys]
     logs = [file for log in settings.read("logs", Logs).files for file in log_files(package, log)]

@@ -57,7 +57,7 @@ class Extract:
 
 
 def run(context: Context[FeatureOptions], find: FindFeatures = extract) -> None:
-    """Write the features of each camera and index.npz.
+    """Write the features of each camera, and index.npz, which tells where those of an image begin.
 
     Parameters
     ----------
@@ -95,9 +95,9 @@ def run(context: Context[FeatureOptions], find: FindFeatures = extract) -> None:
 def _write_camera(
     context: Context[FeatureOptions], camera: Camera, usable: Mask, find: FindFeatures
 ) -> tuple[Ints, Array]:
-    """Write the features of one camera's images.
+    """Write the features of one camera's images, one after another.
 
-    Returns the number of features and the saliency of each image (n,), 0 for unusable ones.
+    Images that are not usable, or cannot be read after all, have none. Returns the number of features and the saliency of each image (n,), 0 for unusable ones.
     """
     work = Extract(
         ingest=context.inputs["ingest"],

@@ -28,7 +28,10 @@ FEATURES = FeatureOptions(max_features=50)
 
 
 def check_images(index: Mapping[Camera, ImageIndex], read: ReadImage) -> list[Finding]:
-    """Find cameras whose images show nothing, or are the same to the last bit."""
+    """Find cameras whose images show nothing, or are the same to the last bit.
+
+    Cameras of which hardly any image can be read are not judged.
+    """
     out = []
     for camera, images in index.items():
         _, rows = usable_frames(images)
@@ -40,7 +43,11 @@ def check_images(index: Mapping[Camera, ImageIndex], read: ReadImage) -> list[Fi
 
 
 def _check_pictures(pictures: Sequence[Pixels], camera: str) -> list[Finding]:
-    """Find out whether some or all of a camera's pictures show nothing or are the same picture."""
+    """Find out whether some or all of a camera's pictures show nothing or are the same picture.
+
+    At most two findings. Blank pictures are equal too: where some are blank, equal ones are not
+    reported.
+    """
     count = len(pictures)
     blank = sum(len(extract(picture, FEATURES)) == 0 for picture in pictures)
     if blank == count:

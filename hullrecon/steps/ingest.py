@@ -36,7 +36,10 @@ def ingest_settings(loaded: LoadedConfig) -> StageSettings:
 
 
 def request_of(settings: StageSettings) -> IngestRequest:
-    """Build the request for ingest from the settings of `INGEST_KEYS`."""
+    """Build the request for ingest, which knows nothing of dive.toml, from `INGEST_KEYS`.
+
+    Topics, joints and calibrations that dive.toml does not name are left out.
+    """
     topics = settings.read("topics", Topics)
     named: dict[str, str | None] = {
         name: getattr(topics, name) for name in topics.__struct_fields__
@@ -92,7 +95,10 @@ def request_of(settings: StageSettings) -> IngestRequest:
 
 
 def _needs_logged_calibration(settings: StageSettings, camera: Camera) -> bool:
-    """Test whether a camera was carried whose calibration dive.toml leaves to the log."""
+    """Test whether a camera was carried of which dive.toml names no calibration.
+
+    The log's camera_info then has to give it.
+    """
     return (
         settings[f"{camera.section}.{CARRIED}"] is not None
         and settings[f"{camera.section}.calibration"] is None
@@ -139,7 +145,10 @@ def run(context: Context[NoOptions]) -> None:
 
 
 def _write_images(path: Path, shape: tuple[int, int, int], images: Iterator[Images]) -> Images:
-    """Write images one after another as one .npy, and map it."""
+    """Write images one after another as one .npy, and map it, so that they need not fit in memory.
+
+    shape: of all images together.
+    """
     with path.open("wb") as file:
         description = {"descr": np.dtype(np.uint8).str, "fortran_order": False, "shape": shape}
         np.lib.format.write_array_header_1_0(file, description)
@@ -149,7 +158,10 @@ def _write_images(path: Path, shape: tuple[int, int, int], images: Iterator[Imag
 
 
 def _write(context: Context[NoOptions], found: IngestResult) -> None:
-    """Write streams, image indices, cameras, mounts, CAD model and findings."""
+    """Write streams, image indices, cameras, mounts, CAD model and findings, as far as there.
+
+    Images of the sonar are in a file already. Calibrations of cameras without images are dropped.
+    """
     for name, record in found.records.by_name().items():
         apart = {"image"} if isinstance(record, SonarPings) else set()
         context.out.arrays(

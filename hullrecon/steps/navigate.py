@@ -164,7 +164,9 @@ def _ingest_and_settings(context: Context[NoOptions]) -> tuple[IngestArtifact, S
 def _check_rig(context: Context[NoOptions], records: SensorRecords) -> Delay | None:
     """Check the stereo rig on a few pairs. Returns the delay of the bottom camera, if any.
 
-    Raises InputError if the pairs contradict the calibration or the stamps.
+    A delay is warned of and then taken into account. None also without two cameras, or where too
+    few pairs have enough in common. Raises InputError if the pairs contradict the calibration or
+    the stamps.
     """
     ingest, settings = _ingest_and_settings(context)
     index = {
@@ -188,10 +190,12 @@ def _check_rig(context: Context[NoOptions], records: SensorRecords) -> Delay | N
 
 
 def _sigmas(context: Context[NoOptions], judged: Judged) -> NavigationSigmas:
-    """Collect the sigmas of navigation.
+    """Collect the sigmas of navigation by dive.toml, widened by what was found wrong.
 
     They are wide for a tray whose logged angle was found useless, and for depths whose level
     stepped.
+
+    judged: what the comparison of the sensors found.
     """
     sigmas = sigmas_from_settings(_ingest_and_settings(context)[1])
     depth_m = float(np.hypot(sigmas.depth_bias_m, judged.depth_offset_m))
@@ -255,7 +259,11 @@ def _by_stereo(
     delay: Delay | None,
     sigmas: NavigationSigmas,
 ) -> Navigated:
-    """Compute the path by stereo odometry, with IMU, pressure and tray as far as logged."""
+    """Compute the path by stereo odometry, with IMU, pressure and tray as far as logged.
+
+    delay: of the bottom camera, from which the exposures of the images follow. Raises StageError
+    where the stereo pairs give no path.
+    """
     ingest, settings = _ingest_and_settings(context)
     rig = rig_from_settings(settings, ingest.camera_models)
     rig_sigma = np.array(settings.read("camera.bottom.pose_sigma", tuple), float) * [
@@ -314,7 +322,8 @@ def _write_position_fixes(
 ) -> tuple[dict[str, object], list[str]]:
     """Tie position fixes (USBL, GNSS) to nodes and write those that inform the path.
 
-    Returns figures for navigation.json, by "positions", and remarks. Both are empty without fixes.
+    Fixes that tell nothing of the path are not written, and a remark says why. Returns figures for
+    navigation.json, by "positions", and remarks. Both are empty without fixes.
     """
     inputs = InputArtifacts(context.inputs)
     fixes = inputs.ingest.position

@@ -44,8 +44,9 @@ def judge_sensors(
 ) -> Judged:
     """Compare the sensors of a dive with each other, and find out which one is wrong.
 
-    Where depth and DVL show the same motion at different times, only this is returned: no other
-    comparison is valid then.
+    Records are corrected first where a fault is certain from one sensor alone: shifted records,
+    frozen readings of the tray, and steps in the level of the depths. Where depth and DVL show the
+    same motion at different times, only this is returned: no other comparison is valid then.
 
     Parameters
     ----------
@@ -54,7 +55,8 @@ def judge_sensors(
     records
         What the sensors logged.
     flows
-        Features of pairs of the top camera's images, in ideal coordinates.
+        Features of pairs of the top camera's images, in ideal coordinates. Empty without usable
+        images: the camera is then not compared.
     cameras
         Camera models that the flows were computed with.
 
@@ -108,13 +110,17 @@ def judge_sensors(
 
 
 def leave_out_frozen(records: SensorRecords) -> tuple[SensorRecords, list[Finding]]:
-    """Leave out readings of the tray that its driver repeats."""
+    """Leave out readings of the tray that its driver repeats, and report how many.
+
+    The tray may have moved meanwhile. Without such readings the records are returned as they are.
+    """
     tray = records.tray
     if tray is None:
         return records, []
     frozen = frozen_readings(tray.angle)
     if not frozen.any():
         return records, []
+    # first reading of each frozen run and the one after it, alternately
     ends = np.flatnonzero(np.diff(np.concatenate([[0], frozen, [0]])))
     values = {
         "count": int(frozen.sum()),
@@ -170,7 +176,8 @@ def check_sensors(
 def image_flows(rig: Rig, index: ImageIndex, read: ReadRow) -> list[Flow]:
     """Match some pairs of neighbouring images of the top camera, spread over the dive.
 
-    Pairs with too few matches are left out. read: reads an image by its row.
+    How features move between them shows the camera's motion, which other sensors measured too.
+    Pairs with too few matches are left out, so there may be none. read: reads an image by its row.
     """
     t_ns, rows = usable_frames(index)
     if len(t_ns) < 2 or rig.tray_from_top is None:

@@ -52,18 +52,22 @@ def check_rig(
 ) -> RigCheck | None:
     """Check stereo calibration, stamps and baseline on some images.
 
+    The result holds the first problem found, or else the delay of the bottom camera, if any. The
+    baseline is checked only with a DVL, which measures the same way in metres.
+
     Parameters
     ----------
     rig
         The cameras as calibrated.
     index
-        Images of each camera.
+        Stamps of each camera's images, and which of them decode.
     read
         Reads an image by camera and row.
     sigma_rad
-        Sigma of the bottom camera's rotation.
+        Sigma of the bottom camera's rotation relative to the top one, as configured.
     logs
-        What measures the motion of the rig.
+        DVL and IMU, which tell how the rig moved while one camera was late. The tray's angle turns
+        both.
 
     Returns
     -------
@@ -87,8 +91,8 @@ def check_rig(
 def delay_finding(delay: Delay, time_offset_s: float) -> Finding:
     """Build the finding that the bottom camera is exposed after its stamps.
 
-    time_offset_s: the configured camera.bottom.time_offset, to which the delay is added to give the
-    value that would state it.
+    It names the value of camera.bottom.time_offset that would state the delay: the configured one,
+    time_offset_s, plus the delay.
     """
     values = {
         "after_stamp_ms": 1e3 * delay.early_s,
@@ -103,7 +107,8 @@ def check_sampled_rig(
 ) -> list[Finding]:
     """Check the stereo rig on the images that `check` sampled.
 
-    Findings are a contradiction of its calibration, or the bottom camera's delay.
+    Findings are a contradiction of its calibration, or the bottom camera's delay. There are none
+    without two cameras, or where too few of these images have enough in common.
     """
     bottom = loaded.config.camera.bottom
     if bottom is None or any(camera.key not in found.images for camera in Camera):
@@ -126,7 +131,11 @@ def check_sampled_rig(
 def image_reader(
     loaded: LoadedConfig, found: IngestResult, sampled: Mapping[str, SampledImages]
 ) -> ReadImage:
-    """Read the images that `check` sampled, by camera and row. None for one that it did not."""
+    """Make a function that reads the images that `check` sampled, by camera and row.
+
+    It returns None for an image in a log that was not sampled, or that does not decode. Images that
+    are plain files are all read.
+    """
 
     def encoded(camera: Camera, row: int) -> bytes | None:
         index = found.images[camera.key]

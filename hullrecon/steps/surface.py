@@ -34,7 +34,9 @@ def run(
     regression: Regression = gaussian_process,
     reference: Reference = own_chart,
 ) -> None:
-    """Fit the surface and write it with its chart.
+    """Fit the surface and write it with its chart, on which all later steps work.
+
+    The CAD model is left aside where the adjustment refused it.
 
     `regression`: how the surface is fitted to returns. `reference`: the surface from which its
     offsets count. hullrecon/studies has published variants of both.
@@ -65,7 +67,10 @@ def run(
 
 
 def _cad_hull(mesh: Mesh, settings: StageSettings) -> CadHull:
-    """Combine the CAD model with its axes as given in dive.toml."""
+    """Combine the CAD model with what dive.toml tells of its axes: up, the bow, and where x = 0 is.
+
+    Up is the mesh's z without hull.pose.
+    """
     pose = settings.read_optional("hull.pose", tuple)
     return CadHull(
         mesh=mesh,

@@ -58,7 +58,7 @@ def propose_ties(patches: Patches, path: VehiclePath) -> tuple[Ints, Ints]:
     # of another pass, facing the same way, and near each other along the hull
     apart = patches.travelled[second] - patches.travelled[first] > SAME_PASS_M
     alike = np.sum(normal[first] * normal[second], axis=1) > LEAST_ALIGNMENT
-    # the part across the hull does not count, as a drift may be large there
+    # the part along the normal does not count: a drift of the path may have caused it
     step = center[second] - center[first]
     across = np.sum(step * normal[first], axis=1, keepdims=True) * normal[first]
     distance = np.linalg.norm(step - across, axis=1)

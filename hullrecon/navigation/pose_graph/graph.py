@@ -228,9 +228,9 @@ class GraphSolution:
     ) -> Array:
         """Compute the information (m,), nats, that one more link adds [docs/methods.md (59a)].
 
-        It tells which images to compare next. The
-        mounts are held. Links measure the motion of cameras, so an unknown error of the mount
-        would make each of them look informative, however many there are already.
+        With it the pairs of images that are worth comparing next are chosen. The mounts are held.
+        Links measure the motion of cameras, so an unknown error of the mount would make each of
+        them look informative, however many there are already.
 
         Parameters
         ----------
@@ -239,7 +239,8 @@ class GraphSolution:
         first, second
             Nodes (m,) of the link.
         information
-            Of the link (m, 6, 6) on second_from_first, singular where it measures no length.
+            Inverse covariance (m, 6, 6) of each link's second_from_first, in the order of
+            `CameraLinks.covariance`. It is singular where the link measures no length.
         """
         kept = ~self.rejected
         ends = np.concatenate([self.links.first[kept], self.links.second[kept]])

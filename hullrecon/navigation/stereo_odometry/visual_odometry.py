@@ -216,7 +216,7 @@ def in_vehicle(chain: StereoChain, vehicle_from_top: Poses) -> tuple[Poses, Arra
 
 
 def compose(start: Poses, step: Poses) -> Poses:
-    """Chain T_g_v (n) at every node from the first pose and the steps (n - 1), first_from_second."""
+    """Chain T_g_v (n) at every node from the first pose and the steps (n - 1) of the vehicle."""
     found = [start]
     for k in range(len(step)):
         found.append(found[-1] @ step[k])
