@@ -85,7 +85,7 @@ def run_adjustment(context: Context[Options], strategy: Strategy) -> None:
 
 
 def guess_without_depth(cad_model: CadModel | None, attitude: Attitude) -> list[str]:
-    """Warn, if no depth was measured, that the hull's height in g is known as well as guessed.
+    """Warn, if no depth was measured, that only the hull's shape determines its height in g.
 
     Empty without a CAD model, or if a depth was measured.
     """

@@ -243,7 +243,7 @@ class AdjustArtifact(StepArtifact):
         """Sigma of the water surface's height in g, m. None if it is unknown.
 
         It combines the pressure sensor's bias, which all depths share, and its noise. It is unknown
-        where no depth was measured, as adjust.json then holds no bias.
+        where adjust.json does not hold both, or the bias is zero.
         """
         bias = _number(self.summary, "navigation_sigma", "depth_bias_m")
         noise = _number(self.summary, "sigmas", "depth_m")

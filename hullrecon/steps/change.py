@@ -103,7 +103,7 @@ def compare_runs(
     after: FinishedRun,
     options: ChangeOptions = ChangeOptions(),  # noqa: B008
 ) -> HullChange:
-    """Compare two runs of one hull.
+    """Compare two runs of one hull: what appeared, vanished or moved from `before` to `after`.
 
     Raises InputError when the CAD models are of different hulls, StageError when too little hull
     was seen by both runs.
@@ -124,13 +124,19 @@ def compare_runs(
 
 
 def map_of(run: FinishedRun) -> OutsideMap:
-    """Build the map of the run's rasters, in which a comparison with a later dive is drawn."""
+    """Build the map of the run's rasters, in which a comparison with a later dive is drawn.
+
+    It reaches as far as this run measured the hull as found.
+    """
     as_found = run.survey.as_found
     return outside_map(run.survey.chart, as_found.vertices[as_found.support > 0], "M")
 
 
 def _refuse_damaged(folders: Mapping[str, Path], manifests: Mapping[str, Manifest]) -> None:
-    """Raise InputError if a file to read is not as its step wrote it."""
+    """Raise InputError if a file to read is not as its step wrote it.
+
+    Files that the step never wrote are no error here: a dive may lack them.
+    """
     for step, names in HULL_SURVEY_FILES.items():
         for name in names:
             written = manifests[step].outputs.get(name)
@@ -182,7 +188,8 @@ def _compare(context: Context[EarlierDive]) -> tuple[FinishedRun, HullChange]:
 def _earlier_dive(context: Context[EarlierDive]) -> FinishedRun:
     """Read the earlier dive, and name it by its run's folder.
 
-    If both dives have the same name, the parent folder is part of its name.
+    If both dives have the same name, the parent folder is part of its name, so that the report can
+    tell them apart. Raises InputError if the run is this dive's own, or cannot be compared.
     """
     root = workspace_of(context.source / str(context.parameters.earlier)).root.resolve()
     if root == context.inputs["detect"].resolve().parent:

@@ -34,6 +34,9 @@ from hullrecon.threads import in_threads
 def run(context: Context[DetectOptions], fusion: Fusion = fuse_heights) -> None:
     """Find the hull as found, the objects on it and what was covered, and write them.
 
+    Without a camera and a CAD model there is no hull as found, and a warning says so. Without a CAD
+    model there is no deviation.
+
     `fusion`: how shapes from single views are combined to heights. hullrecon/studies has published
     variants.
     """
@@ -86,7 +89,7 @@ def _adjusted(inputs: InputArtifacts) -> AdjustArtifact:
 def _sigma_of_survey(solution: Solution, chart: Chart, depth_sigma_m: float | None) -> AddressSigma:
     """Compute the sigmas of the whole survey's position on the hull and below the water.
 
-    `depth_sigma_m`: sigma of the water surface's height in g, given where poses are in M, as their
+    Addresses of objects are given with them. `depth_sigma_m`: sigma of the water surface's height in g, given where poses are in M, as their
     sigmas say nothing of the water. None without a CAD model: the depth then has the vertical sigma
     of the poses.
     """
@@ -102,7 +105,10 @@ def _sigma_of_survey(solution: Solution, chart: Chart, depth_sigma_m: float | No
 def _views(
     context: Context[DetectOptions], inputs: InputArtifacts, solution: Solution
 ) -> CameraViews | None:
-    """Place the top camera's images. None without a camera, an image or a landmark."""
+    """Place the top camera's images, which show structures and count as covered hull.
+
+    None without a camera, an image or a landmark.
+    """
     index = inputs.ingest.image_index(Camera.TOP)
     if index is None or Camera.TOP not in inputs.camera_models:
         return None
@@ -117,7 +123,10 @@ def _views(
 def _sonar_survey(
     context: Context[DetectOptions], inputs: InputArtifacts, solution: Solution
 ) -> SonarSurvey | None:
-    """Place the sonar's pings. None without a sonar, or if its servo was not logged."""
+    """Place the sonar's pings, to tell which hull they covered.
+
+    None without a sonar. None with a warning if its servo was not logged.
+    """
     settings, pings = inputs.mounted(context.settings), inputs.ingest.sonar
     elevation_deg = settings.read_optional("sonar.elevation_deg", float)
     if elevation_deg is None or pings is None:

@@ -30,7 +30,7 @@ FEATURES = FeatureOptions(max_features=50)
 def check_images(index: Mapping[Camera, ImageIndex], read: ReadImage) -> list[Finding]:
     """Find cameras whose images show nothing, or are the same to the last bit.
 
-    Cameras of which hardly any image can be read are not judged.
+    Cameras of which fewer than LEAST_WINDOWS images can be read are not judged.
     """
     out = []
     for camera, images in index.items():

@@ -158,9 +158,9 @@ def _write_images(path: Path, shape: tuple[int, int, int], images: Iterator[Imag
 
 
 def _write(context: Context[NoOptions], found: IngestResult) -> None:
-    """Write streams, image indices, cameras, mounts, CAD model and findings, as far as there.
+    """Write streams, image indices, cameras, mounts, CAD model and findings.
 
-    Images of the sonar are in a file already. Calibrations of cameras without images are dropped.
+    What the dive lacks has no file. Images of the sonar are in a file already. Calibrations of cameras without images are dropped.
     """
     for name, record in found.records.by_name().items():
         apart = {"image"} if isinstance(record, SonarPings) else set()

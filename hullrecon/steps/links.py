@@ -32,6 +32,9 @@ def run(
 ) -> None:
     """Write pairs of images, patches of hull seen again, and the path solved with both.
 
+    Without features there are no pairs, and the path is that of navigation and the patches. Without
+    a DVL, or if the options say so, there are no patches.
+
     Parameters
     ----------
     context
@@ -83,9 +86,10 @@ def pose_graph(inputs: InputArtifacts, settings: StageSettings, kernel: str = KE
 def _link_images(
     context: Context[LinkOptions], solve: PathSolver[GraphSolution], strategy: MatchStrategy
 ) -> tuple[dict[str, object], GraphSolution]:
-    """Link the images and write the links.
+    """Link the images, and write the links and the path.
 
-    Returns the figures for links.json, and the solution of the path with the links.
+    It warns where navigation alone ties parts of the dive, and where images that look alike were
+    not taken for one place. Returns the figures for links.json, and the solution of the path with the links.
     """
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
@@ -141,7 +145,10 @@ def _link_images(
 
 
 def _write_features(context: Context[LinkOptions], features: CommonFeatures) -> None:
-    """Write the common features pair by pair, and the row at which those of each pair begin."""
+    """Write the common features pair by pair, and the row at which those of each pair begin.
+
+    They are written in blocks as a .npy, which later steps map, as they may not fit into memory.
+    """
     start = features.start
     context.out.arrays("features.npz", {"start": start})
     with context.out.path(COMMON_FEATURES) as path, path.open("wb") as file:
@@ -153,7 +160,10 @@ def _write_features(context: Context[LinkOptions], features: CommonFeatures) -> 
 
 
 def _write_planes(context: Context[LinkOptions], solved: GraphSolution) -> dict[str, object]:
-    """Write the planes that constrain the path, if any. Returns their figures for links.json."""
+    """Write the planes that tie the path, if any. Returns their figures for links.json.
+
+    It warns where planes were refused, and says why. Empty where planes were not looked for.
+    """
     if not isinstance(solved, PlanarSolution):
         return {}
     if solved.planes is not None:

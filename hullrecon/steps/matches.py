@@ -37,7 +37,10 @@ def run(context: Context[MatchOptions]) -> None:
 
 
 def _write_pairs(context: Context[MatchOptions], found: MatchedImages) -> None:
-    """Write the pairs with their inliers, and counts, failures and chains as pairs.json."""
+    """Write the pairs with their inliers, and counts, failures and chains as pairs.json.
+
+    The report tells from pairs.json why pairs of images did not match.
+    """
     context.out.arrays("pairs.npz", {**to_arrays(found.pairs), "inliers": found.inliers})
     context.out.json(
         "pairs.json",

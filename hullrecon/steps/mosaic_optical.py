@@ -42,7 +42,10 @@ def run(context: Context[OpticalOptions]) -> None:
 def _usable_images(
     context: Context[OpticalOptions], artifacts: InputArtifacts, inputs: MosaicInputs
 ) -> list[CameraImages]:
-    """Place the usable images of every camera. Raises StageError if there are none."""
+    """Place the usable images of every camera, by the adjusted mounts if there are any.
+
+    Cameras without a usable image that has a pose are left out. Raises StageError if none is left.
+    """
     settings = artifacts.mounted(context.settings)
     rig = rig_from_settings({key: settings[key] for key in CAMERA_KEYS}, artifacts.camera_models)
     rig = rig if inputs.mounts is None else rig.with_mounts(inputs.mounts)

@@ -28,7 +28,11 @@ from hullrecon.threads import in_threads
 
 
 def run(context: Context[SonarOptions]) -> None:
-    """Blend the sonar's pings on the surface, and write the mosaic with its position's sigma."""
+    """Blend the sonar's pings on the surface, and write the mosaic with its position's sigma.
+
+    The sigma follows from the poses' covariance and the sonar's mount. Raises StageError if there
+    is no ping, the sonar's servo was not logged, or no ping meets the surface.
+    """
     artifacts = InputArtifacts(context.inputs)
     settings = artifacts.mounted(context.settings)
     pings = _pings(artifacts)
@@ -38,6 +42,7 @@ def run(context: Context[SonarOptions]) -> None:
     uncertainty = PingUncertainty(
         sonar=poses,
         vehicle=inputs.track.vehicle_at(pings.t_ns),
+        # of the first node at or after the ping
         pose_covariance=inputs.track.covariance[
             np.minimum(np.searchsorted(nodes_ns, pings.t_ns), len(nodes_ns) - 1)
         ],

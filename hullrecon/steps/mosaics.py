@@ -54,7 +54,10 @@ class MosaicInputs:
 
 
 def read_mosaic_inputs(inputs: InputArtifacts) -> MosaicInputs:
-    """Read the surface as found, else the DVL's, and the best path available."""
+    """Read the surface as found, else the one of the step surface, and the best path available.
+
+    The best path is the adjusted one, else the dead-reckoned one.
+    """
     as_found = inputs.detect.as_found if inputs.detect is not None else None
     solution = inputs.adjust.solution if inputs.adjust is not None else None
     surface = inputs.surface.surface if as_found is None else as_found
@@ -83,6 +86,8 @@ def write_mosaic(
     scratch: BinaryIO,
 ) -> None:
     """Write ortho.tif, the rasters on its grid, ortho.png, mosaic.glb, mosaic.json and tiles/.
+
+    The textured mesh (mosaic.glb) is left out, with a warning, where too little was seen.
 
     Parameters
     ----------
@@ -125,7 +130,10 @@ def write_mosaic(
 
 
 def _write_tiles(context: MosaicContext, pyramid: Pyramid, frame: Frame) -> None:
-    """Write the mosaic as 3D Tiles below tiles/. An internal error only leaves them out."""
+    """Write the mosaic as 3D Tiles below tiles/, which viewers load piece by piece.
+
+    An internal error gives a warning, and the mosaic is delivered without them.
+    """
     try:
         tileset = write_tileset(
             pyramid, lambda name, data: context.out.bytes(f"{TILES}/{name}", data), frame
@@ -145,7 +153,7 @@ def _write_mosaic_rasters(
 ) -> list[Picture]:
     """Write the ortho, and rasters of the variance and number of its views.
 
-    Returns the ortho as written, at its full size and reduced ones.
+    Returns the ortho as written, at its full size and reduced ones: textures for the 3D Tiles.
     """
     colors = ("red", "green", "blue", "alpha") if store.channels == 3 else ("intensity", "alpha")
     rasters = (
@@ -183,7 +191,10 @@ def _write_mosaic_rasters(
 def _write_surface_rasters(
     context: MosaicContext, layout: RasterLayout, inputs: MosaicInputs, scratch: BinaryIO
 ) -> None:
-    """Write rasters of the hull as found on the mosaic's pixels."""
+    """Write rasters of the hull as found on the mosaic's pixels, so that both lie over each other.
+
+    Nothing is written where detect left no hull as found.
+    """
     if inputs.as_found is None:
         return
     values = surface_values(inputs.as_found, inputs.deviation)

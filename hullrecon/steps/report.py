@@ -76,7 +76,11 @@ def run(context: Context[ReportOptions]) -> None:
 
 
 def read_survey(context: Context[ReportOptions]) -> Survey:
-    """Collect what the steps found from their artifacts, and why deliverables are missing."""
+    """Collect what the steps found from their artifacts, and why deliverables are missing.
+
+    Every step after navigate may have failed or not apply to the dive. What it would have found is
+    None or empty then.
+    """
     artifacts = InputArtifacts(context.inputs)
     adjusted = _adjusted(artifacts.adjust) if artifacts.adjust is not None else None
     solution = adjusted.solution if adjusted is not None else None
@@ -128,7 +132,10 @@ def _reason(facts: Document) -> str | None:
 
 
 def _adjusted(artifact: AdjustArtifact) -> AdjustedDive:
-    """Collect the solution with its summary, and the record of the solve if there is one."""
+    """Collect the solution with its summary, and the record of the solve if there is one.
+
+    The record are the figures of each iteration.
+    """
     weak = artifact.summary.get("weak_directions")
     return AdjustedDive(
         solution=artifact.solution,
@@ -173,7 +180,13 @@ def _about(context: Context[ReportOptions]) -> AboutInspection:
 def _surfaces(
     context: Context[ReportOptions], artifacts: InputArtifacts, frame: str, *, found_by_images: bool
 ) -> Surfaces:
-    """Collect the chart and the surfaces that the dive has."""
+    """Collect the chart and the surfaces that the dive has, each None where it has not.
+
+    Without the step surface the chart is the adjustment's, and there is no map of the rasters.
+
+    frame: of the path, for that map. found_by_images: the hull as found is of landmarks, not of the
+    DVL's returns.
+    """
     surface = artifacts.surface if "surface" in context.inputs else None
     detect = artifacts.detect
     as_found = detect.as_found if detect is not None else None
@@ -197,7 +210,11 @@ def _surfaces(
 
 
 def _findings(artifact: DetectArtifact | None, detect: DetectFacts) -> Findings:
-    """Collect objects and coverage as found. Empty without the step detect."""
+    """Collect objects and coverage as found. Empty without the step detect.
+
+    Where objects were not looked for, the reason stands in their place. `documents` are the JSON
+    files as they are delivered.
+    """
     if artifact is None:
         return Findings()
     rows = artifact.objects.get("objects") if detect.objects is None else None
@@ -235,7 +252,10 @@ def _change(artifacts: InputArtifacts) -> EarlierComparison | None:
 
 
 def _copies(context: Context[ReportOptions]) -> dict[str, Path]:
-    """Find the files that are delivered as a step left them, by their name in deliver/."""
+    """Find the files that are delivered as a step left them, by their name in deliver/.
+
+    Files that a step did not leave are skipped, so there may be none.
+    """
     copies = {}
     if "adjust" in context.inputs:
         copies = _files_of(context.inputs["adjust"] / "colmap", "colmap")

@@ -44,9 +44,9 @@ def judge_sensors(
 ) -> Judged:
     """Compare the sensors of a dive with each other, and find out which one is wrong.
 
-    Records are corrected first where a fault is certain from one sensor alone: shifted records,
-    frozen readings of the tray, and steps in the level of the depths. Where depth and DVL show the
-    same motion at different times, only this is returned: no other comparison is valid then.
+    Shifted records, frozen readings of the tray and steps in the level of the depths are corrected
+    first, then what is left is compared. Where depth and DVL show the same motion at different
+    times, only this is returned: no other comparison is valid then.
 
     Parameters
     ----------

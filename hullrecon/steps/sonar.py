@@ -19,8 +19,9 @@ def sonar_poses(
 ) -> Poses:
     """Compute the sonar's poses at ping times (n,) in the track's frame: result_from_sonar (n).
 
-    Raises StageError if the servo was not logged. `joint`: name of the sonar's servo, None if the
-    sonar is fixed. `samples`: angles of the servo, None if they were not logged.
+    The servo's angle is interpolated, and held before its first and after its last reading. Raises
+    StageError if the servo was not logged. `joint`: name of the sonar's servo, None if the sonar is
+    fixed. `samples`: angles of the servo, None if they were not logged.
     """
     angle = np.zeros(len(t_ns))
     if joint is not None:

@@ -52,8 +52,8 @@ def check_rig(
 ) -> RigCheck | None:
     """Check stereo calibration, stamps and baseline on some images.
 
-    The result holds the first problem found, or else the delay of the bottom camera, if any. The
-    baseline is checked only with a DVL, which measures the same way in metres.
+    The result holds the problem, if any, and the delay of the bottom camera, if any. The baseline
+    is checked only with a DVL, which measures in metres what the cameras measure in baselines.
 
     Parameters
     ----------

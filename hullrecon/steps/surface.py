@@ -67,9 +67,9 @@ def run(
 
 
 def _cad_hull(mesh: Mesh, settings: StageSettings) -> CadHull:
-    """Combine the CAD model with what dive.toml tells of its axes: up, the bow, and where x = 0 is.
+    """Combine the CAD model with what dive.toml tells of its axes: up, bow, aft perpendicular.
 
-    Up is the mesh's z without hull.pose.
+    Without hull.pose, up is z of the mesh.
     """
     pose = settings.read_optional("hull.pose", tuple)
     return CadHull(
