@@ -103,7 +103,7 @@ def compare_runs(
     after: FinishedRun,
     options: ChangeOptions = ChangeOptions(),  # noqa: B008
 ) -> HullChange:
-    """Compare two runs of one hull: what appeared, vanished or moved from `before` to `after`.
+    """Compare two runs of one hull: which objects are new, gone or changed, where plating moved.
 
     Raises InputError when the CAD models are of different hulls, StageError when too little hull
     was seen by both runs.

@@ -78,8 +78,7 @@ def run(context: Context[ReportOptions]) -> None:
 def read_survey(context: Context[ReportOptions]) -> Survey:
     """Collect what the steps found from their artifacts, and why deliverables are missing.
 
-    Every step after navigate may have failed or not apply to the dive. What it would have found is
-    None or empty then.
+    What a step would have found is None or empty if the dive has no such step, or it failed alone.
     """
     artifacts = InputArtifacts(context.inputs)
     adjusted = _adjusted(artifacts.adjust) if artifacts.adjust is not None else None
