@@ -119,6 +119,7 @@ def reckon_dive(
     """Correct the clocks of a dive's sensors, and reckon its path.
 
     Where clocks were not compared well, their remaining offsets widen the path's sigmas.
+
     Parameters
     ----------
     logs, rig, sigmas

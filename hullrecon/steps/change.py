@@ -151,7 +151,11 @@ def _refuse_damaged(folders: Mapping[str, Path], manifests: Mapping[str, Manifes
 
 
 def run(context: Context[EarlierDive]) -> None:
-    """Write what changed since the earlier dive, and the texts of the report's chapter."""
+    """Write what changed since the earlier dive, and the texts of the report's chapter.
+
+    It warns where both dives lie farther apart than their hull poses' sigmas explain. Raises
+    StageError if they cannot be compared.
+    """
     before, change = _compare(context)
     files = change_files(change, map_of(before), _this_dive(context).last_t_ns)
     for name, data in files.items():

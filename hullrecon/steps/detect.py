@@ -89,9 +89,9 @@ def _adjusted(inputs: InputArtifacts) -> AdjustArtifact:
 def _sigma_of_survey(solution: Solution, chart: Chart, depth_sigma_m: float | None) -> AddressSigma:
     """Compute the sigmas of the whole survey's position on the hull and below the water.
 
-    Addresses of objects are given with them. `depth_sigma_m`: sigma of the water surface's height in g, given where poses are in M, as their
-    sigmas say nothing of the water. None without a CAD model: the depth then has the vertical sigma
-    of the poses.
+    Addresses of objects are given with them. `depth_sigma_m`: sigma of the water surface's height
+    in g, given where poses are in M, as their sigmas say nothing of the water. None without a CAD
+    model: the depth then has the vertical sigma of the poses.
     """
     track = solution.track()
     along, girth = track.sigma_on_chart(chart)

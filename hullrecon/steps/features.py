@@ -97,7 +97,8 @@ def _write_camera(
 ) -> tuple[Ints, Array]:
     """Write the features of one camera's images, one after another.
 
-    Images that are not usable, or cannot be read after all, have none. Returns the number of features and the saliency of each image (n,), 0 for unusable ones.
+    Images that are not usable, or cannot be read after all, have none. Returns the number of
+    features and the saliency of each image (n,), 0 for unusable ones.
     """
     work = Extract(
         ingest=context.inputs["ingest"],

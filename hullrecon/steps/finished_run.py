@@ -37,7 +37,8 @@ def workspace_of(run: Path) -> Workspace:
 def finished_steps(workspace: Workspace, needed: Sequence[str]) -> Mapping[str, Manifest]:
     """Read the manifests of the steps that a command needs, in the order of the chain.
 
-    Together they are one state of the run. Raises InputError if a step is missing or damaged, or was not rerun after one of its inputs was.
+    Together they are one state of the run. Raises InputError if a step is missing or damaged, or
+    was not rerun after one of its inputs was.
     """
     found: dict[str, Manifest] = {}
     for name in needed:

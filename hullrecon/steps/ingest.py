@@ -121,7 +121,11 @@ def _beams(settings: StageSettings) -> Array | None:
 
 
 def run(context: Context[NoOptions]) -> None:
-    """Read the package into the artifact."""
+    """Read the package into the artifact, so that no later step reads a log again.
+
+    Images go to their files while logs are read, and pings by way of a temporary file, so that
+    memory does not grow with the dive. What was lost or noted gives warnings.
+    """
     with ExitStack() as files:
 
         def open_file(camera: str) -> BinaryIO:
@@ -147,7 +151,7 @@ def run(context: Context[NoOptions]) -> None:
 def _write_images(path: Path, shape: tuple[int, int, int], images: Iterator[Images]) -> Images:
     """Write images one after another as one .npy, and map it, so that they need not fit in memory.
 
-    shape: of all images together.
+    shape: (pings, rows, columns) of all images together.
     """
     with path.open("wb") as file:
         description = {"descr": np.dtype(np.uint8).str, "fortran_order": False, "shape": shape}
@@ -160,7 +164,8 @@ def _write_images(path: Path, shape: tuple[int, int, int], images: Iterator[Imag
 def _write(context: Context[NoOptions], found: IngestResult) -> None:
     """Write streams, image indices, cameras, mounts, CAD model and findings.
 
-    What the dive lacks has no file. Images of the sonar are in a file already. Calibrations of cameras without images are dropped.
+    What the dive lacks has no file. Images of the sonar are in a file already. Calibrations of
+    cameras without images are dropped.
     """
     for name, record in found.records.by_name().items():
         apart = {"image"} if isinstance(record, SonarPings) else set()

@@ -89,7 +89,8 @@ def _link_images(
     """Link the images, and write the links and the path.
 
     It warns where navigation alone ties parts of the dive, and where images that look alike were
-    not taken for one place. Returns the figures for links.json, and the solution of the path with the links.
+    not taken for one place. Returns the figures for links.json, and the solution of the path with
+    the links.
     """
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)

@@ -16,7 +16,10 @@ from hullrecon.vision.pairs.pair_match import REASON_TEXTS
 
 
 def run(context: Context[MatchOptions]) -> None:
-    """Write tracks.npz, pairs.npz and pairs.json."""
+    """Join the matches of linked images to tracks, and write tracks.npz, pairs.npz and pairs.json.
+
+    A track lists the images that show one point of the hull. Raises InputError without links.
+    """
     inputs = InputArtifacts(context.inputs)
     rig = rig_from_settings(inputs.mounted(context.settings), inputs.ingest.camera_models)
     worker = MatchWorker(features=context.inputs["features"], rig=rig, options=context.parameters)

@@ -19,7 +19,10 @@ from hullrecon.threads import in_threads
 
 
 def run(context: Context[OpticalOptions]) -> None:
-    """Blend the images of all cameras on the surface, and write the mosaic."""
+    """Blend the images of all cameras on the surface, and write the mosaic.
+
+    Raises StageError if no usable image has a pose, or none shows the surface.
+    """
     options, artifacts = context.parameters, InputArtifacts(context.inputs)
     inputs = read_mosaic_inputs(artifacts)
     cameras = _usable_images(context, artifacts, inputs)

@@ -92,7 +92,11 @@ class ImagePairMotion:
 
 
 def run(context: Context[NoOptions]) -> None:
-    """Write trajectory, error model, odometry, attitude, returns and navigation.json."""
+    """Judge the sensors, compute the path, and write it with its errors and what it was made of.
+
+    Raises InputError where a sensor that the path needs is wrong, StageError where nothing gives a
+    path.
+    """
     inputs = InputArtifacts(context.inputs)
     ingest = inputs.ingest
     for mount in describe_mounts(inputs.mounts(context.settings)):
@@ -305,7 +309,10 @@ def _unless_empty(samples: Samples | None) -> Samples | None:
 
 
 def _write(context: Context[NoOptions], found: Navigated, source: str) -> None:
-    """Write the step's files, and warn of its remarks. source: "dvl" or "stereo"."""
+    """Write the step's files, and warn of its remarks. source: "dvl" or "stereo".
+
+    Returns are written only if there are any, as a dive may have had no DVL.
+    """
     for name in ("trajectory", "error_model", "odometry", "attitude"):
         context.out.arrays(f"{name}.npz", to_arrays(getattr(found, name)))
     if len(found.returns.t_ns):

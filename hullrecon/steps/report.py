@@ -146,7 +146,11 @@ def _adjusted(artifact: AdjustArtifact) -> AdjustedDive:
 
 
 def _dive_facts(context: Context[ReportOptions], artifacts: InputArtifacts, rig: Rig) -> DiveFacts:
-    """Collect the dive, the sensors that it carried, and what its log says."""
+    """Collect the dive, the sensors that it carried, and what its log says.
+
+    The DVL is left out where the path is that of the stereo cameras. rig: with the adjusted mounts,
+    if there are any.
+    """
     ingest, matches = artifacts.ingest, artifacts.matches
     return DiveFacts(
         dive=context.settings.read_optional("dive", Dive) or Dive(name="dive"),

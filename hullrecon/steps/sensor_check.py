@@ -151,7 +151,7 @@ def check_sensors(
     records
         What the sensors logged, corrected where a fault was found.
     findings
-        Of images and sensors.
+        Faults of the images and the sensors, empty if there are none.
     tried
         The hypotheses of faults that were tried, for the JSON of `check`.
     """

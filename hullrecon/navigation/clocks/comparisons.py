@@ -405,11 +405,11 @@ def _compare_with_dvl(
     t_ns, triples
         Stamps of the pings, and rows (m, 3) of three each.
     first
-        The sensor.
+        The sensor that is compared with the DVL.
     systematic_s
         Sigma of the offset's systematic error.
     evaluate
-        Computes residuals.
+        Computes the residuals of rows at given offsets.
     """
     begin_ns = t_ns[triples[:, 0]]
     return ClockComparison(

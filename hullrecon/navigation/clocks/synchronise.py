@@ -193,7 +193,10 @@ def _are_same(first: WrongClocks, second: WrongClocks) -> bool:
 
 
 def _describe_unknown(alike: Sequence[WrongClocks]) -> str:
-    """Describe clocks that disagree where several hypotheses explain them equally well."""
+    """Describe clocks that disagree where several hypotheses explain them equally well.
+
+    alike: these hypotheses, each with at least one wrong clock.
+    """
     sensors = dict.fromkeys(sensor for hypothesis in alike for sensor in hypothesis.wrong)
     first = alike[0].wrong[0]
     return (
@@ -243,7 +246,7 @@ def _measure_motions(
     frames
         Stamps and rows of the upper camera's usable images.
     spans
-        The segments.
+        The segments (first and last instant), each of which gets runs of its own.
     measure
         Measures the motion between two images.
     velocities, attitude
@@ -285,7 +288,7 @@ def choose_runs(t_ns: Ints, inside: Ints, runs: int) -> list[list[int]]:
     inside
         Rows (m,) to choose from.
     runs
-        How many.
+        How many runs to choose, at most.
     """
     if len(inside) < 2:
         return []
@@ -310,7 +313,11 @@ def corrected_stamps(t_ns: Ints, offsets: Sequence[TimeOffset], sensor: ClockedS
 
 
 def _correct_logs(logs: NavigationLogs, offsets: Sequence[TimeOffset]) -> NavigationLogs:
-    """Subtract the offsets from the stamps of the logs, and sort the readings again."""
+    """Subtract the offsets from the stamps of the logs, and sort the readings again.
+
+    Both cameras are shifted alike. The tray has no clock of its own that is compared, so its stamps
+    stay as they are.
+    """
     wrong = {offset.sensor for offset in offsets}
 
     def moved(record: Stream, sensor: ClockedSensor) -> Stream:
@@ -338,7 +345,10 @@ def _correct_logs(logs: NavigationLogs, offsets: Sequence[TimeOffset]) -> Naviga
 
 
 def _in_order(record: Stream) -> Stream:
-    """Sort a record whose offset changes along the dive, and drop rows whose stamp repeats then."""
+    """Sort a record whose offset changes along the dive, and drop rows whose stamp repeats then.
+
+    Later offsets may move readings before earlier ones. A record in order is returned as it is.
+    """
     if record is None:
         return record
     stamps: Ints = record.t_ns  # type: ignore[attr-defined]

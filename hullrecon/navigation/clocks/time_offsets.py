@@ -284,11 +284,12 @@ def solve_offsets(
     Parameters
     ----------
     evidence
-        The comparisons.
+        The comparisons. Those whose residuals do not depend on the offset add to chi-square alone.
     wrong
-        Sensors whose clocks are wrong.
+        Sensors whose clocks are taken as wrong, so that their offsets are free. Others are held
+        near zero.
     start
-        Offsets of these to start from.
+        Offsets of the wrong ones, near which minima are searched.
     """
     sensors = list(ClockedSensor)
     prior = np.array([UNKNOWN_S if sensor in wrong else SYNCHRONISED_S for sensor in sensors])
@@ -332,11 +333,11 @@ def remaining_offset_sigmas(
     Parameters
     ----------
     evidence
-        The comparisons within the span.
+        The comparisons, with rows within the span alone.
     corrected
-        Offsets that were corrected.
+        Offsets that are taken off the stamps. What is seen beyond them remains.
     span
-        First and last instant.
+        First and last instant, from which the time follows over which a clock drifts.
     """
     middle_ns, lasts_s = (span[0] + span[1]) // 2, (span[1] - span[0]) / NS
     sensors = [sensor for sensor in ClockedSensor if sensor is not ClockedSensor.IMU]
@@ -465,14 +466,15 @@ def choose_by_segment(
 ) -> list[int]:
     """Choose the offsets of each segment by least chi-square, plus ALIKE for each change.
 
-    So offsets change at a pause only where the comparisons clearly ask for it. The best sequence is found by dynamic programming (Viterbi).
+    So offsets change at a pause only where the comparisons clearly ask for it. The best sequence is
+    found by dynamic programming (Viterbi).
 
     Parameters
     ----------
     evidence
-        The comparisons.
+        The comparisons over the whole dive.
     spans
-        The segments.
+        First and last instant of each segment, in time order.
     states
         Offsets to choose from.
 
@@ -511,14 +513,14 @@ def time_offsets(
     Parameters
     ----------
     spans, chosen
-        The segments, and the hypothesis of each.
+        The segments in time order, and the hypothesis that was chosen for each.
     sensors
-        That were compared.
+        Sensors that were compared. Those among them with right clocks are named with each offset.
 
     Returns
     -------
     list of TimeOffset
-        By sensor, then by time.
+        By sensor, then by time. Empty where all clocks are right.
     """
     out: list[TimeOffset] = []
     k = 0

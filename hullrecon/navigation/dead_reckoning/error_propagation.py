@@ -174,8 +174,8 @@ def twist_by_pose_error(poses: Poses) -> Array:
     """Compute the matrices (n, 6, 6) that turn pose errors into twists about the global origin.
 
     As twists, an error that shifts or turns the remaining path is the same at all later nodes, so
-    that errors simply add up. Pose errors are (translation in the global frame, rotation perturbed on the right in the
-    vehicle's): omega = R w, rho = t + p x omega.
+    that errors simply add up. Pose errors are (translation in the global frame, rotation perturbed
+    on the right in the vehicle's): omega = R w, rho = t + p x omega.
     """
     rotation = poses.rotation.as_matrix()
     out = np.zeros((len(rotation), 6, 6))

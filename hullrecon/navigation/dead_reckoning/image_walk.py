@@ -78,7 +78,10 @@ class ImageWalk:
         return at
 
     def _farthest_within_stride(self, at: int, following: int, steps: range) -> int:
-        """Find the farthest frame along `steps` within a stride's time, at least the next."""
+        """Find the farthest frame along `steps` within a stride's time, at least the next.
+
+        at: the frame from which the stride begins. following: the next one.
+        """
         t_ns = self.frames[0]
         while (
             following + steps.step in steps

@@ -111,6 +111,7 @@ def _distances_if_exchanged(
     either way, so its fixes are left as logged.
 
     ties, exchanged: the fixes as logged, and with their coordinates exchanged.
+
     Returns
     -------
     tuple

@@ -124,7 +124,7 @@ def reckon(
     rig
         The mount of the DVL on the tray, and the tray's origin.
     start_ns
-        From which times count, None: the first velocity.
+        Instant from which times and the path count. None: that of the first velocity.
     """
     t_ns = velocities.t_ns
     start = int(t_ns[0]) if start_ns is None else start_ns

@@ -179,7 +179,7 @@ def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
     Returns
     -------
     list of tuple
-        Of each span the nodes with images before and after it, and the distance travelled, m.
+        For each span the nodes with images before and after it, and the distance travelled, m.
     """
     seen = np.flatnonzero((nodes.image >= 0).any(axis=1))
     if len(seen) < 3:
@@ -218,7 +218,10 @@ def _times(count: int, noun: str) -> str:
 
 
 def _describe_heading_steps(size_deg: Array, at_ns: Ints) -> str:
-    """Describe the steps that were removed from the heading."""
+    """Describe the steps that were removed from the heading, and name the largest.
+
+    "" where there are none. size_deg, at_ns: of each step.
+    """
     if len(size_deg) == 0:
         return ""
     largest = int(np.argmax(np.abs(size_deg)))
@@ -234,7 +237,10 @@ def _describe_heading_steps(size_deg: Array, at_ns: Ints) -> str:
 
 
 def _describe_disagreements(apart_deg: Array, at_ns: Ints) -> str:
-    """Describe where heading and rates contradict each other."""
+    """Describe where heading and rates contradict each other, and name the largest divergence.
+
+    "" where they never do. apart_deg, at_ns: of each place.
+    """
     if len(apart_deg) == 0:
         return ""
     largest = int(np.argmax(apart_deg))
@@ -270,7 +276,10 @@ def _without_pose(count: int) -> str:
 
 
 def _silent_dvl(velocities: Velocities, nodes_ns: Ints) -> str:
-    """Describe where images alone carry the path, before the first and after the last velocity."""
+    """Describe where images alone carry the path, before the first and after the last velocity.
+
+    "" where the path does not reach so far.
+    """
     heard_ns, ends_ns = velocities.t_ns[[0, -1]], nodes_ns[[0, -1]]
     # of the path's start to the first velocity, and of the last velocity to the path's end
     sigma_m = np.sqrt(

@@ -27,12 +27,14 @@ def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Mask) -> Re
 
     Parameters
     ----------
-    dvl, path
-        The pings, and the path by dead reckoning.
+    dvl
+        All pings with their ranges.
+    path
+        Gives the vehicle's pose at each ping, which is recorded relative to its node.
     nodes
-        The path at the nodes.
+        The same path at the nodes.
     flagged
-        Ranges (pings, beams) that disagree with their neighbours.
+        Ranges (pings, beams) that disagree with their neighbours (`flag_ranges`).
     """
     inside = (dvl.t_ns >= nodes.t_ns[0] - 10**9) & (dvl.t_ns <= nodes.t_ns[-1] + 10**9)
     ping, beam = np.nonzero(np.isfinite(dvl.ranges) & inside[:, None])
@@ -56,18 +58,17 @@ def flag_ranges(dvl: DvlPings, sigma_range_m: float, sigmas: float = OUTLIER_SIG
     """Flag DVL ranges (n, b) that disagree with the running median of their beam.
 
     They may have met a fish, a bubble or another part of the hull, and are not used for its
-    surface. None is flagged with fewer than three pings.
-    The sigma is the robust scatter of the neighbouring ranges about that median, or that of the
-    instrument where this is larger.
+    surface. None is flagged with fewer than three pings. The sigma is the robust scatter of the
+    neighbouring ranges about that median, or that of the instrument where this is larger.
 
     Parameters
     ----------
     dvl
-        The pings.
+        Pings in time order, whose ranges are compared beam by beam.
     sigma_range_m
-        Of the instrument.
+        Sigma of a range by the instrument.
     sigmas
-        Beyond which a range is flagged.
+        How many sigmas from the median a range may lie.
     """
     ranges = dvl.ranges
     if len(ranges) < 3:

@@ -26,8 +26,8 @@ def describe_unplaced(
     These are velocities without an attitude, ranges before or after the path, and readings of an
     IMU that ran on without a velocity. Small shares are not mentioned, so the list may be empty.
 
-    pressure: tells when the vehicle was under water. velocities: those that the path uses.
-    returns: the ranges that were attached to nodes.
+    pressure: tells when the vehicle was under water. velocities: those that the path uses. returns:
+    the ranges that were attached to nodes.
     """
     given_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
     used_ns = np.concatenate([velocities.t_ns, velocities.outliers])
@@ -46,7 +46,10 @@ def describe_unplaced(
 
 
 def _describe_unused(count: int, total: int, noun: str, where: str) -> list[str]:
-    """Describe measurements that cannot be used, if they are UNPLACED_SHARE of all or more."""
+    """Describe measurements that cannot be used, if they are UNPLACED_SHARE of all or more.
+
+    Empty for fewer. count of total: how many. noun, where: what they are, and why they are unused.
+    """
     if count < UNPLACED_SHARE * max(total, 1):
         return []
     return [

@@ -126,7 +126,8 @@ def gap_by_poses(
 ) -> Array:
     """Compute the Jacobian (m, 3, 14) of the gaps by both anchors' poses and trays.
 
-    Through it the path's covariance predicts how large gaps may be. Of each anchor there are (translation in g, rotation on the right, tray angle).
+    Through it the path's covariance predicts how large gaps may be. Of each anchor there are
+    (translation in g, rotation on the right, tray angle).
     """
     return position_and_gap_by_poses(patches, pairs, path, tray_origin)[:, 2:]
 

@@ -94,7 +94,10 @@ def _fit_curvature(points: Array, normals: Array, row: int, near: Array) -> Arra
 
 
 def _sample_mesh(mesh: Mesh, rng: np.random.Generator) -> tuple[Array, Array]:
-    """Sample points (SAMPLES, 3) evenly over the faces, with the unit normals there."""
+    """Sample points (SAMPLES, 3) evenly over the faces, with the unit normals there.
+
+    Normals of faces without an area are nil.
+    """
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
     cross = np.cross(b - a, c - a)
     area = np.linalg.norm(cross, axis=1)

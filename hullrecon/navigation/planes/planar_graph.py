@@ -215,7 +215,10 @@ def _why_refused(offer: Offer, solved: GraphSolution) -> str | None:
 
 
 def _with_offer(solved: GraphSolution, offer: Offer, refusal: str | None) -> PlanarSolution:
-    """Add to a solution what was offered, and why planes were refused."""
+    """Add to a solution what was offered, and why planes were refused.
+
+    offer: the last one. solved: the solution that is kept, without planes where they were refused.
+    """
     return PlanarSolution(
         graph=solved.graph,
         links=solved.links,

@@ -268,7 +268,10 @@ class GraphSolution:
         )
 
     def fit_of_positions(self) -> PositionFit | None:
-        """Compare position fixes (USBL, GNSS) with the path. None where there are none."""
+        """Compare position fixes (USBL, GNSS) with the path. None where there are none.
+
+        The result tells whether they contradict navigation beyond both sigmas.
+        """
         if self.graph.positions is None:
             return None
         return fit_of_positions(
@@ -307,9 +310,10 @@ class GraphErrors:
     def relative_covariance(self, first: Ints, second: Ints) -> Array:
         """Compute the covariance (m, 6, 6) of second_from_first, of the leading cameras.
 
-        first, second: (m,) nodes. It is of (translation in the second camera's axes, rotation perturbed on its right). The
-        camera's mount is taken as known, as its error is common to both nodes. The joint marginals
-        of both vehicle poses and tray angles are propagated by the Jacobian.
+        first, second: (m,) nodes. It is of (translation in the second camera's axes, rotation
+        perturbed on its right). The camera's mount is taken as known, as its error is common to
+        both nodes. The joint marginals of both vehicle poses and tray angles are propagated by the
+        Jacobian.
         """
         if len(first) == 0:
             return np.zeros((0, 6, 6))
@@ -428,8 +432,8 @@ def _shared_noise(degree: Ints, first: Ints, second: Ints) -> Array:
 def _square_root_information(links: CameraLinks) -> Array:
     """Compute the square root of the links' information (m, 6, 6), from the Cholesky factor.
 
-    Multiplied by it residuals are in sigmas. A link without a length measures five numbers, two of the direction and three of the rotation.
-    Their square root is in the leading block (5, 5).
+    Multiplied by it residuals are in sigmas. A link without a length measures five numbers, two of
+    the direction and three of the rotation. Their square root is in the leading block (5, 5).
     """
     covariance = links.covariance.copy()
     free = np.flatnonzero(~links.scaled)
@@ -459,7 +463,7 @@ def _find_rejected(problem: native.Problem, count: int) -> Mask:
     Residuals are evaluated without the robust kernel: a switch would reduce those of a wrong link
     to nothing.
 
-    problem: at its solution. count: of links.
+    problem: with the unknowns at its solution. count: number of links.
     """
     bare = replace(problem.links, kernel=np.full(count, int(native.LinkKernel.NONE), np.int32))
     bare_unknowns = replace(problem.unknowns, link_switch=np.ones(0))
@@ -475,7 +479,11 @@ def _find_rejected(problem: native.Problem, count: int) -> Mask:
 def _start_unknowns(
     start: VehiclePath, nominal: Mapping[str, Poses | None], switches: int
 ) -> native.Unknowns:
-    """Make the unknowns: poses and trays of the path, nominal mounts, and all switches at 1."""
+    """Make the unknowns to start from: poses and trays of the path, nominal mounts, switches at 1.
+
+    nominal: by name of the unknown, None for a sensor that the dive lacks. switches: their number;
+    1 is a link that counts fully.
+    """
     unknowns = native.Unknowns(
         pose=np.hstack([start.poses.vectors(), start.tray[:, None]]), link_switch=np.ones(switches)
     )

@@ -93,8 +93,9 @@ class AttitudeHistory:
     def turned_by_steps(self, at_ns: Ints) -> Array:
         """Accumulate the variance (m,) rad2, about z of g, of the heading's steps up to times (m,).
 
-        The difference of two times is the variance of the turn between them. A step that was taken off leaves the variance of its size. Where heading and rates diverge
-        slowly, the whole divergence counts.
+        The difference of two times is the variance of the turn between them. A step that was taken
+        off leaves the variance of its size. Where heading and rates diverge slowly, the whole
+        divergence counts.
         """
         out = self.steps.sigma_rad**2 * np.searchsorted(
             self.t_ns[self.steps.row], at_ns, side="right"
@@ -201,9 +202,9 @@ def _estimate_noise(t: Array, gap: Array, longest_s: float = 2.0) -> tuple[float
     """Estimate the white variance (rad2) of the orientation and the walk (rad2/s) of the rates.
 
     The walk is the variance that integrated rates gain in each second. Both set how wide the
-    smoothing is. The variance of differences over a lag is twice the white variance plus the walk times the lag.
-    A line through these variances at several lags gives both. The variances are robust, from median
-    absolute differences, so that a jolt does not count.
+    smoothing is. The variance of differences over a lag is twice the white variance plus the walk
+    times the lag. A line through these variances at several lags gives both. The variances are
+    robust, from median absolute differences, so that a jolt does not count.
 
     Parameters
     ----------

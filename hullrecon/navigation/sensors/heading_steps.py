@@ -40,7 +40,10 @@ class HeadingSteps:
     disagreement_rad: Array  # (d,) size of the divergence
 
     def taken_off(self, quaternion: Array) -> Array:
-        """Remove the steps from attitudes (n, 4)."""
+        """Remove the steps from attitudes (n, 4): each from the first reading after it to the end.
+
+        What diverges slowly stays, as heading or rates may be wrong.
+        """
         if len(self.row) == 0:
             return quaternion
         heading = np.zeros(len(quaternion))
@@ -60,8 +63,7 @@ def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD
     The size at each reading is the median of the difference over BESIDE_S after it, minus that
     before it. Peaks of the size are taken from the largest on. A peak is a step where most of it
     happens within SUDDEN_S, else a disagreement of heading and rates. None are found in records
-    shorter than four times BESIDE_S, nor with fewer than three readings
-    in BESIDE_S.
+    shorter than four times BESIDE_S, nor with fewer than three readings in BESIDE_S.
 
     Parameters
     ----------

@@ -103,9 +103,9 @@ def doubtful_angles(tray: JointSamples | None, unit: str, sigma_rad: float) -> l
     tray
         Readings of the tray's joint, None if it was not logged.
     unit
-        In which the angles were taken to be logged, "rad" or "deg".
+        Unit in which the angles were taken to be logged, "rad" or "deg".
     sigma_rad
-        Of the tray's angle.
+        Sigma of the tray's angle, as configured.
     """
     angle = np.zeros(0) if tray is None else tray.angle[np.isfinite(tray.angle)]
     if len(angle) < FEW_READINGS:

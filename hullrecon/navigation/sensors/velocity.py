@@ -130,8 +130,9 @@ def _find_outliers(t_ns: Ints, velocity: Array) -> Mask:
 def _estimate_agitation(t_ns: Ints, velocity: Array, sigma: Array) -> Agitation:
     """Estimate the agitation at lags of 1, 2, 4, ... s, up to half of the record.
 
-    With it the sigma of the path across an outage follows from the outage's length. It is the mean squared change of the velocity less that of the instrument's noise, of the axis
-    that changes most. It is kept from falling with the lag.
+    With it the sigma of the path across an outage follows from the outage's length. It is the mean
+    squared change of the velocity less that of the instrument's noise, of the axis that changes
+    most. It is kept from falling with the lag.
 
     Parameters
     ----------

@@ -20,9 +20,10 @@ def calibration_moment(evidence: Sequence[CalibrationEffect], prior_sigma: Array
     """Estimate the second moment (k, k) of the calibration's errors from the motions of a dive.
 
     It is the covariance plus the square of what the motions show, as the path is not corrected for
-    these errors: its sigmas have to cover them whole. Held errors have zeros. Errors of unknown sigma share one, which is estimated by expectation maximisation. A good
-    calibration shows small errors in the motions. Errors that no motion can show, such as the
-    scale, are then taken to be as small. Those of a rough calibration are taken to be as large.
+    these errors: its sigmas have to cover them whole. Held errors have zeros. Errors of unknown
+    sigma share one, which is estimated by expectation maximisation. A good calibration shows small
+    errors in the motions. Errors that no motion can show, such as the scale, are then taken to be
+    as small. Those of a rough calibration are taken to be as large.
 
     Parameters
     ----------

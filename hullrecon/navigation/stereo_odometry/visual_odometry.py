@@ -62,8 +62,8 @@ class StepGuess:
     def motion(self, k: int, steps: Sequence[StereoMotion]) -> StereoMotion:
         """Guess the top camera's motion from pair k to the next (first_from_second).
 
-        Without an earlier step the camera is taken to stand still. The calibration has no part in
-        a guess, so that its derivatives are empty.
+        Without an earlier step the camera is taken to stand still. The calibration has no part in a
+        guess, so that its derivatives are empty.
 
         steps: the motions between all pairs before.
         """
@@ -95,6 +95,7 @@ def follow(
     A step that cannot be measured from the previous pair is measured from an earlier one, else
     guessed, so that the chain has no gap (`StereoChain.lost` lists the guesses). Each pair is read
     once.
+
     Parameters
     ----------
     images
@@ -194,8 +195,8 @@ def in_vehicle(chain: StereoChain, vehicle_from_top: Poses) -> tuple[Poses, Arra
     Returns
     -------
     tuple
-        Steps of the vehicle (first_from_second), their white covariance (n - 1, 6, 6), and their derivatives (n - 1, 6, k) by the
-        calibration's errors.
+        Steps of the vehicle (first_from_second), their white covariance (n - 1, 6, 6), and their
+        derivatives (n - 1, 6, k) by the calibration's errors.
     """
     before, after = (
         vehicle_from_top[np.arange(len(chain.step))],
