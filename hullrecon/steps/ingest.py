@@ -151,7 +151,7 @@ def run(context: Context[NoOptions]) -> None:
 def _write_images(path: Path, shape: tuple[int, int, int], images: Iterator[Images]) -> Images:
     """Write images one after another as one .npy, and map it, so that they need not fit in memory.
 
-    shape: (pings, rows, columns) of all images together.
+    shape: (pings, beams, ranges) of all images together.
     """
     with path.open("wb") as file:
         description = {"descr": np.dtype(np.uint8).str, "fortran_order": False, "shape": shape}

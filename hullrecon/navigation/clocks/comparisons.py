@@ -256,7 +256,10 @@ def compare_depth(
         return np.asarray(found)
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
-        """Compute the second difference (n, 1), m, of what the two depths differ by."""
+        """Compute the second difference (n, 1), m, of what the two depths differ by.
+
+        NaN where pressure or attitude were not read at one of the three pings.
+        """
         at_s = t_s + _shift_ns(offsets, ClockedSensor.PRESSURE, ClockedSensor.DVL) / NS
         depth = np.interp(at_s, read_s, smooth)
         depth[(at_s < read_s[0]) | (at_s > read_s[-1])] = np.nan
@@ -290,7 +293,10 @@ def compare_hull_turns(
     attitude_at = _fast_rotation(attitude)
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
-        """Compute the second difference (n, 1) of the normals in `global` along the tray axis."""
+        """Compute the second difference (n, 1) of the normals in `global` along the tray axis.
+
+        A servo that is off turns the normals across this axis, so it does not count.
+        """
         of = of_used[rows]
         at_ns = used_ns + _shift_ns(offsets, ClockedSensor.IMU, ClockedSensor.DVL)
         global_from_vehicle = attitude_at(at_ns)
@@ -308,8 +314,8 @@ def compare_accelerations(
 ) -> ClockComparison | None:
     """Compare IMU and DVL by the change of velocity, with the integral of the acceleration.
 
-    Residuals are second differences of the velocity over three pings, so that gravity's and the
-    IMU's constant errors cancel. None without three pings that lie CHANGED_S apart, without
+    Residuals are second differences of the velocity over three pings, in which a wrong gravity and
+    a constant bias of the IMU cancel. None without three pings that lie CHANGED_S apart, without
     accelerations that hold gravity, or where these hold hardly anything else.
     """
     known = np.isfinite(dvl.velocity).all(axis=1)
@@ -324,7 +330,10 @@ def compare_accelerations(
     attitude_at = _fast_rotation(attitude)
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
-        """Compute the second difference (n, 3), m/s, of what the two velocities differ by."""
+        """Compute the second difference (n, 3), m/s, of what the two velocities differ by.
+
+        NaN where the IMU gave no acceleration at one of the three pings.
+        """
         shift_ns = _shift_ns(offsets, ClockedSensor.IMU, ClockedSensor.DVL)
         at_ns, at_s = t_ns + shift_ns, t_s + shift_ns / NS
         level = attitude_at(at_ns)
@@ -345,6 +354,7 @@ def compare_accelerations(
 def hull_normals(dvl: DvlPings) -> tuple[Ints, Array]:
     """Fit a plane to each ping's returns, without outliers from the running median of their beam.
 
+    Empty with fewer than NEIGHBOURS pings or LEAST_BEAMS beams.
     Returns
     -------
     tuple
@@ -362,6 +372,7 @@ def hull_normals(dvl: DvlPings) -> tuple[Ints, Array]:
     ends = np.where(fair[:, :, None], ends, 0.0)
     middle = ends.sum(axis=1) / weight.sum(axis=1)
     from_middle = weight * (ends - middle[:, None])
+    # the direction in which the ends scatter least
     normal = np.linalg.eigh(np.einsum("nbi,nbj->nij", from_middle, from_middle))[1][:, :, 0]
     away = np.sign((normal * middle).sum(axis=1))
     return dvl.t_ns[enough], np.asarray(normal * away[:, None])

@@ -170,8 +170,8 @@ def _compare_clocks(
     """Compare the clocks of all sensors.
 
     Where images show the motion they are compared with IMU and DVL, else these with each other.
-    There may be no comparison: without images and pressure, or where IMU and DVL ran a minute
-    apart.
+    There may be none, as where neither images nor a pressure were logged, and IMU and DVL ran a
+    minute apart.
     """
     attitude, tray = heard.attitude, servo(logs.tray, int(logs.dvl.t_ns[0]))
     made: list[ClockComparison | None] = []
@@ -315,8 +315,8 @@ def corrected_stamps(t_ns: Ints, offsets: Sequence[TimeOffset], sensor: ClockedS
 def _correct_logs(logs: NavigationLogs, offsets: Sequence[TimeOffset]) -> NavigationLogs:
     """Subtract the offsets from the stamps of the logs, and sort the readings again.
 
-    Both cameras are shifted alike. The tray has no clock of its own that is compared, so its stamps
-    stay as they are.
+    Both cameras are shifted alike, unless the lower one pairs better as it was. The tray's clock is
+    not compared, so its stamps stay as they are.
     """
     wrong = {offset.sensor for offset in offsets}
 

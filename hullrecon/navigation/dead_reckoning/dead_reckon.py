@@ -307,7 +307,10 @@ def _correct_depth(pressure: PressureSamples | None, path: Reckoning, nodes: Nod
 
 
 def usable_frames(index: ImageIndex | None) -> tuple[Ints, Ints]:
-    """List stamps and rows of the frames that decode, in time order. Empty without an index."""
+    """List stamps and rows of the frames that decode, in time order. Empty without an index.
+
+    Rows are those in the index, by which images are read.
+    """
     if index is None:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
     rows = np.flatnonzero(index.usable)

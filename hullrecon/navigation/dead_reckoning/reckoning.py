@@ -50,7 +50,10 @@ class Reckoning:
     rig: Rig
 
     def at(self, t_ns: Ints) -> Instant:
-        """Interpolate the vehicle, and what the derivatives of its path need, at times (n,)."""
+        """Interpolate the vehicle, and what the derivatives of its path need, at times (n,).
+
+        Beyond the ends attitude, tray and velocity are held at their last values.
+        """
         theta = self.servo.angle_at(t_ns)
         rotation = self.attitude.rotation(t_ns)
         mounted = tray_poses(self.rig.tray_origin, theta)

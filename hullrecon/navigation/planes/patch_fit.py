@@ -106,7 +106,7 @@ def fit_patch(
 def patch_axes(normal: Array) -> Array:
     """Choose axes (3, 3) of a patch: azimuth, elevation, and its unit normal (3,), as columns.
 
-    They depend on the normal alone, so that curvatures of neighbouring patches can be compared.
+    They depend on the normal alone, so that azimuth and elevation mean the same on all patches.
     Azimuth is horizontal, unless the normal is nearly vertical.
     """
     level = np.cross([0.0, 0.0, 1.0], normal)

@@ -270,7 +270,7 @@ class GraphSolution:
     def fit_of_positions(self) -> PositionFit | None:
         """Compare position fixes (USBL, GNSS) with the path. None where there are none.
 
-        The result tells whether they contradict navigation beyond both sigmas.
+        The result tells how many of their sigmas are left between them and the solved path.
         """
         if self.graph.positions is None:
             return None
@@ -310,10 +310,11 @@ class GraphErrors:
     def relative_covariance(self, first: Ints, second: Ints) -> Array:
         """Compute the covariance (m, 6, 6) of second_from_first, of the leading cameras.
 
-        first, second: (m,) nodes. It is of (translation in the second camera's axes, rotation
-        perturbed on its right). The camera's mount is taken as known, as its error is common to
-        both nodes. The joint marginals of both vehicle poses and tray angles are propagated by the
-        Jacobian.
+        It is of (translation in the second camera's axes, rotation perturbed on its right). The
+        camera's mount is taken as known, as its error is common to both nodes. The joint marginals
+        of both vehicle poses and tray angles are propagated by the Jacobian.
+
+        first, second: (m,) nodes of each pair.
         """
         if len(first) == 0:
             return np.zeros((0, 6, 6))
@@ -343,7 +344,10 @@ class GraphErrors:
 
     @cached_property
     def _chain(self) -> tuple[Array, Array, Array]:
-        """R_g_v (n, 3, 3), R_v_s (n, 3, 3) and T_s_c (n, 4, 4) of the leading camera."""
+        """R_g_v (n, 3, 3), R_v_s (n, 3, 3) and T_s_c (n, 4, 4) of the leading camera.
+
+        From the global frame over vehicle and tray to the camera, at every node.
+        """
         pose = self.problem.unknowns.pose
         vehicle = Poses(pose[:, 3:7], pose[:, :3]).rotation.as_matrix()
         cos, sin, zero, one = (

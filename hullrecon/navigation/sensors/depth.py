@@ -70,7 +70,7 @@ def hold_to_pressure(
     known = np.isfinite(pressure.depth)
     t_ns, depth = pressure.t_ns[known], pressure.depth[known]
     t, at = path_seconds(path, t_ns), path_seconds(path, nodes_ns)
-    # the difference to be smoothed, without single outliers
+    # the difference to be smoothed, and that without single outliers
     gap = depth - _reckoned_depth(path, t_ns)
     steady = running_median(gap[:, None], 5)[:, 0]
     step = float(np.median(np.diff(t)))

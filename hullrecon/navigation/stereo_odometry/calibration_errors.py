@@ -36,7 +36,7 @@ def calibration_moment(evidence: Sequence[CalibrationEffect], prior_sigma: Array
     gradient = np.sum([e.gradient for e in evidence], axis=0)
     unknown = np.isnan(prior_sigma)
     sigma = np.where(unknown, LARGEST, prior_sigma)
-    free = sigma > 0
+    free = sigma > 0  # the others are held
     out = np.zeros((len(sigma), len(sigma)))
     for _ in range(ITERATIONS):
         prior = np.diag(sigma[free] ** -2.0)
