@@ -54,7 +54,11 @@ class NavigationSigmas:
 
 
 def sigmas_from_settings(settings: Mapping[str, object]) -> NavigationSigmas:
-    """Collect the sigmas of a dive from the values of dive.toml by dotted key (SIGMA_KEYS)."""
+    """Collect the sigmas of a dive from the values of dive.toml by dotted key (SIGMA_KEYS).
+
+    Degrees become radians, and the drift of the heading one per second. Sigmas of time offsets and
+    of a useless tray angle are not among them: they are zero until the sensors were compared.
+    """
 
     def number(key: str) -> float:
         return float(cast(SupportsFloat, settings[key]))

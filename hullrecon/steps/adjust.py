@@ -180,7 +180,10 @@ def _write_colmap(context: Context[Options], m: Measurements, adjusted: Adjusted
 
 
 def _image_stamps(ingest: IngestArtifact, image: Ints) -> Ints:
-    """Look up the stamps (n, 2) ns of the images at the nodes, -1 without an image."""
+    """Look up the stamps (n, 2) ns of the images at the nodes, -1 without an image.
+
+    image (n, 2): rows of top and bottom image in their indices, -1 where there is none.
+    """
     stamps = np.full(image.shape, -1, np.int64)
     for camera in Camera:
         index = ingest.image_index(camera)

@@ -103,8 +103,9 @@ def compare_runs(
     after: FinishedRun,
     options: ChangeOptions = ChangeOptions(),  # noqa: B008
 ) -> HullChange:
-    """Compare two runs of one hull: which objects are new, gone or changed, where plating moved.
+    """Compare two runs of one hull.
 
+    The result tells which objects are new, gone or changed, and where the surface moved.
     Raises InputError when the CAD models are of different hulls, StageError when too little hull
     was seen by both runs.
     """

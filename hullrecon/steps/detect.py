@@ -34,8 +34,8 @@ from hullrecon.threads import in_threads
 def run(context: Context[DetectOptions], fusion: Fusion = fuse_heights) -> None:
     """Find the hull as found, the objects on it and what was covered, and write them.
 
-    Without a camera and a CAD model there is no hull as found, and a warning says so. Without a CAD
-    model there is no deviation.
+    With neither a camera nor a CAD model there is no hull as found, and a warning says so. Without
+    a CAD model there is no deviation.
 
     `fusion`: how shapes from single views are combined to heights. hullrecon/studies has published
     variants.

@@ -133,7 +133,7 @@ def _reason(facts: Document) -> str | None:
 def _adjusted(artifact: AdjustArtifact) -> AdjustedDive:
     """Collect the solution with its summary, and the record of the solve if there is one.
 
-    The record are the figures of each iteration.
+    The record holds figures of each iteration. It is empty if the folder has none.
     """
     weak = artifact.summary.get("weak_directions")
     return AdjustedDive(
@@ -183,7 +183,7 @@ def _about(context: Context[ReportOptions]) -> AboutInspection:
 def _surfaces(
     context: Context[ReportOptions], artifacts: InputArtifacts, frame: str, *, found_by_images: bool
 ) -> Surfaces:
-    """Collect the chart and the surfaces that the dive has, each None where it has not.
+    """Collect the chart and the surfaces that the dive has. What it lacks is None.
 
     Without the step surface the chart is the adjustment's, and there is no map of the rasters.
 

@@ -355,6 +355,7 @@ def hull_normals(dvl: DvlPings) -> tuple[Ints, Array]:
     """Fit a plane to each ping's returns, without outliers from the running median of their beam.
 
     Empty with fewer than NEIGHBOURS pings or LEAST_BEAMS beams.
+
     Returns
     -------
     tuple

@@ -92,7 +92,8 @@ def dead_reckon(
 ) -> Navigated:
     """Reckon the path of a dive from DVL, IMU, pressure and tray.
 
-    x = y = 0 at the first ping with a velocity while the IMU runs. The heading is as logged.
+    x = y = 0 at the first ping with a velocity while the IMU runs. The heading is as logged. What
+    was wrong with the sensors is put into words (`remarks`).
 
     Parameters
     ----------

@@ -155,7 +155,7 @@ def _seconds_since(start_ns: int, t_ns: Ints) -> list[float]:
 def _describe_outages(velocities: Velocities) -> str:
     """Describe the outages that last longer than FEW_PERIODS of the DVL.
 
-    Between two pings of a slow DVL nothing is lost.
+    Between two pings of a slow DVL nothing is lost. "" where no outage is longer.
     """
     few_ns = (
         FEW_PERIODS * float(np.median(np.diff(velocities.t_ns)))

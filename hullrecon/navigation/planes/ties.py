@@ -98,7 +98,7 @@ def is_placed(
     the hull with another shape. Gaps are linearised in the position. Such ties would pull the path
     along the hull to where the shapes fit best, with a covariance that is far too small.
 
-    joint: as of `is_informative`.
+    joint (m, 14, 14): the covariance of both anchors' poses and trays on the path.
     """
     by_poses = position_and_gap_by_poses(patches, pairs, path, rig.tray_origin)[:, :2]
     variance = np.linalg.eigvalsh(by_poses @ joint @ by_poses.swapaxes(1, 2)).max(
@@ -114,7 +114,7 @@ def is_alike(
 
     Those that do not may be of different structures, or of a wrong path, and are not tied.
 
-    joint: as of `is_informative`.
+    joint (m, 14, 14): the covariance of both anchors' poses and trays on the path.
     """
     back = compare_patches(patches, pairs.second, pairs.first, path)
     swapped = np.r_[7:14, 0:7]
@@ -137,7 +137,7 @@ def roughness(
     It is one robust factor for the whole dive, at least 1. On an uneven hull the noise of the ties
     is inflated by it.
 
-    joint: as of `is_informative`.
+    joint (m, 14, 14): the covariance of both anchors' poses and trays on the path.
     """
     predicted = _predicted_covariance(patches, pairs, path, rig, joint)
     whole = predicted + pairs.noise + pairs.fit
@@ -178,7 +178,7 @@ def _predicted_covariance(
 ) -> Array:
     """Compute how large gaps may be by the errors of the path alone: their covariance (m, 3, 3).
 
-    joint: the covariance of both anchors' poses and trays, as of `is_informative`.
+    joint (m, 14, 14): the covariance of both anchors' poses and trays.
     """
     by_poses = gap_by_poses(patches, pairs, path, rig.tray_origin)
     return np.asarray(by_poses @ joint @ by_poses.swapaxes(1, 2))

@@ -139,7 +139,8 @@ def _smooth_segments(
 ) -> Array:
     """Smooth readings by local lines, separately in each segment between edges.
 
-    A segment with fewer than two readings uses all readings.
+    So readings beside a silence of the DVL do not mix with those in it. A segment with fewer than
+    two readings uses all readings.
 
     Parameters
     ----------
@@ -168,7 +169,7 @@ def _smoothed_noise(at_s: Array, edges_s: Array, widths_s: tuple[float, float]) 
 
     Times the sigma of a reading and the square root of the readings' period it is the sigma of the
     smoothed value. It is larger at the edges of a segment, which have readings on one side only.
-    Arguments as of `_smooth_segments`.
+    The arguments are those of `_smooth_segments`.
     """
     width = np.where(
         _silent(np.searchsorted(edges_s, at_s, side="right")), widths_s[1], widths_s[0]

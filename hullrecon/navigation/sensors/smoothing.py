@@ -56,7 +56,8 @@ def local_line(t_s: Array, values: Array, at_s: Array, width_s: float) -> tuple[
 def running_median(values: Array, count: int) -> Array:
     """Compute the running median of (n, k) over `count` (odd) neighbours, ignoring NaN.
 
-    The ends repeat their first and last value.
+    Beyond the ends the first and the last value are repeated. The result is NaN where all
+    neighbours are.
     """
     import warnings
 
