@@ -99,6 +99,7 @@ def judge_sensors(
         tray_positive=str(settings["tray.positive"]),
     )
     judged = judge(records, rig, atmosphere / (density * gravity), named, flows, given)
+    # angles of the tray that tell nothing: its sigma is widened for them
     still = doubtful_angles(
         judged.records.tray,
         str(settings["tray.joint_unit"]),

@@ -132,6 +132,7 @@ def synchronise(
         if len(spans) > 1
         else []
     )
+    # each explanation that is known counts once, ambiguous ones become remarks
     for own in [evidence, *parts]:
         found = find_wrong_clocks(own)
         if len(found) > 1:

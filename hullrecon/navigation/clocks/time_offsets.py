@@ -246,6 +246,7 @@ def find_wrong_clocks(evidence: Sequence[Evidence]) -> list[WrongClocks]:
         A single hypothesis where the answer is known, without sensors where all clocks are right.
         Several that explain as much where it is not known which of them is true.
     """
+    # Start from right clocks, and try each sensor alone, then with a second one.
     present = {s for e in evidence for s in (e.comparison.first, e.comparison.second)}
     sensors = [sensor for sensor in ClockedSensor if sensor in present]
     right = solve_offsets(evidence, (), {})
@@ -266,6 +267,7 @@ def find_wrong_clocks(evidence: Sequence[Evidence]) -> list[WrongClocks]:
             found += [two for two in more if two is not None]
     found = [_with_right_imu(evidence, hypothesis, sensors) for hypothesis in found]
     found.sort(key=lambda hypothesis: -hypothesis.total)
+    # Keep those nearly as good as the best. If right clocks are among them, nothing is wrong.
     alike = {h.wrong: h for h in found if h.total < found[-1].total + ALIKE}
     if () in alike:
         return [alike[()]]
@@ -340,6 +342,7 @@ def remaining_offset_sigmas(
         First and last instant, from which the time follows over which a clock drifts.
     """
     middle_ns, lasts_s = (span[0] + span[1]) // 2, (span[1] - span[0]) / NS
+    # Least squares for the offsets of all sensors but the IMU, with a wide prior about zero.
     sensors = [sensor for sensor in ClockedSensor if sensor is not ClockedSensor.IMU]
     information, gradient = np.eye(len(sensors)) / UNCHECKED_S**2, np.zeros(len(sensors))
     rates = np.zeros(len(sensors))
@@ -385,6 +388,7 @@ def _relative_rate(
     at_s = fit.relative_s - evidence.relative(corrected)
     slope, found, weight = _linearise(residuals, at_s)
     since_s = 0.5 * ((comparison.begin_ns - middle_ns) + (comparison.end_ns - middle_ns)) / NS
+    # derivatives (2, n, k) of the residuals by the offset and by the rate
     columns = np.stack([slope, slope * since_s[:, None]])
     information = np.einsum("ank,bnk->ab", columns * weight, columns)
     if not np.linalg.eigvalsh(information)[0] > 0:

@@ -246,6 +246,7 @@ def _extend_velocities(
     heard = int(found.t_ns[0]), int(found.t_ns[-1])
     reached = heard[0] - reach, heard[1] + reach
     span = reached if walk is None else walk.widened(reached)
+    # velocities are taken in only at an end beyond which images go on
     if span != reached:
         first = span[0] if span[0] < reached[0] else heard[0]
         last = span[1] if span[1] > reached[1] else heard[1]
@@ -280,6 +281,7 @@ def _place_nodes(
     pings = logs.dvl.t_ns[
         (logs.dvl.t_ns >= heard[0] - reach) & (logs.dvl.t_ns <= heard[-1] + reach)
     ]
+    # frames in badly bridged outages that are joined to neither side, as spans
     outages = path.velocities.outages
     unsure = outages[path.velocities.bridged_variance(*outages.T) > LOST_SIGMA_M**2]
     lost = [] if walk is None else [walk.lost_in((begin, end)) for begin, end in unsure.tolist()]

@@ -89,6 +89,7 @@ def widen_for_delay(found: Odometry, path: Reckoning, at: Instant, late_s: float
 
     late_s: sigma of the offset.
     """
+    # by how much the path moves per second of delay, at each node
     shift = path.path_by_delay(at.t_ns)
     largest = np.linalg.norm(shift - shift[0], axis=1).max()
     change = np.linalg.norm(np.diff(shift, axis=0), axis=1)

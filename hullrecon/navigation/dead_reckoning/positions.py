@@ -131,6 +131,7 @@ def _median_distance(ties: PositionTies, path: Poses) -> float:
     north, east, heading = place_path(ties, path)
     at = path[ties.node].apply(ties.antenna)[:, :2]
     turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
+    # the path, fitted to the fixes by a shift and a turn of its heading
     away = ties.north_east - at @ turn.T - [north, east]
     return float(np.median(np.linalg.norm(away, axis=1)))
 

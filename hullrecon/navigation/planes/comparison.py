@@ -80,8 +80,10 @@ def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePa
     first_by_k = np.concatenate([by_height[:, None] / 3, 0.5 * by_slopes], axis=1)
     second_by_k = np.concatenate([by_height[:, None] / 6, 0.5 * by_slopes], axis=1)
     turned = _turn_plane(turn)
+    # the whole derivative of the gap by either patch's own curvature
     m_first = carried @ patches.by_curvature[first] + first_by_k
     m_second = turned @ patches.by_curvature[second] - second_by_k @ turned_k
+    # what the evenly changing curvature may be wrong by, as a share of its change
     change = other - patches.curvature[first]
     by_change = second_by_k * (MEAN_OFF * change)[:, None, :]
     noise = (
@@ -90,6 +92,7 @@ def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePa
         + by_change @ by_change.swapaxes(1, 2)
         + _covariance_by_roughness(position, change)
     )
+    # the fits of both planes, brought to the second's centre and into the first's axes
     fit = carried @ patches.plane_covariance[first] @ carried.swapaxes(1, 2)
     fit = fit + turned @ patches.plane_covariance[second] @ turned.swapaxes(1, 2)
     return PatchPairs(

@@ -88,6 +88,7 @@ def fit_patch(
         return None
     scale = max(1.0, rms)  # an uneven hull widens all sigmas
     covariance = np.linalg.inv(information) * scale**2
+    # of height and slopes where K is known, and how both follow K where it is not
     plane = np.linalg.inv(information[:3, :3])
     over = height_over_plane(solution[3:], (points - center) @ axes)
     return PatchFit(

@@ -94,12 +94,15 @@ class PlanarGraph:
             A solution with fewer links, to start from.
         """
         alone = self.graph.solve(links, before)
+        # The characteristic curvature: the CAD model's, else that of patches fitted with little
+        # prior knowledge.
         known = (
             curvature_of_patches(self._patches(alone, BROAD))
             if self.curvature is None
             else self.curvature
         )
         curvature = PRIOR_WIDER * known
+        # Ties change with the path on which patches are compared, so both are found in turns.
         solved, offer = alone, self._offer_ties(alone, alone, curvature, np.ones(3))
         for _ in range(MOST_ROUNDS):
             if offer.planes is None or _why_refused(offer, alone) is not None:

@@ -51,6 +51,7 @@ def path_along_links(
     first, second = ends[0][0], ends[1][0]
     step = (reckoned[second] @ from_second).inverse() @ (reckoned[first] @ from_first)
     length = np.linalg.norm(step.translation, axis=1)
+    # steps whose direction the images know better than odometry
     badly = odometry.sigma_between(first, second) > np.maximum(UNKNOWN_SHARE * length, UNKNOWN_M)
     if not badly.any():
         return reckoned

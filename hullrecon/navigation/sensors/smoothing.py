@@ -38,6 +38,7 @@ def local_line(t_s: Array, values: Array, at_s: Array, width_s: float) -> tuple[
     """
     step = width_s / BINS_A_WIDTH
     start = min(t_s.min(), at_s.min())
+    # bin of each sample, and its offset from the bin's middle
     cell = np.floor((t_s - start) / step + 0.5).astype(np.int64)
     off = t_s - start - cell * step
     values = values.reshape(len(t_s), -1)

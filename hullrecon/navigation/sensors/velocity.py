@@ -67,6 +67,7 @@ class Velocities:
         out = np.zeros(len(start_ns))
         for begin, end in self.outages:
             lasts_s = (end - begin) * 1e-9
+            # seconds of the outage within each interval, to which its variance is shared out
             inside = np.maximum(0, np.minimum(stop_ns, end) - np.maximum(start_ns, begin)) * 1e-9
             out += self.agitation.over(lasts_s) * lasts_s**2 / 12 * inside
         # how far the interval's two ends lie beyond the record, the nearer end first

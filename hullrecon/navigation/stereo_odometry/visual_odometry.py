@@ -70,6 +70,7 @@ class StepGuess:
         duration_s = np.diff(self.t_s)
         longer_s = max(float(duration_s[k] - np.median(duration_s)), 0.0)
         before = steps[-1].pose if steps else identity()
+        # the previous step, stretched to the duration of this one
         going_on = before.translation * (duration_s[k] / duration_s[k - 1] if steps else 1.0)
         sigma_rad = min(LOST_SIGMA_RAD + LOST_RAD_S * longer_s, MOST_LOST_RAD)
         quaternion = before.quaternion
