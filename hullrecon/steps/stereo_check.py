@@ -78,7 +78,7 @@ def check_rig(
         return None
     top, bottom = (usable_frames(index[camera]) for camera in Camera)
     frames = StereoFrames(pair=pair_frames(top[0], bottom[0]), top=top, bottom=bottom)
-    # without DVL or IMU a delay of one camera cannot be told from a wrong calibration
+    # without DVL and IMU no delay of one camera can be found
     dvl, imu, motion = logs.dvl, logs.imu, None
     if dvl is not None and imu is not None and len(dvl.t_ns) and len(imu.t_ns):
         motion = partial(tray_motion, dvl, imu, logs.tray, rig)
