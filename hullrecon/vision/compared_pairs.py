@@ -33,7 +33,10 @@ Result = TypeVar("Result")
 
 
 class Map(Protocol):
-    """Applies a function that can be pickled to all items, in order, perhaps in other processes."""
+    """Applies a function to all items, in order, perhaps in other processes.
+
+    So the function must be picklable. label: names the work for the progress shown.
+    """
 
     def __call__(
         self, function: Callable[[Item], Result], items: Sequence[Item], label: str
@@ -49,24 +52,26 @@ class LinkedScene:
     spool: FeatureSpool  # of the features that compared pairs have in common
     nodes: list[MatchNode]  # n
     depth_m: Array  # (n,) of the scene at each node, NaN where unknown
-    bottom: Mask  # (n,) the bottom camera leads
+    bottom: Mask  # (n,) the leading camera is the bottom one
 
     @property
     def camera(self) -> CameraModel:
         return self.worker.rig.model(Camera.TOP)
 
     def track(self, path: VehiclePath, errors: RelativeErrors) -> CameraTrack:
-        """Place the leading cameras on a path."""
+        """Place the leading cameras on a path. errors: the uncertainty of their relative poses."""
         poses = leading_cameras(self.worker.rig, path, self.bottom)
         return CameraTrack(global_from_camera=poses, errors=errors)
 
     def match(
         self, track: CameraTrack, proposal: Proposal, anywhere: bool = False
     ) -> list[PairMatch]:
-        """Match the proposed pairs, searching where the track expects them, or anywhere.
+        """Match the proposed pairs. Features are searched where the track expects them, or anywhere.
 
-        A pair of one leg that is not found where the track expects it is searched in the whole
-        image. The common features of all pairs are written to the spool.
+        A pair of neighbours whose features are not found there is searched in the whole image. A
+        pair across legs is not. The common features of all pairs are written to the spool.
+
+        Returns the result of each pair, in order. A pair that failed has the reason.
         """
         expected = (
             [None] * len(proposal) if anywhere else track.motions(proposal.first, proposal.second)
@@ -123,13 +128,19 @@ class ComparedPairs:
         return ComparedPairs(proposal=proposal, found=(), round=nothing, rejected=np.zeros(0, bool))
 
     def keys(self, nodes: int) -> Ints:
-        """Encode all pairs as first * nodes + second."""
+        """Encode all pairs as first * nodes + second, so that none is proposed again.
+
+        nodes: number of all nodes.
+        """
         return self.proposal.first * nodes + self.proposal.second
 
     def joined_with(
         self, proposal: Proposal, found: Sequence[PairMatch], number: int
     ) -> ComparedPairs:
-        """Append the pairs of another round, whose number is `number`, with their results."""
+        """Append the pairs of another round, whose number is `number`, with their results.
+
+        None of them is rejected yet.
+        """
         old = self.proposal
         return ComparedPairs(
             proposal=Proposal(
@@ -144,12 +155,12 @@ class ComparedPairs:
         )
 
     def kept(self) -> Ints:
-        """List the rows of the pairs that matched and are not rejected."""
+        """List the rows of the pairs that matched and are not rejected: those that give links."""
         matched = np.array([pair.motion is not None for pair in self.found], bool)
         return np.flatnonzero(matched & ~self.rejected)
 
     def across(self) -> Mask:
-        """Select the kept pairs between two legs."""
+        """Select among the k kept pairs (k,) those between two legs."""
         return self.proposal.across[self.kept()]
 
     def rejecting(self, links: Mask) -> ComparedPairs:
@@ -179,9 +190,9 @@ class ComparedPairs:
         )
 
     def links(self, bottom: Mask) -> CameraLinks:
-        """Collect the relative poses of the k kept pairs.
+        """Collect the relative poses of the k kept pairs as links to solve the path with.
 
-        bottom: (n,) nodes at which the bottom camera leads.
+        bottom: (n,) nodes whose leading camera is the bottom one.
         """
         rows = self.kept()
         motions = [pair.motion for pair in (self.found[k] for k in rows) if pair.motion is not None]
@@ -198,9 +209,10 @@ class ComparedPairs:
         )
 
     def expected_links(self, bottom: Mask, min_common: int) -> ExpectedLinks:
-        """Learn to predict the links of pairs not compared yet from the results so far.
+        """Learn from the results so far to predict the links of pairs not compared yet.
 
-        bottom: (n,) nodes at which the bottom camera leads. min_common: features that two images
+        With it the next round chooses the pairs worth a comparison. bottom: (n,) nodes whose
+        leading camera is the bottom one. min_common: features that two images
         must have in common to be linked.
         """
         common, kept = np.zeros(len(self.found), np.int64), self.kept()
@@ -214,7 +226,7 @@ class ComparedPairs:
         return learn_links(len(bottom), compared, self.links(bottom), common[kept], min_common)
 
     def features(self, spool: FeatureSpool) -> CommonFeatures:
-        """Find the common features of the kept pairs."""
+        """Give access to the common features of the kept pairs, which lie in the spool."""
         return CommonFeatures(spool=spool, pairs=tuple(self.found[k] for k in self.kept()))
 
     def record(self) -> NodePairs:

@@ -81,27 +81,31 @@ class SolvedPath(Protocol):
     def relative_errors(self, bottom: Mask) -> RelativeErrors:
         """Give the uncertainty of the leading cameras' relative poses.
 
-        bottom: (n,) nodes at which the bottom camera leads.
+        With it the next round knows which pairs may overlap, and where to search for features.
+        bottom: (n,) nodes whose leading camera is the bottom one.
         """
         ...
 
     def information_gain(
         self, bottom: Mask, first: Ints, second: Ints, information: Array
     ) -> Array:
-        """Compute the information gain (m,) of the path by each of m possible links, nats.
+        """Compute by how much each of m possible links would reduce the path's uncertainty, nats.
 
-        bottom: (n,) nodes at which the bottom camera leads. first, second: (m,) nodes of the links.
-        information: (m, 6, 6) inverse covariance that each link would have.
+        bottom: (n,) nodes whose leading camera is the bottom one. first, second: (m,) nodes of the
+        links. information: (m, 6, 6) inverse covariance of each link's second_from_first, in the
+        order of `CameraLinks.covariance`. It is singular where a link measures no length. Returns
+        (m,).
         """
         ...
 
     def record(self) -> LinkedPath:
-        """Record the path with its covariance."""
+        """Convert the path to its record, with its covariance and the parts that links connect."""
         ...
 
 
 Solved = TypeVar("Solved", bound=SolvedPath)
-# Solves the path with links, from a solution with fewer of them.
+# Solves the path with links. It starts from a solution with fewer of them, or, without one, from
+# dead reckoning.
 PathSolver = Callable[[CameraLinks, Solved | None], Solved]
 
 
@@ -110,8 +114,9 @@ class LinkedImages:
     """The images of a dive linked."""
 
     pairs: NodePairs  # all pairs compared
-    features: CommonFeatures  # of the pairs joined, in their order
-    links: CameraLinks  # relative poses of the pairs joined, in their order
+    # Joined pairs are those that matched and were not rejected (`NodePairs.joined`).
+    features: CommonFeatures  # of the joined pairs, in their order
+    links: CameraLinks  # relative poses of the joined pairs, in their order
     stereo: NodeStereo  # matches between the two cameras of each node
     path: LinkedPath
     keyframes: Ints  # nodes that were compared with others
@@ -142,22 +147,34 @@ def link_images(
 ) -> tuple[LinkedImages, Solved]:
     """Link the images of a dive, and solve the path with the links.
 
+    Only keyframes are compared. Those whose image has little to recognise (`min_saliency`) are
+    compared with their neighbours alone. Without any matching pair there are no links, and the path
+    is that of dead reckoning.
+
     Parameters
     ----------
     worker
-        Matches nodes.
+        Reads features and matches nodes, by the rig and the options that it holds.
     dive
-        Navigation.
+        The path by dead reckoning with its errors, on which the first pairs are proposed.
     solve_path
-        Solves the path with links.
+        Solves the path anew with the links of each round.
     map_items
         Spreads the matching over processes.
     spool
-        Takes what compared pairs have in common.
+        File to which the common features of compared pairs are written.
     max_rounds
         Rounds across legs at most.
     appearance
-        Recognise places by how they look, where the path is known too badly for such rounds.
+        Recognise places by how they look, where the path is known too badly for such rounds. Also
+        reject matches across an outage where different places look alike.
+
+    Returns
+    -------
+    linked
+        The compared pairs and what they gave.
+    solved
+        The path with the links that were kept.
     """
     options = worker.options
 
@@ -230,10 +247,11 @@ class _Rounds(Generic[Solved]):
         """Compare images of different legs in rounds, and solve the path after each.
 
         A round takes the pairs whose expected information gain is at least `least_gain`, nats, on
-        the path of the round before. It ends after `max_rounds`, or when a round links no pair even
-        at the lowest of PROBABILITIES.
+        the path of the round before. Once a round links no pair, the next ones also take pairs that
+        overlap less probably. The rounds end after `max_rounds`, or when one links no pair even at
+        the lowest of PROBABILITIES.
         """
-        scene, level = self.scene, 0
+        scene, level = self.scene, 0  # level: place in PROBABILITIES
         for _ in range(max_rounds):
             track = self._track(solved)
             revisits = propose_revisits(
@@ -264,13 +282,15 @@ class _Rounds(Generic[Solved]):
     ) -> tuple[Array, Array]:
         """Predict the information gain of comparisons before making them [docs/methods.md 17].
 
-        Before any pair has matched, the information of a link cannot be predicted: the gain of each
+        With it only those pairs are compared that are likely to match and would improve the path.
+        Features in common, and from them probability and information, are predicted from the pairs
+        compared so far. `track` has the leading cameras on the path of `solved`. Before any pair has matched, the information of a link cannot be predicted: the gain of each
         is then MOST_GAIN.
 
         Returns
         -------
         probability
-            (m,) that each pair matches.
+            (m,) that each of the m revisits matches.
         gain
             (m,) information gain of the path if it does, nats.
         """
@@ -295,16 +315,18 @@ class _Rounds(Generic[Solved]):
     ) -> tuple[ComparedPairs, Solved, list[Recognition]]:
         """Link places recognised by appearance, then compare more legs on the path so closed.
 
-        Repeated up to `max_rounds` times, until nothing new is recognised. The links of a
-        recognition are kept only if the images that they bring together match as well
-        (`is_confirmed`). Otherwise all of them are rejected and the path stays as it was.
+        Repeated up to `max_rounds` times, until nothing new is recognised or a recognition is
+        refused. The links of a recognition are kept only if the images that they bring together
+        match as well (`is_confirmed`). Otherwise all of them are rejected and the path stays as it
+        was.
 
         Returns
         -------
         compared, solved
             With the new pairs and links.
         recognised
-            The result of each recognition.
+            The result of each recognition, a refused one with the reason. Empty where the search
+            by overlap reaches every place, or with one camera.
         """
         recognised: list[Recognition] = []
         for _ in range(max_rounds):
@@ -338,6 +360,9 @@ class _Rounds(Generic[Solved]):
     ) -> tuple[ComparedPairs, Solved, bool]:
         """Match proposed pairs and solve the path with the links that are not contradicted.
 
+        Links are rejected twice: by cycles of three links that do not close, then by the solved
+        path. Without a new match, the path is not solved again.
+
         Returns all pairs so far, the solution, and whether any of the new pairs matched.
         """
         bottom = self.scene.bottom
@@ -356,14 +381,17 @@ def _match_cameras(
 ) -> tuple[list[MatchNode], Ints, Mask, CameraTrack]:
     """Match the two cameras of every node, and choose the leading camera.
 
+    The matches give the depth of each node's scene, from which footprints are computed.
+
     Returns
     -------
     nodes
-        (n,) with the depths that the DVL measured, and the stereo matches.
+        (n,) with the depths that the DVL measured, and the stereo matches. Nodes without an image
+        have no matches.
     count
         Features (n,) of the leading camera.
     bottom
-        Nodes (n,) at which the bottom camera leads.
+        Nodes (n,) whose leading camera is the bottom one, as the top one is dark or missing.
     track
         The leading cameras by dead reckoning.
     """
@@ -390,7 +418,11 @@ def _match_cameras(
 def _nodes_with_depth(
     worker: MatchWorker, dive: NavigatedDive, track: CameraTrack
 ) -> list[MatchNode]:
-    """List the nodes with the depth of the scene by the DVL, without stereo matches yet."""
+    """List the nodes with the depth of the scene by the DVL, without stereo matches yet.
+
+    The depth is along the axis of the leading camera, which is that of `track`. None without a DVL,
+    or where none of its returns is near.
+    """
     depths = [None] * len(track) if dive.returns is None else depth_priors(
         track, dive.trajectory, dive.returns, worker.rig
     )  # fmt: skip
@@ -407,14 +439,20 @@ def _nodes_with_depth(
 
 
 def _scene_depth(node: MatchNode) -> float:
-    """Take the depth of the scene, m: the median of stereo, else the DVL's, else NaN."""
+    """Choose the depth of a node's scene, m: the median of stereo, else the DVL's, else NaN.
+
+    Footprints and overlaps are computed with it.
+    """
     if len(node.stereo) >= MIN_STEREO_POINTS:
         return float(np.median(node.stereo.point[:, 2]))
     return node.depth.mean if node.depth else float("nan")
 
 
 def _record_stereo(nodes: list[MatchNode], count: Ints) -> NodeStereo:
-    """Concatenate the stereo matches of all nodes. count: features (n,) of the leading camera."""
+    """Concatenate the stereo matches of all nodes for the record of the links.
+
+    count: number of features (n,) of each node's leading camera.
+    """
     stereo = [node.stereo for node in nodes]
     none = np.zeros(0, np.int64)
     points: Array = np.concatenate([np.zeros((0, 3)), *(s.point for s in stereo)])
