@@ -80,7 +80,10 @@ class NavigationErrors:
 
 @dataclass(frozen=True, kw_only=True)
 class CameraTrack:
-    """The leading camera of every node: the top one, or the bottom one where that leads."""
+    """The leading camera of every node: the one whose images are compared with other nodes'.
+
+    It is the top one, or the bottom one where the top one is dark or missing.
+    """
 
     global_from_camera: Poses
     errors: RelativeErrors
@@ -94,7 +97,10 @@ class CameraTrack:
         return (poses[second].inverse() @ poses[first]).matrix()
 
     def motions(self, first: Ints, second: Ints) -> list[Motion]:
-        """Compute second_from_first with its covariance for m pairs of nodes."""
+        """Compute second_from_first with its covariance for m pairs of nodes.
+
+        Errors that the error model leaves out are added (WHITE_TRANSLATION_M, WHITE_ROTATION_RAD).
+        """
         relative = self.relative_poses(first, second)
         floor = np.diag(np.repeat([WHITE_TRANSLATION_M**2, WHITE_ROTATION_RAD**2], 3))
         covariance = self.errors.relative_covariance(first, second) + floor
@@ -120,16 +126,18 @@ def track_cameras(
 ) -> CameraTrack:
     """Place the leading camera of every node by dead reckoning.
 
+    The first pairs are proposed, and features searched, where this track puts them.
+
     Parameters
     ----------
     trajectory, errors
         Path by dead reckoning, and its error model.
     cameras
-        The rig.
+        The rig, which places the cameras on the path.
     tray_sigma_rad
-        Sigma of the tray's angle, for the servo's backlash.
+        Sigma of the tray's angle, which the servo's backlash adds to the errors.
     bottom
-        Nodes (n,) at which the bottom camera leads.
+        Nodes (n,) whose leading camera is the bottom one.
     """
     path = trajectory.track().path
     leading = leading_cameras(cameras, path, bottom)
@@ -153,11 +161,12 @@ def leading_cameras(cameras: Rig, path: VehiclePath, bottom: Mask) -> Poses:
 
 
 def _backlash_twist(global_from_vehicle: Poses, tray_origin: Array, sigma_rad: float) -> Array:
-    """Compute the covariance (n, 6, 6) of each node's pose by an error of the tray's angle.
+    """Compute the covariance (n, 6, 6) of each node's pose that an error of the tray's angle causes.
 
     As a twist (translation, rotation) in global axes. The tray turns about the vehicle's y axis
     through `tray_origin` (3,) in the vehicle.
     """
+    # A turn about the axis moves the point at the global origin by origin x axis.
     axis = global_from_vehicle.rotation.as_matrix()[:, :, 1]
     origin = global_from_vehicle.apply(np.tile(tray_origin, (len(axis), 1)))
     twist = np.hstack([np.cross(origin, axis), axis])
@@ -169,7 +178,8 @@ def depth_priors(
 ) -> list[DepthPrior | None]:
     """Measure the depth of each node's scene by the DVL's returns of the nodes around it.
 
-    The window is WINDOW nodes or WINDOW_S to either side, whichever is wider. None where it has no
+    It bounds the search for stereo matches, and stands in where there are none. Flagged returns do
+    not count. The window is WINDOW nodes or WINDOW_S to either side, whichever is wider. None where it has no
     return in front of the camera.
     """
     good = ~returns.flagged & np.isfinite(returns.range_m)
@@ -215,7 +225,7 @@ def _depth_prior(points: Array) -> DepthPrior | None:
 def _surface_normal(points: Array) -> tuple[float, float, float] | None:
     """Fit a plane to points (n, 3) and return its unit normal, pointing away from the camera.
 
-    None where the points are on a line, or too rough for a plane.
+    By it the right one of a homography's two motions is chosen. None where the points are on a line, or too rough for a plane.
     """
     if len(points) < 3:
         return None

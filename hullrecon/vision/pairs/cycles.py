@@ -54,7 +54,7 @@ def contradicted_links(links: CameraLinks, across: Mask) -> Mask:
 
 
 def _cycles(links: CameraLinks) -> Ints:
-    """List the rows (c, 3) of the links a-b, b-c, a-c of every cycle a < b < c.
+    """List the rows (c, 3) of the links a-b, b-c, a-c of every cycle of nodes a < b < c.
 
     A link's first node is the lower one, and no pair of nodes has two links.
     """
@@ -74,7 +74,10 @@ def _cycles(links: CameraLinks) -> Ints:
 
 
 def _chi2(links: CameraLinks, cycle: Ints) -> Array:
-    """Compute chi-square (c,), three degrees of freedom, of the rotation left around each cycle."""
+    """Compute chi-square (c,), three degrees of freedom, of the rotation left around each cycle.
+
+    Lengths do not enter, so links without a measured length count as well.
+    """
     ab, bc, ac = (Rotation.from_quat(links.quaternion[cycle[:, k]]) for k in range(3))
     gap = (ac.inv() * bc * ab).as_rotvec()
     # Each link's rotation is perturbed on its right. The angles are small, so that their

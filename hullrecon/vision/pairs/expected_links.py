@@ -37,7 +37,10 @@ class Compared:
 
 @dataclass(frozen=True, kw_only=True)
 class ExpectedLinks:
-    """Predictions of links not compared yet, learnt from the comparisons of the dive."""
+    """Predictions of links not compared yet, learnt from the comparisons of the dive.
+
+    They tell which comparisons are worth making.
+    """
 
     # (n,) features of a node's image that would be found in an image that overlaps it fully
     found_again: Array
@@ -48,7 +51,10 @@ class ExpectedLinks:
     min_common: int  # least number of common features of a link
 
     def common(self, first: Ints, second: Ints, overlap: Array) -> Array:
-        """Predict the number (m,) of common features of pairs with that overlap (m,)."""
+        """Predict the number (m,) of common features of pairs (nodes (m,)) with that overlap (m,).
+
+        The image with fewer features that are found again limits it.
+        """
         return np.asarray(overlap * np.minimum(self.found_again[first], self.found_again[second]))
 
     def probability(self, common: Array) -> Array:
@@ -60,7 +66,8 @@ class ExpectedLinks:
     ) -> Array:
         """Predict the information (m, 6, 6) of the links, if the pairs match.
 
-        common: (m,) predicted common features. translation: (m, 3) of second_from_first. A link
+        It grows with the square of the common features: a larger overlap has more of them, and
+        farther apart. common: (m,) predicted common features. translation: (m, 3) of second_from_first. A link
         that does not measure its length has no information along it.
         """
         size = np.maximum(common, self.min_common)
@@ -75,6 +82,9 @@ def learn_links(
     nodes: int, compared: Compared, links: CameraLinks, common: Ints, min_common: int
 ) -> ExpectedLinks:
     """Learn to predict links from the comparisons made so far.
+
+    Comparisons of unknown overlap are left out. A node that was not compared yet gets the features
+    found again that are typical of the dive.
 
     Parameters
     ----------
@@ -116,7 +126,10 @@ def _regressors(common: Array, min_common: int) -> Array:
 
 
 def _fit_logit(regressors: Array, matched: Mask) -> Array:
-    """Fit the logistic regression of matches (m,) on regressors (m, 2) by Newton's method."""
+    """Fit the logistic regression of matches (m,) on regressors (m, 2) by Newton's method.
+
+    With the prior of PRIOR_LOGIT, so that it is defined before the first comparison. Returns (2,).
+    """
     sign = np.where(matched, 1.0, -1.0)
 
     def cost(logit: Array) -> float:
@@ -149,6 +162,7 @@ def _information(links: CameraLinks) -> Array:
     out[full] = np.linalg.inv(links.covariance[full])
     for k in np.flatnonzero(~links.scaled):
         length = float(np.linalg.norm(links.translation[k]))
+        # From (translation, rotation) to (direction across the translation, rotation), in rad.
         to_five = np.zeros((5, 6))
         to_five[:2, :3] = tangent_basis(links.translation[k] / length).T / length
         to_five[2:, 3:] = np.eye(3)

@@ -33,7 +33,7 @@ class Motion:
         back[:3, :3], back[:3, 3] = rotation.T, -rotation.T @ translation
         by = np.zeros((6, 6))
         by[:3, :3] = -rotation.T
-        # t' = -Exp(-w) R^T t = -R^T t - (R^T t) x w
+        # with w the small rotation: t' = -Exp(-w) R^T t = -R^T t - (R^T t) x w
         by[:3, 3:] = -cross_matrix(rotation.T @ translation)
         by[3:, 3:] = -rotation  # R^T perturbed by Exp(-w) on its left is Exp(-R w) on its right
         return Motion(back, by @ self.covariance @ by.T)
@@ -44,7 +44,7 @@ def transfer(
 ) -> tuple[Array, Array]:
     """Predict features in a second camera by the unscented transform [Julier2002], [Ozog2016 D.12].
 
-    A feature has nine unknowns: motion (6), position in the first image (2) and depth. With kappa 0
+    Around the predicted position, within its covariance, the feature is then searched. A feature has nine unknowns: motion (6), position in the first image (2) and depth. With kappa 0
     each is moved by 3 sigma both ways.
 
     Parameters
@@ -101,7 +101,10 @@ def _motion_points(motion: Motion) -> Array:
 
 
 def _project(motions: Array, points: Array) -> Array:
-    """Project points (n, 3) under each of the motions (s, 4, 4) to ideal coordinates (2, s, n)."""
+    """Project points (n, 3) under each of the motions (s, 4, 4) to ideal coordinates (2, s, n).
+
+    NaN behind the camera.
+    """
     seen = (motions[:, :3, :3].swapaxes(0, 1).reshape(-1, 3) @ points.T).reshape(
         3, len(motions), len(points)
     )
@@ -121,7 +124,8 @@ def in_box(wanted: Array, half_width: Array, points: Array) -> tuple[Ints, Ints]
 def in_ellipse(wanted: Array, covariance: Array, points: Array, chi2: float) -> tuple[Ints, Ints]:
     """Pair each wanted (n, 2) with the points (m, 2) whose chi-square about it is below `chi2`.
 
-    covariance: (n, 2, 2) of each wanted position. Pairs are rows of both, in order.
+    covariance: (n, 2, 2) of each wanted position. Pairs are rows of both, in order. Rows with NaN
+    pair with none.
     """
     # The inverse covariance over chi2, as (xx, xy, yy): an ellipse's points have the value 1.
     xx, xy, yy = covariance[:, 0, 0], covariance[:, 0, 1], covariance[:, 1, 1]

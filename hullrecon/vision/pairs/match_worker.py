@@ -63,7 +63,7 @@ class MatchWorker:
     def read(self, node: MatchNode) -> NodeFeatures:
         """Read the features of both cameras, moved to where they were at the node's time.
 
-        Empty for a camera that the vehicle does not carry.
+        So later steps need one pose for a node, whenever its images were exposed. Empty for a camera that the vehicle does not carry.
         """
         seen = self._as_found(node)
         if node.exposure is None:
@@ -81,13 +81,16 @@ class MatchWorker:
         return NodeFeatures(top=top, bottom=bottom, stereo=node.stereo)
 
     def bottom_leads(self, nodes: Sequence[MatchNode]) -> Mask:
-        """Select the nodes (n,) at which the bottom camera leads."""
+        """Select the nodes (n,) whose leading camera is the bottom one.
+
+        It needs their stereo matches: cameras that match each other both see.
+        """
         return np.array([self.read(node).bottom_leads for node in nodes], bool)
 
     def saliency(self, node: MatchNode) -> float:
         """Look up the local saliency of the leading camera's image.
 
-        Where the top camera leads without an image, that of the bottom camera.
+        It is low where there is little to recognise, as on plain paint. Where the top camera leads without an image, that of the bottom camera.
         """
         if not self.read(node).bottom_leads:
             top = FeatureStore(self.features, Camera.TOP).saliency(node.image[0])
@@ -96,8 +99,9 @@ class MatchWorker:
         return FeatureStore(self.features, Camera.BOTTOM).saliency(node.image[1])
 
     def match_stereo(self, node: MatchNode) -> tuple[int, StereoMatches]:
-        """Match the two cameras of a node.
+        """Match the two cameras of a node, which gives depths of the scene.
 
+        There are no matches with one camera or one image, or where one of the images is noise.
         Returns the count of the leading camera's features, and the matches.
         """
         features = self._as_found(replace(node, stereo=no_matches()))
@@ -136,9 +140,10 @@ class MatchWorker:
     def match_pairs(
         self, block: tuple[dict[int, MatchNode], Sequence[NodePair]]
     ) -> list[PairMatch]:
-        """Match a block of pairs.
+        """Match a block of pairs, preparing each of its nodes once.
 
-        block: the nodes of these pairs by number, and the pairs.
+        block: the nodes of these pairs by number, and the pairs. Returns the result of each pair,
+        in order. A pair that failed has the reason.
         """
         nodes, pairs = block
         views = {number: self.view(node) for number, node in nodes.items()}
@@ -155,6 +160,6 @@ class MatchWorker:
         ]
 
     def view(self, node: MatchNode) -> NodeView:
-        """Prepare a node for pair matching."""
+        """Read a node and prepare the features of its leading camera for pair matching."""
         features = self.read(node)
         return view_of_node(self.rig, features, node.depth, self.options.sigma_px)

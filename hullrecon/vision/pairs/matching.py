@@ -78,14 +78,18 @@ class PairMatcher:
         seed: tuple[int, ...],
         full_search: bool,
     ) -> PairMatch:
-        """Match two nodes.
+        """Find the features that two nodes have in common, and the motion of the leading camera.
+
+        The pair fails where too few features match or agree with one motion, and where that motion
+        contradicts the prior. The result then holds the reason.
 
         Parameters
         ----------
         first, second
             The nodes.
         prior
-            Navigation's motion between them, None where unknown.
+            Navigation's motion between them, near which features are searched. None where unknown:
+            the whole image is searched.
         seed
             Of the random draws.
         full_search
@@ -103,7 +107,10 @@ class PairMatcher:
     def _match(
         self, first: NodeView, second: NodeView, prior: Motion | None, seed: tuple[int, ...]
     ) -> PairMatch:
-        """Match by triangulated points of both nodes, else of one, else two views without depth."""
+        """Match by triangulated points of both nodes, else of one, else two views without depth.
+
+        Two views give the direction of the motion alone, so they come last.
+        """
         # Use the triangulated points of both nodes.
         if first.stereo.any() and second.stereo.any():
             result = self._match_points(first, second, prior, seed)
@@ -154,9 +161,11 @@ class PairMatcher:
     def _gate(
         self, first: NodeView, second: NodeView, prior: Motion | None, rows: Ints, among: Ints
     ) -> tuple[Ints, Ints] | None:
-        """Pair features where navigation and depth predict them. None without prior or depth.
+        """Pair features of the first node with those of the second where they are expected.
 
-        rows, among: features of the first and of the second node that are considered.
+        That is where navigation and depth predict them. None without prior or depth: every feature
+        may then match every other. rows, among: features of the first and of the second node that
+        are considered.
         """
         if prior is None or not np.isfinite(first.depth[rows]).any():
             return None
@@ -170,7 +179,7 @@ class PairMatcher:
         rows: Ints,
         among: Ints,
     ) -> Putative:
-        """Match descriptors of the pairs allowed, or of all `rows` with all `among`."""
+        """Match descriptors of the allowed pairs of features, or of all `rows` with all `among`."""
         if allowed is not None:
             return self.strategy.match_descriptors(first, second, allowed)
         here = FeatureSet(descriptor=first.descriptor[rows], place=first.place[rows])
@@ -180,7 +189,11 @@ class PairMatcher:
     def _within_ellipses(
         self, first: NodeView, second: NodeView, motion: Motion, rows: Ints, among: Ints
     ) -> tuple[Ints, Ints]:
-        """Pair the features `rows` with those `among` the second's features in their ellipses."""
+        """Pair each feature of `rows` with those of `among` inside its search ellipse.
+
+        The ellipse is where the motion and the feature's depth put it in the second camera, within
+        their covariance (GATE_CHI2). Features without a depth are left out.
+        """
         sigma = self.options.sigma_px / self.rig.focal_px(first.camera)
         mean, covariance = transfer(
             motion, first.xy[rows], first.depth[rows], first.depth_sigma[rows], sigma
@@ -198,6 +211,9 @@ class PairMatcher:
         start: Array | None,
     ) -> PairMatch:
         """Refine a first guess of the motion, then match all features guided by it.
+
+        The pair fails without a guess, or where fewer than min_inliers features agree with the
+        motion.
 
         Parameters
         ----------
@@ -236,7 +252,11 @@ class PairMatcher:
     def _adjust(
         self, first: NodeView, second: NodeView, matched: Putative, motion: Motion
     ) -> tuple[Motion, CalibrationEvidence | None]:
-        """Adjust the motion to at most about ADJUSTED of the matches. Unchanged where too few."""
+        """Adjust the motion to at most about ADJUSTED of the matches, and compute its covariance.
+
+        Also returned is how much the matches say of the stereo calibration. Where too few of them
+        have a stereo point, the motion is unchanged and there is no such evidence.
+        """
         matched = matched.take(slice(None, None, max(1, len(matched) // ADJUSTED)))
         here, there = (
             NodeObservations(lead=view.xy[rows], other=view.other[rows], point=view.point[rows])
@@ -253,7 +273,8 @@ class PairMatcher:
         """Collect each node's points with their observations in the opposite node's cameras.
 
         Four terms: points of either node, seen by the leading and by the bottom camera of the
-        other.
+        other. A motion is judged by all of them together. A row is not seen where its point or its
+        observation is missing.
         """
         a, b = seeds.first, seeds.second
         lead, bottom = np.eye(4), self.bottom_from_top
@@ -277,7 +298,10 @@ class PairMatcher:
         ]
 
     def _resect(self, first: NodeView, second: NodeView, seeds: Putative) -> Array | None:
-        """Find the motion by P3P in RANSAC, from the points of the node that has more of them."""
+        """Find the motion by P3P in RANSAC, from the points of the node that has more of them.
+
+        Returns second_from_first (4, 4), None where no motion fits.
+        """
         a, b = seeds.first, seeds.second
         forward, backward = first.stereo[a], second.stereo[b]
         if forward.sum() >= backward.sum():
@@ -290,9 +314,9 @@ class PairMatcher:
         return None if motion is None else np.asarray(np.linalg.inv(motion))
 
     def search_along(self, first: NodeView, second: NodeView, motion: Motion) -> Putative:
-        """Match all features near the epipolar lines of the motion.
+        """Match all features near the epipolar lines of a known motion.
 
-        Where both cameras saw a feature, it must be near the lines of both.
+        It finds those that the search within navigation's wider ellipses left ambiguous. Where both cameras saw a feature, it must be near the lines of both.
         """
         # The motion is no more accurate than the lens model: half a feature's sigma, rad and m.
         sigma = 0.5 * self.options.sigma_px / self.rig.focal_px(Camera.TOP)
@@ -311,6 +335,7 @@ class PairMatcher:
         limit = (VERIFY_PX / self.rig.focal_px(Camera.TOP)) ** 2
         essential = two_view.essential_of(motion)
         good = two_view.sampson_squared(essential, first.xy[a], second.xy[b]) < limit
+        # The same motion, of the bottom cameras.
         of_bottom = self.bottom_from_top @ motion @ np.linalg.inv(self.bottom_from_top)
         seen = np.flatnonzero(np.isfinite(first.other[a, 0]) & np.isfinite(second.other[b, 0]))
         error = two_view.sampson_squared(
@@ -328,6 +353,9 @@ class PairMatcher:
         prior: Motion | None,
     ) -> PairMatch:
         """Match by two-view geometry alone, with navigation's length of the motion.
+
+        The pair fails where too few matches fit one geometry. Where a rotation alone explains them,
+        the result has common features but no motion (NO_MOTION).
 
         Parameters
         ----------
@@ -384,7 +412,11 @@ class PairMatcher:
 def _count_inliers(
     motion: Array, views: list[pose_from_points.ObservedPoints], tolerance: float, count: int
 ) -> int:
-    """Count the seeds that fit the motion in every image in which they were seen."""
+    """Count the seeds that fit the motion in every image in which they were seen.
+
+    motion: second_from_first (4, 4). views: rows of the seeds. tolerance: largest error, ideal
+    coordinates. count: number of seeds. Seeds without any observation do not count.
+    """
     good, observed = np.ones(count, bool), np.zeros(count, bool)
     for view in views:
         seen = np.isfinite(view.xy[:, 0])

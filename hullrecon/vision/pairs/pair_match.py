@@ -67,7 +67,10 @@ class FeatureSpool:
         self._file, self._rows = file, 0
 
     def put(self, found: PairMatch) -> PairMatch:
-        """Write the features of a pair to the file, and return the pair with their rows there."""
+        """Write the features of a pair to the file, and return the pair with their rows there.
+
+        The returned pair holds no features, so that those of a long dive need no memory.
+        """
         rows = np.empty(len(found.first), COMMON_FEATURE)
         for name in COMMON_FEATURE.names or ():
             rows[name] = getattr(found, name)
@@ -94,7 +97,7 @@ class FeatureSpool:
 
 
 def failed_match(putative: int, reason: Reason) -> PairMatch:
-    """Build the result of a pair that was not matched."""
+    """Build the result of a pair that was not matched. putative: matches before verification."""
     return PairMatch(
         first=np.zeros(0, np.int64),
         second=np.zeros(0, np.int64),

@@ -65,10 +65,11 @@ class Revisits:
 
 
 def select_keyframes(track: CameraTrack, usable: Mask, depth_m: Array, camera: CameraModel) -> Ints:
-    """Select the nodes that left the footprint of the previous keyframe.
+    """Select the nodes whose image shows some hull that the last keyframe's does not.
 
-    A node is none if it overlaps the last keyframe by more than MAX_OVERLAP. Nodes of unknown depth
-    are always keyframes.
+    Only these are compared with others, so that a vehicle at rest adds no work. A node is left out
+    if it overlaps both the node before it and the last keyframe by more than MAX_OVERLAP. Nodes of
+    unknown depth are always keyframes.
 
     Parameters
     ----------
@@ -98,7 +99,10 @@ def select_keyframes(track: CameraTrack, usable: Mask, depth_m: Array, camera: C
 def propose_neighbours(
     track: CameraTrack, keyframes: Ints, depth_m: Array, camera: CameraModel, options: MatchOptions
 ) -> Proposal:
-    """Propose each keyframe with the `sequential` following ones."""
+    """Propose each keyframe with the `sequential` following ones, to hold the path together.
+
+    They are proposed even where the track predicts no overlap: it may be wrong.
+    """
     first, second = _sequential(keyframes, options.sequential)
     order = np.lexsort((second, first))
     first, second = first[order], second[order]
@@ -118,19 +122,20 @@ def propose_revisits(
     """Find the pairs of keyframes that probably show the same hull, and were not compared yet.
 
     Only pairs between whose nodes the vehicle left the footprint and came back [KimEustice2009].
+    Neighbours, and keyframes of unknown depth, are left out. There may be no pair.
 
     Parameters
     ----------
     track
         Poses of the leading cameras, with the uncertainty of relative poses.
     keyframes
-        The nodes to choose from.
+        The nodes to choose from, ascending.
     depth_m
-        Depth (n,) of the scene.
+        Depth (n,) of the scene by node, NaN where unknown.
     camera
         Model that footprints are computed with.
     options
-        Section [matches].
+        Gives how many following keyframes are neighbours (`sequential`), and min_overlap.
     min_probability
         Least probability that two footprints have min_overlap in common.
     compared
@@ -164,9 +169,10 @@ def choose_informative(
 ) -> Ints:
     """Choose the pairs whose expected information gain is at least `least` nats.
 
-    Greedy, the largest expected gain first. The path is solved only after all of them are compared.
-    So a pair whose nodes were chosen k - 1 times already counts as the k-th measurement of the same
-    motion, which gains less than the first [docs/methods.md (59b)]. Returns rows, ascending.
+    The others would cost a comparison and hardly improve the path. Greedy, the largest expected
+    gain first. The path is solved only after all of them are compared. So a pair whose nodes were
+    chosen k - 1 times already counts as the k-th measurement of the same motion, which gains less
+    than the first [docs/methods.md (59b)]. Returns rows of the pairs, ascending, maybe none.
 
     Parameters
     ----------
@@ -193,10 +199,11 @@ def choose_informative(
 
 
 def _gain_of_next(gain: float, before: int) -> float:
-    """Compute the information gain of a further measurement of a motion after `before` equal ones.
+    """Compute the information gain, nats, of one more measurement of a motion.
 
-    In nats. `gain`: that of the first one. A motion is taken as six numbers that are measured
-    equally well: each measurement gains 3 ln(variance before / variance after).
+    gain: that of the first measurement. before: equal measurements that precede this one. A motion
+    is taken as six numbers that are measured equally well. So each measurement gains
+    3 ln(variance before / variance after).
     """
     ratio = math.expm1(min(gain, MOST_GAIN) / 3)  # of the variance known to that measured
     return 3 * math.log((1 + (before + 1) * ratio) / (1 + before * ratio))
@@ -210,9 +217,11 @@ def expect_overlap(
     camera: CameraModel,
     min_overlap: float,
 ) -> tuple[Array, Array]:
-    """Predict the share of the first footprint that the second covers, by quantiles of their pose.
+    """Predict the share of the first footprint that the second covers, on an uncertain path.
 
-    Parameters are those of `propose_revisits`. first, second: (m,) nodes.
+    The scene is moved to quantiles of its position in the second camera, each as probable as the
+    others, and the share is computed at each. Parameters are those of `propose_revisits`. first,
+    second: (m,) nodes.
 
     Returns
     -------
@@ -226,7 +235,8 @@ def expect_overlap(
         source, target = (nodes[start : start + COVARIANCE_BLOCK] for nodes in (first, second))
         depth = np.nan_to_num(depth_m[source], nan=1.0)
         relative = track.relative_poses(source, target)
-        # A pair known well enough needs no covariance of its own.
+        # A pair known well enough needs no covariance of its own. With zeros, all its quantiles are
+        # at the mean.
         covariance = np.zeros((len(source), 3, 3))
         rest = ~_is_settled(track, source, target, depth, camera)
         covariance[rest] = scene_in_target(track, source[rest], target[rest], depth[rest])[1]
@@ -243,9 +253,9 @@ def expect_overlap(
 def scene_in_target(
     track: CameraTrack, source: Ints, target: Ints, depth: Array
 ) -> tuple[Array, Array]:
-    """Compute target_from_source (m, 4, 4), and the covariance of the source's scene in the target.
+    """Compute target_from_source (m, 4, 4), and how uncertainly the target sees the source's scene.
 
-    The covariance (m, 3, 3) is that of the scene's centre in the target camera (docs/methods.md
+    The covariance (m, 3, 3), m^2, is that of the scene's centre in the target camera (docs/methods.md
     (59)). The centre is the point on the optical axis of the source at `depth` (m,).
     """
     relative = track.relative_poses(source, target)
@@ -260,7 +270,10 @@ def _middle(depth: Array) -> Array:
 
 
 def _point_by_motion(relative: Array, point: Array) -> Array:
-    """Derive points (m, 3), moved by target_from_source (m, 4, 4), by that motion: (m, 3, 6)."""
+    """Derive points (m, 3), moved by target_from_source (m, 4, 4), by that motion: (m, 3, 6).
+
+    By its translation, then its rotation perturbed on the right, as in Motion.
+    """
     unit = np.broadcast_to(np.eye(3), (len(point), 3, 3))
     return np.concatenate([unit, -relative[:, :3, :3] @ cross_matrix(point)], axis=2)
 
@@ -268,12 +281,26 @@ def _point_by_motion(relative: Array, point: Array) -> Array:
 def _is_settled(
     track: CameraTrack, source: Ints, target: Ints, depth: Array, camera: CameraModel
 ) -> Mask:
-    """Mark pairs (m,) whose quantiles all show the same share, as bounds on their sigmas tell.
+    """Mark pairs (m,) known so well that the overlap is the same at all quantiles.
 
-    Two nodes' error is the difference of theirs relative to a third node, so its sigma is at most
-    the sum of theirs. One node in each cube is such a third for the sources around it: the
-    covariances of few nodes with many cost far less than those of all pairs.
+    It spares their covariances, which cost most of a round's proposals. It errs on the safe side:
+    upper bounds of the sigmas decide. The error of two nodes relative to each other is the
+    difference of their errors relative to a third node, so its sigma is at most the sum of theirs.
+    One node in each cube of the space is the third for the sources in it: the covariances of few
+    nodes with many cost far less than those of all pairs.
+
+    Parameters
+    ----------
+    track
+        Poses of the leading cameras, with the uncertainty of relative poses.
+    source, target
+        Nodes (m,).
+    depth
+        Depth (m,) of the sources' scenes, m.
+    camera
+        Model of both cameras.
     """
+    # The third node of each source, and the covariances of both ends relative to it.
     nodes, n = np.unique(np.concatenate([source, target])), len(track)
     cube = np.floor(track.global_from_camera.translation[nodes] / REFERENCE_M)
     _, first, number = np.unique(cube, axis=0, return_index=True, return_inverse=True)
@@ -281,6 +308,7 @@ def _is_settled(
     third[nodes] = nodes[first][number.reshape(-1)]
     key = np.unique(np.concatenate([end * n + third[source] for end in (source, target)]))
     covariance = track.errors.relative_covariance(key // n, key % n)
+    # The scene's middle in both cameras, and the bound (m,) of its sigma: each end adds its own.
     scene = _middle(depth)
     in_target = track.relative_poses(source, target)
     seen = np.einsum("mij,mj->mi", in_target[:, :3, :3], scene) + in_target[:, :3, 3]
@@ -290,12 +318,15 @@ def _is_settled(
         by_motion = _point_by_motion(track.relative_poses(end, third[source]), point)
         variance = np.sum((by_motion @ covariance[row]) * by_motion, axis=(1, 2))
         sigma_m += np.sqrt(np.maximum(variance, 0.0))
+    # Ideal coordinates by which the farthest quantile may move the scene: less than half a cell of
+    # the grid changes no share.
     farthest = np.hypot(*np.repeat(_quantiles().max(), 2)) * sigma_m / depth
     low, high = _image_limits(camera)
     return np.asarray(SETTLED_MARGIN * farthest < 0.5 * (high - low).min() / GRID)
 
 
 def _quantiles() -> Array:
+    """Compute the middles (QUANTILES,) of equally probable parts of a standard normal."""
     return np.asarray(ndtri((np.arange(QUANTILES) + 0.5) / QUANTILES))
 
 
@@ -324,6 +355,8 @@ def _shares_at_quantiles(
     camera
         Model of both cameras.
     """
+    # Square root of the covariance across the axis: it turns quantiles of a standard normal into
+    # shifts of the scene, over its depth in ideal coordinates.
     values, vectors = np.linalg.eigh(covariance[:, :2, :2])
     root = vectors * np.sqrt(np.maximum(values, 0))[:, None]
     drawn = np.stack(np.meshgrid(_quantiles(), _quantiles()), axis=-1).reshape(-1, 2)
@@ -346,8 +379,9 @@ def _share_within(image: Array, low: Array, high: Array) -> Array:
 def _ideal_in_target(relative: Array, depth: Array, camera: CameraModel, grid: int) -> Array:
     """Transfer a grid of points of each source image to the target camera.
 
-    relative: target_from_source (m, 4, 4). depth: (m,) of all points of a source. Returns ideal
-    coordinates (m, grid^2, 2), infinite behind the target.
+    The scene is taken as a plane across the source's axis. relative: target_from_source (m, 4, 4).
+    depth: (m,) of that plane, m. grid: points along each side of the image. Returns ideal
+    coordinates (m, grid^2, 2), infinite behind the target, so that no image contains them.
     """
     middle = (np.arange(grid) + 0.5) / grid
     u, v = np.meshgrid(middle * camera.width - 0.5, middle * camera.height - 0.5)
@@ -367,9 +401,9 @@ def footprint_overlap(
     camera: CameraModel,
     grid: int = GRID,
 ) -> Array:
-    """Compute the overlap (m,) of image pairs by the predicted footprints.
+    """Compute the overlap (m,) of image pairs by the footprints that the track predicts.
 
-    It is the share of a footprint that the other image sees, the smaller of both ways. NaN where
+    The track is taken as exact. The overlap is the share of a footprint that the other image sees, the smaller of both ways. NaN where
     the depth is unknown. first, second: (m,) nodes. depth_m: (n,) by node. grid: points of a
     footprint along each side.
     """
@@ -388,7 +422,7 @@ def footprint_overlap(
 def _share(
     track: CameraTrack, source: Ints, target: Ints, depth_m: Array, camera: CameraModel, grid: int
 ) -> Array:
-    """Compute the share (m,) of each source's footprint that its target sees."""
+    """Compute the share (m,) of each source's footprint that its target sees, NaN without depth."""
     image = _ideal_in_target(track.relative_poses(source, target), depth_m[source], camera, grid)
     share = _share_within(image, *_image_limits(camera))
     return np.asarray(np.where(np.isfinite(depth_m[source]), share, np.nan))
@@ -406,10 +440,11 @@ def _sequential(nodes: Ints, reach: int) -> tuple[Ints, Ints]:
 def _near(
     track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, reach: int
 ) -> tuple[Ints, Ints]:
-    """Find pairs of nodes whose scenes' centres are within a footprint's diagonal and 3 sigma.
+    """Preselect pairs of nodes that may overlap, so that overlaps are computed of these alone.
 
-    Without the pairs of neighbours, at most `reach` nodes apart. The 3 sigma of a relative position
-    count as at most three diagonals.
+    Their scenes' centres are within a footprint's diagonal and 3 sigma of the relative position,
+    which count as at most three diagonals. Neighbours, at most `reach` keyframes apart, and nodes
+    of unknown depth are left out.
     """
     known = np.flatnonzero(np.isfinite(depth_m[nodes]))
     none = np.zeros(0, np.int64)
@@ -430,7 +465,7 @@ def _near(
 
 
 def _within_reach(middle: Array, size: float, more: Array, most: float) -> tuple[Ints, Ints]:
-    """Find pairs of points closer than `size` plus the margins of both.
+    """Find pairs of points closer than `size` plus the margins of both, none of them twice.
 
     Parameters
     ----------
@@ -460,6 +495,7 @@ def _within_reach(middle: Array, size: float, more: Array, most: float) -> tuple
         b = np.concatenate([*found]).astype(np.int64)
         reach = size + np.minimum(more[a] + more[b], most)
         near = np.linalg.norm(middle[a] - middle[b], axis=1) <= reach
+        # Of the two directions in which a pair may be found, that from the larger margin is kept.
         keep = near & ((more[a] > more[b]) | ((more[a] == more[b]) & (a < b)))
         parts.append(np.sort(np.column_stack([a, b])[keep], axis=1))
     pairs = np.concatenate(parts)
@@ -478,7 +514,8 @@ def _lowest_between(
 ) -> Array:
     """Find the smallest overlap (m,) of the first node with the nodes between it and the second.
 
-    0 once it fell below `least`: the vehicle has left. Nodes of unknown depth are ignored.
+    It tells a revisit, where the vehicle went away and came back, from one slow pass. 0 once it
+    fell below `least`: the vehicle has left. Nodes of unknown depth are ignored.
 
     Parameters
     ----------
