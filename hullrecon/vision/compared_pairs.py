@@ -66,7 +66,7 @@ class LinkedScene:
     def match(
         self, track: CameraTrack, proposal: Proposal, anywhere: bool = False
     ) -> list[PairMatch]:
-        """Match the proposed pairs. Features are searched where the track expects them, or anywhere.
+        """Match the proposed pairs, searching where the track expects features, or anywhere.
 
         A pair of neighbours whose features are not found there is searched in the whole image. A
         pair across legs is not. The common features of all pairs are written to the spool.

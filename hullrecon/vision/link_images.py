@@ -284,8 +284,9 @@ class _Rounds(Generic[Solved]):
 
         With it only those pairs are compared that are likely to match and would improve the path.
         Features in common, and from them probability and information, are predicted from the pairs
-        compared so far. `track` has the leading cameras on the path of `solved`. Before any pair has matched, the information of a link cannot be predicted: the gain of each
-        is then MOST_GAIN.
+        compared so far. `track` has the leading cameras on the path of `solved`. Before any pair
+        has matched, the information of a link cannot be predicted: the gain of each is then
+        MOST_GAIN.
 
         Returns
         -------

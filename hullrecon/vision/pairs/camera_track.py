@@ -161,7 +161,7 @@ def leading_cameras(cameras: Rig, path: VehiclePath, bottom: Mask) -> Poses:
 
 
 def _backlash_twist(global_from_vehicle: Poses, tray_origin: Array, sigma_rad: float) -> Array:
-    """Compute the covariance (n, 6, 6) of each node's pose that an error of the tray's angle causes.
+    """Compute the covariance (n, 6, 6) of each node's pose due to an error of the tray's angle.
 
     As a twist (translation, rotation) in global axes. The tray turns about the vehicle's y axis
     through `tray_origin` (3,) in the vehicle.
@@ -179,8 +179,8 @@ def depth_priors(
     """Measure the depth of each node's scene by the DVL's returns of the nodes around it.
 
     It bounds the search for stereo matches, and stands in where there are none. Flagged returns do
-    not count. The window is WINDOW nodes or WINDOW_S to either side, whichever is wider. None where it has no
-    return in front of the camera.
+    not count. The window is WINDOW nodes or WINDOW_S to either side, whichever is wider. None where
+    it has no return in front of the camera.
     """
     good = ~returns.flagged & np.isfinite(returns.range_m)
     points, node = rig.dvl_points(returns, trajectory.track().path).points[good], returns.node[good]
@@ -225,7 +225,8 @@ def _depth_prior(points: Array) -> DepthPrior | None:
 def _surface_normal(points: Array) -> tuple[float, float, float] | None:
     """Fit a plane to points (n, 3) and return its unit normal, pointing away from the camera.
 
-    By it the right one of a homography's two motions is chosen. None where the points are on a line, or too rough for a plane.
+    By it the right one of a homography's two motions is chosen. None where the points are on a
+    line, or too rough for a plane.
     """
     if len(points) < 3:
         return None

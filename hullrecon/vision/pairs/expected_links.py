@@ -67,8 +67,8 @@ class ExpectedLinks:
         """Predict the information (m, 6, 6) of the links, if the pairs match.
 
         It grows with the square of the common features: a larger overlap has more of them, and
-        farther apart. common: (m,) predicted common features. translation: (m, 3) of second_from_first. A link
-        that does not measure its length has no information along it.
+        farther apart. common: (m,) predicted common features. translation: (m, 3) of
+        second_from_first. A link that does not measure its length has no information along it.
         """
         size = np.maximum(common, self.min_common)
         out = self.information * np.square(size)[:, None, None]

@@ -44,8 +44,9 @@ def transfer(
 ) -> tuple[Array, Array]:
     """Predict features in a second camera by the unscented transform [Julier2002], [Ozog2016 D.12].
 
-    Around the predicted position, within its covariance, the feature is then searched. A feature has nine unknowns: motion (6), position in the first image (2) and depth. With kappa 0
-    each is moved by 3 sigma both ways.
+    Around the predicted position, within its covariance, the feature is then searched. A feature
+    has nine unknowns: motion (6), position in the first image (2) and depth. With kappa 0 each is
+    moved by 3 sigma both ways.
 
     Parameters
     ----------

@@ -63,7 +63,8 @@ class MatchWorker:
     def read(self, node: MatchNode) -> NodeFeatures:
         """Read the features of both cameras, moved to where they were at the node's time.
 
-        So later steps need one pose for a node, whenever its images were exposed. Empty for a camera that the vehicle does not carry.
+        So later steps need one pose for a node, whenever its images were exposed. Empty for a
+        camera that the vehicle does not carry.
         """
         seen = self._as_found(node)
         if node.exposure is None:
@@ -90,7 +91,8 @@ class MatchWorker:
     def saliency(self, node: MatchNode) -> float:
         """Look up the local saliency of the leading camera's image.
 
-        It is low where there is little to recognise, as on plain paint. Where the top camera leads without an image, that of the bottom camera.
+        It is low where there is little to recognise, as on plain paint. Where the top camera leads
+        without an image, that of the bottom camera.
         """
         if not self.read(node).bottom_leads:
             top = FeatureStore(self.features, Camera.TOP).saliency(node.image[0])

@@ -255,7 +255,7 @@ class PairMatcher:
         """Adjust the motion to at most about ADJUSTED of the matches, and compute its covariance.
 
         Also returned is how much the matches say of the stereo calibration. Where too few of them
-        have a stereo point, the motion is unchanged and there is no such evidence.
+        have a stereo point or agree, the motion is unchanged and there is no such evidence.
         """
         matched = matched.take(slice(None, None, max(1, len(matched) // ADJUSTED)))
         here, there = (
@@ -316,7 +316,8 @@ class PairMatcher:
     def search_along(self, first: NodeView, second: NodeView, motion: Motion) -> Putative:
         """Match all features near the epipolar lines of a known motion.
 
-        It finds those that the search within navigation's wider ellipses left ambiguous. Where both cameras saw a feature, it must be near the lines of both.
+        So all common features are found, not only the seeds of the motion. Where both cameras saw a
+        feature, it must be near the lines of both.
         """
         # The motion is no more accurate than the lens model: half a feature's sigma, rad and m.
         sigma = 0.5 * self.options.sigma_px / self.rig.focal_px(Camera.TOP)

@@ -101,7 +101,7 @@ def propose_neighbours(
 ) -> Proposal:
     """Propose each keyframe with the `sequential` following ones, to hold the path together.
 
-    They are proposed even where the track predicts no overlap: it may be wrong.
+    They are proposed even where the track predicts no overlap.
     """
     first, second = _sequential(keyframes, options.sequential)
     order = np.lexsort((second, first))
@@ -255,8 +255,9 @@ def scene_in_target(
 ) -> tuple[Array, Array]:
     """Compute target_from_source (m, 4, 4), and how uncertainly the target sees the source's scene.
 
-    The covariance (m, 3, 3), m^2, is that of the scene's centre in the target camera (docs/methods.md
-    (59)). The centre is the point on the optical axis of the source at `depth` (m,).
+    The covariance (m, 3, 3), m^2, is that of the scene's centre in the target camera
+    (docs/methods.md (59)). The centre is the point on the optical axis of the source at `depth`
+    (m,).
     """
     relative = track.relative_poses(source, target)
     by_motion = _point_by_motion(relative, _middle(depth))
@@ -283,11 +284,10 @@ def _is_settled(
 ) -> Mask:
     """Mark pairs (m,) known so well that the overlap is the same at all quantiles.
 
-    It spares their covariances, which cost most of a round's proposals. It errs on the safe side:
-    upper bounds of the sigmas decide. The error of two nodes relative to each other is the
-    difference of their errors relative to a third node, so its sigma is at most the sum of theirs.
-    One node in each cube of the space is the third for the sources in it: the covariances of few
-    nodes with many cost far less than those of all pairs.
+    It spares the covariance of each such pair. Upper bounds of the sigmas decide. The error of two
+    nodes relative to each other is the difference of their errors relative to a third node, so its
+    sigma is at most the sum of theirs. One node in each cube of the space is the third for the
+    sources in it: the covariances of few nodes with many cost far less than those of all pairs.
 
     Parameters
     ----------
@@ -403,9 +403,9 @@ def footprint_overlap(
 ) -> Array:
     """Compute the overlap (m,) of image pairs by the footprints that the track predicts.
 
-    The track is taken as exact. The overlap is the share of a footprint that the other image sees, the smaller of both ways. NaN where
-    the depth is unknown. first, second: (m,) nodes. depth_m: (n,) by node. grid: points of a
-    footprint along each side.
+    The track is taken as exact. The overlap is the share of a footprint that the other image sees,
+    the smaller of both ways. NaN where the depth is unknown. first, second: (m,) nodes. depth_m:
+    (n,) by node. grid: points of a footprint along each side.
     """
     out, block = np.zeros(len(first)), max(1, GRID_POINTS // grid**2)
 
