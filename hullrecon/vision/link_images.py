@@ -105,7 +105,7 @@ class SolvedPath(Protocol):
 
 Solved = TypeVar("Solved", bound=SolvedPath)
 # Solves the path with links. It starts from a solution with fewer of them, or, without one, from
-# dead reckoning.
+# navigation followed along the links.
 PathSolver = Callable[[CameraLinks, Solved | None], Solved]
 
 
@@ -149,7 +149,7 @@ def link_images(
 
     Only keyframes are compared. Those whose image has little to recognise (`min_saliency`) are
     compared with their neighbours alone. Without any matching pair there are no links, and the path
-    is that of dead reckoning.
+    is that of navigation alone.
 
     Parameters
     ----------

@@ -65,7 +65,11 @@ class MatchedImages:
         }
 
     def chains(self) -> list[int]:
-        """Count the nodes of each connected group of the match graph, the largest first."""
+        """Count the nodes of each group that joined pairs connect, the largest first.
+
+        More than one group means that images do not tie the whole path together. A compared node
+        without a joined pair is a group of its own.
+        """
         from scipy.sparse import coo_array
         from scipy.sparse.csgraph import connected_components
 
@@ -90,6 +94,8 @@ def join_images(
 ) -> MatchedImages:
     """Join the matches of linked images to tracks, without observations that links contradict.
 
+    The tracks are the landmarks that the adjustment estimates.
+
     Parameters
     ----------
     worker
@@ -99,7 +105,8 @@ def join_images(
     pairs
         All pairs that were compared.
     links, features
-        Relative poses and common features of the joined pairs, in the order of `pairs`.
+        Relative poses and common features of the joined pairs (those that matched and were kept),
+        in the order of `pairs`.
     stereo
         Matches between the cameras of each node.
     keyframes

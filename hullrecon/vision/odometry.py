@@ -80,7 +80,10 @@ class StereoOdometer:
         return self.frame_of_features(number, NodeFeatures(top=sides[0], bottom=sides[1]))
 
     def frame_of_features(self, number: int, features: NodeFeatures) -> OdometryFrame:
-        """Match the two cameras, without a prior of the scene's depth."""
+        """Match the two cameras, without a prior of the scene's depth.
+
+        number: seeds the random draws of later matching.
+        """
         stereo = stereo_of_node(self.rig, features.top, features.bottom, None, self.match_options)
         view = view_of_node(
             self.rig, replace(features, stereo=stereo), None, self.match_options.sigma_px
@@ -111,7 +114,7 @@ class StereoOdometer:
 def stereo_odometer(
     rig: Rig, max_features: int, min_inliers: int, rig_sigma_rad: float
 ) -> StereoOdometer:
-    """Set up the odometer of a rig.
+    """Set up the odometer of a rig, which measures its path where there is no DVL.
 
     Parameters
     ----------
@@ -183,9 +186,10 @@ def continuity(
 ) -> Callable[[int, int], bool]:
     """Set up the test whether two images of the top camera overlap.
 
-    They overlap where at least min_inliers features move as those of one rigid scene. Features that
-    stand still must also fill most of the image: a visible part of the vehicle stands still in open
-    water too. Parameters are those of `image_motion`. The test takes two image rows.
+    As long as they do, a path may be carried on where the DVL is silent. They overlap where at
+    least min_inliers features move as those of one rigid scene. Features that stand still must also
+    fill most of the image: a visible part of the vehicle stands still in open water too. Parameters
+    are those of `image_motion`. The test takes two image rows.
     """
     match, view = _match_top_images(rig, read, max_features, min_inliers)
     camera = rig.camera_models[Camera.TOP]

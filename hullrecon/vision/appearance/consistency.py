@@ -24,17 +24,22 @@ MAX_CHI2 = 22.5  # of a loop's misclosure: 99.9 % of chi-square with six degrees
 
 @dataclass(frozen=True, kw_only=True)
 class Agreement:
-    """The consistency of m links, where the path between them is known well enough to judge it."""
+    """The consistency of m links.
+
+    Two of them neither agree nor contradict where the path between them is too uncertain to tell.
+    """
 
     agree: Mask  # (m, m) pairs of links whose loop closes
     contradict: Mask  # (m, m) pairs of links whose loop does not close
 
 
 def compose(outer: Motion, inner: Motion) -> Motion:
-    """Compose c_from_b and b_from_a to c_from_a, with covariance to first order.
+    """Compose c_from_b (outer) and b_from_a (inner) to c_from_a, with covariance to first order.
 
     The errors of both are taken as independent.
     """
+    # The composed motion is R_o R_i, R_o t_i + t_o. Its derivative by the errors of `outer`: the
+    # rotation moves R_o t_i, and is carried through R_i. By those of `inner`: R_o turns t_i.
     turn = outer.second_from_first[:3, :3]
     by_outer, by_inner = np.eye(6), np.eye(6)
     by_outer[:3, 3:] = -turn @ cross_matrix(inner.second_from_first[:3, 3])
@@ -85,6 +90,7 @@ def _sigma_m(motion: Motion) -> float:
 def largest_group(agree: Mask, among: Ints) -> Ints:
     """Find a large group of links that all agree with each other: a clique, by a greedy search.
 
+    Wrong links hardly agree by chance, so the largest group is likely to hold the right ones.
     From each link in turn, the candidate that agrees with most other candidates is added, until
     none agrees with all members. The largest group found is returned, sorted.
 
@@ -106,7 +112,8 @@ def largest_group(agree: Mask, among: Ints) -> Ints:
 def independent_links(first: Ints, second: Ints) -> int:
     """Count links of which no two share a node, chosen greedily from links (m,) by their nodes.
 
-    There may be a larger choice: the count is a lower bound.
+    Links that share an image may be wrong by the same cause, so they count once. There may be a
+    larger choice: the count is a lower bound.
     """
     used: set[int] = set()
     count = 0
@@ -118,5 +125,5 @@ def independent_links(first: Ints, second: Ints) -> int:
 
 
 def extent_m(points: Array) -> float:
-    """Compute the largest distance between any two points (m, 3)."""
+    """Compute the largest distance between any two points (m, 3), 0 with less than two."""
     return float(np.linalg.norm(points[:, None] - points[None], axis=2).max(initial=0.0))

@@ -65,7 +65,8 @@ def scene_offsets(
 ) -> tuple[Array, Array]:
     """Compute the offset between the centres of the scenes of m pairs of nodes.
 
-    The centre of a scene is the point on the optical axis at its median depth.
+    By its size and covariance two nodes may show one place, or are known to show two. The centre of
+    a scene is the point on the optical axis at its median depth.
 
     Parameters
     ----------
@@ -92,8 +93,8 @@ def scene_offsets(
 def may_be_one(offset: Array, covariance: Array, slack_m: float) -> Mask:
     """Select pairs (m,) of scenes that may be the same place, by a chi-square gate on their offset.
 
-    slack_m: sigma of the distance between the centres of scenes that overlap, added to the
-    covariance (m, 3, 3) of the offset (m, 3).
+    offset, covariance: (m, 3) and (m, 3, 3), as by `scene_offsets`. slack_m: sigma of the distance
+    between the centres of scenes that overlap, which is added to the covariance.
     """
     chi2 = np.einsum(
         "mi,mij,mj->m", offset, np.linalg.inv(covariance + slack_m**2 * np.eye(3)), offset
@@ -111,6 +112,7 @@ def open_places(
 ) -> OpenPlaces | None:
     """Find the pairs of keyframes that may be one place although the search by overlap skips them.
 
+    They are found between stations, some of the keyframes, as pairs of all keyframes are too many.
     None where there are none: the path is known well enough for the search by overlap.
 
     Parameters
@@ -127,7 +129,8 @@ def open_places(
     if len(keyframes) < 2:
         return None
     size = footprint_m(depth_m[keyframes], camera)
-    # The relative sigma of two nodes is at most the sum of their sigmas relative to a third one.
+    # The relative sigma of two nodes is at most the sum of their sigmas relative to a third one,
+    # and along its longest axis at most sqrt(3) times the mean over the axes.
     middle = np.full(len(keyframes), keyframes[len(keyframes) // 2])
     if 2 * np.sqrt(3) * track.relative_sigma(keyframes, middle).max() < BEYOND * size:
         return None
@@ -153,7 +156,11 @@ def open_places(
 
 
 def _edges_of_parts(track: CameraTrack, keyframes: Ints, depth_m: Array, size_m: float) -> Ints:
-    """Cut the path where a step between keyframes is uncertain by a footprint, as at an outage."""
+    """Cut the path where a step between keyframes is uncertain by a footprint, as at an outage.
+
+    size_m: side of a footprint. Returns the first keyframe of each part, and the number of
+    keyframes.
+    """
     _, covariance = scene_offsets(track, keyframes[:-1], keyframes[1:], depth_m)
     return np.concatenate(
         [[0], np.flatnonzero(largest_sigma(covariance) > BEYOND * size_m) + 1, [len(keyframes)]]
@@ -162,6 +169,8 @@ def _edges_of_parts(track: CameraTrack, keyframes: Ints, depth_m: Array, size_m:
 
 def _spread(edges: Ints, total: int, each: int, most: int) -> Ints:
     """Choose ranks of keyframes evenly along each part of the path.
+
+    Each part gets some, however short: an outage may separate it from the others.
 
     Parameters
     ----------
@@ -219,9 +228,10 @@ def likeliest_pairs(
     places: OpenPlaces,
     images: InvertedFile,
 ) -> tuple[Array, Array]:
-    """Find the pairs of keyframes that look most alike.
+    """Find the pairs of keyframes that look most alike, to be matched.
 
     Parameters are those of `open_places`, with its result and the visual words of the keyframes.
+    Either result may be empty.
 
     Returns
     -------
@@ -238,8 +248,8 @@ def likeliest_pairs(
     ) -> Array:
         """Find the pairs that look most alike among those whose offset `wanted` selects.
 
-        mask: (s, s) pairs of stations to search. places_each: pairs of a query at most. most: pairs
-        in all at most.
+        mask: (s, s) pairs of stations to search. wanted: selects by offset and covariance of the
+        scenes. places_each: pairs of a query at most. most: pairs in all at most.
         """
         # The mask only preselects: an outage may lie between a keyframe and its station.
         asked, place = _best(np.where(places.of_keyframes(queries, mask), scores, 0.0), CANDIDATES)
@@ -265,14 +275,22 @@ def likeliest_pairs(
 
 
 def _is_open(offset: Array, covariance: Array, size_m: float, slack_m: float) -> Mask:
-    """Select pairs (m,) that may be one place and that the search by overlap skips."""
+    """Select pairs (m,) that may be one place and that the search by overlap skips.
+
+    offset, covariance: as by `scene_offsets`. size_m: side of a footprint. slack_m: as in
+    `may_be_one`.
+    """
     return np.asarray(
         (largest_sigma(covariance) > BEYOND * size_m) & may_be_one(offset, covariance, slack_m)
     )
 
 
 def _is_apart(offset: Array, covariance: Array, size_m: float, slack_m: float) -> Mask:
-    """Select pairs (m,) known to be two places."""
+    """Select pairs (m,) known to be two places.
+
+    slack_m: typical distance of a keyframe from the station that stands for it. Other parameters
+    are those of `_is_open`.
+    """
     distance = np.linalg.norm(offset, axis=1)
     return np.asarray(
         (largest_sigma(covariance) < KNOWN * size_m) & (distance > APART * size_m + 2 * slack_m)
@@ -291,7 +309,8 @@ def _best(scores: Array, most: int) -> tuple[Ints, Ints]:
 def _by_place(asked: Ints, candidate: Ints, score: Array, most: int) -> Ints:
     """Order candidates for comparison: the best of each query, then the next best elsewhere, etc.
 
-    Candidates of a query within two keyframes of one already taken are left out.
+    So that a limited number of comparisons spreads over queries and places. Candidates of a query
+    within two keyframes of one already taken are left out: they show about the same place.
 
     Parameters
     ----------

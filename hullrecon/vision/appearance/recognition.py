@@ -88,7 +88,8 @@ class Recognition:
 def is_confirmed(compared: ComparedPairs, number: int) -> bool:
     """Decide whether the links of a round are right: images that they bring together must match.
 
-    The round after it compared these images. At least LEAST_LINKS links of the round must be kept,
+    compared: all pairs, with those of the round `number` and of the round after it, which compared
+    these images. At least LEAST_LINKS links of the round must be kept,
     and of the pairs of the next round, if there are LEAST_AFTER, a share of BORNE_OUT.
     """
     kept = np.zeros(len(compared.found), bool)
@@ -103,6 +104,10 @@ def recognise_places(
     scene: LinkedScene, track: CameraTrack, keyframes: Ints, compared: Ints
 ) -> Recognition | None:
     """Link keyframes that look alike, where the search by overlap cannot reach.
+
+    Links are accepted all together or not at all. None is accepted where too few confirm each
+    other, where another group contradicts them, or where the control shows, or cannot exclude, that
+    different places of this hull look alike.
 
     Parameters
     ----------
@@ -166,8 +171,10 @@ def reject_look_alikes(
     """Reject matches across an outage where places known to be two look alike.
 
     An outage is where the path, `track` by dead reckoning, is uncertain by more than a footprint. A
-    match across it may be with the wrong one of two places that look alike. keyframes: nodes from
-    which the control is taken. compared: the pairs so far.
+    match across it may be with the wrong one of two places that look alike. Whether such places
+    exist is seen from the control: all matches across outages are rejected, or none. Pairs of
+    unknown depth are not judged. keyframes: nodes from which the control is taken. compared: the
+    pairs so far.
     """
     known = np.isfinite(scene.depth_m)
     rows = compared.kept()
@@ -182,6 +189,7 @@ def reject_look_alikes(
     likely = _most_alike(scene, track, keyframes) if doubtful.any() else None
     if likely is None:
         return compared
+    # A control that does not reach far enough must not have a single match.
     most = MAX_ALIKE if likely.reach_m >= LEAST_REACH * sigma.max() else 0
     if _match_control(scene, track, keyframes, likely) <= most:
         return compared
@@ -199,7 +207,7 @@ class _Likely:
 
 
 def _most_alike(scene: LinkedScene, track: CameraTrack, keyframes: Ints) -> _Likely | None:
-    """Find the images that look most alike.
+    """Find the images that look most alike, by visual words learnt from the keyframes.
 
     None where the search by overlap reaches as far as the path is uncertain.
     """
@@ -215,7 +223,7 @@ def _most_alike(scene: LinkedScene, track: CameraTrack, keyframes: Ints) -> _Lik
 
 
 def _match_control(scene: LinkedScene, track: CameraTrack, keyframes: Ints, likely: _Likely) -> int:
-    """Count the matching pairs of places known to be two."""
+    """Match the control, and count its matches: pairs of places known to be two that look alike."""
     proposal = _propose(scene, track, keyframes[likely.control])
     return sum(pair.motion is not None for pair in scene.match(track, proposal, anywhere=True))
 
@@ -233,7 +241,10 @@ def learn_words(worker: MatchWorker, nodes: Sequence[MatchNode]) -> tuple[Vocabu
 
 
 def _strongest(worker: MatchWorker, node: MatchNode, most: int) -> Descriptors:
-    """Read the descriptors (at most `most`, 128) of the leading image's strongest features."""
+    """Read the descriptors (k, 128) of the leading image's strongest features, k at most `most`.
+
+    Features without a score are left out.
+    """
     features = worker.read(node).leading
     rows = np.flatnonzero(features.scored)
     order = np.argsort(-features.keypoints[rows, 3], kind="stable")[:most]
@@ -248,7 +259,10 @@ def _propose(scene: LinkedScene, track: CameraTrack, nodes: Array) -> Proposal:
 
 
 def _within_gate(track: CameraTrack, proposal: Proposal, found: Sequence[PairMatch]) -> Ints:
-    """List the matching pairs with a length that lie within the path's covariance."""
+    """List the matched pairs whose motion the path, within its covariance, does not contradict.
+
+    Pairs without a measured length are left out. Returns rows of `found`.
+    """
     rows = [k for k, pair in enumerate(found) if pair.motion is not None and pair.scaled]
     prior = track.motions(proposal.first[rows], proposal.second[rows])
     within = [k for k, p in zip(rows, prior, strict=True) if agrees(found[k], p, GATE_CHI2)]

@@ -66,6 +66,8 @@ class InvertedFile:
 def learn_vocabulary(descriptors: Descriptors, seed: int, branches: int = BRANCHES) -> Vocabulary:
     """Learn at most branches^2 words from descriptors (n, 128), by k-means in two levels.
 
+    seed: of the first centres, which are drawn from the descriptors.
+
     Raises
     ------
     ValueError
@@ -86,8 +88,8 @@ def learn_vocabulary(descriptors: Descriptors, seed: int, branches: int = BRANCH
 def invert(words: Sequence[Ints], vocabulary: int) -> InvertedFile:
     """Build the inverted file of n images from their words, of a vocabulary of that size.
 
-    A word's weight is its share of the image's features times log(n / images with that word): words
-    that all images show have no weight.
+    words: of each image, one for each feature. A word's weight is its share of the image's features
+    times log(n / images with that word): words that all images show have no weight.
     """
     size = np.array([len(w) for w in words], np.int64)
     image = np.repeat(np.arange(len(words)), size)
@@ -103,7 +105,10 @@ def invert(words: Sequence[Ints], vocabulary: int) -> InvertedFile:
 
 
 def _cluster(descriptors: Descriptors, count: int, rng: np.random.Generator) -> Descriptors:
-    """Find at most `count` centres by Lloyd's algorithm. A centre without members stays."""
+    """Find at most `count` centres of descriptors by Lloyd's algorithm.
+
+    A centre without members stays where it is.
+    """
     centres = descriptors[
         np.sort(rng.choice(len(descriptors), min(count, len(descriptors)), replace=False))
     ]
@@ -128,6 +133,7 @@ def _cluster(descriptors: Descriptors, count: int, rng: np.random.Generator) -> 
 
 def _nearest(descriptors: Descriptors, centres: Descriptors) -> Ints:
     """Find the nearest centre (n,) of each descriptor, the first where several are equal."""
+    # |d - c|^2 without |d|^2, which is the same for all centres.
     turned = centres.astype(np.float32).T
     square = (turned * turned).sum(axis=0)
     out = np.zeros(len(descriptors), np.int64)

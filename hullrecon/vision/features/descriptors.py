@@ -76,6 +76,8 @@ def match_descriptors(
 ) -> Putative:
     """Match mutual best descriptors that pass the ratio test, one match a place.
 
+    Features with two about equally good partners are left out. There may be no match.
+
     Parameters
     ----------
     first, second
@@ -166,7 +168,8 @@ def first_at_place(keypoints: Floats32) -> Ints:
 def match_places(found: Putative, place_a: Ints, place_b: Ints) -> Putative:
     """Reduce matches of features to matches of their places, keeping the most alike of each.
 
-    place_a, place_b: place of each feature of the two sets.
+    Several features at one pixel are one measurement, and must not count as several. place_a,
+    place_b: place of each feature of the two sets.
     """
     first, second = place_a[found.first], place_b[found.second]
     if len(first) == 0:

@@ -71,7 +71,10 @@ def no_features() -> Features:
 
 
 def extract(image: Pixels, options: FeatureOptions) -> Features:
-    """Find the features of an image (h, w) or (h, w, 3) RGB, ordered by v, then u, then scale."""
+    """Find the features of an image (h, w) or (h, w, 3) RGB, ordered by v, then u, then scale.
+
+    Those near the border are dropped, as it displaces them.
+    """
     levelled, step = level_image(image, options)
     keypoints, descriptors = find_sift(levelled, options.max_features)
     keypoints = to_raw_pixels(keypoints, step)
@@ -80,7 +83,7 @@ def extract(image: Pixels, options: FeatureOptions) -> Features:
 
 
 def level_image(image: Pixels, options: FeatureOptions) -> tuple[Pixels, Floats32]:
-    """Shrink an image to grey levels of even contrast.
+    """Shrink an image to grey levels of even contrast, in which features are found.
 
     Returns
     -------
@@ -127,7 +130,9 @@ def to_raw_pixels(keypoints: Floats32, step: Floats32) -> Floats32:
 
 
 def is_clear_of_border(keypoints: Floats32, shape: tuple[int, ...], window_px: float) -> Mask:
-    """Select keypoints (n, 4) that are not moved by the mirrored border.
+    """Select keypoints (n, 4) that are far enough from the border not to be displaced by it.
+
+    Filters mirror the image there.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ def choose(
     prior: Motion | None,
     surface_normal: tuple[float, float, float] | None,
 ) -> Motion:
-    """Choose among the motions of a two-view model, each refined on its inliers.
+    """Choose the right one among the motions of a two-view model, each refined on its inliers.
 
     A homography stands for two motions, with different normals of the plane. The one whose normal
     is nearest to the DVL's is taken, else the one nearest to navigation's motion, else the first.
@@ -58,7 +58,8 @@ def choose(
         Of the hull by the DVL, in the first camera.
     """
     if surface_normal is not None and all(p.normal is not None for p in possible):
-        possible = [max(possible, key=lambda p: float(np.dot(surface_normal, p.normal)))]  # type: ignore[arg-type]
+        possible = [max(possible, key=lambda p: float(np.dot(surface_normal, p.normal)))]  # type:
+        ignore[arg - type]
     found = [
         mono_motion.with_length(*refine_on_inliers(p.motion, *matches, prior), prior)
         for p in possible
@@ -74,7 +75,8 @@ def gather(
     """Refine a motion on all matches (n, 2) near their epipolar lines.
 
     The inliers of a homography are not enough: on a curved hull they are the matches whose noise
-    makes the hull look flatter, which turns the motion.
+    makes the hull look flatter, which turns the motion. Where too few matches are near their lines,
+    the first guess is returned unchanged.
 
     Parameters
     ----------
@@ -119,7 +121,8 @@ def refine_on_inliers(
 ) -> tuple[Array, Array]:
     """Refine a motion on the matches that agree with the most likely motion.
 
-    The most likely motion is that of matches and navigation together. All matches (n, 2) are taken
+    By it wrong matches are told from right ones. The most likely motion is that of matches and
+    navigation together. All matches (n, 2) are taken
     where navigation does not know the motion well, or contradicts the one fitted without it. As
     many wrong matches as were rejected may be left among the inliers. So the rejected ones count in
     the variance with the residual of the limit.
@@ -146,7 +149,10 @@ class _OnInliers:
     limit: float  # largest Sampson distance of an inlier, ideal coordinates
 
     def covariance(self) -> Array:
-        """Compute the covariance (5, 5) of rotation and direction."""
+        """Compute the covariance (5, 5) of rotation and direction.
+
+        It is enlarged for wrong matches that may be left among the inliers (`refine_on_inliers`).
+        """
         if self.good is None:
             return mono_motion.covariance_of(self.motion, self.first, self.second)
         covariance = mono_motion.covariance_of(
@@ -223,6 +229,8 @@ def most_likely_motion(
         length, unit = float(np.linalg.norm(motion[:3, 3])), _unit(motion)
         residual, by = mono_motion.linearise(unit, first, second)
         weight = _biweight(residual)
+        # By translation (m), then rotation, as in Motion: a shift across the direction turns it by
+        # the shift over the length.
         jacobian = np.hstack(
             [by[:, 3:] @ mono_motion.tangent_basis(unit[:3, 3]).T / length, by[:, :3]]
         )
@@ -256,7 +264,7 @@ def _sigma(residual: Array) -> float:
 
 
 def _gap(motion: Array, prior: Motion) -> Array:
-    """Compute the difference (6,) of a motion (4, 4) from navigation's."""
+    """Compute the difference (6,) of a motion (4, 4) from navigation's, in the order of Motion."""
     wanted = prior.second_from_first
     turn = Rotation.from_matrix(wanted[:3, :3].T @ motion[:3, :3]).as_rotvec()
     return np.concatenate([motion[:3, 3] - wanted[:3, 3], turn])

@@ -85,6 +85,9 @@ def covariance_of(motion: Array, first: Array, second: Array) -> Array:
 def with_length(motion: Array, covariance: Array, prior: Motion | None) -> Motion:
     """Scale a motion to navigation's length, with its uncertainty, or to length 1 without it.
 
+    Two views without depth do not measure the length. So its sigma is that of navigation, or as
+    good as unknown (UNKNOWN_LENGTH).
+
     Parameters
     ----------
     motion
@@ -101,6 +104,7 @@ def with_length(motion: Array, covariance: Array, prior: Motion | None) -> Motio
         length_variance = float(direction @ prior.covariance[:3, :3] @ direction)
     scaled = motion.copy()
     scaled[:3, 3] = length * direction
+    # From (rotation, direction) to (translation, rotation), the order of Motion.
     by = np.zeros((6, 5))
     by[:3, 3:] = length * tangent_basis(direction)
     by[3:, :3] = np.eye(3)
@@ -112,8 +116,9 @@ def with_length(motion: Array, covariance: Array, prior: Motion | None) -> Motio
 def navigation_chi2(found: Motion, prior: Motion) -> float:
     """Compute chi-square between a motion without a length and navigation's.
 
-    It has five degrees of freedom. The length is the non-negative one that agrees best, so that a
-    direction says little where the vehicle hardly moved.
+    A large one means a wrong match, or the wrong one of a plane's two motions. It has five degrees
+    of freedom. The length is the non-negative one that agrees best, so that a direction says little
+    where the vehicle hardly moved.
     """
     own, wanted = found.second_from_first, prior.second_from_first
     turn = Rotation.from_matrix(wanted[:3, :3].T @ own[:3, :3]).as_rotvec()
@@ -135,9 +140,10 @@ def navigation_chi2(found: Motion, prior: Motion) -> float:
 def has_parallax(motion: Array, first: Array, second: Array, variance: float) -> bool:
     """Decide whether matches (n, 2) differ by more than the rotation and noise.
 
-    The differences that the rotation leaves are 2-vectors, and noise of both images adds: their
-    expected square is four times `variance`, that of a coordinate in one image. The mean square
-    scatters by 1 / sqrt(n) of itself, the variance found from n residuals by sqrt(2 / n).
+    If not, they say nothing of the translation's direction. The differences that the rotation
+    leaves are 2-vectors, and noise of both images adds: their expected square is four times
+    `variance`, that of a coordinate in one image. The mean square scatters by 1 / sqrt(n) of
+    itself, the variance found from n residuals by sqrt(2 / n).
     """
     turned = np.hstack([first, np.ones((len(first), 1))]) @ motion[:3, :3].T
     gap = second - turned[:, :2] / turned[:, 2:]
@@ -169,7 +175,8 @@ def noise_share(motion: Array, first: Array, second: Array) -> Array:
 def without_noise_share(information: Array, share: Array) -> Array:
     """Subtract the information that noise simulates from the information (5, 5) on the direction.
 
-    It is subtracted from the marginal information of the direction, with NOISE_SIGMAS of its
+    What is left is what the matches really say of it, none where the vehicle was at rest. It is
+    subtracted from the marginal information of the direction, with NOISE_SIGMAS of its
     scatter, and negative eigenvalues are set to zero. share: (n, 2, 2) of `noise_share`. Its sum
     scatters as a sum of squares, by the root of twice the sum of their squares. That is far more
     than 1 / sqrt(n) where the epipole lies in the image and the few matches next to it have most of
@@ -193,7 +200,10 @@ def _without_direction(information: Array) -> Array:
 
 
 def tangent_basis(direction: Array) -> Array:
-    """Compute two unit vectors (3, 2) across a unit vector (3,) and across each other."""
+    """Compute two unit vectors (3, 2) across a unit vector (3,) and across each other.
+
+    A small change of a direction has two numbers, its parts along these vectors.
+    """
     # Numbers: arithmetic of a small array takes ten times as long.
     x, y, z = (float(part) for part in direction)
     least = min(range(3), key=lambda k: abs((x, y, z)[k]))
@@ -207,8 +217,8 @@ def tangent_basis(direction: Array) -> Array:
 def linearise(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
     """Compute signed Sampson distances (n,) of matches (n, 2), and their derivatives (n, 5).
 
-    The derivatives are by rotation (3) and direction (2), with the denominator of the distance held
-    constant. motion: (4, 4) with |t| = 1.
+    These are the residuals of a motion without a length. The derivatives are by rotation (3) and
+    direction (2), with the denominator of the distance held constant. motion: (4, 4) with |t| = 1.
     """
     essential, rotation = essential_of(motion), motion[:3, :3]
     a0, a1 = np.ascontiguousarray(first.T)  # by column: several times faster than rows of three

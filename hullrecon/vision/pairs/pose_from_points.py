@@ -44,8 +44,8 @@ def ransac(
 ) -> Array | None:
     """Find the motion (4, 4) of least truncated squared error by RANSAC on triples of points.
 
-    Trials come in blocks, until a triple of inliers has been drawn with the probability 1 - MISSED.
-    None with fewer than three points.
+    It is second_from_first, a first guess for `refine`. Trials come in blocks, until a triple of
+    inliers has been drawn with the probability 1 - MISSED. None with fewer than three points.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def ransac(
 
 
 def _inlier_share(motion: Array, views: list[ObservedPoints], tolerance: float) -> float:
-    """Compute the share of observations that are inliers of a motion (4, 4)."""
+    """Compute the share of observations that are inliers of a motion (4, 4), 0 without any."""
     seen = sum(int(np.isfinite(s.xy[:, 0]).sum()) for s in views)
     good = sum(int(rows.sum()) for rows in _inliers(motion, views, tolerance))
     return good / max(seen, 1)
@@ -91,9 +91,9 @@ def _trials_needed(share: float) -> float:
 
 
 def squared_errors(motions: Array, view: ObservedPoints) -> Array:
-    """Compute squared reprojection errors (s, n) under each motion (s, 4, 4).
+    """Compute squared reprojection errors (s, n) under each motion second_from_first (s, 4, 4).
 
-    Infinite behind the camera, 0 where not seen.
+    In squared ideal coordinates. Infinite behind the camera, 0 where not seen.
     """
     way = np.linalg.inv(motions) if view.backward else motions
     return native.squared_reprojections(view.camera_from_node @ way, view.points, view.xy)
@@ -102,7 +102,8 @@ def squared_errors(motions: Array, view: ObservedPoints) -> Array:
 def refine(motion: Array, views: list[ObservedPoints], tolerance: float) -> tuple[Array, Array]:
     """Minimise the inliers' reprojection errors in units of their sigma, by Levenberg-Marquardt.
 
-    Inliers are chosen again in the first half of the iterations, then held.
+    Inliers are chosen again in the first half of the iterations, then held. tolerance: largest
+    error of an inlier, ideal coordinates.
 
     Returns
     -------
@@ -168,7 +169,7 @@ def apply_step(motion: Array, step: Array) -> Array:
 
 
 def hide_unknown_points(view: ObservedPoints) -> ObservedPoints:
-    """Mark rows that lack a point as not seen."""
+    """Mark rows that lack a point as not seen, so that no residual counts them."""
     unknown = np.isnan(view.points[:, 0])[:, None]
     return replace(
         view,
@@ -180,7 +181,8 @@ def hide_unknown_points(view: ObservedPoints) -> ObservedPoints:
 def resect(points: Array, xy: Array, tolerance: float, trials: int) -> Array | None:
     """Find the motion (4, 4) of points (n, 3) into a camera that saw them at (n, 2), by P3P RANSAC.
 
-    None with fewer than four points, or where no motion fits.
+    It serves where only one of two nodes has triangulated points. None with fewer than four points,
+    or where no motion fits.
     """
     import cv2
 

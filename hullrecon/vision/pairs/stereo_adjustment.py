@@ -74,13 +74,16 @@ def adjust_stereo_motion(
 ) -> AdjustedMotion | None:
     """Adjust a motion (4, 4) together with the points of m features that both nodes saw.
 
-    None where too few features have a stereo point, or too few are inliers.
+    It refines a first guess, gives its covariance, and shows how errors of the stereo calibration
+    would change it. Outliers are left out. None where too few features have a stereo point, or too
+    few are inliers. bottom_from_top: (4, 4) as calibrated.
     """
     # Points start where either node triangulated them.
     known = np.isfinite(first.point[:, 0]) | np.isfinite(second.point[:, 0])
     first, second = first[known], second[known]
     if len(first.lead) < LEAST:
         return None
+    # The second node's points, in the first camera.
     back = (second.point - motion[:3, 3]) @ motion[:3, :3]
     points = np.where(np.isfinite(first.point), first.point, back)
     seen = np.hstack([first.lead, first.other, second.lead, second.other])
@@ -121,7 +124,10 @@ def adjust_stereo_motion(
 
 
 def _point_step(system: native.ReducedFeatures, step: Array) -> Array:
-    """Compute the step of the points (m, 3) that goes with a step (6,) of the motion."""
+    """Compute the step of the points (m, 3) that goes with a step (6,) of the motion.
+
+    The points were eliminated from the normal equations: this is the back-substitution.
+    """
     wanted = system.point_gradient + np.einsum("mji,j->mi", system.point_by_motion, step)
     return np.asarray(-np.einsum("mij,mj->mi", system.point_inverse, wanted))
 
@@ -131,7 +137,8 @@ def _calibration_evidence(
 ) -> CalibrationEvidence:
     """Reduce the normal equations of points, motion and calibration to the calibration.
 
-    Points and motion are eliminated by Schur complements.
+    Summed over all pairs, they determine the errors of the calibration. Points and motion are
+    eliminated by Schur complements.
 
     Parameters
     ----------
@@ -144,9 +151,12 @@ def _calibration_evidence(
     variance
         Of a residual.
     """
+    # Blocks of the normal equations by feature: calibration with point, and the same times the
+    # inverse of the point's block, which eliminates the points from all other blocks.
     turned = rows.by_calibration.swapaxes(1, 2)
     of_point = turned @ rows.by_point
     carried = of_point @ system.point_inverse
+    # Summed over the features: motion with calibration (6, 12), calibration (12, 12), its gradient.
     with_motion = (
         (turned @ rows.by_motion - carried @ system.point_by_motion.swapaxes(1, 2)).sum(axis=0).T
     )
@@ -163,7 +173,8 @@ def _calibration_evidence(
 def correlation_inflation(information: Array, gradient: Array, variance: float, xy: Array) -> float:
     """Estimate by what factor correlated errors of neighbouring features inflate the covariance.
 
-    The largest factor over the sizes in CELLS, at least 1.
+    Without it, many features that share an error would look like as many measurements. The largest
+    factor over the sizes in CELLS, at least 1.
 
     Parameters
     ----------
@@ -201,7 +212,7 @@ def _cluster_factor(information: Array, gradient: Array, variance: float, cell: 
 
 
 def image_cells(xy: Array, size: float) -> Ints:
-    """Assign ideal coordinates (m, 2) to cells of that size, by number."""
+    """Number (m,) the square cell, with sides of that size, in which ideal coordinates (m, 2) lie."""
     return np.asarray(
         np.unique(np.floor(xy / size), axis=0, return_inverse=True)[1], np.int64
     ).ravel()

@@ -65,8 +65,9 @@ class PossibleMotion:
 def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
     """Fit an essential matrix or a homography to matches, whichever has the smaller criterion.
 
-    By RANSAC. first, second: (n, 2) in ideal coordinates. tolerance: largest error of an inlier.
-    None with fewer than LEAST_MATCHES, or where one of the models cannot be fitted.
+    On a flat hull the homography explains as much with fewer numbers. By RANSAC. first, second: (n,
+    2) in ideal coordinates. tolerance: largest error of an inlier. None with fewer than
+    LEAST_MATCHES, or where one of the models cannot be fitted.
     """
     both = fit_both(first, second, tolerance)
     if both is None:
@@ -116,7 +117,10 @@ def criterion(whitened_squared: Array, dimension: int, parameters: int) -> float
 
 
 def sampson_squared(essential: Array, first: Array, second: Array) -> Array:
-    """Compute squared Sampson distances (n,) in ideal coordinates, x_second^T E x_first = 0."""
+    """Compute squared Sampson distances (n,) of matches (n, 2) in ideal coordinates.
+
+    They are about the squared distances from the epipolar lines, x_second^T E x_first = 0.
+    """
     a, b = first.T, second.T
     # By column, ten times faster than (n, 3).
     line_second = [row[0] * a[0] + row[1] * a[1] + row[2] for row in essential]
@@ -137,14 +141,15 @@ def homography_squared(homography: Array, first: Array, second: Array) -> Array:
 
 
 def essential_of(second_from_first: Array) -> Array:
-    """Compute the essential matrix [t]x R of a motion (4, 4)."""
+    """Compute the essential matrix [t]x R (3, 3) of a motion second_from_first (4, 4)."""
     return np.asarray(cross_matrix(second_from_first[:3, 3]) @ second_from_first[:3, :3])
 
 
 def motions_of(found: TwoView, first: Array, second: Array) -> list[PossibleMotion]:
     """List the motions that a model may stand for, with the inliers in front of both cameras.
 
-    A homography has up to two. One that is a pure rotation gives a motion with translation 0.
+    An essential matrix stands for one, a homography for up to two. Maybe none is left. One that is
+    a pure rotation gives a motion with translation 0.
     """
     import cv2
 

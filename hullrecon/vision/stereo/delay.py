@@ -70,10 +70,11 @@ class Delay:
 def estimate_delay(rig: Rig, pairs: Sequence[MatchedRays]) -> Delay | None:
     """Estimate the bottom camera's delay together with errors of the rig's calibration.
 
-    Start at the delay of least epipolar error on a grid of delays, then take Gauss-Newton steps on
-    delay, rotation and direction of the baseline. The variance of the delay is that of the matches
-    plus the cluster-robust one, which holds differences between pairs of images beyond their noise.
-    None where fewer than three pairs have a known motion, or where nothing moved.
+    Both move features off their epipolar lines, so that a wrong calibration would otherwise pass as
+    a delay. Start at the delay of least epipolar error on a grid of delays, then take Gauss-Newton
+    steps on delay, rotation and direction of the baseline. The variance of the delay is that of the
+    matches plus the cluster-robust one, which holds differences between pairs of images beyond
+    their noise. None where fewer than three pairs have a known motion, or where nothing moved.
     """
     pairs = [pair for pair in pairs if np.isfinite(pair.twist).all()]
     if len(pairs) < 3:
@@ -87,7 +88,7 @@ def estimate_delay(rig: Rig, pairs: Sequence[MatchedRays]) -> Delay | None:
     information, scatter = np.eye(6), np.eye(6)
     for _ in range(STEPS):
         information, gradient, scatter = _normal(rig, pairs, unknowns)
-        if np.linalg.cond(information) > 1e14:
+        if np.linalg.cond(information) > 1e14:  # nothing moved
             return None
         step = np.linalg.solve(information, gradient)
         unknowns = unknowns - step
@@ -101,9 +102,10 @@ def estimate_delay(rig: Rig, pairs: Sequence[MatchedRays]) -> Delay | None:
 def move_to_top(rig: Rig, pair: MatchedRays, delay_s: float) -> Array:
     """Predict a pair's bottom features as if both cameras had been exposed at the same time.
 
-    Each match is triangulated with the bottom camera where it was when exposed, and the point is
-    projected into the bottom camera where it was when the top one was exposed. Features without a
-    valid point are left unchanged.
+    Then the calibrated rig applies to them. Each match is triangulated with the bottom camera where
+    it was when exposed, and the point is projected into the bottom camera where it was when the top
+    one was exposed. Features without a valid point are left unchanged. delay_s: to be added to the
+    bottom camera's stamps.
 
     Returns
     -------
@@ -127,6 +129,7 @@ def _bottom_moved(rig: Rig, pair: MatchedRays, delay_s: float) -> Poses:
     Returns the pose of the bottom camera when it was exposed, in the axes of the bottom camera when
     the top one was exposed, a batch of one.
     """
+    # The twist is of the tray, in its own axes. The mount takes it to the camera's.
     mount = rig.tray_from(Camera.BOTTOM)
     moved = exp((pair.stamped_s + delay_s) * pair.twist[None])
     return mount.inverse() @ moved @ mount
@@ -150,6 +153,7 @@ def _residuals(rig: Rig, pair: MatchedRays, unknowns: Array) -> Array:
     top_from_bottom = corrected @ _bottom_moved(rig, pair, float(unknowns[5]))
     essential = essential_of(top_from_bottom.inverse().matrix()[0])
     bottom, top = (np.hstack([xy, np.ones((len(xy), 1))]) for xy in (pair.bottom, pair.top))
+    # The Sampson distance is taken as a magnitude. The epipolar constraint gives its sign.
     sign = np.sign(np.einsum("ni,ij,nj->n", bottom, essential, top))
     return np.asarray(sign * np.sqrt(sampson_squared(essential, pair.top, pair.bottom)))
 
@@ -166,7 +170,7 @@ def _cost(rig: Rig, pairs: Sequence[MatchedRays], unknowns: Array) -> float:
 
 
 def _normal(rig: Rig, pairs: Sequence[MatchedRays], unknowns: Array) -> tuple[Array, Array, Array]:
-    """Linearise the residuals of all pairs with Huber weights and numeric derivatives.
+    """Sum the normal equations of all pairs, with Huber weights and numeric derivatives.
 
     Returns
     -------

@@ -35,12 +35,15 @@ def move_features(
 ) -> NodeFeatures:
     """Move the features of a node's images to where they were at the node's time.
 
+    Features that would leave the camera's view stay where they are.
+
     Parameters
     ----------
     rig
         The cameras.
     seen
-        Features as found in the images, and stereo matches, whose depths are used.
+        Features as found in the images, and stereo matches. How far a feature moves depends on its
+        depth, which is that of its match or of the nearest ones.
     depth_m
         Depth of the scene, used where there are fewer than NEIGHBOURS matches. NaN: features are
         left unchanged.
@@ -64,6 +67,7 @@ def settle_depths(
 ) -> StereoMatches:
     """Triangulate stereo matches whose two images were exposed at different times.
 
+    Returns the matches with their points relative to the top camera at the node's time.
     How far a feature has to be moved depends on its depth, and the depth on the moved features:
     both are computed in turn, ROUNDS times. Matches without a valid point are left out. Parameters
     are those of `move_features`.

@@ -34,10 +34,10 @@ class LensFit:
 def best_lenses(
     lenses: Lenses, bottom_from_top: Array, top_px: Array, bottom_px: Array
 ) -> list[LensFit]:
-    """Fit each hypothesis of a wrong lens to the matches.
+    """Fit each hypothesis of a wrong lens to the matches, with the pose held as calibrated.
 
-    Of each kind (principal point, focal length, distortion) only the fit of least epipolar error is
-    returned, sorted by that error.
+    The best are named to the user as possible causes. Of each kind (principal point, focal length,
+    distortion) only the fit of least epipolar error is returned, sorted by that error.
 
     Parameters
     ----------
@@ -131,7 +131,9 @@ def _fit(
 def epipolar_error_px(lenses: Lenses, essential: Array, seen: tuple[Array, Array]) -> float:
     """Compute the median distance, px, of matches from their epipolar lines.
 
-    seen: matches (n, 2) in raw pixels of the top and the bottom image.
+    Matches that a lens cannot have seen (NaN) do not count. lenses: of the top and the bottom
+    camera. essential: (3, 3) bottom from top. seen: matches (n, 2) in raw pixels of the top and the
+    bottom image.
     """
     ideal = [lens.undistort(pixel) for lens, pixel in zip(lenses, seen, strict=True)]
     squared = sampson_squared(essential, *ideal)

@@ -75,8 +75,9 @@ def no_matches() -> StereoMatches:
 def rectify(top_from_bottom: Poses) -> Rectification:
     """Rotate both cameras so that the baseline is on y and their axes are parallel.
 
-    The common optical axis is the mean of both, made perpendicular to the baseline, so that neither
-    camera is turned more than needed.
+    Then a match differs in y alone, by an amount that gives its depth. top_from_bottom: the stereo
+    mount, a batch of one. The common optical axis is the mean of both, made perpendicular to the
+    baseline, so that neither camera is turned more than needed.
 
     Raises
     ------
@@ -97,7 +98,10 @@ def rectify(top_from_bottom: Poses) -> Rectification:
 
 
 def turn_rays(rotation: Array, xy: Array) -> Array:
-    """Convert ideal coordinates (n, 2) to those of a camera turned by `rotation` (3, 3)."""
+    """Convert ideal coordinates (n, 2) to those of a camera turned by `rotation` (3, 3).
+
+    NaN where a ray does not point ahead of the turned camera.
+    """
     ray = np.hstack([xy, np.ones((len(xy), 1))]) @ rotation.T
     depth = np.where(ray[:, 2:] > 1e-3, ray[:, 2:], np.nan)
     return np.asarray(ray[:, :2] / depth)
@@ -126,7 +130,7 @@ def match_stereo(
     """Match the features of two cameras within the band of [Ozog2016 D.2.1].
 
     A feature is searched along its epipolar line between the disparities of the nearest and the
-    farthest depth.
+    farthest depth. Matches whose disparity is not positive are dropped.
 
     Parameters
     ----------

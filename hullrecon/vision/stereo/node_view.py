@@ -111,9 +111,10 @@ def stereo_of_node(
     options: MatchOptions,
     match: MatchDescriptors = match_descriptors,
 ) -> StereoMatches:
-    """Match the two cameras of a node.
+    """Match the two cameras of a node, and triangulate the matches.
 
-    Empty on a mono rig, with a lost image, or with no more matches than an image of noise has.
+    Matches at a depth that no neighbour has are dropped. Empty on a mono rig, with a lost image, or
+    with no more matches than an image of noise has.
 
     Parameters
     ----------
@@ -151,7 +152,11 @@ def stereo_of_node(
 
 
 def is_fair_share(matches: int, top: Features, bottom: Features) -> bool:
-    """Decide whether two images have more matches than an image of noise has with any image."""
+    """Decide whether two images have more matches than an image of noise has with any image.
+
+    Without it a dark camera's chance matches would count as depths. Features without a score do not
+    count.
+    """
     return matches >= FAIR_SHARE * math.sqrt(int(top.scored.sum()) * int(bottom.scored.sum()))
 
 
@@ -177,7 +182,10 @@ def drop_isolated_depths(matches: StereoMatches, xy: Array) -> StereoMatches:
 def view_of_node(
     rig: Rig, features: NodeFeatures, prior: DepthPrior | None, sigma_px: float
 ) -> NodeView:
-    """Prepare a node for pair matching.
+    """Prepare the features of a node's leading camera for pair matching.
+
+    Each gets its ray, its stereo match and point where it has one, and a depth by which other
+    nodes' cameras know where to search for it.
 
     Parameters
     ----------
@@ -219,7 +227,8 @@ def _depths(
     """Assign a depth and its sigma (n,), m, to each feature of the leading camera.
 
     That of its own stereo point, else the mean of the four nearest points in the image. With fewer
-    than four stereo points all get the prior's, NaN without one.
+    than four stereo points all get the prior's, NaN without one. xy: (n, 2) ideal coordinates.
+    point: (n, 3) stereo points, NaN for none. sigma_px: of a feature's position.
     """
     from scipy.spatial import cKDTree
 
@@ -241,5 +250,8 @@ def _depths(
 
 
 def _light(features: Features) -> float:
-    """Sum 1 + brightness (mean of R, G, B, 0 to 255) over the features of an image."""
+    """Sum 1 + brightness (mean of R, G, B, 0 to 255) over the features of an image.
+
+    It says how much a camera sees: features of a dark image are noise and count little.
+    """
     return len(features) + float(features.color.sum(dtype=float)) / 3

@@ -132,6 +132,7 @@ def check_stereo_rig(
 ) -> RigCheck | None:
     """Check stereo calibration and stamps by a few pairs of images.
 
+    A wrong rig gives wrong depths all through a dive, so what is wrong is named with its remedy.
     Frames that are paired wrongly are found only where the vehicle moved between them.
 
     Parameters
@@ -289,8 +290,9 @@ def _causes_of_depth(
 def compare_ways(rig: Rig, frames: StereoFrames, read: ReadImage, dvl: DvlPings) -> float | None:
     """Compute the ratio of the vehicle's motion by stereo to that by the DVL.
 
-    The median over pairs of consecutive frames. None where the vehicle hardly moved, or frames have
-    too few features in common.
+    It tells a wrong baseline, which scales motion and depths, from wrong focal lengths, which scale
+    depths alone. The median over pairs of consecutive frames. None where the vehicle hardly moved,
+    or frames have too few features in common.
     """
     matcher = _ImageMatcher(rig, frames, read)
     top_from_dvl = rig.tray_from(Camera.TOP).inverse() @ rig.tray_from_dvl
@@ -347,9 +349,10 @@ class _ImageMatcher:
         self._seen: dict[tuple[Camera, int], Features] = {}
 
     def match(self, top: int, bottom: int) -> _Matched | None:
-        """Match a top and a bottom frame by their index in StereoFrames.
+        """Match a top and a bottom frame, without using the calibrated pose of the two cameras.
 
-        None where little matches.
+        top, bottom: positions of the frames in StereoFrames. None where fewer than MIN_MATCHES
+        features fit one epipolar geometry.
         """
         import cv2
 
@@ -479,7 +482,9 @@ def _find_wrong_part(
     """Test whether some pairs fit the rig as calibrated, and the others are far from it.
 
     A wrong calibration would show in all pairs. So this means wrong pairing, or exchanged cameras,
-    in a part of the dive. error_px: (k,) median epipolar error of the pairs.
+    in a part of the dive. If the good pairs all come first, or all last, the remedy is to map that
+    part alone. None where fewer than LEAST_PART pairs are on either side, or some lie in between.
+    error_px: (k,) median epipolar error of the pairs.
     """
     behind = np.array([np.mean(matcher.depths(m) > 0) < 0.5 for m in pairs])
     good = (error_px <= limit_px) & ~behind
@@ -508,7 +513,11 @@ def _find_wrong_part(
 def _find_shift(
     matcher: _ImageMatcher, frames: StereoFrames, places: Ints, limit_px: float
 ) -> RigProblem | None:
-    """Test whether the bottom camera's images fit a whole number of frames earlier or later."""
+    """Test whether the bottom camera's images fit a whole number of frames earlier or later.
+
+    None where no shift, up to MAX_SHIFT frames, brings enough pairs within limit_px of their
+    epipolar lines. places: pairs of frames that are tried.
+    """
     top_ns, bottom_ns = frames.top[0], frames.bottom[0]
     best = (limit_px, 0)
     for shift in sorted(range(-MAX_SHIFT, MAX_SHIFT + 1), key=abs)[1:]:
@@ -543,7 +552,8 @@ def _find_shift(
 def _explain(matcher: _ImageMatcher, pairs: Sequence[_Matched], error_px: float) -> RigProblem:
     """Fit one pose to all pairs, and name what explains the images better than the calibration.
 
-    error_px: median epipolar error as calibrated.
+    The pose is offered as a cause only if it fits most pairs. error_px: median epipolar error as
+    calibrated.
     """
     found, _, fitted_px = _fit(pairs, matcher.focal_px)
     each_px = np.array([_epipolar_error(m, found) for m in pairs]) * matcher.focal_px
@@ -554,7 +564,22 @@ def _explain(matcher: _ImageMatcher, pairs: Sequence[_Matched], error_px: float)
 def _find_turn(
     matcher: _ImageMatcher, pairs: Sequence[_Matched], error_px: float, sigma_rad: float
 ) -> RigProblem | None:
-    """Test whether matches near their lines show the bottom camera turned about the top camera."""
+    """Test whether matches near their lines show the bottom camera turned about the top camera.
+
+    A small turn keeps matches within the limit but changes depths. None where the fitted turn is
+    within the tolerance or its own uncertainty.
+
+    Parameters
+    ----------
+    matcher
+        Has the rig as calibrated.
+    pairs
+        Matches of the checked pairs.
+    error_px
+        Median epipolar error as calibrated.
+    sigma_rad
+        Sigma of the bottom camera's rotation as calibrated.
+    """
     # Images of a plane fit two motions equally well. The one nearest to the calibrated one is
     # taken, unless another is clearly better.
     near, far = _fit(pairs, matcher.focal_px, matcher.given), _fit(pairs, matcher.focal_px)

@@ -32,7 +32,10 @@ class FeatureMatches(Rows):
 
 
 def first_numbers(count: Ints) -> Ints:
-    """Count the features before each node (n + 1,), given those (n,) of each."""
+    """Number the first feature of each node (n + 1,), with features counted through the dive.
+
+    count: features (n,) of each node. The last entry is the number of all features.
+    """
     return np.concatenate([[0], np.cumsum(count)])
 
 
@@ -44,7 +47,9 @@ def build_tracks(
     single_node: bool,
     find_outliers: Callable[[Ints32, Ints, Array, Array], Mask] | None = None,
 ) -> Tracks:
-    """Build the tracks of all landmarks.
+    """Build the tracks of all landmarks: which features of which nodes show one point.
+
+    Outliers, and landmarks that only one node saw, are left out (but see single_node).
 
     Parameters
     ----------
@@ -123,7 +128,7 @@ def _observations(
     stereo: Sequence[StereoMatches],
     read: Callable[[int], NodeFeatures],
 ) -> tuple[Array, Array, Array, NDArray[np.uint8]]:
-    """Look up the pixels, responses and colours of observations.
+    """Look up the pixels, responses and colours of observations, reading each node once.
 
     Parameters
     ----------
@@ -250,8 +255,8 @@ class _Untangled:
 def _untangle(node_of: Ints32, matches: Iterable[FeatureMatches], torn: Mask) -> _Untangled:
     """Leave out matches of conflicting components so that none joins two features of one node.
 
-    The best matches (smallest distance) are kept first. torn: features (n,) of conflicting
-    components.
+    Two features of one node cannot be one point, so one of the matches between them is wrong. The
+    best matches (smallest distance) are kept first. torn: features (n,) of conflicting components.
     """
     of_torn = [block.take(torn[block.first]) for block in matches]
     first, second, distance = (
@@ -265,9 +270,11 @@ def _untangle(node_of: Ints32, matches: Iterable[FeatureMatches], torn: Mask) ->
 
 
 def _without_conflict(node_of: Ints32, first: Ints, second: Ints) -> Mask:
-    """Select the matches (m,), taken in order, whose two groups of features have no common node.
+    """Select the matches (m,), taken in order, that join no two features of one node.
 
-    Union-find in a Python loop, which is fast enough as it runs over conflicting components only.
+    A match joins the groups that its two features belong to by the matches before. It is left out
+    where both groups have a feature of the same node. Union-find in a Python loop, which is fast
+    enough as it runs over conflicting components only.
     """
     group: dict[int, dict[int, int]] = {}  # feature -> its group: node -> feature
     kept = np.zeros(len(first), bool)

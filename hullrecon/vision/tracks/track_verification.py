@@ -48,6 +48,9 @@ def contradicted_observations(
 ) -> Mask:
     """Reject observations (m,) that links contradict, by majority vote.
 
+    Each link tests the landmarks that both of its nodes observed. Observations that no link tests
+    are kept.
+
     Parameters
     ----------
     rig
@@ -141,7 +144,7 @@ class _Observations:
     def _at_depth(self, motion: Motion, a: Ints, b: Ints) -> Mask:
         """Test whether b (k,) is where the link and the depth of a (k,) predict it.
 
-        True where no depth is known.
+        An epipolar line alone leaves open where on it the point lies. True where no depth is known.
         """
         depth = self._depth[a]
         spread = depth**2 * np.sqrt(2) * self._sigma / self._rig.baseline_m
