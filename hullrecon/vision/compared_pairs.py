@@ -212,8 +212,8 @@ class ComparedPairs:
         """Learn from the results so far to predict the links of pairs not compared yet.
 
         With it the next round chooses the pairs worth a comparison. bottom: (n,) nodes whose
-        leading camera is the bottom one. min_common: features that two images
-        must have in common to be linked.
+        leading camera is the bottom one. min_common: features that two images must have in common
+        to be linked.
         """
         common, kept = np.zeros(len(self.found), np.int64), self.kept()
         common[kept] = [len(self.found[k].stored or ()) for k in kept]

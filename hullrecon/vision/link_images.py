@@ -326,8 +326,8 @@ class _Rounds(Generic[Solved]):
         compared, solved
             With the new pairs and links.
         recognised
-            The result of each recognition, a refused one with the reason. Empty where the search
-            by overlap reaches every place, or with one camera.
+            The result of each recognition, a refused one with the reason. Empty where the search by
+            overlap reaches every place, or with one camera.
         """
         recognised: list[Recognition] = []
         for _ in range(max_rounds):

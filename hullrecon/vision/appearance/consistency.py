@@ -90,9 +90,9 @@ def _sigma_m(motion: Motion) -> float:
 def largest_group(agree: Mask, among: Ints) -> Ints:
     """Find a large group of links that all agree with each other: a clique, by a greedy search.
 
-    Wrong links hardly agree by chance, so the largest group is likely to hold the right ones.
-    From each link in turn, the candidate that agrees with most other candidates is added, until
-    none agrees with all members. The largest group found is returned, sorted.
+    Wrong links hardly agree by chance, so the largest group is likely to hold the right ones. From
+    each link in turn, the candidate that agrees with most other candidates is added, until none
+    agrees with all members. The largest group found is returned, sorted.
 
     agree: (m, m) pairs of links that agree. among: the links (k,) to choose from.
     """

@@ -89,8 +89,8 @@ def is_confirmed(compared: ComparedPairs, number: int) -> bool:
     """Decide whether the links of a round are right: images that they bring together must match.
 
     compared: all pairs, with those of the round `number` and of the round after it, which compared
-    these images. At least LEAST_LINKS links of the round must be kept,
-    and of the pairs of the next round, if there are LEAST_AFTER, a share of BORNE_OUT.
+    these images. At least LEAST_LINKS links of the round must be kept, and of the pairs of the next
+    round, if there are LEAST_AFTER, a share of BORNE_OUT.
     """
     kept = np.zeros(len(compared.found), bool)
     kept[compared.kept()] = True

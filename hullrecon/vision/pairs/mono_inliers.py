@@ -58,8 +58,7 @@ def choose(
         Of the hull by the DVL, in the first camera.
     """
     if surface_normal is not None and all(p.normal is not None for p in possible):
-        possible = [max(possible, key=lambda p: float(np.dot(surface_normal, p.normal)))]  # type:
-        ignore[arg - type]
+        possible = [max(possible, key=lambda p: float(np.dot(surface_normal, p.normal)))]  # type: ignore[arg-type]
     found = [
         mono_motion.with_length(*refine_on_inliers(p.motion, *matches, prior), prior)
         for p in possible
@@ -121,11 +120,10 @@ def refine_on_inliers(
 ) -> tuple[Array, Array]:
     """Refine a motion on the matches that agree with the most likely motion.
 
-    By it wrong matches are told from right ones. The most likely motion is that of matches and
-    navigation together. All matches (n, 2) are taken
-    where navigation does not know the motion well, or contradicts the one fitted without it. As
-    many wrong matches as were rejected may be left among the inliers. So the rejected ones count in
-    the variance with the residual of the limit.
+    The most likely motion, that of matches and navigation together, shows which matches are wrong.
+    All matches (n, 2) are taken where navigation does not know the motion well, or contradicts the
+    one fitted without it. As many wrong matches as were rejected may be left among the inliers. So
+    the rejected ones count in the variance with the residual of the limit.
 
     Returns
     -------

@@ -175,8 +175,8 @@ def noise_share(motion: Array, first: Array, second: Array) -> Array:
 def without_noise_share(information: Array, share: Array) -> Array:
     """Subtract the information that noise simulates from the information (5, 5) on the direction.
 
-    What is left is what the matches really say of it, none where the vehicle was at rest. It is
-    subtracted from the marginal information of the direction, with NOISE_SIGMAS of its
+    What is left is what the matches really say of it, none where the vehicle was at rest. The share
+    of noise is subtracted from the marginal information of the direction, with NOISE_SIGMAS of its
     scatter, and negative eigenvalues are set to zero. share: (n, 2, 2) of `noise_share`. Its sum
     scatters as a sum of squares, by the root of twice the sum of their squares. That is far more
     than 1 / sqrt(n) where the epipole lies in the image and the few matches next to it have most of

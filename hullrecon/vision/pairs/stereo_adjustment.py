@@ -212,7 +212,7 @@ def _cluster_factor(information: Array, gradient: Array, variance: float, cell: 
 
 
 def image_cells(xy: Array, size: float) -> Ints:
-    """Number (m,) the square cell, with sides of that size, in which ideal coordinates (m, 2) lie."""
+    """Assign ideal coordinates (m, 2) to square cells of that size. Returns cell numbers (m,)."""
     return np.asarray(
         np.unique(np.floor(xy / size), axis=0, return_inverse=True)[1], np.int64
     ).ravel()

@@ -67,10 +67,10 @@ def settle_depths(
 ) -> StereoMatches:
     """Triangulate stereo matches whose two images were exposed at different times.
 
-    Returns the matches with their points relative to the top camera at the node's time.
-    How far a feature has to be moved depends on its depth, and the depth on the moved features:
-    both are computed in turn, ROUNDS times. Matches without a valid point are left out. Parameters
-    are those of `move_features`.
+    Returns the matches with their points relative to the top camera at the node's time. How far a
+    feature has to be moved depends on its depth, and the depth on the moved features: both are
+    computed in turn, ROUNDS times. Matches without a valid point are left out. Parameters are those
+    of `move_features`.
     """
     turned = rectify(rig.tray_from(Camera.TOP).inverse() @ rig.tray_from(Camera.BOTTOM))
     for _ in range(ROUNDS if len(seen.stereo) else 0):

@@ -32,7 +32,7 @@ class FeatureMatches(Rows):
 
 
 def first_numbers(count: Ints) -> Ints:
-    """Number the first feature of each node (n + 1,), with features counted through the dive.
+    """Compute the number of each node's first feature (n + 1,), counted through the dive.
 
     count: features (n,) of each node. The last entry is the number of all features.
     """
