@@ -93,10 +93,10 @@ class StereoOdometer:
     def motion(self, first: OdometryFrame, second: OdometryFrame) -> MeasuredMotion | None:
         """Measure the motion from one pair to another.
 
-        None where too few features agree, the motion has no length, or the bottom camera leads in
-        either pair. The pairs are matched twice: without a guess, then from the second to the first
-        near the inverse of that result. Where features are few or the calibration is rough, the two
-        may settle on different motions. Their difference is added to the covariance.
+        None where too few features agree, the motion has no length, or the top camera is dark or
+        missing in either pair. The pairs are matched twice: without a guess, then from the second
+        to the first near the inverse of that result. Where features are few or the calibration is
+        rough, the two may settle on different motions. Their difference is added to the covariance.
         """
         if Camera.BOTTOM in (first.view.camera, second.view.camera):
             return None

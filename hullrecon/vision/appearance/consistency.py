@@ -57,11 +57,11 @@ def agreement(
     Parameters
     ----------
     track
-        The leading cameras.
+        The leading cameras, whose relative motions close the loops.
     first, second
         Nodes (m,) of the links.
     found
-        Their matches.
+        The links themselves: the result of each pair, with its motion.
     max_sigma_m
         Largest sigma of the path between the first nodes of two links, and between their second
         ones. Where it is larger, two links neither confirm nor contradict each other.

@@ -324,7 +324,7 @@ def _by_place(asked: Ints, candidate: Ints, score: Array, most: int) -> Ints:
     Returns
     -------
     rows
-        Of the candidates taken, in the order of comparison.
+        Rows of `asked` and `candidate` that are taken, in the order of comparison.
     """
     rank, taken = np.full(len(asked), -1), dict[int, list[int]]()
     for k, (query, place) in enumerate(zip(asked.tolist(), candidate.tolist(), strict=True)):

@@ -283,7 +283,7 @@ def _confirmed(
     Parameters
     ----------
     scene, track
-        As of `recognise_places`.
+        As in `recognise_places`, for depths and for the path between the pairs.
     proposal, found
         Pairs that were compared, and their results.
     rows

@@ -139,7 +139,7 @@ def is_clear_of_border(keypoints: Floats32, shape: tuple[int, ...], window_px: f
     keypoints
         In raw pixels.
     shape
-        Of the raw image (h, w, ...).
+        Shape (h, w, ...) of the raw image.
     window_px
         Sigma of the window that levelled the contrast, in raw pixels.
     """

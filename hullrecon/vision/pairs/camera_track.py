@@ -53,10 +53,11 @@ class NavigationErrors:
     def relative_covariance(self, first: Ints, second: Ints) -> Array:
         """Compute the covariance (m, 6, 6) of second_from_first as Motion defines it.
 
-        It sums (J_b - J_a) P (J_b - J_a)' of the errors that are constant over the dive, the random
-        walk between the two nodes a and b, and the white noise at each. With twist (rho, omega) =
-        twist_a - twist_b in global axes, the pose becomes T_b^-1 Exp(twist) T_a: the translation
-        moves by R_b' (rho + omega x p_a), the rotation by R_a' omega.
+        It is what the path of dead reckoning may err between two nodes. It sums (J_b - J_a) P (J_b
+        - J_a)' of the errors that are constant over the dive, the random walk between the two nodes
+        a and b, and the white noise at each. With twist (rho, omega) = twist_a - twist_b in global
+        axes, the pose becomes T_b^-1 Exp(twist) T_a: the translation moves by R_b' (rho + omega x
+        p_a), the rotation by R_a' omega.
         """
         model = self.model
         apart = model.by_error[first] - model.by_error[second]

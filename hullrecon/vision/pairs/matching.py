@@ -91,7 +91,7 @@ class PairMatcher:
             Navigation's motion between them, near which features are searched. None where unknown:
             the whole image is searched.
         seed
-            Of the random draws.
+            Seeds the random draws, so that a pair always gives the same result.
         full_search
             Search the whole image where the search near the prior finds nothing.
         """
@@ -367,7 +367,8 @@ class PairMatcher:
         gated
             Pairs of features that navigation and depth allow, None for those of the seeds alone.
         prior
-            Navigation's motion, None where unknown.
+            Navigation's motion, which helps to choose inliers and gives the length. None where
+            unknown: the length is then 1.
         """
         few = failed_match(len(seeds), Reason.FEW_INLIERS)
         xy = first.xy[seeds.first], second.xy[seeds.second]

@@ -53,9 +53,10 @@ def choose(
     matches
         The model's inliers (n, 2) of both views, ideal coordinates.
     prior
-        Navigation's motion, None where it has none.
+        Navigation's motion, by which inliers are chosen and which gives the length. None where
+        unknown.
     surface_normal
-        Of the hull by the DVL, in the first camera.
+        Unit normal of the hull by the DVL, in the first camera. None where not measured.
     """
     if surface_normal is not None and all(p.normal is not None for p in possible):
         possible = [max(possible, key=lambda p: float(np.dot(surface_normal, p.normal)))]  # type: ignore[arg-type]
@@ -84,14 +85,15 @@ def gather(
     first, second
         Matches (n, 2) in both images, ideal coordinates.
     prior
-        Navigation's motion, None where unknown.
+        Navigation's motion, by which inliers are chosen and which gives the length. None where
+        unknown: the length is then 1.
     tolerance
         Largest distance of an inlier from its epipolar line, ideal coordinates.
 
     Returns
     -------
     motion
-        Refined, with navigation's length.
+        Refined, with navigation's length, and its covariance.
     inlier
         Matches (n,) near the epipolar lines of the refined motion.
     """

@@ -95,7 +95,7 @@ def with_length(motion: Array, covariance: Array, prior: Motion | None) -> Motio
     covariance
         (5, 5) of rotation and direction.
     prior
-        Navigation's motion.
+        Navigation's motion, which gives the length. None where unknown.
     """
     direction = motion[:3, 3]
     length, length_variance = 1.0, UNKNOWN_LENGTH**2

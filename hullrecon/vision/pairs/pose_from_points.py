@@ -58,7 +58,7 @@ def ransac(
     most_trials
         Trials at most.
     seed
-        Of the random draws.
+        Seeds the random draws, so that a pair always gives the same result.
     """
     if len(first) < 3:
         return None

@@ -520,7 +520,7 @@ def _lowest_between(
     Parameters
     ----------
     track, depth_m, camera
-        As of `propose_revisits`.
+        As in `propose_revisits`, to compute overlaps.
     nodes
         The keyframes, in order.
     first, second

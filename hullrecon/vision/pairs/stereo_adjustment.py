@@ -147,9 +147,9 @@ def _calibration_evidence(
     rows
         Residuals of the same features and their derivatives.
     inverse
-        (6, 6) of the motion's information.
+        Inverse (6, 6) of the motion's information, unscaled, by which the motion is eliminated.
     variance
-        Of a residual.
+        Variance of a residual, enlarged for correlated errors, by which the result is scaled.
     """
     # Blocks of the normal equations by feature: calibration with point, and the same times the
     # inverse of the point's block, which eliminates the points from all other blocks.
@@ -181,7 +181,7 @@ def correlation_inflation(information: Array, gradient: Array, variance: float, 
     information, gradient
         (m, k, k) and (m, k) by each feature at the solution, of the k unknowns.
     variance
-        Of a residual.
+        Variance of a residual at the solution.
     xy
         Positions (m, 2) of the features, ideal coordinates.
     """

@@ -40,7 +40,7 @@ def move_features(
     Parameters
     ----------
     rig
-        The cameras.
+        Gives the lens models and where the cameras sit on the tray.
     seen
         Features as found in the images, and stereo matches. How far a feature moves depends on its
         depth, which is that of its match or of the nearest ones.

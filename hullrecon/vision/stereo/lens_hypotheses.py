@@ -42,7 +42,7 @@ def best_lenses(
     Parameters
     ----------
     lenses
-        Of the top and the bottom camera as calibrated.
+        Lens models of the top and the bottom camera as calibrated.
     bottom_from_top
         (4, 4) as calibrated.
     top_px, bottom_px
@@ -89,9 +89,9 @@ def _fit(
     which
         Camera whose lens is changed: "top", "bottom" or "both".
     lenses
-        As calibrated.
+        Both lens models as calibrated, which are changed.
     essential
-        (3, 3) of the calibrated rig.
+        Essential matrix (3, 3) of the calibrated rig, which is held.
     seen
         Matches (n, 2) in raw pixels of both images.
     """

@@ -135,7 +135,7 @@ def match_stereo(
     Parameters
     ----------
     rectification
-        Of the rig.
+        Turns the rays of both cameras, so that matches have the same x.
     top, bottom
         The features of either camera.
     depth_m

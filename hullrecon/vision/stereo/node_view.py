@@ -35,7 +35,7 @@ DEPTH_RANGE_M = (0.3, 15.0)
 # noise matched with one of a hull has at most 0.042. Two cameras that both see have at least 0.147,
 # even where one of them looks past the hull (10,702 nodes of 53 runs; 0.163 on a real seabed).
 FAIR_SHARE = 0.06
-CLEARLY_MORE = 2.0  # ratio of features from which the bottom camera leads
+CLEARLY_MORE = 2.0  # ratio of features above which the bottom camera is the leading one
 NEIGHBOURS = 8  # nearest matches in the image with whose depths that of a match is compared
 SAME_DEPTH_SIGMAS = 6.0  # robust sigmas of local spread within which two inverse depths agree
 
@@ -50,13 +50,14 @@ class NodeFeatures:
 
     @property
     def leading(self) -> Features:
-        """Features of the camera that leads."""
+        """Features of the leading camera, those that are matched with other nodes."""
         return self.bottom if self.bottom_leads else self.top
 
     @property
     def bottom_leads(self) -> bool:
-        """Whether the cameras have nothing in common and the bottom one sees clearly more.
+        """Whether the leading camera is the bottom one.
 
+        It is where the two cameras have nothing in common and the bottom one sees clearly more.
         Features are weighted by brightness: features found in the dark are noise.
         """
         if len(self.stereo) or not len(self.bottom):
@@ -119,13 +120,13 @@ def stereo_of_node(
     Parameters
     ----------
     rig
-        The cameras.
+        Gives the lens models and the stereo mount.
     top, bottom
-        Their features.
+        Features of either camera.
     prior
         Depth of the scene. None: DEPTH_RANGE_M is searched.
     options
-        Section [matches].
+        Gives the width of the search across the epipolar line (column_px).
     match
         Matches descriptors among the pairs that geometry allows.
     """
@@ -190,7 +191,7 @@ def view_of_node(
     Parameters
     ----------
     rig
-        The cameras.
+        Gives the lens models and the stereo mount.
     features
         Features of both cameras, with their stereo matches.
     prior

@@ -49,7 +49,7 @@ def fitting_conventions(
     Parameters
     ----------
     lenses
-        Of the top and the bottom camera.
+        Lens models of the top and the bottom camera.
     given
         top_from_bottom as written, a batch of one.
     top_px, bottom_px

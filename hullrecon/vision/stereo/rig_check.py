@@ -250,7 +250,7 @@ def _causes_of_depth(
     way
         Distance travelled by stereo over that by the DVL, None where it is not known.
     baseline_m
-        As calibrated.
+        Length of the baseline as calibrated, from which the one that would fit follows.
     shift_share
         Error of a principal point along the baseline that would have the same effect as the wrong
         baseline, as a share of the focal length.

@@ -54,7 +54,7 @@ def contradicted_observations(
     Parameters
     ----------
     rig
-        The cameras.
+        Gives the lens models and the stereo mount, by which observations become rays and depths.
     node, label
         Node, ascending, and landmark of each observation (m,).
     top, bottom
@@ -121,7 +121,7 @@ class _Observations:
                     turned.rectify_top(self._lead[some]),
                     turned.rectify_bottom(self._other[some]),
                 )[:, 2]
-        # The bottom camera leads where it saw alone.
+        # Where the bottom camera saw alone, it was its node's leading camera.
         alone = np.isnan(self._lead)
         self._lead[alone] = self._other[alone]
 
