@@ -180,7 +180,7 @@ class ComparedPairs:
         return self.rejecting((rows >= 0) & ~np.append(accepted, True)[np.maximum(rows, -1)])
 
     def sorted(self) -> ComparedPairs:
-        """Sort the pairs by (first, second)."""
+        """Sort the pairs by (first, second), the order in which they are stored."""
         order = np.lexsort((self.proposal.second, self.proposal.first))
         return ComparedPairs(
             proposal=self.proposal.take(order),

@@ -145,6 +145,8 @@ def image_motion(
 ) -> Callable[[int, int], tuple[Array, Array] | None]:
     """Set up the measurement of the top camera's motion between two of its images.
 
+    It needs no stereo pair and no prior.
+
     Parameters
     ----------
     rig

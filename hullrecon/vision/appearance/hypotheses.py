@@ -200,7 +200,9 @@ def _spread(edges: Ints, total: int, each: int, most: int) -> Ints:
 def _nearest_of_part(edges: Ints, rank: Ints) -> Ints:
     """Assign each keyframe the nearest station (m,), preferably one of its own part.
 
-    edges: first keyframe of each part, and m. rank: (s,) keyframes that are stations.
+    Across the edge of a part the station would say little of the keyframe's place. Returned are
+    places in `rank`. edges: first keyframe of each part, and m. rank: (s,) keyframes that are
+    stations.
     """
     number = np.arange(edges[-1])
     after = np.searchsorted(rank, number)

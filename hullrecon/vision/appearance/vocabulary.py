@@ -38,7 +38,10 @@ class Vocabulary:
         return len(self.fine)
 
     def words(self, descriptors: Descriptors) -> Ints:
-        """Assign a word (n,) to each descriptor (n, 128)."""
+        """Assign a word (n,) to each descriptor (n, 128).
+
+        It is the nearest of those words that belong to the nearest coarse centre.
+        """
         branch = _nearest(descriptors, self.coarse)
         out = np.zeros(len(descriptors), np.int64)
         for k in np.unique(branch):

@@ -139,9 +139,13 @@ def best_of_pairs(
 
 
 def best_of_all(a: Floats32, b: Floats32, ratio: float, most: float) -> Putative:
-    """Select mutual best matches of all a (n, 128) with all b (m, 128), as `best_of_pairs`."""
+    """Select mutual best matches of all a (n, 128) with all b (m, 128), as `best_of_pairs`.
+
+    None where either set has less than two, as there is no next best to compare with.
+    """
     if len(a) < 2 or len(b) < 2:
         return _no_matches()
+    # |a - b|^2 of all pairs
     squared = (a * a).sum(1)[:, None] + (b * b).sum(1)[None, :] - 2 * (a @ b.T)
     first = np.arange(len(a))
     second = squared.argmin(axis=1)

@@ -102,7 +102,10 @@ def level_image(image: Pixels, options: FeatureOptions) -> tuple[Pixels, Floats3
 
 
 def find_sift(levelled: Pixels, max_features: int) -> tuple[Floats32, Pixels]:
-    """Find SIFT keypoints (n, 4) of a levelled image, in its pixels, with RootSIFT descriptors."""
+    """Find SIFT keypoints (n, 4) of a levelled image, in its pixels, with RootSIFT descriptors.
+
+    The strongest max_features are taken, ordered by v, u, diameter and score.
+    """
     import cv2
 
     sift = cv2.SIFT.create(

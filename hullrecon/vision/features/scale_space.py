@@ -42,11 +42,13 @@ def describe_keypoints(levelled: Pixels, keypoints: Array, octave: Ints) -> Pixe
     # OpenCV numbers octaves from -1, of the doubled image, as a signed byte. Here from 0.
     doubled = (octave + 1 & 0xFF).astype(np.int64)
     layer = octave >> 8 & 0xFF
+    # All Gaussian levels up to the highest octave needed, in one list.
     levels = [
         level
         for octave_levels in islice(_octaves(levelled), int(doubled.max(initial=-1)) + 1)
         for level in octave_levels
     ]
+    # Pixels of the keypoint's octave in one pixel of the image: 2 in the doubled one, then 1, 1/2.
     scale = np.ldexp(1.0, 1 - doubled)
     u_px, v_px, diameter_px, angle_deg = keypoints.T
     placed = (u_px * scale, v_px * scale, 0.5 * diameter_px * scale, np.radians(360 - angle_deg))
@@ -79,6 +81,7 @@ def _octaves(image: Pixels) -> Iterator[list[Floats32]]:
             before, after = (SIGMA_PX * 2 ** (k / OCTAVE_LAYERS) for k in (layer, layer + 1))
             levels.append(_blur(levels[-1], before, after))
         yield levels
+        # The last level has twice the blur of the base: every second pixel of it is the next base.
         half = levels[-1].shape[1] // 2, levels[-1].shape[0] // 2
         base = np.asarray(cv2.resize(levels[-1], half, interpolation=cv2.INTER_NEAREST), np.float32)
 

@@ -150,7 +150,10 @@ def track_cameras(
 
 
 def leading_cameras(cameras: Rig, path: VehiclePath, bottom: Mask) -> Poses:
-    """Place the leading camera of every node of a path, the bottom one where `bottom` (n,)."""
+    """Place the leading camera of every node of a path.
+
+    bottom: (n,) nodes whose leading camera is the bottom one.
+    """
     top = cameras.poses_along(path, Camera.TOP)
     if not bottom.any():
         return top
@@ -202,8 +205,9 @@ def depth_priors(
 
 
 def _depth_prior(points: Array) -> DepthPrior | None:
-    """Summarise DVL points (n, 3) in the camera: median depth, spread, range, surface normal.
+    """Summarise DVL points (n, 3) in the camera: median depth, spread, limits, surface normal.
 
+    The limits (nearest, farthest) have a margin, as stereo matches are searched within them alone.
     None where none is in front of the camera.
     """
     in_front = points[:, 2] > 0.05

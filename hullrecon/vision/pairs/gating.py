@@ -89,7 +89,10 @@ def transfer(
 
 
 def _motion_points(motion: Motion) -> Array:
-    """Move a motion by 3 sigma along each column of its covariance's square root: (12, 4, 4)."""
+    """Move a motion by 3 sigma along each column of its covariance's square root: (12, 4, 4).
+
+    These are the points of the unscented transform that belong to the motion, both ways.
+    """
     values, vectors = np.linalg.eigh(motion.covariance)
     columns = 3.0 * (vectors * np.sqrt(np.maximum(values, 0))).T
     step = np.concatenate([columns, -columns])

@@ -428,7 +428,7 @@ def _count_inliers(
 
 
 def _add_unmatched(kept: Putative, more: Putative) -> Putative:
-    """Add the matches of `more` that share no feature with `kept`.
+    """Add to the matches `kept` those of `more` that share no feature with them.
 
     A homography has only the features on its plane as inliers. Features of structures that stand
     off the plane are found along the epipolar lines of its motion.

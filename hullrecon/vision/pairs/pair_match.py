@@ -108,7 +108,9 @@ def failed_match(putative: int, reason: Reason) -> PairMatch:
 
 
 def agrees(found: PairMatch, prior: Motion, max_chi2: float) -> bool:
-    """Test a motion against a prior, with the covariances of both.
+    """Test whether the motion of a matched pair agrees with a prior, by the covariances of both.
+
+    A pair that did not match never agrees.
 
     Parameters
     ----------

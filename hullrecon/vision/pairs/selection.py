@@ -202,8 +202,8 @@ def _gain_of_next(gain: float, before: int) -> float:
     """Compute the information gain, nats, of one more measurement of a motion.
 
     gain: that of the first measurement. before: equal measurements that precede this one. A motion
-    is taken as six numbers that are measured equally well. So each measurement gains 3 ln(variance
-    before / variance after).
+    is taken as six numbers that are measured equally well. So each measurement gains 3 ln(v / w),
+    where it reduces their variance from v to w.
     """
     ratio = math.expm1(min(gain, MOST_GAIN) / 3)  # of the variance known to that measured
     return 3 * math.log((1 + (before + 1) * ratio) / (1 + before * ratio))

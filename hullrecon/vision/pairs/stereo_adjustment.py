@@ -200,11 +200,13 @@ def _cluster_factor(information: Array, gradient: Array, variance: float, cell: 
     motion having been fitted to them. cell: (m,) number of each feature's cell. Other parameters
     are those of `correlation_inflation`.
     """
+    # Covariance of the unknowns over the variance, and sums of each cell's features.
     whole = np.linalg.inv(information.sum(axis=0))
     size, order = len(whole), np.argsort(cell, kind="stable")
     first = np.flatnonzero(np.diff(cell[order], prepend=-1))
     summed = np.add.reduceat(gradient[order], first)
     own = np.add.reduceat(information[order], first)
+    # The part that each cell has in the solution: so much of the cell's errors the fit takes up.
     share = whole @ own
     expected = variance * (size - float(np.einsum("cij,cji->", share, share)))
     found = float(np.einsum("ci,ij,cj->", summed, whole, summed))
@@ -221,8 +223,9 @@ def image_cells(xy: Array, size: float) -> Ints:
 def _inliers(system: native.ReducedFeatures) -> Mask:
     """Select features (m,) whose cost is no outlier of chi-square.
 
-    The variance of a residual is estimated by the median feature. The limit is the quantile of
-    chi-square at OUTLIER_SIGMAS, by the Wilson-Hilferty approximation.
+    The cost is the squared error that is left with the feature's point at its best. The variance of
+    a residual is estimated by the median feature. The limit is the quantile of chi-square at
+    OUTLIER_SIGMAS, by the Wilson-Hilferty approximation.
     """
     degrees = np.maximum(system.freedom, 1)  # of freedom
     variance = float(np.median(system.cost / degrees)) / CHI2_MEDIAN

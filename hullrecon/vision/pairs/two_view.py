@@ -77,7 +77,10 @@ def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
 
 
 def fit_both(first: Array, second: Array, tolerance: float) -> BothModels | None:
-    """Fit an essential matrix and a homography and score both. Arguments and None as in `fit`."""
+    """Fit an essential matrix and a homography to the same matches, and score both.
+
+    The one of smaller criterion explains them better. Arguments and None are those of `fit`.
+    """
     import cv2
 
     if len(first) < LEAST_MATCHES:
@@ -131,9 +134,10 @@ def sampson_squared(essential: Array, first: Array, second: Array) -> Array:
 
 
 def homography_squared(homography: Array, first: Array, second: Array) -> Array:
-    """Compute the mean squared transfer error (n,) of both directions, halved.
+    """Compute how far matches (n, 2) are from a homography: the squared transfer error (n,).
 
-    Halved, it has the size of a point's squared error in one image.
+    It is the mean of both directions, halved. Halved, it has the size of a point's squared error in
+    one image.
     """
     forward = _apply(homography, first) - second
     backward = _apply(np.asarray(np.linalg.inv(homography)), second) - first

@@ -89,7 +89,7 @@ def settle_depths(
 
 
 def _depths(features: Features, rows: Ints, depth_m: Array, otherwise_m: float) -> Array:
-    """Assign a depth (n,), m, to each feature of one camera.
+    """Assign a depth (n,), m, to each feature of one camera, by which it can be moved.
 
     That of its own stereo match, else the mean of the nearest matches in the image. With fewer than
     NEIGHBOURS matches all get the depth of the scene.

@@ -59,7 +59,10 @@ def best_lenses(
 
 
 def _causes() -> Iterator[tuple[str, Callable[[CameraModel, Array], CameraModel], str]]:
-    """Yield each hypothesis: its kind, the function that changes a lens, and of which camera."""
+    """Yield each hypothesis: its kind, the function that changes a lens, and of which camera.
+
+    Errors that matches cannot show, or cannot tell from others, are left out.
+    """
     # The cameras look the same way: a shift in the one is a shift back in the other, and a scale of
     # both moves no match off its epipolar line.
     yield "principal point", _shifted, "bottom"

@@ -114,6 +114,7 @@ def triangulate(rectification: Rectification, top: Array, bottom: Array) -> Arra
     """
     disparity = top[:, 1] - bottom[:, 1]
     depth = rectification.baseline_m / np.where(disparity > 1e-9, disparity, np.nan)
+    # x is the same in both images but for noise: the mean is taken
     x = 0.5 * (top[:, 0] + bottom[:, 0])
     points = np.stack([x * depth, top[:, 1] * depth, depth], axis=1)
     return np.asarray(points @ rectification.rotation_top)

@@ -120,6 +120,7 @@ def _conventions(given: Poses) -> Iterator[PoseConvention]:
 def _share_in_front(lenses: Lenses, motion: Array, seen: tuple[Array, Array]) -> float:
     """Compute the share of matches whose points lie in front of both cameras.
 
+    A pose with most of them behind is impossible, however near they are to their epipolar lines.
     motion: bottom from top (4, 4). seen: matches (n, 2) in raw pixels of both images.
     """
     ideal = [lens.undistort(pixel) for lens, pixel in zip(lenses, seen, strict=True)]

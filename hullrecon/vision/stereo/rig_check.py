@@ -200,9 +200,9 @@ def check_stereo_rig(
 def check_baseline(
     found: RigCheck, dvl: DvlPings, rig: Rig, motion_ratio: Callable[[], float | None]
 ) -> RigProblem | None:
-    """Compare the scene's depth by stereo with the DVL's ranges.
+    """Compare the scene's depth by stereo with the DVL's ranges, to find a wrong baseline.
 
-    None where they agree, or were never measured at the same time.
+    None where they agree, or were measured together for fewer than MIN_PAIRS pairs of images.
 
     The images alone do not determine the baseline's length. The DVL sits on the tray with the
     cameras, so that no path is needed. A wrong baseline scales the distance travelled by stereo as
@@ -213,7 +213,7 @@ def check_baseline(
     found
         Result of the check of the images.
     dvl, rig
-        Pings of the DVL, and its mount.
+        Pings of the DVL, and where it sits beside the cameras.
     motion_ratio
         Measures the distance travelled by stereo over that by the DVL, None where it cannot. It is
         called only where depths disagree.
@@ -322,7 +322,8 @@ def _way_of_dvl(dvl: DvlPings, from_ns: int, to_ns: int) -> float:
 def _motion_between(matcher: _ImageMatcher, first: _Matched, second: _Matched) -> Poses | None:
     """Fit the motion of the top camera, first_from_second, to points that two pairs share.
 
-    Outliers are removed and the fit repeated. None with fewer than MIN_MATCHES inliers.
+    Each pair is triangulated, so the motion has a length. Outliers are removed and the fit
+    repeated. None with fewer than MIN_MATCHES inliers.
     """
     shared = best_of_all(first.descriptors, second.descriptors, RATIO, MAX_DISTANCE)
     here, there = matcher.points(first)[shared.first], matcher.points(second)[shared.second]
@@ -400,7 +401,10 @@ class _ImageMatcher:
         return float(np.mean([np.mean(~(self.depths(m) > 0)) for m in pairs])) > 0.5
 
     def points(self, matched: _Matched) -> Array:
-        """Triangulate matches (n, 3) m in the top camera as calibrated."""
+        """Triangulate matches to points (n, 3), m, in the top camera, by the rig as calibrated.
+
+        NaN where the disparity is not positive.
+        """
         turned = rectify(self.mount)
         return np.asarray(
             triangulate(
@@ -427,10 +431,10 @@ def _compensate_delay(
 ) -> tuple[list[_Matched], Delay | None]:
     """Move the bottom camera's features to where they were at the top camera's exposure.
 
-    By the difference of the stamps, and by a delay where one is found. A delay is believed only if
-    it brings the matches within limit_px of their epipolar lines with the rig as calibrated. One
-    longer than half a period would mean that the images are of different frames, and is not
-    corrected.
+    Else the motion in between would look like a wrong calibration. They are moved by the difference
+    of the stamps, and by a delay where one is found. A delay is believed only if it brings the
+    matches within limit_px of their epipolar lines with the rig as calibrated. One longer than half
+    a period would mean that the images are of different frames, and is not corrected.
 
     Returns the moved matches, and the delay (None where none was found).
     """
@@ -669,6 +673,8 @@ def _fit(
     pairs: Sequence[_Matched], focal: float, given: Array | None = None
 ) -> tuple[Array, Array, float]:
     """Fit the motion from the top to the bottom camera to all pairs of images.
+
+    Matches far from their epipolar lines are left out of the fit, but count in the error.
 
     Parameters
     ----------

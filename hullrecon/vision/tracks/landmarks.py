@@ -181,10 +181,11 @@ def _mean_color(label: Ints, color: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def join_matches(node_of: Ints32, matches: Iterable[FeatureMatches]) -> Ints:
-    """Assign each feature (n,) a landmark, numbered by its first feature. -1 where unmatched.
+    """Assign each feature (n,) the number of a landmark, -1 where it has no match.
 
-    A component with two features of one node is joined again, the best match first, leaving out the
-    matches that cause the conflict.
+    Features that matches connect, directly or through others (a component), are one landmark.
+    Landmarks are numbered in the order of their first features. A component with two features of
+    one node is joined again, the best match first, leaving out the matches that cause the conflict.
 
     Parameters
     ----------

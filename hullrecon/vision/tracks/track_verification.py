@@ -78,7 +78,7 @@ def contradicted_observations(
 
 
 def _outvote(count: int, votes: Sequence[tuple[Ints32, Ints32, Mask]]) -> Mask:
-    """Reject observations that links contradict, in rounds of votes.
+    """Reject observations (m,) that links contradict, in rounds of votes.
 
     A link votes on both observations of each landmark that its nodes share. The first round rejects
     only where contradictions are more than twice the confirmations, later ones where they are at
