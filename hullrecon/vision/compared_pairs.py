@@ -174,8 +174,8 @@ class ComparedPairs:
 
         accepted: (a,) one for each of the last a pairs. Earlier pairs stay as they are.
         """
-        # Row of each kept pair among the last a ones, negative for earlier pairs. These look up the
-        # True that is appended.
+        # Row of each kept pair among the last a ones, negative for earlier pairs. Index -1 looks up
+        # the True that is appended, so that earlier pairs stay.
         rows = self.kept() - (len(self.found) - len(accepted))
         return self.rejecting((rows >= 0) & ~np.append(accepted, True)[np.maximum(rows, -1)])
 

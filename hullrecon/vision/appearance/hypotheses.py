@@ -112,8 +112,8 @@ def open_places(
 ) -> OpenPlaces | None:
     """Find the pairs of keyframes that may be one place although the search by overlap skips them.
 
-    They are found between stations, some of the keyframes, as pairs of all keyframes are too many.
-    None where there are none: the path is known well enough for the search by overlap.
+    Only some keyframes, the stations, are tested: the pairs of all keyframes are too many. None
+    where there are none: the path is known well enough for the search by overlap.
 
     Parameters
     ----------

@@ -172,9 +172,9 @@ def reject_look_alikes(
 
     An outage is where the path, `track` by dead reckoning, is uncertain by more than a footprint. A
     match across it may be with the wrong one of two places that look alike. Whether such places
-    exist is seen from the control: all matches across outages are rejected, or none. Pairs of
-    unknown depth are not judged. keyframes: nodes from which the control is taken. compared: the
-    pairs so far.
+    exist is seen from the control: all matches across outages are rejected, or none. Matches of
+    nodes whose depth is unknown are kept. keyframes: nodes from which the control is taken.
+    compared: the pairs so far.
     """
     known = np.isfinite(scene.depth_m)
     rows = compared.kept()
@@ -223,7 +223,10 @@ def _most_alike(scene: LinkedScene, track: CameraTrack, keyframes: Ints) -> _Lik
 
 
 def _match_control(scene: LinkedScene, track: CameraTrack, keyframes: Ints, likely: _Likely) -> int:
-    """Match the control, and count its matches: pairs of places known to be two that look alike."""
+    """Match the pairs of the control, places known to be two, and count those that match.
+
+    Each of them shows that two places of this hull look alike.
+    """
     proposal = _propose(scene, track, keyframes[likely.control])
     return sum(pair.motion is not None for pair in scene.match(track, proposal, anywhere=True))
 

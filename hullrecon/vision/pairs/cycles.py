@@ -39,7 +39,7 @@ def contradicted_links(links: CameraLinks, across: Mask) -> Mask:
     # Excess (m,): failing minus closing cycles of each link.
     vote = np.where(closed, -1, 1)
     excess = np.bincount(cycle.ravel(), np.repeat(vote, 3), minlength=len(links)).astype(np.int64)
-    # The cycles of each link: `by_link` from its `start` to that of the next link, divided by three.
+    # The cycles of each link: `by_link` from its `start` to that of the next link, over three.
     by_link = np.argsort(cycle.ravel(), kind="stable")
     start = np.searchsorted(cycle.ravel()[by_link], np.arange(len(links) + 1))
     alive = np.ones(len(cycle), bool)

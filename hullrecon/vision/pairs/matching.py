@@ -336,7 +336,7 @@ class PairMatcher:
         limit = (VERIFY_PX / self.rig.focal_px(Camera.TOP)) ** 2
         essential = two_view.essential_of(motion)
         good = two_view.sampson_squared(essential, first.xy[a], second.xy[b]) < limit
-        # The same motion, of the bottom cameras.
+        # The same motion, as the bottom cameras make it.
         of_bottom = self.bottom_from_top @ motion @ np.linalg.inv(self.bottom_from_top)
         seen = np.flatnonzero(np.isfinite(first.other[a, 0]) & np.isfinite(second.other[b, 0]))
         error = two_view.sampson_squared(

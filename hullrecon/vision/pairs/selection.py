@@ -172,7 +172,7 @@ def choose_informative(
     The others would cost a comparison and hardly improve the path. Greedy, the largest expected
     gain first. The path is solved only after all of them are compared. So a pair whose nodes were
     chosen k - 1 times already counts as the k-th measurement of the same motion, which gains less
-    than the first [docs/methods.md (59b)]. Returns rows of the pairs, ascending, maybe none.
+    than the first [docs/methods.md (59b)]. Returns rows of the pairs, ascending. There may be none.
 
     Parameters
     ----------

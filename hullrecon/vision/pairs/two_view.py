@@ -152,8 +152,8 @@ def essential_of(second_from_first: Array) -> Array:
 def motions_of(found: TwoView, first: Array, second: Array) -> list[PossibleMotion]:
     """List the motions that a model may stand for, with the inliers in front of both cameras.
 
-    An essential matrix stands for one, a homography for up to two. Maybe none is left. One that is
-    a pure rotation gives a motion with translation 0.
+    An essential matrix stands for one, a homography for up to two, of which none may be left. One
+    that is a pure rotation gives a motion with translation 0.
     """
     import cv2
 

@@ -40,7 +40,7 @@ class PoseConvention:
 def fitting_conventions(
     lenses: Lenses, given: Poses, top_px: Array, bottom_px: Array, limit_px: float
 ) -> list[PoseConvention]:
-    """List the other conventions of a pose that explain the matches. Maybe none does.
+    """List the other conventions of a pose that explain the matches, maybe none.
 
     With each, the matches are within limit_px of their epipolar lines in the median, most points
     lie in front of both cameras, and the error is at most AS_GOOD times that of the best one. At

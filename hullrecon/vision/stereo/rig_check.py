@@ -431,10 +431,11 @@ def _compensate_delay(
 ) -> tuple[list[_Matched], Delay | None]:
     """Move the bottom camera's features to where they were at the top camera's exposure.
 
-    Else the motion in between would look like a wrong calibration. They are moved by the difference
-    of the stamps, and by a delay where one is found. A delay is believed only if it brings the
-    matches within limit_px of their epipolar lines with the rig as calibrated. One longer than half
-    a period would mean that the images are of different frames, and is not corrected.
+    Otherwise the rig's motion between the two exposures would look like a wrong calibration. They
+    are moved by the difference of the stamps, and by a delay where one is found. A delay is
+    believed only if it brings the matches within limit_px of their epipolar lines with the rig as
+    calibrated. One longer than half a period would mean that the images are of different frames,
+    and is not corrected.
 
     Returns the moved matches, and the delay (None where none was found).
     """
@@ -487,8 +488,8 @@ def _find_wrong_part(
 
     A wrong calibration would show in all pairs. So this means wrong pairing, or exchanged cameras,
     in a part of the dive. If the good pairs all come first, or all last, the remedy is to map that
-    part alone. None where fewer than LEAST_PART pairs are on either side, or some lie in between.
-    error_px: (k,) median epipolar error of the pairs.
+    part alone. None where fewer than LEAST_PART pairs are on either side, or where the errors of
+    the others are not far larger. error_px: (k,) median epipolar error of the pairs.
     """
     behind = np.array([np.mean(matcher.depths(m) > 0) < 0.5 for m in pairs])
     good = (error_px <= limit_px) & ~behind
