@@ -256,8 +256,7 @@ def scene_in_target(
     """Compute target_from_source (m, 4, 4), and how uncertainly the target sees the source's scene.
 
     The covariance (m, 3, 3), m^2, is that of the scene's centre in the target camera
-    (docs/methods.md (59)). The centre is the point on the optical axis of the source at `depth`
-    (m,).
+    (docs/methods.md (59)). The centre is the point on the source's optical axis at `depth` (m,).
     """
     relative = track.relative_poses(source, target)
     by_motion = _point_by_motion(relative, _middle(depth))

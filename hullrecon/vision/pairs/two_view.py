@@ -65,9 +65,10 @@ class PossibleMotion:
 def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
     """Fit an essential matrix or a homography to matches, whichever has the smaller criterion.
 
-    On a flat hull the homography explains as much with fewer numbers. By RANSAC. first, second: (n,
-    2) in ideal coordinates. tolerance: largest error of an inlier. None with fewer than
-    LEAST_MATCHES, or where one of the models cannot be fitted.
+    By RANSAC. On a flat hull the essential matrix is not determined, and the homography wins. None
+    with fewer than LEAST_MATCHES, or where one of the models cannot be fitted.
+
+    first, second: (n, 2) in ideal coordinates. tolerance: largest error of an inlier.
     """
     both = fit_both(first, second, tolerance)
     if both is None:
