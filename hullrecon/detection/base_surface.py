@@ -27,7 +27,10 @@ MIDDLE_SHARE = 0.05
 
 @dataclass(frozen=True, kw_only=True)
 class HullError:
-    """A hypothetical error of the hull pose, which moves all of the dive in M."""
+    """A hypothetical error of the hull pose, which moves all of the dive in M.
+
+    With it results are computed again as if the hull pose were wrong, to propagate its covariance.
+    """
 
     hull_pose: HullPose
     error: Array  # (6,) as in the covariance of the hull pose
@@ -49,7 +52,8 @@ class HullError:
 def area_sigma(area_if: Callable[[HullError], float], hull_pose: HullPose) -> float:
     """Compute the sigma, m2, of an area due to the hull pose, by central differences.
 
-    area_if: the area, m2, under an error of the hull pose.
+    The area is computed again with the hull pose off by one sigma, both ways along each of the six
+    axes of its covariance. area_if: gives the area, m2, under such an error.
     """
     variance, axes = np.linalg.eigh(hull_pose.covariance)
     changes = []
@@ -78,7 +82,11 @@ class HullPosition:
         )
 
     def as_json(self, base: BaseSurface) -> dict[str, object]:
-        """Collect the members of a position in objects.json and in coverage.json."""
+        """Collect the members of a position in objects.json and in coverage.json.
+
+        Those that are unknown are None: along and girth off the chart, side and frame where the
+        base is not a ship, the depth without a depth in g.
+        """
         known = bool(np.isfinite(self.along_girth).all())
         along, girth = (round(float(v), 5) for v in self.along_girth) if known else (None, None)
         on_ship = known and is_hull_chart(base.chart)
@@ -121,19 +129,21 @@ def hull_position(
     center, normal
         Centre (3,) m and outward normal (3,).
     measured
-        Covariances (k, 3, 3) m2 of the object's landmarks.
+        Covariances (k, 3, 3) m2 of the object's landmarks, in the frame of the results. k >= 1.
     height_sigma
-        Of the height of its top above the hull, m.
+        Sigma of the height of its top above the hull, m: added along the normal.
     middle_sigma
-        Of the middle of its outline, m.
+        Sigma of the middle of its outline, m: added along the surface.
     base
-        The hull.
+        Gives the chart, and how points in the frame of the results lie below the water.
     """
+    # Projects onto the surface: what is left of a vector without its part along the normal
     flat = np.eye(3) - np.outer(normal, normal)
     shape = height_sigma**2 * np.outer(normal, normal) + middle_sigma**2 * flat
     covariance = measured.mean(axis=0) + shape
     axes = np.array([*_tangents(center, normal, base), normal])
     depth = base.depth_of(center)
+    # z of g points down
     down = base.result_from_global.rotation.as_matrix()[0][:, 2]
     own, surface = (covariance, 0.0) if base.depth_sigma_m is None else (shape, base.depth_sigma_m)
     return HullPosition(
@@ -147,7 +157,10 @@ def hull_position(
 
 
 def _tangents(center: Array, normal: Array, base: BaseSurface) -> tuple[Array, Array]:
-    """Make unit vectors along the hull and in girth, perpendicular to the normal."""
+    """Make unit vectors along the hull and in girth, perpendicular to the normal.
+
+    Where the chart has no direction (beyond its ends), along is any axis that is not the normal.
+    """
     along = tangents_at(base.chart, center[None])[0][0]
     along = along if np.isfinite(along).all() else np.eye(3)[int(np.argmin(np.abs(normal)))]
     along = along - normal * (along @ normal)

@@ -62,12 +62,12 @@ class HullPatches:
 
 @dataclass(frozen=True, kw_only=True)
 class _Cubes:
-    """Points grouped in cubes, each within a sphere."""
+    """Points grouped in cubes, with a sphere around those of each, to rule out many at once."""
 
     order: Ints  # (n,) rows of the points, cube by cube
-    start: Ints  # (k + 1,) where each cube's begin
-    middle: Array  # (k, 3) m
-    radius: Array  # (k,) m
+    start: Ints  # (k + 1,) where in `order` each cube's begin, and the end
+    middle: Array  # (k, 3) m, of the sphere
+    radius: Array  # (k,) m, of the sphere
 
     def rows(self, which: Mask) -> Ints:
         """List the rows of the points in some cubes (k,)."""
@@ -106,19 +106,21 @@ def summarise_coverage(
 ) -> Facts:
     """Sum the area that each sensor saw and find the holes of the survey, for coverage.json.
 
-    Holes are gaps in what the camera saw, or without a camera in what the DVL saw.
+    Holes are gaps in what the camera saw, or without a camera in what the DVL saw. A sensor that
+    was not carried has None. Regions are left out without a CAD model.
 
     Parameters
     ----------
     base
-        The hull.
+        The hull, which is cut into patches near the surveyed surface.
     views, sonar
         Images of the top camera and pings. None where the sensor was not carried.
     track
-        The vehicle's path, in the frame of the base.
+        The vehicle's path, in the frame of the base. It gives the sigma of a hole's position.
     regions
-        Named regions of the CAD model, whose coverage is added.
+        Named regions of the CAD model, whose coverage is given one by one.
     """
+    # A seventh of the vertices, decimetres apart, marks well enough where to cut the hull finely
     surveyed = base.surveyed.vertices
     patches, scene = (
         hull_patches(refine_near(base.mesh, surveyed[::7], PATCH_M, PATCHES_REACH_M)),
@@ -175,13 +177,13 @@ def region_facts(
     Parameters
     ----------
     region
-        Limits along and in girth.
+        Its name, and its limits along and in girth.
     base, scene
-        The hull, and its mesh for rays.
+        The hull, and its mesh, which may occlude parts of itself.
     views, sonar
         Images of the top camera and pings. None where the sensor was not carried.
     hull_pose
-        With its covariance.
+        Its covariance says how far the survey may have been elsewhere on the hull.
     """
     cells = region_cells(base.chart, base.mesh, region.along, region.girth)
     patches = HullPatches(
@@ -200,8 +202,8 @@ def region_facts(
             > 0
         )
     if base.from_dvl:
-        # Vertices are projected onto the CAD model: an error along its normal does not change what
-        # was seen
+        # Vertices are moved to the nearest point of the CAD model: an error along its normal does
+        # not change what was seen
         seen["dvl"] = lambda off: covered_by_surface(
             patches, scene.closest(off.points(surveyed)).foot, DVL_REACH_M
         )
@@ -246,20 +248,22 @@ def hull_patches(mesh: Mesh) -> HullPatches:
 
 
 def camera_facts(hull: HullPatches, seen: Visibility, focal_px: float, images: int) -> Facts:
-    """Compute the seen area, and percentiles of ground sample distance and incidence.
+    """Compute how much the camera saw and how well, for coverage.json.
 
-    These are of each patch's best (nearest) view, weighted by area.
+    These are the area seen, that seen at least twice, and percentiles, weighted by area, of ground
+    sample distance, incidence (both of a patch's nearest view) and number of views. Percentiles are
+    None where nothing was seen.
 
     Parameters
     ----------
     hull
-        The patches.
+        Area of each patch.
     seen
-        Views of each patch.
+        Number of views of each patch, and its nearest one.
     focal_px
-        Focal length of the camera.
+        Focal length of the camera, by which distance becomes ground sample distance.
     images
-        Number of images.
+        Number of images, as it is reported.
     """
     which = seen.views > 0
     gsd = seen.distance[which] / focal_px
@@ -285,6 +289,7 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
     """Tell which patches (n,) lie in the fan of a ping, face the sonar, and are not occluded.
 
     The sonar's z axis points along the middle of the fan, x out of its plane (docs/conventions.md).
+    Patches seen by an earlier ping, and those that a coarse test rules out, are not tested again.
     """
     pings, result_from_sonar = sonar.pings, sonar.poses
     bearing = np.arctan2(pings.directions[:, 1], pings.directions[:, 2])  # in the fan's plane
@@ -313,7 +318,9 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
 
 
 def _meets_fan(cubes: _Cubes, center: Array, out_of_plane: Array, sonar: SonarSurvey) -> Mask:
-    """Mark the cubes (k,) that reach into the sonar's fan, as far as their spheres tell."""
+    """Mark the cubes (k,) whose sphere may reach into the sonar's fan. The others need no test."""
+    # A sphere is in range if its nearest point is. Its part out of the plane is compared with the
+    # aperture at its farthest point, where the fan is widest.
     ray = cubes.middle - center
     farthest = np.linalg.norm(ray, axis=1) + cubes.radius
     return np.asarray(
@@ -327,16 +334,19 @@ def _near_fan(
 ) -> Mask:
     """Tell which of some patches may be in a ping's fan: a fast first test.
 
-    Tested are range, elevation (to rounding) and incidence, without computing angles.
+    Tested are the farthest range, elevation (to rounding) and incidence, without computing angles.
+    So a patch that passes may still be too near, or beside the fan.
 
     Parameters
     ----------
+    hull
+        Middles and normals of all patches.
     rows
-        The patches.
+        The patches that are tested.
     center, out_of_plane
-        (3,) of the sonar: position, and its x axis.
+        Position (3,) m of the sonar, and its x axis (3,), across the fan's plane.
     sonar
-        Range and aperture.
+        Gives range and aperture.
     """
     ray = hull.mesh.vertices[rows] - center
     distance = np.linalg.norm(ray, axis=1)
@@ -356,7 +366,7 @@ def _elevation_sine(sonar: SonarSurvey) -> float:
 def sonar_facts(
     hull: HullPatches, sonar: SonarSurvey, scene: Scene, hull_pose: HullPose | None
 ) -> Facts:
-    """Count the pings and sum the area that they saw.
+    """Count the pings and sum the area that they saw, for coverage.json.
 
     With a CAD model the area has a sigma: a fan meets the hull at a grazing angle, so that the area
     depends on the hull pose.
@@ -387,14 +397,15 @@ def find_holes(
 ) -> list[Facts]:
     """Find unseen parts of the chart inside the surveyed area, the largest first.
 
-    The surveyed area is the seen cells, closed and filled. Cells of the chart without hull are no
-    holes. Cells without a patch are holes, as there are none where nothing was seen without a CAD
-    model.
+    The surveyed area is the seen cells, with bays of its rim up to 2 BRIDGE_CELLS wide and all gaps
+    inside of it. Cells of the chart without hull are no holes. Cells without a patch are: without a
+    CAD model the hull has patches only where something was seen. Holes smaller than `min_hole_m2`
+    are left out. None is found where nothing was seen.
 
     Parameters
     ----------
     hull
-        The patches.
+        Place and area of each patch.
     seen
         (n,) which patches were seen.
     chart
@@ -402,7 +413,7 @@ def find_holes(
     locate
         Computes members of coverage.json, an address among them, from the center (3,) of a hole.
     min_hole_m2
-        Least area of a hole.
+        Least area of a hole that is returned.
     """
     from scipy import ndimage
 
@@ -460,9 +471,10 @@ def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
 def _hole_facts(
     cells: _ChartCells, hole: Mask, chart: Chart, locate: Callable[[Array], Facts]
 ) -> Facts:
-    """Measure a hole: centre, address and area, with the unseen patches in the cells of its rim.
+    """Measure a hole: centre, address and area, for coverage.json.
 
-    hole (a, g): which cells it has.
+    The centre is the cell of the hole nearest to the mean of its cells, as that may lie outside.
+    The area counts unseen patches in the seen cells around the hole too. hole (a, g): its cells.
     """
     from scipy import ndimage
 

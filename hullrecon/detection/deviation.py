@@ -30,7 +30,7 @@ OUTLIER_SIGMAS = 4.0
 
 @dataclass(frozen=True, kw_only=True)
 class _Fit:
-    """A linear fit of level and two tilts to deviations of n vertices."""
+    """A linear fit of level (shift along the normal) and two tilts to deviations of n vertices."""
 
     columns: Array  # (n, 3) deviations by one unit of level and of each tilt
     solver: Array  # (3, n) from deviations to level and tilts
@@ -45,6 +45,9 @@ def split_deviation(
     hull_pose: HullPose,
 ) -> DeviationSplit | None:
     """Split the deviation of a surface into offset, tilt and form.
+
+    With it a bump of the hull is reported with its own small sigma, not with that of the hull pose.
+    Vertices that no sensor saw, or without a deviation or a sigma, are left out: their form is NaN.
 
     Parameters
     ----------
@@ -81,11 +84,13 @@ def split_deviation(
         np.sqrt(np.maximum(total**2 - by_hull_pose, 0.0)) if own_sigma is None else own_sigma[seen]
     )
     rest = np.maximum(total**2 - own**2 - by_hull_pose, 0.0)
-    # The form is the deviation without level and tilts. Little of the hull pose's error is in it.
+    # The form is the deviation without level and tilts. The hull pose's error is left in it only as
+    # far as it differs from a level and tilts of the patch.
     form, form_sigma = np.full((2, len(seen)), np.nan)
     form[seen] = deviation - fit.columns @ coefficients
     form_sigma[seen] = np.sqrt(_variance(by_pose - fit.columns @ of_pose, pose) + own**2 + rest)
 
+    # The offset is the mean over the bare patch of what level and tilts fit
     mean = np.average(fit.columns, axis=0, weights=weight)
     tilt = np.einsum("ki,ij,kj->k", of_pose[1:], pose, of_pose[1:])
     return DeviationSplit(
@@ -108,16 +113,22 @@ def _variance(rows: Array, covariance: Array) -> Array:
 def _fit_patch(
     points: Array, normals: Array, deviation: Array, weight: Array, chart: Chart
 ) -> _Fit:
-    """Fit level and tilts by least squares weighted by area, without outliers of earlier fits.
+    """Find the linear fit of a shift along the normal (level) and two tilts to a patch's deviation.
+
+    Least squares, weighted by area, repeated three times without the vertices that were outliers
+    the time before. Returned is the map from deviations to level and tilts, not their values, as
+    the same map carries the hull pose's error.
 
     Parameters
     ----------
     points, normals
         Vertices (n, 3) m, and normals (n, 3) of the CAD model there.
-    deviation, weight
-        (n,) m, and (n,) m2: zero where the vertex is not bare hull.
+    deviation
+        (n,) m, from the CAD model. It only decides which vertices are outliers.
+    weight
+        (n,) m2, area of each vertex, zero where it is not bare hull.
     chart
-        Along which the patch is tilted.
+        Gives the directions of the two tilts: along, and in girth.
     """
     columns = _rigid_columns(points, normals, weight, chart)
     for _ in range(3):
@@ -144,5 +155,7 @@ def _rigid_columns(points: Array, normals: Array, weight: Array, chart: Chart) -
     # (along, girth) of a chart is left-handed about the outward normal
     north, arm = np.cross(east, up), points - middle
     level = normals @ up
+    # A small rotation about the middle moves a vertex by arm.axis along `up`, and back by arm.up
+    # along the axis. Counted is the part of that along the vertex's normal.
     rises = [(arm @ axis) * level - (arm @ up) * (normals @ axis) for axis in (east, north)]
     return np.stack([level, *rises], axis=1)

@@ -59,16 +59,18 @@ def find_structures(
 ) -> Structures:
     """Estimate the hull as found and the objects on it.
 
-    Without enough landmarks, the hull is as the DVL alone found it, and no objects are looked for.
+    Without a camera or enough landmarks, the hull is as the DVL alone found it, and no objects are
+    looked for.
 
     Parameters
     ----------
     base
         The hull without structures.
     landmarks
-        In g, with covariances.
+        In g, with covariances. Those near the base give the heights.
     field
-        Deviation field of the adjustment. None without one.
+        Deviation field of the adjustment, which is the hull without structures. None: medians of
+        landmarks are.
     views
         Images of the top camera. None without a camera.
     options
@@ -120,14 +122,17 @@ def _choose_background(
     field: DeviationField | None,
     measured: SurfaceLandmarks,
 ) -> Background:
-    """Choose the hull without structures: the deviation field, or medians of landmarks."""
+    """Choose the hull without structures: the deviation field, or medians of landmarks.
+
+    Medians are taken without a field, or where a value of it is not finite.
+    """
     if field is not None and np.isfinite(field.value).all():
         return FieldBackground(chart=base.chart, field=field)
     return median_background(measured.foot, measured.offset, BACKGROUND_WIDTH_M)
 
 
 def _without_landmarks(base: BaseSurface, why: str) -> Structures:
-    """Move the CAD model to the DVL's surface, without looking for objects.
+    """Give what is found without landmarks: the CAD model moved to the DVL's surface, no objects.
 
     Without a CAD model there is no hull as found besides the surveyed surface. `why`: the reason,
     which the report prints after a colon.

@@ -48,14 +48,16 @@ class Visibility:
 def views_of_top_camera(
     rig: Rig, track: VehicleTrack, image_t_ns: Ints, landmarks: Array
 ) -> CameraViews | None:
-    """Collect the top camera's images with their poses. None without an image or a landmark.
+    """Collect the top camera's images with their poses. None without camera, image or landmark.
 
     Parameters
     ----------
-    rig, track
-        From which the poses follow, in the frame of the track.
+    rig
+        Gives the camera, and its mount on the vehicle.
+    track
+        Gives the images that have a node, and the vehicle's pose at each.
     image_t_ns
-        Stamps of the images in the camera's index.
+        Stamps of the images in the camera's index, by which image files are named.
     landmarks
         (n, 3) m in the track's frame, whose distances limit how far surfaces are seen.
     """
@@ -74,10 +76,11 @@ def views_of_top_camera(
 
 
 def _farthest(centers: Array, landmarks: Array, camera: CameraModel) -> float:
-    """Bound the distance at which surfaces are seen in an image, m.
+    """Estimate the largest distance at which surfaces are seen in an image, m.
 
-    It is 1.25 times the 95 % percentile of landmarks' distances from their nearest camera, at the
-    image's middle, and farther by the obliqueness of the rays at its corners.
+    In turbid water nothing is seen beyond some distance. Landmarks show it: at the image's middle
+    it is 1.25 times the 95 % percentile of their distances from the nearest camera. Rays to the
+    image's corners are longer for the same depth, so it is divided by the smaller z of theirs.
     """
     known = landmarks[np.isfinite(landmarks).all(axis=1)]
     usual = np.percentile(nearest(centers, known[:: max(1, len(known) // 5000)], 1)[0], 95)
@@ -94,7 +97,10 @@ def rows_in_image(views: CameraViews, view: int, points: Array, near: Ints) -> I
 
 
 def iterate_views(views: CameraViews, points: Array) -> Iterator[tuple[int, Ints]]:
-    """Yield each view with the rows of points (n, 3) in its image and reach, occluded or not."""
+    """Yield each view with the rows of points (n, 3) in its image and reach, occluded or not.
+
+    Views without any point in reach are left out.
+    """
     around = Around(points)
     for view in range(len(views)):
         center = views.result_from_camera.translation[view]
@@ -127,8 +133,10 @@ def find_visibility_by_cell(
 ) -> Visibility:
     """Find visibility for one point in each cell, and give it to all points of the cell.
 
+    It is many times faster than `find_visibility`, as neighbours are mostly seen alike.
     cell_m (n,): side of the cell at each point, in m.
     """
+    # Cells of different sides are different cells
     key = np.column_stack([np.floor(points / cell_m[:, None]), cell_m])
     _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
     few = find_visibility(views, points[first], normals[first], scene)
@@ -144,18 +152,19 @@ def visible_rows(
     Parameters
     ----------
     center
-        (3,) m of the camera.
+        Position (3,) m of the camera.
     rows
         (k,) rows of the points that are tested.
     points, normals
-        (n, 3) m and unit vectors.
+        All points (n, 3) m, and the outward unit normals (n, 3) of the surface there.
     scene
-        That may occlude them.
+        Surfaces that may lie between the camera and a point.
 
     Returns
     -------
     rows, distance, cosine
-        Rows of the visible points, distances in m and cosines of the incidence.
+        Rows of the visible points, distances in m and cosines of the incidence. Points seen more
+        flatly than GRAZING are left out.
     """
     ray = points[rows] - center
     distance = np.linalg.norm(ray, axis=1)

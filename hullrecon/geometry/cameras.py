@@ -61,20 +61,27 @@ class CameraModel:
         v = y * radial + self.p1 * (r2 + 2 * y * y) + 2 * self.p2 * x * y
         return self.fx * u + self.cx, self.fy * v + self.cy
 
-    def steepest(self, radius: Array) -> Array:
-        """Bound the derivative (n,), px, of pixels by ideal coordinates within a radius (n,).
+    def largest_slope(self, radius: Array) -> Array:
+        """Compute an upper bound (n,), px, of how far a pixel moves by a step of a ray.
 
-        The radius is that of ideal coordinates, from the optical axis. In its direction pixels move
-        by the derivative of r + k1 r^3 + k2 r^5 + k3 r^7, across it by less.
+        It is for a unit change of ideal coordinates (x/z, y/z), anywhere within a radius (n,) of
+        the optical axis. With it a whole block of texels is ruled out from a view without
+        projecting each. Radially, pixels move by the derivative of r + k1 r^3 + k2 r^5 + k3 r^7. In
+        the other direction the same bound holds.
         """
         r2 = np.square(radius)
         terms = [3 * self.k1 * r2, 5 * self.k2 * r2**2, 7 * self.k3 * r2**3]
+        # Terms of either sign are summed apart: they may cancel at the radius, but not within it
         more, less = (sum(np.maximum(way * term, 0) for term in terms) for way in (1, -1))
         tangential = 6 * (abs(self.p1) + abs(self.p2)) * radius
         return np.asarray(max(self.fx, self.fy) * (np.maximum(1 + more, less - 1) + tangential))
 
     def undistort(self, pixels: ArrayLike, iterations: int = 12) -> Array:
-        """Map pixels (n, 2) to ideal coordinates x/z, y/z (n, 2), by fixed-point iteration."""
+        """Map pixels (n, 2) to ideal coordinates x/z, y/z (n, 2), by fixed-point iteration.
+
+        Far out, where a strong distortion folds the image, it does not converge. This is not
+        checked: `undistortion` refuses such cameras.
+        """
         p = np.atleast_2d(np.asarray(pixels, float))
         want = (p - [self.cx, self.cy]) / [self.fx, self.fy]
         x, y = want.T.copy()

@@ -82,7 +82,7 @@ def fuse_heights(
 ) -> tuple[Array, Array, Ints]:
     """Move each vertex along its normal by its regressed height, and count the shapes there.
 
-    A `Fusion`.
+    The default `Fusion`: shapes of the views only count, and do not move a vertex.
     """
     moved = given.mesh.vertices + given.normal * (given.hull + given.height)[:, None]
     shapes = count_shapes(views, given.features, given.feature_height, moved, options)
@@ -99,18 +99,21 @@ def estimate_hull_as_found(
 ) -> HullAsFound:
     """Refine the base at landmarks and structures, and move it to the landmarks.
 
+    Vertices without landmarks near by stay on the hull without structures, and are marked as not
+    measured.
+
     Parameters
     ----------
     base
         The CAD model, or the surveyed surface without one.
     measured
-        Landmarks on the surface.
+        Landmarks near the base, from whose offsets heights are regressed.
     background
-        Offset of the hull without structures from the base.
+        Offset of the hull without structures from the base, above which heights are counted.
     views
-        Images of the top camera.
+        Images of the top camera, whose shapes show structures and which see the vertices or not.
     options
-        The section [detect] of dive.toml.
+        The section [detect] of dive.toml: sizes of the mesh, and the radius of clusters.
     fusion
         How regressed heights and the views' shapes become vertices.
     """
@@ -170,7 +173,11 @@ def estimate_hull_as_found(
 
 
 def _facets_at(base: Mesh, mesh: Mesh, which: Mask) -> Array:
-    """Look up sagitta and turn (2, n) of the base's facets under some vertices. 0 elsewhere."""
+    """Look up sagitta and turn (2, n) of the base's facets under some vertices. 0 elsewhere.
+
+    They tell how far a curved hull may stand off a CAD model of flat facets, which is no structure.
+    which (n,): the vertices of the refined mesh.
+    """
     out = np.zeros((2, len(mesh.vertices)))
     if which.any():
         face = Scene(base).closest(mesh.vertices[which]).face
@@ -194,8 +201,10 @@ def _regress(at: Array, normal: Array, measured: SurfaceLandmarks, height: Array
 def refine_near(mesh: Mesh, points: Array, edge_m: float, reach_m: float) -> Mesh:
     """Split edges of a mesh that are longer than `edge_m` within `reach_m` of points (n, 3).
 
-    Farther off, the allowed edge grows with the distance.
+    Farther off, the allowed edge grows with the distance. So only the surveyed part of a ship is
+    meshed finely. Old vertices keep their rows. Without points the mesh is returned as it is.
     """
+    # One point in each cell is enough. Its rounding is made up for by `cell` in the reach.
     cell = 0.5 * max(edge_m, reach_m)
     thinned: Array = np.unique(np.round(points / cell), axis=0) * cell
 
@@ -207,7 +216,7 @@ def refine_near(mesh: Mesh, points: Array, edge_m: float, reach_m: float) -> Mes
 
 
 def affordable_edge(points: Array, edge_m: float, max_vertices: int) -> float:
-    """Compute the edge, at least `edge_m`, with which a mesh has at most `max_vertices`.
+    """Compute the edge, at least `edge_m`, with which a mesh has about `max_vertices` at most.
 
     The area is estimated from points (n, 3) that cover it. A mesh has one vertex for each 0.43
     edge^2 of it.
@@ -246,8 +255,8 @@ def as_found_surface(
 def surface_on_cad_model(cad_model: Mesh, surface: Surface, edge_m: float) -> Surface:
     """Move the CAD model to the surface from the DVL, by interpolation of its deviations.
 
-    edge_m: longest edge of the result near that surface. Vertices farther than two edges from it
-    are not moved, and have no support.
+    It is the hull as found where no image gave landmarks. edge_m: longest edge of the result near
+    that surface. Vertices farther than two edges from it are not moved, and have no support.
     """
     mesh = refine_near(cad_model, surface.vertices, edge_m, edge_m)
     distance, row = nearest(

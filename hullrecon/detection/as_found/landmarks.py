@@ -54,20 +54,22 @@ def measure_surface(
     scene
         The base surface.
     position
-        Of the landmarks (n, 3) m.
+        Positions (n, 3) m of the landmarks, in the frame of the surface.
     covariance
-        Of the landmarks (n, 3, 3) m2.
+        Covariances (n, 3, 3) m2 of these positions.
     views
-        Number of observations of the landmarks (n,).
+        Number of observations of each landmark (n,).
     farthest_m, largest_sigma_m
-        Limits.
+        Largest distance from the surface, and largest sigma along its normal, of a landmark that is
+        kept.
     hull_pose
-        Whose covariance is part of that of the landmarks. None where it is not. It moves all
-        landmarks alike, and is therefore kept apart from their own sigmas.
+        Its covariance is part of that of each landmark. As it moves all landmarks alike, it is kept
+        apart from their own sigmas. None where their covariances do not contain it (in g).
     """
     row = np.flatnonzero(np.isfinite(position).all(axis=1) & (views >= 2))
     near = scene.closest(position[row])
     gap = position[row] - near.foot
+    # Distance from the line along the normal through the foot. It is about 0 but at the rim.
     sideways = np.linalg.norm(
         gap - near.normal * np.einsum("ni,ni->n", gap, near.normal)[:, None], axis=1
     )
@@ -140,21 +142,23 @@ class MedianBackground:
 def median_background(feet: Array, offset: Array, width_m: float) -> Background:
     """Estimate the hull without structures by running medians over discs.
 
-    A structure that covers less than half of a disc does not change its median. Landmarks are first
-    thinned to medians of small cells, as a structure with much texture would outweigh the hull
-    around it.
+    It stands in for the deviation field where the adjustment has none. A structure that covers less
+    than half of a disc does not change its median. Landmarks are first thinned to medians of small
+    cells, as a structure with much texture would outweigh the hull around it.
 
     Parameters
     ----------
     feet
-        Of the landmarks on the base (n, 3) m.
+        Points (n, 3) m of the base nearest to the landmarks.
     offset
-        Of the landmarks from the base (n,) m.
+        Signed distances (n,) m of the landmarks from the base.
     width_m
-        Diameter of a disc.
+        Diameter of a disc. Structures narrower than about half of it are left out.
     """
     from scipy.spatial import cKDTree
 
+    # Medians of small cells, nodes a quarter of a disc apart, and the median of the cells in a disc
+    # around each node
     cell = np.floor(feet / (width_m / 15)).astype(np.int64)
     at, value = _cell_medians(cell, feet, offset)
     coarse = np.floor(at / (width_m / 4)).astype(np.int64)
@@ -184,7 +188,7 @@ def _cell_medians(cell: Ints, at: Array, value: Array) -> tuple[Array, Array]:
 
 
 def _robust_error(values: Array) -> float:
-    """Estimate the sigma of the median of values (n,)."""
+    """Estimate the sigma of the median of values (n,), m. UNKNOWN_SIGMA_M for fewer than two."""
     if len(values) < 2:
         return UNKNOWN_SIGMA_M
     return float(robust_sigma(values) * MEDIAN_OVER_MEAN / np.sqrt(len(values)))

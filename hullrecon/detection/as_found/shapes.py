@@ -28,6 +28,7 @@ def detect_shapes(
 ) -> list[Mesh]:
     """Cluster and mesh a view's features that stand off the hull [Ozog2016 Algorithm 4].
 
+    The meshes outline structures as this view shows them. Empty where no cluster has a triangle.
     Features beyond the threshold are taken as points (f_x, f_y, |d|) and clustered by DBSCAN. Each
     cluster is meshed by its alpha shape in (f_x, f_y). Raised and sunken features are clustered
     separately, as |d| alone would join a bump with the hole beside it.
@@ -37,13 +38,13 @@ def detect_shapes(
     in_camera
         Features (n, 3) m in the camera's frame.
     deviation
-        Of the features from the hull (n,) m, signed.
+        Signed distances (n,) m of the features from the hull.
     threshold_m
-        Least absolute deviation.
+        Features whose absolute deviation is smaller are of the hull, and left out.
     reach_m, least
         Radius and least number of points of DBSCAN.
     alpha_m
-        Largest circumradius of a triangle.
+        Largest circumradius of a triangle: wider gaps between features stay open.
     """
     shapes = []
     for side in (1.0, -1.0):
@@ -61,8 +62,8 @@ def detect_shapes(
 def dbscan(points: Array, reach_m: float, least: int) -> Ints:
     """Cluster points (n, 3) by density (DBSCAN [Ester1996]): number of the cluster (n,), -1: noise.
 
-    Clusters are numbered in the order of their first points. A point is one of its own neighbours.
-    A point on the rim of two clusters goes to the one with the nearest core point.
+    Clusters are numbered in the order of their first core points. A point is one of its own
+    neighbours. A point on the rim of two clusters goes to the one with the nearest core point.
 
     Parameters
     ----------
@@ -80,6 +81,8 @@ def dbscan(points: Array, reach_m: float, least: int) -> Ints:
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
+    # Core points within reach of each other are of one cluster, other points of their nearest core
+    # point's
     tree = cKDTree(points)
     core = np.flatnonzero(tree.query_ball_point(points, reach_m, return_length=True) >= least)
     if not len(core):
@@ -124,6 +127,8 @@ def find_shape_hits(
 ) -> Iterator[tuple[Ints, Array]]:
     """Find where the rays to vertices meet the shapes that each view's features make.
 
+    A vertex whose ray meets a shape is shown by that view to be of a structure.
+
     Parameters
     ----------
     views
@@ -131,9 +136,10 @@ def find_shape_hits(
     features, deviation
         Landmarks (l, 3) m, and their signed distances (l,) m from the hull.
     vertices
-        Of the mesh (n, 3) m.
+        Vertices (n, 3) m of the as-found mesh. Those far from all features off the hull are not
+        looked at.
     options
-        With the radius of clusters.
+        Gives the radius of clusters.
     threshold_m
         Least absolute deviation of a shape's features.
 
@@ -185,6 +191,7 @@ def _intersections(shapes: list[Mesh], vertices: Array) -> Array:
 
     Returns the intersections (n, 3) m, NaN where a ray meets no shape.
     """
+    # All shapes as one mesh
     if not shapes:
         return np.full(vertices.shape, np.nan)
     start = np.cumsum([0, *(len(s.vertices) for s in shapes)])

@@ -167,21 +167,21 @@ def find_objects(
 ) -> tuple[list[HullObject], list[UnreportedRegion]]:
     """Find the regions that stand off the hull, and split them into objects and uncertain ones.
 
-    Both lists begin with the highest. An uncertain region is returned with the reason why it is
-    not reported as an object.
+    Both lists begin with the highest, and may be empty. An uncertain region is returned with the
+    reason why it is not reported as an object.
 
     Parameters
     ----------
     found
-        The hull as found.
+        The hull as found, on whose mesh regions are looked for.
     measured
-        Landmarks on the surface.
+        Landmarks near the base. Those on a region must support it, and give the sigma of its place.
     views
-        Images of the top camera.
+        Images of the top camera, of which enough must show a region.
     base
-        The hull without structures.
+        The hull without structures, which gives positions and addresses.
     options
-        The section [detect] of dive.toml.
+        The section [detect] of dive.toml, with the limits of what is reported.
     """
     area = vertex_areas(found.base)
     rough = roughness(found)
@@ -210,7 +210,10 @@ def _unreported(
     landmarks: _Landmarks,
     reason: str,
 ) -> UnreportedRegion:
-    """Describe a region that is not reported as an object, with its position and the reason."""
+    """Describe a region that is not reported as an object, with its position and the reason.
+
+    Without a landmark that stands off as it does, its position has the covariance of the nearest.
+    """
     region, center = evidence.region, found.mesh.vertices[evidence.center]
     covariances = landmarks.covariances(found, region)
     if not len(covariances):
@@ -245,7 +248,7 @@ def _collect_evidence(
     rough
         Roughness of the hull, m.
     landmarks
-        Of the dive.
+        Those on the region's top show relief that smoothing removed.
     seen
         Views that show the region, the best first.
     """
@@ -275,13 +278,13 @@ def _rejection_reason(
     Parameters
     ----------
     found, evidence
-        The hull as found, and the region.
+        The hull as found, and the region with what is known of it.
     area
         (n,) m2 of the vertices of the base.
     supporting
         Number of landmarks on the region's core that stand off as it does, and their share.
     options
-        With the limits.
+        The limits of height, area, landmarks, images and p-value.
     """
     region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
     shapes = _views_with_shape(found, region, area)
@@ -310,11 +313,12 @@ def _too_low(height: float, facets: float) -> str:
 
 
 def _height_of_facets(found: HullAsFound, region: Region) -> float:
-    """Bound the apparent height, m, of a curved hull above a CAD model of flat facets.
+    """Compute how high a curved hull without a structure may seem over flat facets, m, at most.
 
-    The curved hull is off a facet by at most the sagitta. Heights are counted from a plane through
-    the ring around the region. Where facets meet at an angle, the curved hull is off such a plane
-    by at most half of the angle times the distance to the ring.
+    A region must be higher than that to be reported. The curved hull is off a facet by at most the
+    sagitta. Heights are counted from a plane through the ring around the region. Where facets meet
+    at an angle, the curved hull is off such a plane by at most half of the angle times the distance
+    to the ring.
     """
     vertices = found.base.vertices
     reach = np.linalg.norm(vertices[region.ring] - vertices[region.core].mean(axis=0), axis=1).max()
@@ -324,9 +328,10 @@ def _height_of_facets(found: HullAsFound, region: Region) -> float:
 
 
 def _views_with_shape(found: HullAsFound, region: Region, area: Array) -> int:
-    """Count the views whose shapes show at least TOP_M2 of the region, as its height comes from.
+    """Count the views whose shapes show the region.
 
-    It is the largest number k so that vertices of TOP_M2 are each shown by k views or more.
+    They must show at least TOP_M2 of its core, the area that its height comes from too. It is the
+    largest number k so that vertices of TOP_M2 are each shown by k views or more.
     """
     order = region.core[np.argsort(-found.shapes[region.core], kind="stable")]
     enough = np.flatnonzero(np.cumsum(area[order]) >= TOP_M2)
@@ -349,12 +354,13 @@ def _center(found: HullAsFound, region: Region, area: Array) -> int:
 
 
 def _seen_by(found: HullAsFound, region: Region, views: CameraViews, scene: Scene) -> Ints:
-    """List the views that saw more than half of a region's top, the best first.
+    """List the views that saw more than half of a region's top, the best first. May be empty.
 
     The best view has the top nearest to the middle of its image.
     """
     top = _top_rows(found, region)
     middle = views.result_from_camera.inverse().apply(found.mesh.vertices[top].mean(axis=0)[None])
+    # How far off the optical axis each view shows the top's middle, as a tangent
     offset = np.hypot(middle[:, 0], middle[:, 1]) / np.maximum(middle[:, 2], 1e-6)
     near = np.linalg.norm(middle, axis=1) < views.farthest_m + 0.5
     share = np.zeros(len(views))
@@ -401,6 +407,8 @@ def _object(
     )
     open_edge = find_open_edge(found, region, area, around)
     size = measure_size(found, region, open_edge, area, evidence.sigma, normal, base.chart)
+    # The middle is uncertain by where the edge is drawn, and by half of what may lie beyond an open
+    # edge
     middle_sigma = np.hypot(
         MIDDLE_SHARE * max(size.extent),
         0.5 * hidden_extent(found, region, open_edge, normal, base.chart).max(),

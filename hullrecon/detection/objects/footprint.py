@@ -41,12 +41,13 @@ class OpenEdge:
 def find_open_edge(found: HullAsFound, region: Region, area: Array, around: Around) -> OpenEdge:
     """Find where a region's footprint borders on vertices that no landmark measured.
 
-    A structure may go on there as far as its footprint reaches from its middle.
+    A structure may go on there as far as its footprint reaches from its middle, which adds to the
+    sigmas of its size. The share is 0 where all of the band around the footprint was measured.
 
     Parameters
     ----------
     found, region
-        The hull as found, and the region.
+        The hull as found, which says what was measured, and the region.
     area
         (n,) m2 of the vertices of the base.
     around
@@ -101,15 +102,15 @@ def measure_size(
     found, region
         The hull as found, and the region.
     open_edge
-        Of its footprint.
+        Where its footprint ends with the survey.
     area
         (n,) m2 of the vertices of the base.
     height_sigma
-        Of the region's height, m.
+        Sigma of the region's height, m, for that of the volume.
     normal
-        (3,) outward.
+        Outward normal (3,) at the region: the extent is measured across it.
     chart
-        Of the hull.
+        Gives the direction along the hull.
     """
     foot, at = region.foot, found.base.vertices[region.foot]
     extent, size = _extent(at, at, normal, chart), float(area[foot].sum())
@@ -118,8 +119,11 @@ def measure_size(
         UNIFORM * float(area[open_edge.beyond].sum()),
     )
     edge = float(np.sqrt(2) * EDGE_SIGMA_M)  # of two opposite edges, each on its own
+    # Sigma of the area: that of the edge's position times the circumference of a disc of this area
     edge_area = SHARED_EDGE * 2 * float(np.sqrt(np.pi * size)) * EDGE_SIGMA_M
     volume = region.side * float((region.rise(found, foot) * area[foot]).sum())
+    # By the height, by the edge (where the structure has about 0.6 of its height), and by what is
+    # hidden
     volume_sigma = np.linalg.norm(
         [size * height_sigma, 0.6 * region.height * edge_area, hidden * open_edge.height]
     )
@@ -153,7 +157,8 @@ def hidden_extent(
 def _extent(points: Array, middle_of: Array, normal: Array, chart: Chart) -> Array:
     """Measure the extent (2,) m of points along the hull and in girth.
 
-    It is measured in the tangent plane with `normal` at the mean of the points `middle_of`.
+    It is measured in the tangent plane with `normal` at the mean of the points `middle_of`, between
+    the percentiles 1 and 99. Beyond the chart, x stands in for along.
     """
     middle = middle_of.mean(axis=0)
     at = chart.to_chart(middle[None])[0, :2]
@@ -176,6 +181,7 @@ def outline(mesh: Mesh, part: Ints, most: int = 60) -> Array:
     inside = np.zeros(len(mesh.vertices), bool)
     inside[part] = True
     faces = mesh.faces[inside[mesh.faces].all(axis=1)].astype(np.int64)
+    # Directed edges of the faces. One whose reverse is no edge of another face is of the rim.
     sides = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
     size = len(mesh.vertices)
     key = sides[:, 0] * size + sides[:, 1]
@@ -202,9 +208,9 @@ def _flatten(line: Array) -> Array:
 def _without_teeth(line: Array, most: int) -> list[int]:
     """Simplify a closed line (k, 2) and return the rows that are kept [VisvalingamWhyatt1993].
 
-    The point that spans the smallest triangle with its neighbours is removed first. It ends when at
-    most `most` points are left and no triangle is smaller than the square of an edge's sigma, or
-    than LEAST_SHARE of the outlined area.
+    The point that spans the smallest triangle with its neighbours is removed first. A triangle
+    smaller than the square of an edge's sigma, and than LEAST_SHARE of the outlined area, is a
+    tooth. It ends when at most `most` points are left, none of them a tooth, or when four are left.
     """
     tooth = min(
         EDGE_SIGMA_M**2, LEAST_SHARE * abs(_double_area(line, np.roll(line, -1, axis=0)).sum()) / 2
@@ -226,9 +232,9 @@ def _double_area(a: Array, b: Array) -> Array:
 
 
 def _loops(rim: Ints) -> list[list[int]]:
-    """Join directed edges (e, 2) to closed lines of vertices.
+    """Chain directed edges (e, 2) to closed lines of vertices, by which an outline is traced.
 
-    At a vertex with several edges, they are taken in their order.
+    At a vertex from which several edges start, they are taken in their order.
     """
     follow: dict[int, list[int]] = {}
     for a, b in rim.tolist():

@@ -60,11 +60,11 @@ def local_heights(
     at, normal
         Vertices (n, 3) m with outward normals (n, 3).
     feet
-        Of the landmarks on the base (l, 3) m.
+        Points (l, 3) m of the base nearest to the landmarks.
     height, sigma
-        Of the landmarks (l,) m.
+        Heights (l,) m of the landmarks above the hull without structures, and their own sigmas.
     neighbours
-        Nearest landmarks that are used, at most.
+        Number of nearest landmarks that are used, at most.
     reach_m
         Largest distance of a landmark's foot from the vertex.
     """
@@ -149,11 +149,11 @@ def _error(
     terms, h
         Terms (n, k, 6) and heights (n, k) of the k neighbours.
     fit
-        Coefficients (n, 6).
+        Coefficients (n, 6) of the polynomial at each vertex.
     weight, sigma
-        Of the neighbours (n, k).
+        Weights (n, k), with those of Tukey, and sigmas (n, k) m of the neighbours.
     variance
-        (n,) of the constant term, for landmarks of unit weight.
+        (n,) of the constant term as the weights give it, from which the leverage follows.
     """
     total = weight.sum(axis=1) + 1e-12
     scatter = np.einsum("nk,nk->n", weight, (h - np.einsum("nkj,nj->nk", terms, fit)) ** 2) / total
@@ -165,6 +165,8 @@ def _error(
 
 def _solve(terms: Array, h: Array, weight: Array, before: Array) -> tuple[Array, Array]:
     """Fit the coefficients of each vertex by weighted least squares with priors.
+
+    One round of the reweighted fit of `_heights`.
 
     Parameters
     ----------
@@ -204,7 +206,10 @@ def _median(values: Array) -> Array:
 
 
 def _tangents(normal: Array) -> tuple[Array, Array]:
-    """Make two unit vectors (n, 3) perpendicular to each normal (n, 3) and to each other."""
+    """Make two unit vectors (n, 3) perpendicular to each normal (n, 3) and to each other.
+
+    Their direction in the tangent plane is of no matter.
+    """
     helper = np.where(np.abs(normal[:, :1]) < 0.7, np.array([[1.0, 0, 0]]), np.array([[0, 1.0, 0]]))
     east = np.cross(helper, normal)
     east /= np.maximum(np.linalg.norm(east, axis=1, keepdims=True), 1e-12)

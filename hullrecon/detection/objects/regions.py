@@ -57,17 +57,20 @@ def relief_left(over_m: Array, sigma_m: Array) -> float:
 def p_value(height_m: float, sigma_m: float, roughness_m: float, places: float) -> float:
     """Compute the two-sided probability that bare hull reaches a height somewhere by chance.
 
+    Heights of bare hull are taken as normal, and as independent between the places.
+
     Parameters
     ----------
     height_m, sigma_m
         Height and its sigma.
     roughness_m
-        Of the hull.
+        Sigma of the heights of bare hull (`roughness`).
     places
         Number of independent positions on the hull at which it might.
     """
     from scipy.special import ndtr  # not scipy.stats, which takes seconds to load
 
+    # 1 - (1 - p)^places, with p the probability at one place, without loss of digits
     score = abs(height_m) / max(np.hypot(sigma_m, roughness_m), 1e-6)
     return float(-np.expm1(max(1.0, places) * np.log1p(-min(2 * float(ndtr(-score)), 1 - 1e-16))))
 
@@ -117,8 +120,10 @@ class HullAround:
 def fit_hull_around(ring: Array, offset: Array, weight: Array, normal: Array) -> HullAround:
     """Fit a second-order polynomial to a ring of vertices around a region, robustly.
 
-    The deviation field is not used for the hull there. The flanks of a structure that rises gently
-    were labelled as hull, and draw the field outward beneath the structure.
+    It gives the hull beneath the region, above which its height is counted. The deviation field
+    does not serve for that: landmarks on the flanks of a structure that rises gently were labelled
+    as hull, and draw the field outward beneath the structure. Outliers (TUKEY) get no weight, and
+    priors hold slope and second-order terms near zero.
 
     Parameters
     ----------
@@ -127,9 +132,9 @@ def fit_hull_around(ring: Array, offset: Array, weight: Array, normal: Array) ->
     offset
         Their offsets from the base (n,) m, outward positive.
     weight
-        Of each point relative to the others (n,).
+        How much each point counts relative to the others (n,).
     normal
-        Of the tangent plane (3,).
+        Normal (3,) of the tangent plane over which the polynomial is fitted.
     """
     middle = np.average(ring, axis=0, weights=weight)
     axes = np.linalg.svd(normal[None])[2][1:]
@@ -138,6 +143,7 @@ def fit_hull_around(ring: Array, offset: Array, weight: Array, normal: Array) ->
     fit = np.zeros(6)
     fit[0] = weighted_quantile(offset, weight, 0.5)
     share = weight * min(SIDES, len(ring)) / weight.sum()
+    # Each round weighs the ring's points by their residuals of the round before (Tukey)
     for _ in range(ROUNDS):
         off = offset - terms @ fit
         scale = max(MIN_SCALE_M, NORMAL_MAD * weighted_quantile(np.abs(off), weight, 0.5))
@@ -205,7 +211,8 @@ class _Relief:
 def find_regions(found: HullAsFound, options: DetectOptions) -> list[Region]:
     """Find raised and sunken regions of measured vertices, the highest first.
 
-    Parts of one region are at most `cluster_reach_m` apart.
+    Parts of one region are at most `cluster_reach_m` apart. Specks are left out, and regions around
+    which too little bare hull was measured, as their height is unknown.
     """
     off = found.measured & (np.abs(found.height) >= MIN_OFFSET_M)
     relief = _Relief(
@@ -226,9 +233,10 @@ def find_regions(found: HullAsFound, options: DetectOptions) -> list[Region]:
 
 
 def _seeds(relief: _Relief, side: float) -> Iterator[tuple[Ints, Ints]]:
-    """Yield for each region of a side its vertices, and those of neighbours split from it.
+    """Yield for each structure its seed, and the vertices of those that were split from it.
 
-    side: +1 for raised, -1 for sunken regions.
+    A seed is the cluster of vertices that stand off the hull by MIN_OFFSET_M. Seeds whose area is
+    below SPECK of the least of an object are noise and left out. side: +1 raised, -1 sunken.
     """
     for cluster in relief.clusters(np.flatnonzero(relief.off & (side * relief.found.height > 0))):
         parts = _split_at_saddles(relief, cluster, side)
@@ -241,8 +249,10 @@ def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
     """Split a cluster of vertices between peaks that are at least twice as high as the saddle.
 
     Smoothing fills the gap between two neighbouring structures, so that one cluster may have both.
+    A cluster without such a saddle is returned as it is. side: +1 raised, -1 sunken.
     """
-    # Raise the level until the cluster falls apart. Each vertex goes to the nearest peak.
+    # Raise the height above which vertices are kept (level) until two or more peaks are apart.
+    # Each vertex then goes to the nearest peak, and each part is split again.
     height, vertices = side * relief.found.height[rows], relief.found.base.vertices
     level = SADDLE_STEP * MIN_OFFSET_M
     while level < 0.5 * height.max():
@@ -262,7 +272,7 @@ def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
 
 
 def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
-    """Tell whether a part is wide enough, and twice as high as the level above which it lies."""
+    """Tell whether a part above a level is no speck, and its top twice as high as the level."""
     area = relief.area[rows]
     wide = area.sum() >= SPECK * relief.options.min_area_m2
     return bool(
@@ -271,16 +281,18 @@ def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
 
 
 def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region | None:
-    """Grow a seed to a region, and measure its height above the hull around it.
+    """Measure a structure at a seed: the bare hull around it, its height above that, its vertices.
+
+    Footprint and core are the vertices near the seed above a quarter and a half of the height.
 
     Parameters
     ----------
     relief
         The hull as found.
     seed
-        Vertices of the region at the threshold MIN_OFFSET_M.
+        Vertices of the structure that stand off the hull by MIN_OFFSET_M.
     foreign
-        Vertices of its neighbours, which are not of the region.
+        Vertices of structures that were split from it at a saddle. They are left out.
     side
         +1 raised, -1 sunken.
 
@@ -309,6 +321,8 @@ def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region |
     hull = fit_hull_around(base[ring], found.deviation_at(ring), area[ring] * clear**2, normal)
     above = side * (found.deviation_at(near) - hull.offset(base[near]))
     within = np.isin(near, seed)
+    # How much lower a three times larger area lies shows how pointed the top is: a pointed one may
+    # be higher than was measured
     height, shoulder = (
         _height_of_top(above[within], area[near[within]], top) for top in (TOP_M2, 3 * TOP_M2)
     )
@@ -332,5 +346,8 @@ def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region |
 
 
 def _height_of_top(height: Array, area: Array, top_m2: float) -> float:
-    """Find the height above which `top_m2` of the area lies, or half of the area if it is less."""
+    """Find the height (m) of a structure: that above which `top_m2` of its area lies.
+
+    Of a small one half of the area is taken. height, area: (n,) m and m2 of its vertices.
+    """
     return weighted_quantile(height, area, 1 - min(0.5, top_m2 / area.sum()))

@@ -103,7 +103,7 @@ class CameraView:
         spread = radius * np.sqrt(1 + axis**2) / nearest
         width, height = self.camera.width, self.camera.height
         away = self.camera.distort(middle) - [(width - 1) / 2, (height - 1) / 2]
-        least = np.linalg.norm(away, axis=1) - spread * self.camera.steepest(axis + spread)
+        least = np.linalg.norm(away, axis=1) - spread * self.camera.largest_slope(axis + spread)
         ratio = np.maximum(least / (0.5 * np.hypot(width, height)), 0)
         ratio[z <= radius] = 0
         # inf behind the camera, or beyond the image's corners
