@@ -38,16 +38,17 @@ def compare_surveys(
 ) -> HullChange:
     """Find what changed between two surveys of one hull.
 
-    The offset between the two surveys is estimated first, and is no change of the hull.
+    The offset between the two surveys is estimated first, and is no change of the hull. What only
+    one of them saw is not compared: its objects are given as not seen before, or not seen again.
 
     Parameters
     ----------
     first, second
-        The surveys, each in its own hull frame M.
+        The surveys, each in its own hull frame M. Places are given in that of the first.
     address
         Names a point (3,) of M in words, no finer than a sigma.
     options
-        Thresholds of a change.
+        Thresholds of a change. Cells are larger than its `cell_m` where they were too many.
 
     Raises
     ------
@@ -71,6 +72,7 @@ def compare_surveys(
     # Subtract the surveys and find regions that differ
     after = relief_on(lattice, chart, second, offset.first_from_second)
     found = difference(before, after, options)
+    # In so many places an unchanged hull may look changed by chance: p-values are corrected for it
     places = max(1, round(float(found.both.sum()) * options.cell_m**2 / options.min_area_m2))
     regions = changed_regions(found, places, options)
     # Conclude what became of objects and of bare hull

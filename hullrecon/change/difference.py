@@ -40,7 +40,9 @@ class Difference:
 def difference(first: Relief, second: Relief, options: ChangeOptions) -> Difference:
     """Subtract the first survey from the second, on the same cells, and split the difference.
 
-    The sigma of a cell is that of both surveys, plus the robust sigma of all differences.
+    Its wide part is form, in which the hull may have been dented. The rest is of structures. The
+    sigma of a cell is that of both surveys, plus the robust sigma of all differences: so much
+    surveys differ where nothing changed.
     """
     total, width = second.height - first.height, round(options.smooth_m / options.cell_m)
     form = local_median(total, width)
@@ -75,12 +77,14 @@ def well_seen(relief: Relief, options: ChangeOptions) -> Mask:
 def _beyond(height: Array, of: Array, cells: int) -> Array:
     """Measure how far heights (a, g) lie outside the range of the other survey around them (71).
 
+    An edge that lies a little beside where the other survey has it is inside that range.
+
     Parameters
     ----------
     height
         Heights of one survey.
     of
-        Heights of the other one.
+        Heights of the other one, which give the range.
     cells
         Radius of the neighbourhood in which the range of `of` is taken.
 
@@ -121,7 +125,8 @@ class ChangedRegion:
 def changed_regions(found: Difference, places: int, options: ChangeOptions) -> list[ChangedRegion]:
     """Find regions that changed beyond both surveys' errors, the largest change first.
 
-    places: number of places tested, for which p-values are corrected.
+    Regions smaller than min_area_m2, and changes that are too small or that chance may explain, are
+    left out. places: number of places tested, for which p-values are corrected.
     """
     from scipy import ndimage
 
@@ -151,13 +156,16 @@ def changed_regions(found: Difference, places: int, options: ChangeOptions) -> l
 
 
 def _near_largest(values: Array, cells: Mask) -> Mask:
-    """Select the cells whose values are at least TOP_SHARE of their 90th percentile."""
+    """Select the cells whose values are at least TOP_SHARE of their 90th percentile.
+
+    All cells where none is.
+    """
     top = cells & (values >= TOP_SHARE * float(np.percentile(values[cells], 90)))
     return top if top.any() else cells
 
 
 def top_of(heights: Array, cells: Mask, side: float) -> Mask:
-    """Select the top of a structure, raised (side 1) or sunken (-1).
+    """Select the top of a structure, raised (side 1) or sunken (-1), where its height is measured.
 
     heights: (a, g) m. cells: (a, g) those of the structure.
     """
@@ -177,14 +185,16 @@ def measure(
 ) -> ChangedRegion:
     """Measure the change at the top of a region, relative to the hull around it.
 
+    Where no unchanged bare hull is around, the change is not relative, and the heights are NaN.
+
     Parameters
     ----------
     found
-        The difference of the surveys.
+        The difference of the surveys, with their reliefs.
     cells
-        The region (a, g).
+        Cells (a, g) of the region, around which unchanged hull is looked for.
     top
-        Its top (a, g).
+        Cells (a, g) of its top, over which medians are taken.
     places
         Number of places tested, for which the p-value is corrected.
     options

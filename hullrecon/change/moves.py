@@ -29,12 +29,15 @@ def surface_moves(
 ) -> tuple[SurfaceMove, ...]:
     """Find stretches of bare hull that moved beyond the errors, the largest move first.
 
+    The hull is tested patch by patch. Patches of which too little was seen are left out, and
+    patches that moved to the same side and touch become one stretch. Empty if nothing moved.
+
     Parameters
     ----------
     found
         The difference of the surveys.
     regions
-        Where structures changed, which are left out.
+        Regions in which structures changed, which are no bare hull.
     chart, lattice
         The hull's chart, and the cells on it.
     offset
@@ -105,18 +108,20 @@ def _join_patches(
 ) -> SurfaceMove:
     """Join neighbouring patches that moved to the same side to one stretch.
 
+    Its move and sigma are the patches' medians, its p-value the least of theirs.
+
     Parameters
     ----------
     which
-        The patches (i, j).
+        The patches (i, j) that are joined.
     move, sigma, p_value
-        By patch (i, j).
+        Move and sigma, m, and p-value of every patch (i, j).
     bare
-        Cells (a, g) of bare hull.
+        Cells (a, g) of bare hull. The stretch has no others.
     size
         Cells along a side of a patch.
     lattice
-        The cells.
+        Gives the cells' place and area.
     """
     cells = np.kron(which, np.ones((size, size), bool))[: bare.shape[0], : bare.shape[1]] & bare
     at = lattice.points()[cells].mean(axis=0)

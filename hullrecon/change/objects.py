@@ -67,15 +67,15 @@ def compare_objects(
 ) -> tuple[ObjectChange, ...]:
     """Compare the objects of both surveys, and regions that changed without an object.
 
-    First the objects at regions that changed are told from each other. Then all other objects are
+    First each region that changed is explained by the objects there. Then all other objects are
     compared at their own tops. The rows are sorted by status, then by size of the change.
 
     Parameters
     ----------
     first, second
-        The surveys.
+        The surveys, with the objects that each reported.
     regions
-        Where the hull changed.
+        Regions in which structures changed.
     context
         Difference of the surveys, chart and options.
     """
@@ -129,9 +129,9 @@ def _objects_at(
     a
         Object of the first survey under the region, None without an object.
     b
-        Object of the second survey.
+        Object of the second survey under it, None without one.
     pairs
-        Matched objects: that of the second survey by that of the first.
+        For objects of the first survey the matched one of the second: they are one object.
 
     Returns
     -------
@@ -158,7 +158,9 @@ def match_objects(
 ) -> dict[int, int]:
     """Pair objects of both surveys by the chi-square of their distance, inside the gate.
 
-    Raised objects match raised objects, recesses match recesses. The best pairs are taken first.
+    Returned is the row of the second survey by that of the first. Objects without a partner are
+    left out. Raised objects match raised objects, recesses match recesses. The best pairs are taken
+    first.
     """
     candidates = sorted(_candidates(before, after, context))
     pairs: dict[int, int] = {}
@@ -180,6 +182,7 @@ def _candidates(
         if not np.isfinite(old.along_girth).all():
             continue
         tangents = [axis[0] for axis in tangents_at(context.chart, old.center[None])]
+        # The two centres' own sigma, the offset's, and how far they lie apart: along, and in girth
         for b, new in enumerate(after):
             size = max(*old.found.extent, *new.found.extent)
             if old.side != new.side or np.linalg.norm(old.center - new.center) > 2 * size + 0.5:
@@ -305,6 +308,7 @@ def _compare_at_top(
     """
     there = [p for p in (old, new) if p is not None]
     footprint = np.logical_or.reduce([p.footprint for p in there])
+    # An object that only one survey found, where the other one saw too little of the place
     unseen: Status | None = None
     if new is None and _seen_share(footprint, context.difference.second, context) < SEEN_SHARE:
         unseen = "not seen again"

@@ -75,9 +75,10 @@ class _Fit:
     def solve(self, motion: Poses, samples: _Samples, height: Array) -> _Solved:
         """Fit the motion of samples onto heights (a, g) of the first survey, with covariance.
 
-        Iteratively reweighted least squares with Tukey's biweight, from the given motion. It does
-        not use geometry.pose_solver: the cells that both surveys saw, and the weights, change from
-        step to step, so that costs cannot be compared.
+        Raises StageError where the two share too few cells. Iteratively reweighted least squares
+        with Tukey's biweight, from the given motion. It does not use geometry.pose_solver: the
+        cells that both surveys saw, and the weights, change from step to step, so that costs cannot
+        be compared.
         """
         held: Array = np.asarray(np.linalg.inv(self.prior), float)
         covariance = self.prior
@@ -89,10 +90,13 @@ class _Fit:
                 raise _too_little_error()
             r, rows = residual[known], jacobian[known]
             scale = max(0.5 * SCALE_M, robust_sigma(r))
+            # Tukey's weights: hull that changed does not pull the fit
             share = np.maximum(0.0, 1 - ((r - np.median(r)) / (2 * TRUNCATED * scale)) ** 2) ** 2
             weight = samples.weight * share / scale**2
             gradient = rows.T @ (weight * r)
             information = np.asarray(rows.T @ (weight[:, None] * rows) + held)
+            # Lowers the residuals, and the departure from the hull poses, which is the motion
+            # itself
             step = np.linalg.solve(information, gradient + held @ _as_vector(motion, self.center))
             motion = _apply_step(motion, np.asarray(-step), self.center)
             by_error = np.asarray(rows * weight[:, None]) * samples.shared_m
@@ -120,7 +124,7 @@ class _Fit:
         at
             Points (n, 3) of the second survey, moved.
         axes
-            As in _Samples.
+            Unit vectors (3, n, 3) along, in girth and outward at the points.
         height
             Heights (a, g) of the first survey.
 
@@ -144,6 +148,7 @@ class _Fit:
         )
         residual = on_chart[:, 2] - below
         along, girth, normal = axes
+        # A point that moves along the hull also has another height below it, by the slope there
         toward = normal - by_along[:, None] * along - by_girth[:, None] * girth
         jacobian = np.concatenate([toward, np.cross(at - self.center, toward)], axis=1)
         known = np.isfinite(residual) & np.isfinite(jacobian).all(axis=1)
@@ -162,9 +167,9 @@ def estimate_offset(
     Parameters
     ----------
     first, second
-        The surveys, whose hull poses are the prior.
+        The surveys. Only their hull poses are used, which are the prior.
     chart
-        Of the first survey.
+        Chart of the first survey, on which both reliefs are given.
     lattice, reliefs
         Cells, and the heights of both surveys on them.
 
@@ -188,6 +193,7 @@ def estimate_offset(
         heights, samples = _blur_both(reliefs, cells, fit)
         solved = fit.solve(motion, samples, heights)
         motion = solved.motion
+    # Whether an offset of this size is to be expected of the two hull poses
     x = _as_vector(motion, center)
     chi_square = float(x @ np.linalg.solve(prior, x))
     from scipy.special import gammaincc  # not scipy.stats, which takes seconds to load
@@ -203,7 +209,12 @@ def estimate_offset(
 
 
 def hull_pose_covariance(pose: HullPose, center: Array) -> Array:
-    """Transform a hull pose's covariance (6, 6) to axes of M, rotations about a center (3,)."""
+    """Transform a hull pose's covariance (6, 6) to axes of M, rotations about a center (3,).
+
+    In that form the covariances of two hull poses can be added.
+    """
+    # `turn` rotates the translation from g into M. `carry` gives that of the center, which a
+    # rotation w about survey_center moves by w x (center - survey_center).
     turn, carry = np.eye(6), np.eye(6)
     turn[:3, :3] = pose.global_from_hull.rotation.as_matrix()[0].T
     carry[:3, 3:] = -cross_matrix(center - pose.survey_center)
@@ -213,6 +224,8 @@ def hull_pose_covariance(pose: HullPose, center: Array) -> Array:
 
 def offset_sigma(offset: SurveyOffset, points: Array, directions: Array) -> Array:
     """Compute the sigma (n,) m that the offset gives points (n, 3) along unit vectors (n, 3)."""
+    # A point moves by dt + w x (point - center). Its part along d has the derivatives d and
+    # (point - center) x d.
     rows = np.concatenate([directions, np.cross(points - offset.center, directions)], axis=1)
     return np.asarray(np.sqrt(np.einsum("ni,ij,nj->n", rows, offset.covariance, rows)))
 
@@ -227,7 +240,8 @@ def _middle(chart: Chart, lattice: Lattice, relief: Relief) -> Array:
 def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
     """Find the shifts along and in girth at which both surveys agree best, the best first.
 
-    All shifts that the prior allows are tried, by whole cells of a lattice twice as coarse.
+    All shifts that the prior allows are tried, by whole cells of a lattice twice as coarse. Those
+    with too small an overlap are left out. Raises StageError where none is left.
     """
     step = 2 * fit.lattice.step_m
     flat = [_without_form(relief.height)[::2, ::2] for relief in reliefs]
@@ -277,7 +291,7 @@ def _without_form(height: Array) -> Array:
 
 
 def _overlap(first: Array, second: Array, i: int, j: int) -> Array:
-    """Subtract the first survey from the second moved by (i, j) cells."""
+    """Subtract the first survey from the second moved by (i, j) cells, where they overlap."""
     rows, columns = (
         slice(max(0, k), n + min(0, k)) for k, n in zip((i, j), first.shape, strict=True)
     )
@@ -298,7 +312,8 @@ def _blur_both(reliefs: tuple[Relief, Relief], cells: float, fit: _Fit) -> tuple
 def _samples(chart: Chart, lattice: Lattice, height: Array, shared_m: float) -> _Samples:
     """Sample a survey's surface at every second seen cell along and in girth.
 
-    height: (a, g) m over the chart. shared_m: sigma of the errors that a block of hull shares.
+    Cells without a direction along or in girth (at the chart's rim) are left out. height: (a, g) m
+    over the chart. shared_m: sigma of the errors that a block of hull shares.
     """
     which = np.zeros(lattice.shape, bool)
     which[::2, ::2] = True
@@ -333,6 +348,7 @@ def _covariance(information: Array, held: Array, by_error: Array, block: Ints) -
     block
         (n,) number of each point's block.
     """
+    # Errors of a block add up before they are squared: so `total` is summed by block
     inverse = np.linalg.inv(information)
     total = np.stack(
         [np.bincount(block, np.ascontiguousarray(by_error[:, k])) for k in range(6)], axis=1

@@ -30,8 +30,9 @@ class Relief:
 def seen_points(survey: HullSurvey, chart: Chart, move: Poses | None = None) -> tuple[Array, Ints]:
     """Convert a survey's seen vertices to chart coordinates.
 
-    Returns along, girth and offset (n, 3), and the row of each vertex. `move`: rigid motion in M
-    that is applied to the vertices first.
+    Those without a sigma of the form, or off the chart, are left out. Returns along, girth and
+    offset (n, 3), and the row of each vertex. `move`: rigid motion in M that is applied to the
+    vertices first.
     """
     found = survey.as_found
     rows = np.flatnonzero((found.support > 0) & np.isfinite(survey.form_sigma))
@@ -46,7 +47,8 @@ def relief_on(
 ) -> Relief:
     """Sample a survey on a lattice: heights linear between vertices, the rest of the nearest one.
 
-    `move`: rigid motion in M that is applied to the vertices first.
+    Cells farther than REACH_CELLS from every seen vertex are unseen. So are all with fewer than
+    four such vertices. `move`: rigid motion in M that is applied to the vertices first.
     """
     from scipy.interpolate import LinearNDInterpolator
 

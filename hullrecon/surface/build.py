@@ -72,18 +72,20 @@ def gaussian_process(
 ) -> tuple[Array, Array, Facts]:
     """Regress offsets by a Gaussian process (docs/methods.md 11).
 
+    Its mean is the observations' median, to which the surface returns far from all observations.
+
     Parameters
     ----------
     charted
         Along, girth and offset (n, 3) m of the observations.
     observed
-        The observations (n,).
+        The same observations (n,), of which the independent sigma is taken.
     wanted
         Along and girth (k, 2) m at which offsets are predicted.
     options
         The section [surface] of dive.toml.
     form
-        Class of the kernel.
+        Class of the kernel, whose lengths and sigma come from the options or are fitted.
 
     Returns
     -------
@@ -132,16 +134,16 @@ def build_surface(
     """Build the surface (deviation NaN), with facts for surface.json.
 
     Without a datum, offsets from the chart's base surface are regressed. Far from returns the
-    result is then the base surface. With a datum, heights above that plane are regressed instead,
-    and the shape of the chart does not enter the result. Where the chart is too steep on the datum
-    there is no surface.
+    result is then the base surface, moved by the returns' median offset. With a datum, heights
+    above that plane are regressed instead, and the shape of the chart does not enter the result.
+    Where the chart is too steep on the datum there is no surface.
 
     Parameters
     ----------
     observed
-        Points of the hull.
+        Points of the hull. Those off the chart are left out.
     chart
-        On which they are regressed.
+        Gives each point its place along and in girth, and the normals along which vertices move.
     options
         The section [surface] of dive.toml.
     datum
@@ -189,10 +191,11 @@ def _heights_to_offsets(
 ) -> tuple[Array, Array]:
     """Convert heights (n,) m above the datum to offsets (n,) m along the chart's normals.
 
-    NaN where the chart is too steep on the datum. Sigmas are converted too. at (n, 2): on the
-    chart.
+    With them vertices are lifted off the chart, as without a datum. NaN where the chart is too
+    steep on the datum. Sigmas are converted too. at (n, 2): on the chart.
     """
     base, normal = chart.from_chart(at)
+    # Cosine between the two normals: a step along the chart's rises by this much over the datum
     lean = normal @ datum.axes[2]
     lean = np.where(lean > MIN_FACING, lean, np.nan)
     return (height - datum.to_chart(base)[:, 2]) / lean, sigma / lean
@@ -215,7 +218,8 @@ def _on_smooth_hull(kernel: Kernel, seen: Observations, middle: float) -> Observ
 def _sample(seen: Observations) -> Observations:
     """Choose LIKELIHOOD_POINTS observations: half from a compact part, half spread evenly.
 
-    The compact part shows short correlation lengths.
+    The marginal likelihood of all would take too long. The compact part shows short correlation
+    lengths, the others long ones.
     """
     far = np.linalg.norm(
         (seen.at - np.median(seen.at, axis=0)) / np.maximum(np.std(seen.at, axis=0), 1e-9), axis=1
@@ -233,9 +237,9 @@ def _lift_to_space(mesh: Mesh, offset: Array, sigma: Array, support: Ints, chart
     Parameters
     ----------
     mesh
-        With vertices along, girth, 0.
+        Its vertices (n, 3) are along, girth, 0.
     offset, sigma, support
-        Of the vertices (n,).
+        (n,) of each vertex: offset from the chart and its sigma, m, and number of returns near by.
     chart
         Whose points and normals place the vertices.
     """

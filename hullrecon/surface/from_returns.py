@@ -136,16 +136,19 @@ def surface_from_survey(
 ) -> ChartedResult:
     """Estimate the hull's surface in the frame of the track.
 
+    It is made of DVL returns without outliers. Landmarks are added if the options say so, and serve
+    alone where no DVL was carried.
+
     Parameters
     ----------
     survey
-        Path, returns and landmarks.
+        Path, returns, landmarks, and the CAD model if there is one.
     options
         The section [surface] of dive.toml.
     regression
         The method of regression.
     reference
-        Chooses the surface from which offsets are regressed.
+        Chooses the surface from which offsets are regressed. By default it is the chart's own.
 
     Raises
     ------
@@ -189,7 +192,10 @@ class _ReturnPoints:
 def _points_of_returns(
     survey: SurfaceInputs, options: SurfaceOptions
 ) -> tuple[_ReturnPoints, Facts]:
-    """Compute the ends of the returns without flagged ones and outliers, and count these."""
+    """Compute the ends of the returns without flagged ones and outliers, and count these.
+
+    Empty where no DVL was carried. The counts are members of surface.json.
+    """
     returns = survey.returns
     if returns is None:
         return _ReturnPoints(points=np.zeros((0, 3)), node=np.zeros(0, np.int64)), {"returns": 0}
@@ -226,7 +232,10 @@ class _LandmarkPoints:
 
 
 def _find_landmarks(survey: SurfaceInputs, options: SurfaceOptions) -> _LandmarkPoints:
-    """Select landmarks on the hull with three observations or more. None before the adjustment."""
+    """Select landmarks on the hull with three observations or more, without outliers.
+
+    Left out are those without a covariance. Empty before the adjustment.
+    """
     if survey.solution is None:
         return _LandmarkPoints(points=np.zeros((0, 3)), covariance=np.zeros((0, 3, 3)))
     landmarks = survey.solution.landmarks
@@ -267,7 +276,10 @@ def _measure_landmarks(
 
 
 def _add_sigmas(returns: _ReturnPoints, survey: SurfaceInputs, chart: Chart) -> SurfacePoints:
-    """Give returns the sigma of their ranges, and that of their nodes' poses along the normals."""
+    """Give returns the sigma of their ranges, and that of their nodes' poses along the normals.
+
+    Neighbours share a pose's error, so the regression does not average it away.
+    """
     points, poses = returns.points, survey.track.poses[returns.node]
     _, normals = chart.from_chart(chart.to_chart(points)[:, :2])
     shared = pose_sigma_along(
@@ -321,6 +333,7 @@ def move_to_hull_frame(
     the largest part.
     """
     hull_from_global = global_from_hull.inverse()
+    # Translations are turned into M. Rotations are in the vehicle's axes, and stay as they are.
     turn = np.zeros((6, 6))
     turn[:3, :3], turn[3:, 3:] = hull_from_global.rotation.as_matrix()[0], np.eye(3)
     covariance = turn @ track.covariance @ turn.T
@@ -338,16 +351,17 @@ def pose_sigma_along(normals: Array, levers: Array, covariance: Array, rotation:
     Parameters
     ----------
     normals
-        (n, 3) in the result's frame.
+        Unit vectors (n, 3) in the result's frame, along which the sigmas are.
     levers
         (n, 3) m from the vehicle to the points, in the result's frame.
     covariance
         (n, 6, 6) of the poses: translation, then rotation perturbed on the right in v.
     rotation
-        (n, 3, 3) of the vehicle.
+        Rotations R (n, 3, 3) of the vehicle, by which levers and normals are turned into its axes.
     """
     lever_v = np.einsum("nji,nj->ni", rotation, levers)
     normal_v = np.einsum("nji,nj->ni", rotation, normals)
+    # n . (dt + R (w x p)) = n . dt + (p x R^T n) . w, with p and R^T n in the vehicle's axes
     by_pose = np.hstack([normals, np.cross(lever_v, normal_v)])
     return np.asarray(
         np.sqrt(np.maximum(0.0, np.einsum("ni,nij,nj->n", by_pose, covariance, by_pose)))

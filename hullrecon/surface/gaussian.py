@@ -38,6 +38,8 @@ class Observations(Rows):
 def cell_means(at: Array, offset: Array, noise: Array, cell_m: float | Array) -> Observations:
     """Average points over the cells of a grid, weighted by their noise, in the grid's order.
 
+    So the regression has fewer observations. Cells without a point are left out.
+
     Parameters
     ----------
     at, offset
@@ -100,11 +102,11 @@ def regress(kernel: Kernel, seen: Observations, wanted: Array, most: int = MOST)
     kernel
         Covariance function of the field.
     seen
-        Observations.
+        Observations to which the field is fitted.
     wanted
-        Points (k, 2) m.
+        Points (k, 2) m at which it is predicted.
     most
-        Observations of a tile and its margin.
+        Observations of a tile and its margin at most: a tile with more is split.
 
     Raises
     ------
@@ -323,6 +325,7 @@ def maximise_likelihood(
     simplex = np.vstack(
         [first, first + 0.7 * np.where(first + 0.7 * np.eye(4) > high, -1, 1) * np.eye(4)]
     )
+    # The search starts with a step of a factor of 2 in each unknown, downward at the upper limit
     found = minimize(
         cost,
         first,

@@ -39,13 +39,13 @@ def address(
     Parameters
     ----------
     chart, points
-        The hull's chart, and points in its frame.
+        The hull's chart, and points in its frame. One beyond the chart is "outside the hull chart".
     frame_spacing_m
         Distance between the ship's frames. None: no frame numbers are given.
     depths_m
         (n,) below the water surface, positive down. Left out where None or NaN.
     sigma
-        Of the positions of all points. None: not known.
+        Sigmas that hold for every point. None, where they are not known: all digits are given.
     """
     at = chart.to_chart(np.atleast_2d(np.asarray(points, float)))
     depths = (

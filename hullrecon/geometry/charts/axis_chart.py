@@ -62,7 +62,10 @@ class AxisChart:
         return out
 
     def _chart_turned(self, turned: Array) -> Array:
-        """Chart points (n, 3) in turned coordinates."""
+        """Compute along, girth and offset (n, 3) of points (n, 3) in the ship's axes.
+
+        NaN for points that are not finite, or whose foot is not on the skin of the sections.
+        """
         out = np.full(turned.shape, np.nan)
         known = np.isfinite(turned).all(axis=1)
         if known.any():
@@ -97,6 +100,7 @@ class AxisChart:
         """
         origin, inward = self.sections.rays(along, angle)
         hit = self.mesh.index.cast(origin, inward)
+        # A hit near the radius of the sections is on the skin. Any other is through a hole.
         point = origin + inward * (self.sections.reach - radius)[:, None]
         on = np.abs(hit.range - (self.sections.reach - radius)) <= self.sections.slack_at(
             along, angle

@@ -84,10 +84,12 @@ def chart_for_hull(
 def chart_for_points(points: ArrayLike, toward: ArrayLike) -> Chart:
     """Fit a chart to points (n, 3): a plane, or a cylinder where a plane would stretch the map.
 
+    It serves where there is no CAD model.
+
     Parameters
     ----------
     points
-        In g, whose z is down.
+        Points (n, 3) m of the hull in g, whose z is down.
     toward
         The side that the normal points to: a point (3,), or the sensors' places (n, 3).
 

@@ -66,7 +66,8 @@ class _Profile:
         for _ in range(NEWTON_STEPS):
             foot, tangent, bend = self.at(arc)
             off = places - foot
-            # A point beyond the centre of curvature has no foot. Steps are kept short there.
+            # A point beyond the centre of curvature has no nearest point on this side. The divisor
+            # is kept above LEAST_TURN, so that steps do not grow without limit there.
             turn = np.maximum(1.0 - (off * bend).sum(axis=1), LEAST_TURN)
             arc = arc + (off * tangent).sum(axis=1) / turn
         foot, tangent, _ = self.at(arc)
@@ -144,11 +145,11 @@ def unroll(points: Array, sensors: Array, plane: PlaneChart) -> CylinderChart | 
     Parameters
     ----------
     points
-        (n, 3) on the hull, in the plane's frame.
+        Points (n, 3) m on the hull, in the plane's frame.
     sensors
-        Positions (s, 3) of the sensors that saw them, outside the hull.
+        Positions (s, 3) m of the sensors that saw them. They show which side is outside.
     plane
-        Fitted to the points.
+        The plane fitted to the points, whose origin and directions the cylinder keeps.
 
     Returns
     -------
@@ -159,6 +160,7 @@ def unroll(points: Array, sensors: Array, plane: PlaneChart) -> CylinderChart | 
     if len(cells) < FEWEST:
         return None
     cells, normal = _fit_normals(cells, sensors)
+    # A plane stretches hull by one over the cosine between the two normals
     if (normal @ plane.axes[2] < 1.0 / MOST_STRETCH).sum() <= FEW * len(cells):
         return None
     axes, bent = _straight_and_bent(normal, plane)
@@ -185,6 +187,7 @@ def _fit_normals(cells: Array, sensors: Array) -> tuple[Array, Array]:
 
     cells (n, 3), sensors (s, 3): positions, m.
     """
+    # The direction of least spread of the neighbours is the normal. On a line there are two such.
     around = cells[nearest(cells, cells, NEIGHBOURS)[1]]
     around = around - around.mean(axis=1, keepdims=True)
     spread, direction = np.linalg.eigh(np.einsum("nki,nkj->nij", around, around))
@@ -231,7 +234,8 @@ def _first_arc(places: Array) -> Array:
     """Estimate the arc length (n,) m of points (n, 2) along the curve on which they lie.
 
     It is the shortest path from one end in a graph of the points' cells. Near cells are connected,
-    and gaps are bridged by the edges of the minimum spanning tree.
+    and gaps are bridged by the edges of the minimum spanning tree. The end is the cell farthest
+    from any one.
     """
     cells = _average_in_cells(places)
     apart = np.linalg.norm(cells[:, None] - cells[None], axis=2)
@@ -244,6 +248,7 @@ def _first_arc(places: Array) -> Array:
 
 def _smooth_curve(places: Array, arc: Array) -> Array:
     """Fit a smoothing spline to points (n, 2) over arc lengths (n,): knots (k, 2) STEP_M apart."""
+    # Medians of pieces STEP_M long, the spline through them, and points even in its own arc length
     bins = np.floor(arc / STEP_M)
     at = np.unique(bins)
     middle = np.array([np.median(np.c_[arc, places][bins == b], axis=0) for b in at])

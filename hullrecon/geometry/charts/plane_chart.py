@@ -73,7 +73,7 @@ def fit_plane_chart(points: Array, toward: Array, up: Array) -> PlaneChart:
     toward
         Point (3,) on the side to which the normal points.
     up
-        (3,) up in the points' frame.
+        Upward direction (3,) in the points' frame, in which girth grows on a steep plane.
 
     Raises
     ------
@@ -105,7 +105,10 @@ def _inliers(off: Array) -> Mask:
 
 
 def _least_median_plane(points: Array) -> Array:
-    """Compute the heights (n,) of points over the least-median plane, of TRIALS random ones."""
+    """Compute the heights (n,) of points over the least-median plane, of TRIALS random ones.
+
+    Each of these goes through three of the points. Zeros where all triples lie on a line.
+    """
     corner = points[np.random.default_rng(0).integers(0, len(points), (TRIALS, 3))]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     size = np.linalg.norm(normal, axis=1)
@@ -113,6 +116,7 @@ def _least_median_plane(points: Array) -> Array:
     if not len(normal):
         return np.zeros(len(points))
     some = points[np.linspace(0, len(points) - 1, min(len(points), 2000)).astype(int)]
+    # How far each plane lies from zero along its normal. Some of the points are enough to judge it.
     level = np.einsum("ni,ni->n", corner[size > 1e-12, 0], normal)
     best = int(np.argmin(np.median(np.abs(some @ normal.T - level), axis=0)))
     return np.asarray(points @ normal[best] - level[best])

@@ -30,10 +30,11 @@ class RegionCells:
 
 
 def region_cells(chart: Chart, mesh: Mesh, along: Limits, girth: Limits) -> RegionCells:
-    """Sample the surface within limits of the chart by cells.
+    """Divide the chart's surface between limits of along and girth into cells, to sum areas.
 
-    Limits of along and girth are (low, high) m, None for as far as the mesh reaches. There are no
-    cells where there is no surface.
+    Areas are those of hull: of the region due to be inspected, and of what was covered. Limits are
+    (low, high) m, None for as far as the mesh reaches. The mesh only bounds the chart: cells
+    outside its bounding box are left out.
     """
     given = np.array([(-np.inf, np.inf) if limits is None else limits for limits in (along, girth)])
     reach = chart_limits(chart, mesh)
@@ -45,7 +46,8 @@ def region_cells(chart: Chart, mesh: Mesh, along: Limits, girth: Limits) -> Regi
     middle = _grid((ticks[0][1:] + ticks[0][:-1]) / 2, (ticks[1][1:] + ticks[1][:-1]) / 2)
     points, normals = chart.from_chart(middle.reshape(-1, 2))
     area = _areas(chart.from_chart(corner.reshape(-1, 2))[0].reshape(*corner.shape[:2], 3)).ravel()
-    # A cell at a rim has a corner beyond the chart. It counts with its area on the chart.
+    # A cell at a rim has a corner beyond the chart, so that its area in space is unknown. Its area
+    # in chart coordinates stands in.
     area = np.where(np.isfinite(area), area, width.prod() / max(1, size.prod()))
     on = _in_box(points, mesh)
     return RegionCells(middle=points[on], normal=normals[on], area=area[on])
@@ -54,8 +56,8 @@ def region_cells(chart: Chart, mesh: Mesh, along: Limits, girth: Limits) -> Regi
 def chart_limits(chart: Chart, mesh: Mesh) -> Array:
     """Find the limits of a mesh on its chart: (2, 2) low and high of along, and of girth, m.
 
-    Zeros if the chart has no point on the mesh. An end narrower than a LOOK-th of the mesh's size
-    may be missed.
+    The chart is sampled between limits that the mesh's size cannot exceed. Zeros if the chart has
+    no point on the mesh. An end narrower than a LOOK-th of the mesh's size may be missed.
     """
     if not len(mesh.vertices):
         return np.zeros((2, 2))
@@ -78,7 +80,7 @@ def chart_limits(chart: Chart, mesh: Mesh) -> Array:
 def _in_box(points: Array, mesh: Mesh) -> Mask:
     """Tell which points (n, 3) are finite and in the mesh's bounding box.
 
-    A plane as chart has no ends of its own.
+    It bounds the chart, as a plane has no ends of its own.
     """
     low, high = mesh.vertices.min(axis=0) - CELL_M, mesh.vertices.max(axis=0) + CELL_M
     return np.asarray(((points >= low) & (points <= high)).all(axis=1))
@@ -89,6 +91,9 @@ def _grid(along: Array, girth: Array) -> Array:
 
 
 def _areas(corner: Array) -> Array:
-    """Compute the areas (a, g) of quadrilaterals between corners (a + 1, g + 1, 3)."""
+    """Compute the areas (a, g) of quadrilaterals between corners (a + 1, g + 1, 3).
+
+    Each is half the cross product of its diagonals.
+    """
     diagonals = corner[1:, 1:] - corner[:-1, :-1], corner[1:, :-1] - corner[:-1, 1:]
     return np.asarray(np.linalg.norm(np.cross(*diagonals), axis=-1) / 2)

@@ -113,7 +113,8 @@ def outward_faces(mesh: Mesh, sections: Sections) -> Mesh:
 def choose_axis_height(mesh: Mesh) -> float:
     """Choose the height of the axis, m: of nine, the highest that sees nearly all of the skin.
 
-    From a higher axis, rays meet the bottom at less grazing angles.
+    From a higher axis, rays meet the bottom at less grazing angles. Raises InputError where no ray
+    meets the mesh.
     """
     low, high = mesh.vertices[:, 2].min(), mesh.vertices[:, 2].max()
     heights = low + (high - low) * np.linspace(0.1, 0.9, 9)
@@ -125,22 +126,27 @@ def choose_axis_height(mesh: Mesh) -> float:
 
 
 def _seen_area(mesh: Mesh, height: float) -> float:
-    """Measure the area of skin, m2, that rays from an axis meet well, without decks.
+    """Sum the area of skin that rays from an axis meet well, without decks, to compare axes.
 
-    Decks have normals that point up.
+    Decks have normals that point up. Areas are m2 but for a factor common to all axes.
     """
     sections = _frame(mesh, height, stations=60, angles=91)
     origin, inward = sections.rays(*_pairs(sections))
     hit = mesh.index.cast(origin, inward)
     met = hit.range < sections.reach
     slope = np.abs(np.einsum("ni,ni->n", hit.normal, inward))
+    # How far the normal, turned outward, points up, and the skin that one ray stands for
     facing = np.where(np.einsum("ni,ni->n", hit.normal, inward) > 0, -1.0, 1.0) * hit.normal[:, 2]
     cell = (sections.reach - hit.range) / np.maximum(slope, 0.2)
     return float(cell[met & (slope > 0.2) & (facing < 0.5)].sum())
 
 
 def cast_sections(mesh: Mesh, height: float) -> Sections:
-    """Cast the sections of a mesh in the ship's axes about an axis at the given height, m."""
+    """Cast the sections of a mesh in the ship's axes about an axis at the given height, m.
+
+    The radius is where a ray from outside first meets the mesh. Stations are a few decimetres
+    apart, angles a degree.
+    """
     size = np.ptp(mesh.vertices, axis=0)
     step = float(np.clip(size[0] / 400, size[0] / 2000, 0.3 if size[0] > 60 else 0.25))
     empty = _frame(mesh, height, int(np.ceil(size[0] / step)) + 1, 361)
@@ -198,7 +204,8 @@ def _pairs(s: Sections) -> tuple[Array, Array]:
 def _bridge_gaps(radius: Array) -> Array:
     """Fill gaps (NaN) between two hits of a station linearly, in radii (k, m).
 
-    Nothing is filled beyond the outermost hit of each side, except between it and the keel.
+    So a small hole of the plating does not cut the girth off. Nothing is filled beyond the
+    outermost hit of each side, except between it and the keel.
     """
     out = radius.copy()
     place = np.arange(radius.shape[1])
@@ -251,11 +258,12 @@ def _on_skin(start: Array, stop: Array, radius: Array, turn: float, mesh: Mesh) 
     Parameters
     ----------
     start, stop
-        Ends of the lines (a, b, 3) m.
+        Ends of the lines (a, b, 3) m. A line without an end (NaN) is not on the skin.
     radius, turn
-        Spacing of the rays at a line is radius (a, b) times turn, m.
+        Their product is the spacing of the two rays at a line, m: radius (a, b) in m, and turn the
+        angle between them. Along the ship, radius is the step of the stations and turn is 1.
     mesh
-        The hull.
+        The hull, near which the middle of a line must be.
     """
     length = np.linalg.norm(stop - start, axis=2)
     good = np.asarray(length * GRAZING <= radius * turn)

@@ -41,7 +41,7 @@ class Sections:
     def girth_at(self, points: Array) -> Array:
         """Compute the girth (n,) m of points (n, 3) on the skin.
 
-        NaN outside the whole cells, and for points of another, inner skin.
+        NaN outside the cells that lie wholly on the skin, and for points of another, inner skin.
         """
         y, z = points[:, 1] - self.axis_y, points[:, 2] - self.axis_z
         angle = np.arctan2(y, -z)
@@ -53,8 +53,9 @@ class Sections:
     def angle_of(self, along_girth: Array) -> tuple[Array, Array]:
         """Compute angle and radius (n,) of chart points (n, 2), by bisection of the girth.
 
-        The radius is NaN outside the whole cells.
+        The radius is NaN outside the cells that lie wholly on the skin.
         """
+        # Find the two neighbouring angles between whose girths the point's lies
         row, share = self._cell(self.station, along_girth[:, 0])
         known = np.isfinite(along_girth).all(axis=1)
         low, high = np.zeros(len(row), int), np.full(len(row), len(self.angle) - 1)
@@ -81,10 +82,11 @@ class Sections:
         return angle, np.where(fits, radius, np.nan)
 
     def slack_at(self, along: Array, angle: Array) -> Array:
-        """Bound the difference between the skin's radius and its bilinear interpolation, (n,) m.
+        """Compute by how much, m, the skin's radius (n,) may differ from its interpolation.
 
-        It is the range of the radii at the cell's corners, plus a tenth of the step between
-        stations for a chine or a plate's edge inside the cell.
+        A point farther from the interpolated radius is of another skin. It is the range of the
+        radii at the cell's corners, plus a tenth of the step between stations for a chine or a
+        plate's edge inside the cell.
         """
         row, _ = self._cell(self.station, along)
         column, _ = self._cell(self.angle, angle)

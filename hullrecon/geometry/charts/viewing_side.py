@@ -20,11 +20,12 @@ def flips(chart: Chart, along_girth: Array, step_m: float = 0.05) -> tuple[bool,
     Parameters
     ----------
     chart
-        The chart.
+        The chart that is drawn.
     along_girth
-        Chart points (n, 2) m that are shown. The median over them decides.
+        Chart points (n, 2) m that are shown. The median over them decides. Neither is reversed
+        where none is on the chart.
     step_m
-        Of the central differences on the chart.
+        Half the length of the central differences on the chart.
     """
     good = along_girth[np.isfinite(along_girth).all(axis=1)]
     _, normal = chart.from_chart(good)
@@ -32,6 +33,8 @@ def flips(chart: Chart, along_girth: Array, step_m: float = 0.05) -> tuple[bool,
         chart.from_chart(good + step)[0] - chart.from_chart(good - step)[0]
         for step in np.eye(2) * step_m
     )
+    # Along x girth against the outward normal tells from which side the chart is seen, and girth's
+    # part upward whether it falls
     turn, rise = (np.cross(along, girth) * normal).sum(axis=1), girth @ chart.ship_axes[2]
     known = np.isfinite(turn) & np.isfinite(rise)
     if not known.any():

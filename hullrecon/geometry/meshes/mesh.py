@@ -85,7 +85,11 @@ def corner_angles(mesh: Mesh) -> Array:
 
 
 def corner_shares(corners: Array, points: Array) -> Array:
-    """Compute barycentric coordinates (n, 3) of points (n, 3) on faces with corners (n, 3, 3)."""
+    """Compute barycentric coordinates (n, 3) of points (n, 3) on faces with corners (n, 3, 3).
+
+    They are the weights with which values at the corners are interpolated. Points beside their face
+    are moved to about its rim (weights are clipped to 0 to 1).
+    """
     to_b, to_c, to_point = (end - corners[:, 0] for end in (corners[:, 1], corners[:, 2], points))
     bb, bc, cc, pb, pc = (
         np.einsum("ni,ni->n", u, v)

@@ -112,7 +112,7 @@ def _edges(faces: Ints) -> tuple[Ints, Ints]:
 def _mark_edges(
     vertices: Array, edge: Ints, of_face: Ints, old_face: Ints, limits: _Limits
 ) -> Mask:
-    """Tell which edges (e,) are split next.
+    """Tell which edges (e,) are split next. None where the mesh is fine enough.
 
     Of the edges that are too long, they are those within a factor of two of the longest. If edges
     of old faces are among them, these are split first.
@@ -126,7 +126,7 @@ def _mark_edges(
     old_face
         Face (m,) of the mesh before refinement from which each face was cut.
     limits
-        Largest lengths.
+        Largest length allowed for each edge.
     """
     length = np.empty(len(edge))
     for rows in _blocks(len(edge)):
@@ -135,6 +135,7 @@ def _mark_edges(
     marked = limits.exceeded(edge, vertices, length)
     if not marked.any():
         return marked
+    # The limit is the largest power of two that is not above the longest
     marked &= length >= np.ldexp(1.0, np.frexp(length[marked].max())[1] - 1)
     inside, _ = _inner_edges(of_face, old_face, len(edge))
     outer = marked.copy()
@@ -165,6 +166,8 @@ def _close_marks(marked: Mask, length: Array, of_face: Ints) -> Mask:
 
 def _inner_edges(of_face: Ints, old_face: Ints, count: int) -> tuple[Ints, Ints]:
     """Find the edges between two faces that were cut from the same old face.
+
+    Only these may be flipped, as all others are of the old mesh.
 
     Parameters
     ----------

@@ -76,7 +76,11 @@ def facet_turn(mesh: Mesh) -> Array:
 
 
 def tessellation_error(mesh: Mesh, points: Array) -> TessellationError:
-    """Estimate the error of the facets within REACH_M of points (n, 3) in the mesh's frame."""
+    """Estimate the error of the facets within REACH_M of points (n, 3) in the mesh's frame.
+
+    Zero where these facets share no smooth edge.
+    """
+    # Facets count by area, and widths by how much they bend the hull
     part = Mesh(mesh.vertices, mesh.faces[_faces_near(mesh, points)])
     edges = _smooth_edges(part)
     if not len(edges.angle):
@@ -104,7 +108,10 @@ def smooth_normals(mesh: Mesh, points: Array, faces: Ints) -> Array:
 
 
 def _corner_normals(mesh: Mesh, asked: Ints) -> Array:
-    """Compute the smooth unit normals (k, 3, 3) at the three corners of some faces (k,)."""
+    """Compute the smooth unit normals (k, 3, 3) at the three corners of some faces (k,).
+
+    The normal of the facet itself where no facet around the corner has an area.
+    """
     vertex = weld_vertices(mesh).faces
     normal, angle = face_normals(mesh), corner_angles(mesh).ravel()
     # The corners of all faces in the order of their vertices
@@ -136,7 +143,10 @@ def _faces_near(mesh: Mesh, points: Array) -> Mask:
 
 
 def _smooth_edges(mesh: Mesh) -> _SmoothEdges:
-    """Find the edges between two faces that meet at less than SHARPEST_RAD."""
+    """Find the edges between two faces that meet at less than SHARPEST_RAD.
+
+    Sharper edges and faces without area are left out.
+    """
     welded = weld_vertices(mesh)
     shared = find_shared_edges(welded.faces)
     normal, area = face_normals(mesh), face_areas(mesh)
