@@ -38,7 +38,8 @@ BLOCK = 64  # texels, side of the squares for which views are ruled out together
 def split_bands(picture: Floats32) -> tuple[Floats32, Floats32, Floats32]:
     """Split a picture into a coarse, a middle and a fine band, which sum to it.
 
-    All are (h, w, channels).
+    Coarse bands of several views are blended softly, so that differences of brightness show no
+    seam, and fine ones sharply, so that texture is not doubled. All are (h, w, channels).
     """
     import cv2
 
@@ -100,20 +101,22 @@ def blend_tile(
 ) -> Tile:
     """Blend the four best views of each texel of a tile, in weighted bands.
 
+    Texels without surface, or that no view sees, are left empty, as are those beyond the raster.
+
     Parameters
     ----------
     surface, grid
         The surface, and the raster on its chart.
     window
-        Rows and columns of the tile.
+        Rows and columns of the tile. It may stick out of the raster.
     image_views
         All views of the dive.
     windows
-        For each view the texels that it may see.
+        For each view the texels that it may see: all others are not asked.
     limits
-        Which views are used.
+        How oblique a view may be, and how much that costs.
     channels
-        Of the images.
+        Number of channels of the images.
     """
     part = window.meet(grid.whole)
     patch = sample_surface(surface, grid, part)
@@ -140,9 +143,10 @@ def choose_views(
 ) -> BestViews:
     """Choose the views of least cost for each texel, block by block.
 
-    Costs are those of `view_cost`. Rays that test for occlusion take much of the time. So views are
-    first ranked without them, and only the best are tested. Texels at which a best view is occluded
-    are ranked again, with all views tested.
+    Where fewer than four see a texel, the rest is -1. Costs are those of `view_cost`. Rays that
+    test for occlusion take much of the time. So views are first ranked without them, and only the
+    best are tested. Texels at which a best view is occluded are ranked again, with all views
+    tested.
 
     Parameters
     ----------
@@ -151,7 +155,7 @@ def choose_views(
     image_views, windows
         Views by number, and the texels that each may see.
     limits
-        Which views are used.
+        How oblique a view may be, and how much that costs.
     """
     best = _no_views(window.shape)
     for block, near in _blocks(patch, window, image_views, windows):
@@ -249,9 +253,10 @@ def _blocks(
 
 
 def _bounding_balls(patch: SurfacePatch, window: Window) -> tuple[list[Window], Array, Array]:
-    """Bound the surface in each square of a tile by a ball.
+    """Find a ball around the surface in each square of a tile.
 
-    Views that cannot see any point of a ball are ruled out for its square.
+    Views that cannot see any point of a ball are ruled out for its square. Squares without surface
+    are left out.
 
     Returns
     -------
@@ -283,7 +288,7 @@ def _rank(
     Parameters
     ----------
     surface
-        That may occlude a view. None: occlusion is not tested.
+        The surface, which may occlude a view. None: occlusion is not tested.
     block
         The texels.
     near
@@ -292,7 +297,7 @@ def _rank(
     image_views
         Views by number.
     limits
-        Which views are used.
+        How oblique a view may be, and how much that costs.
     """
     best = _no_views(block.texel.shape)
     for candidate in near:
@@ -333,7 +338,7 @@ def view_cost(
     """Compute a view's cost (n,) for the texels (n, 1) of a patch, inf where it does not see them.
 
     The cost is r / R of the projected texel (`ImageView.project`), plus `limits.slant` times one
-    minus the cosine of the incidence. `surface`: that may occlude the view. None: occlusion is not
+    minus the cosine of the incidence. `surface`: may occlude the view. None: occlusion is not
     tested.
     """
     _, ratio = image_view.project(patch.point[:, 0])
@@ -356,7 +361,7 @@ def blend(
     """Blend the chosen views of a patch: in each band a weighted mean, summed over the bands.
 
     The variance of a texel is that of its views' intensities, weighted by the mean of the bands'
-    weights.
+    weights. It shows where views disagree. Views whose picture cannot be read are left out.
 
     Parameters
     ----------
@@ -367,7 +372,7 @@ def blend(
     image_views
         All views.
     channels
-        Of the images.
+        Number of channels of the images.
     """
     shape = choice.view.shape[1:]
     sums = BlendSums.zero(len(STEEPNESS), channels, shape[0] * shape[1])
@@ -386,7 +391,10 @@ def blend(
 
 
 def _texels_by_view(choice: BestViews) -> Iterator[tuple[int, Ints]]:
-    """Yield each view with the flat indices of the texels that it was chosen for."""
+    """Yield each view with the flat indices of the texels that it was chosen for.
+
+    So each picture is read once for a tile. Views chosen for no texel are left out.
+    """
     chosen = choice.view.reshape(VIEWS, -1) >= 0
     texel = np.broadcast_to(np.arange(chosen.shape[1], dtype=np.int32), chosen.shape)[chosen]
     view = choice.view[choice.view >= 0]
@@ -402,6 +410,9 @@ def _texels_by_view(choice: BestViews) -> Iterator[tuple[int, Ints]]:
 
 def crop_around(pixel: Array, size: tuple[int, int]) -> tuple[Part, Floats32]:
     """Crop an image around pixels, so that their bands equal those of the whole image.
+
+    Filtering the crop takes less time. The whole image is taken where its size is no multiple of
+    REDUCED.
 
     Parameters
     ----------

@@ -77,9 +77,10 @@ class TexelGrid:
         return np.stack(np.broadcast_arrays(along[None, :], girth[:, None]), axis=-1)
 
     def window_of(self, along_girth: Array, margin_m: float) -> Window:
-        """Bound the texels within `margin_m` of chart points (n, 2) m.
+        """Find the smallest window with the texels within `margin_m` of chart points (n, 2) m.
 
-        NaN points are left out. The window is empty if there are no others.
+        It is cut off at the raster's ends. NaN points are left out. The window is empty if there
+        are no others.
         """
         good = along_girth[np.isfinite(along_girth).all(axis=1)]
         if not len(good):

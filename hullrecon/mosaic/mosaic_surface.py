@@ -77,7 +77,8 @@ class SurfacePatch:
 def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> SurfacePatch:
     """Find the surface at each texel of a window, by a ray from outside along the chart's normal.
 
-    A hit farther than reach_m from the chart's surface does not count.
+    A hit farther than reach_m from the chart's surface does not count. Texels without a hit, beyond
+    the raster or off the chart have no surface (NaN).
     """
     base, normal = _chart_at(surface.chart, grid, window)
     shape = base.shape
@@ -101,7 +102,7 @@ def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> S
 
 
 def _chart_at(chart: Chart, grid: TexelGrid, window: Window) -> tuple[Array, Array]:
-    """Compute the chart's points and normals (h, w, 3) at texel centres.
+    """Compute the chart's points and normals (h, w, 3) at texel centres. NaN off the chart.
 
     They are exact at every COARSE-th centre, and linearly interpolated between.
     """
@@ -143,7 +144,7 @@ def find_visible(
     sensor
         (3,) m, position of the sensor.
     min_cosine
-        Of the incidence.
+        Cosine of the flattest incidence at which a texel counts as seen.
 
     Returns
     -------

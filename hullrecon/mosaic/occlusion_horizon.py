@@ -38,6 +38,9 @@ def build_occlusion_horizon(
 ) -> OcclusionHorizon:
     """Find the outermost points of a mesh within span_m of the texels.
 
+    Only these can occlude a texel. One is kept for each cell of the chart. Vertices off the chart
+    are left out.
+
     Parameters
     ----------
     mesh, chart
@@ -45,7 +48,7 @@ def build_occlusion_horizon(
     bounds
         (2, 2) least and largest along and girth, m, of the texels.
     span_m
-        Largest distance of a view.
+        Largest distance of a view from a texel. What is farther off cannot be between the two.
     """
     charted = chart.to_chart(mesh.vertices)
     near = _meet(charted[:, :2], mesh.faces, bounds + np.array([[-span_m], [span_m]]))
@@ -63,6 +66,7 @@ def _meet(charted: Array, faces: Ints32, limits: Array) -> Mask:
     out = np.zeros(len(faces), bool)
     for rows in blocks_of_faces(len(faces)):
         corner = charted[faces[rows]]
+        # A corner off the chart is taken to lie at its neighbour
         corner = np.where(np.isfinite(corner), corner, np.roll(corner, 1, axis=1))
         low, high = corner.min(axis=1), corner.max(axis=1)
         out[rows] = ((high >= limits[0]) & (low <= limits[1])).all(axis=1)
@@ -96,21 +100,22 @@ def _outermost(charted: Array) -> Ints:
 
 
 def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: float) -> Floats32:
-    """Bound the tangent of the incidence angle below which nothing occludes a texel.
+    """Compute the tangent of the incidence angle below which nothing occludes a texel.
 
-    A line of sight with the tangent t rises 1 m over t metres along the tangent plane. A point at a
-    height h above that plane and a distance d can meet it only if t >= d / h. So the least d / h
-    over all points is a lower bound. To be safe, distances are taken too short, and heights too
-    large, by the extent of blocks and cells.
+    It is a lower bound, the same for all texels of a block. A line of sight with the tangent t
+    rises 1 m over t metres along the tangent plane. A point at a height h above that plane and a
+    distance d can meet it only if t >= d / h. So the least d / h over all points is a lower bound.
+    To be safe, distances are taken too short, and heights too large, by the extent of blocks and
+    cells.
 
     Parameters
     ----------
     horizon
-        Outermost points of the surface.
+        Outermost points of the surface, which may occlude texels.
     point, normal
-        Of the texels (h, w, 3).
+        Points (h, w, 3) m of the texels, and the chart's outward normals there.
     step_m
-        Side of a texel.
+        Side of a texel, from which the number of texels in a block follows.
 
     Returns
     -------

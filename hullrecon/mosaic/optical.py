@@ -54,11 +54,11 @@ def optical_mosaic(
     Parameters
     ----------
     surface
-        On which the images are laid.
+        The surface on which the images are laid.
     cameras
-        Images with poses, by camera.
+        For each camera its images and their poses.
     options
-        Of the step mosaic-optical.
+        Side of a texel, size of a tile, and whether the light is corrected.
     stream
         Maps work over threads.
     scratch

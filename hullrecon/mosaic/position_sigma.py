@@ -30,13 +30,14 @@ class PingUncertainty:
 def position_sigma(pings: PingUncertainty, points: Array, normals: Array) -> tuple[Array, Array]:
     """Propagate the uncertainties of vehicle pose and sonar mount to points on the hull.
 
-    A point R p + t moves by dt + R (w x p), where p is in the vehicle's axes or, for the mount, in
-    the sonar's. Sigmas are along the worst direction in the tangent plane, NaN where a point is.
+    So mosaic.json can say how well a place on the mosaic is known on the hull. A point R p + t
+    moves by dt + R (w x p), where p is in the vehicle's axes or, for the mount, in the sonar's.
+    Sigmas are along the worst direction in the tangent plane, NaN where a point is.
 
     Parameters
     ----------
     pings
-        Poses at n pings.
+        Poses at n pings, and the uncertainties of vehicle and mount.
     points
         (n, k, 3) m, k points that each ping met.
     normals
@@ -88,12 +89,14 @@ def _motion_jacobian(shift_axes: Array, turn_axes: Array, levers: Array) -> Arra
     levers
         (n, k, 3) m from the sensor to the points.
     """
+    # A turn about an axis moves a point by axis x lever, for each of the three axes
     turned = np.cross(turn_axes.swapaxes(1, 2)[:, None], levers[:, :, None]).swapaxes(2, 3)
     return np.concatenate([np.broadcast_to(shift_axes[:, None], turned.shape), turned], axis=3)
 
 
 def _largest_sigma(covariance: Array, normals: Array) -> Array:
     """Compute the largest sigma (n, k) of covariances (n, k, 3, 3) within the tangent planes."""
+    # Leaves of a vector its part in the tangent plane
     tangent = np.eye(3) - normals[..., :, None] * normals[..., None, :]
     flat = tangent @ covariance @ tangent
     known = np.isfinite(flat).all(axis=(2, 3))

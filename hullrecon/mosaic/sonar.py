@@ -48,7 +48,9 @@ class SonarFan:
     half_elevation: float  # rad, largest angle out of the fan
 
     def locate(self, points: Array) -> tuple[Array, Array]:
-        """Locate points (n, 3) m in the sonar's axes in the image.
+        """Locate points (n, 3) m, given in the sonar's axes, in the sonar's image.
+
+        The elevation of a point does not show in the image.
 
         Returns
         -------
@@ -112,9 +114,9 @@ def build_fan(directions: Array, range_m: Array, elevation_rad: float) -> SonarF
     Parameters
     ----------
     directions
-        (beams, 3) in the sonar's axes.
+        Unit vectors (beams, 3) in the sonar's axes, in any order.
     range_m
-        (ranges,) ascending.
+        (ranges,) m, ascending and evenly spaced.
     elevation_rad
         Full aperture out of the fan.
     """
@@ -210,15 +212,15 @@ def sonar_mosaic(
     Parameters
     ----------
     surface
-        On which the pings are laid.
+        The surface on which the pings are laid.
     pings
-        Images of the sonar.
+        Images of the sonar, with its beams and ranges.
     poses
         result_from_sonar at the pings.
     elevation_rad
-        The full aperture out of the fan.
+        The full aperture out of the fan, of which APERTURE_SHARE is used.
     options
-        Of the step mosaic-sonar.
+        Side of a texel, size of a tile, and whether levels are corrected.
     stream
         Maps work over threads.
     scratch
@@ -262,7 +264,8 @@ def learn_levels(
 ) -> ReturnLevels | None:
     """Estimate the mean gray level of hull at each range and beam, and the gain of each ping.
 
-    The mean contains beam pattern, spreading loss and grazing angle. Only pixels that show visible
+    With these a mosaic is made that shows the hull, not how the sonar looked at it. The mean
+    contains beam pattern, spreading loss and grazing angle. Only pixels that show visible
     surface count, so that neither the water before the first return nor shadows darken the mean.
 
     Parameters
@@ -272,7 +275,7 @@ def learn_levels(
     image_views, footprints
         All pings, and where they met the surface.
     min_cosine
-        Of the incidence, below which a texel does not count.
+        Cosine of the flattest incidence at which a texel counts.
     scratch
         A file to which data are appended.
 
@@ -353,7 +356,8 @@ def _hull_cells(
 def _gain(values: NDArray[np.uint8], means: Array) -> float:
     """Estimate the ratio of a ping's brightness to the mean, limited to a factor of two.
 
-    values, means (n,): gray levels of the ping's hull pixels, and the mean levels there.
+    1 with fewer than MIN_SAMPLES pixels. values, means (n,): gray levels of the ping's hull pixels,
+    and the mean levels there.
     """
     if len(values) < MIN_SAMPLES:
         return 1.0

@@ -54,10 +54,11 @@ class ImageView(Protocol):
         """
 
     def least_ratio(self, center: Array, radius: Array) -> Array:
-        """Bound r / R (n,) from below over all points of balls.
+        """Compute a lower bound (n,) of r / R over all points of each of n balls.
 
-        `center`: of the balls (n, 3) m. `radius`: (n,) m. inf where the picture shows no point of
-        a ball.
+        With it views are ruled out for whole blocks of texels. inf where the picture shows no point
+        of a ball, 0 where nothing can be said. `center`, `radius`: of the balls, (n, 3) m and (n,)
+        m.
         """
 
     def outline(self, surface: MosaicSurface) -> Array:
@@ -93,7 +94,11 @@ class CameraView:
         )  # fmt: skip
 
     def least_ratio(self, center: Array, radius: Array) -> Array:
-        """Bound r / R by the largest distance in the image of a ball's points from its centre."""
+        """Compute a lower bound of r / R over all points of each ball. See `ImageView`.
+
+        It is r / R of the ball's centre, less how far in the image a point of the ball may be from
+        it.
+        """
         x, y, z = self._inside(center)
         nearest = np.maximum(z - radius, 1e-9)
         middle = np.stack([x, y], axis=1) / np.maximum(z, 1e-9)[:, None]
@@ -141,7 +146,11 @@ class CameraView:
         return np.asarray(self.pose.rotation.as_matrix()[0].T)
 
     def _widest(self) -> float:
-        """Bound the tangent of rays that are projected: beyond, distortion might fold them back."""
+        """Compute the largest tangent (x / z) of rays that are projected.
+
+        It is half as large again as at the image's borders: far beyond them, distortion might fold
+        rays back into the image.
+        """
         c = self.camera
         return 1.5 * max(
             c.cx / c.fx, (c.width - c.cx) / c.fx, c.cy / c.fy, (c.height - c.cy) / c.fy
@@ -181,9 +190,10 @@ def images_of_camera(
     Parameters
     ----------
     rig, track
-        From which the poses follow, in the frame of the track.
+        Mount and calibration of the camera, and the vehicle's poses. The images' poses, which
+        follow, are in the frame of the track.
     camera
-        The camera.
+        Which camera of the rig it is.
     usable
         Whether each row of the camera's index of images is used.
     read
@@ -213,7 +223,9 @@ def compute_footprints(
 ) -> Footprints:
     """Find where rays spread over each image meet the surface.
 
-    `most_medians`: hits farther than so many times the median distance of a view are left out.
+    The footprints give the extent of the mosaic, and which texels a view may see. A view whose rays
+    all miss has NaN. `most_medians`: hits farther than so many times the median distance of a view
+    are left out.
     """
     outlines = [image_view.outline(surface) for image_view in image_views]
     ranges = np.array(
@@ -235,10 +247,10 @@ def compute_footprints(
 def footprint_windows(
     grid: TexelGrid, footprints: Footprints, margin_share: float = 0.06
 ) -> list[Window]:
-    """Bound the texels that each view may see, by a window around its footprint.
+    """Find a window around the footprint of each view, outside which it sees no texel.
 
-    `margin_share`: of the footprint's extent, that is added on each side, as the footprint is known
-    at some rays alone.
+    It is empty for a view that does not meet the surface. `margin_share`: this share of the
+    footprint's extent is added on each side, as the footprint is known at some rays alone.
     """
     spans = []
     for at in footprints.at:
@@ -278,14 +290,17 @@ def estimate_light(
 ) -> LightModel | None:
     """Estimate the light from small copies of all images, at texels LIGHT_STEP_M apart.
 
+    With it lamp, vignetting and brightness of each image are taken out. Where no texel is seen, the
+    field is the median of the images, and the gains are zero.
+
     Parameters
     ----------
     surface
-        The hull.
+        The hull, which says where several images show the same place.
     cameras, image_views
         Images by camera, and the views of all of them in the same order.
     footprints
-        Of the views.
+        Where rays of the views meet the hull.
     stream
         Maps work over threads.
 
@@ -335,6 +350,8 @@ def sample_light(
     camera: Ints,
 ) -> LightSamples:
     """Sample the brightness of each surface texel in every thumbnail that shows it.
+
+    There are no samples where no view sees the surface.
 
     Parameters
     ----------

@@ -40,6 +40,8 @@ class LightModel:
     def correct(self, picture: Picture, part: Part, camera: int, view: int) -> Floats32:
         """Correct a part of an image as if the light were even. Values may exceed 255.
 
+        No pixel is brightened by more than 8 times, as noise would be all that shows.
+
         Parameters
         ----------
         picture
@@ -47,7 +49,7 @@ class LightModel:
         part
             Rows and columns that are corrected.
         camera, view
-            Numbers of the camera and of the view.
+            Numbers of the camera, whose field is taken off, and of the view, whose gain is.
         """
         factor: Floats32 = np.negative(self._field_of(camera, picture.shape[:2])[part])
         factor -= np.float32(self.log_gain[view])
@@ -84,8 +86,9 @@ class LightSamples:
 def first_fields(thumbnails: Sequence[NDArray[np.uint8]], camera: Ints) -> list[Array]:
     """Make the start value of each camera's field: the smoothed median of its log images.
 
-    The mean of each image is taken off first. Of more than MOST_IMAGES images, evenly spaced ones
-    are taken. camera (images,): of each thumbnail.
+    As images show different hull, their median shows the light. The mean of each image is taken off
+    first. Of more than MOST_IMAGES images, evenly spaced ones are taken. camera (images,): number
+    of each thumbnail's camera.
     """
     fields = []
     for k in range(int(camera.max()) + 1):
@@ -99,7 +102,7 @@ def first_fields(thumbnails: Sequence[NDArray[np.uint8]], camera: Ints) -> list[
 
 
 def solve_light(samples: LightSamples, fields: list[Array], rounds: int = 3) -> LightModel:
-    """Estimate gains and fields in turns.
+    """Estimate the images' gains and the cameras' fields in turns.
 
     Each follows from the residuals about the texels' means over their views. These are clipped, so
     that glints and shadows count little.
@@ -107,7 +110,7 @@ def solve_light(samples: LightSamples, fields: list[Array], rounds: int = 3) -> 
     Parameters
     ----------
     samples
-        Of all views.
+        Intensities of texels, as the views of all cameras show them.
     fields
         Start values (rows, columns, channels) for each camera.
     rounds
@@ -147,7 +150,7 @@ def _gains(
     Parameters
     ----------
     samples
-        Of all views.
+        Says of which view and texel each value is.
     values
         (n,) log intensity of each sample, without the field.
     views
@@ -158,6 +161,8 @@ def _gains(
         Weight, in samples, of a prior that a view is as bright as the others. It keeps the gains
         from drifting along a chain of views.
     """
+    # Each sweep moves every gain by the mean residual of its samples. The prior counts as `pull`
+    # samples, with a fiftieth of their strength.
     gain = np.zeros(views)
     for _ in range(sweeps):
         level = values - gain[samples.view]

@@ -109,9 +109,9 @@ def write_cog(
     Parameters
     ----------
     path
-        Of the file.
+        Where the file is written.
     picture
-        In full size.
+        The picture in full size, which is read block by block.
     template
         A TIFF of one sparse block with the tags of the picture.
     nodata
@@ -152,11 +152,11 @@ def _compress(
     Parameters
     ----------
     picture
-        In full size, or an overview.
+        The picture in full size, or an overview.
     predictor
-        TIFF's, as for `predict`.
+        Number of TIFF's predictor, 2 or 3, as for `predict`.
     nodata
-        As for `write_cog`.
+        Value of texels without data, None if the last band is alpha.
     scratch
         File for the compressed blocks and tiles.
 
@@ -190,7 +190,8 @@ def _compress(
 def halve(block: NDArray[np.generic], nodata: float | None) -> NDArray[np.generic]:
     """Halve a block (h, w, bands) by the mean of each 2 x 2 texels that have data.
 
-    Where the last band is alpha (`nodata` is None), texels are weighted by it.
+    It is without data where none of the four has. Where the last band is alpha (`nodata` is None),
+    texels are weighted by it.
     """
     values = block.astype(np.float32)
     if nodata is None:
@@ -213,7 +214,7 @@ def halve(block: NDArray[np.generic], nodata: float | None) -> NDArray[np.generi
 def predict(block: NDArray[np.generic], predictor: int) -> bytes:
     """Make the bytes of differences along rows, which deflate compresses better.
 
-    `predictor`: TIFF's, 2 for integers and 3 for floats.
+    `predictor`: its number in TIFF, 2 for integers and 3 for floats.
     """
     height, width, bands = block.shape
     if predictor == 2:
@@ -292,7 +293,8 @@ def _assemble(
     """
     whole = sum(size + 8 for level in levels for size in level.sizes)
     form = _Format(whole > CLASSIC_BYTES)
-    # The length of the directories does not depend on the offsets that they hold
+    # The length of the directories does not depend on the offsets that they hold. So they are made
+    # with zeros first, which shows where the blocks begin.
     starts = [[0] * len(level.sizes) for level in levels]
     at = len(_directories(form, levels, tags, starts))
     for level, start in zip(reversed(levels), reversed(starts), strict=True):

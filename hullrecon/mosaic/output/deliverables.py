@@ -120,9 +120,9 @@ def stretch_contrast(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def reduced_picture(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Reduce a picture by area means to at most PREVIEW_PX a side.
+    """Reduce a picture by area means of its seen pixels to at most PREVIEW_PX a side.
 
-    matplotlib takes 50 bytes for each pixel that it draws.
+    matplotlib takes 50 bytes for each pixel that it draws. A smaller picture stays as it is.
     """
     import cv2
 
@@ -220,7 +220,10 @@ class Presentation:
 def make_deliverables(
     surface: MosaicSurface, store: TileStore, presentation: Presentation
 ) -> MosaicDeliverables:
-    """Make mosaic.json, preview and textured mesh of a mosaic whose tiles are complete."""
+    """Make mosaic.json, preview and textured mesh of a mosaic whose tiles are complete.
+
+    The last is None where too little was seen for a mesh.
+    """
     frame, grid = presentation.frame, store.grid
     document = mosaic_document(store, frame, presentation.facts)
     caption = Caption(
@@ -297,6 +300,7 @@ def gap_area_m2(alpha: NDArray[np.uint8], step_m: float) -> float:
     """
     from scipy import ndimage
 
+    # Closing: what was seen is grown by half of GAP_BRIDGE_M, and shrunk by as much
     seen = np.pad(alpha > 0, 2)
     bridge = max(1, round(0.5 * GAP_BRIDGE_M / step_m))
     grown = near_outside(~np.pad(seen, bridge), bridge)

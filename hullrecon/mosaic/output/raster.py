@@ -79,7 +79,7 @@ def write_raster(
     Parameters
     ----------
     path
-        Of the file.
+        Where the file is written.
     tiles
         (size, size, bands) or (size, size), in the order of `layout.grid.tiles(layout.size)`.
     layout, bands
@@ -105,7 +105,10 @@ def write_raster(
 
 
 def _template(layout: RasterLayout, bands: RasterBands) -> bytes:
-    """Let GDAL write a TIFF of one empty block with the tags of a raster."""
+    """Let GDAL write a TIFF of one empty block with the tags of a raster.
+
+    Its tags are those of the file that is written here: position, map, bands, compression.
+    """
     import rasterio
     from rasterio.io import MemoryFile
 
@@ -199,7 +202,7 @@ def surface_tiles(
     values
         (n,) of the mesh's vertices, by name of the raster.
     layout
-        Of the rasters.
+        Texels and tiles that all these rasters have.
     scratch
         A file that keeps the tiles.
     stream
@@ -221,7 +224,10 @@ def surface_tiles(
 def _interpolate(
     surface: MosaicSurface, values: Mapping[str, Array], layout: RasterLayout, window: Window
 ) -> dict[str, Array]:
-    """Interpolate values (n,) of the vertices at the texels of one tile."""
+    """Interpolate values (n,) of the vertices at the texels of one tile, as `surface_tiles` says.
+
+    Texels without surface, or beyond the raster, have none.
+    """
     part = window.meet(layout.grid.whole)
     patch = sample_surface(surface, layout.grid, part)
     held = patch.face >= 0

@@ -39,14 +39,16 @@ def build_textured_mesh(
 ) -> TexturedMesh:
     """Mesh the seen part of the surface on a regular grid of the chart.
 
+    Without a cell of the grid that was seen at all its corners, the mesh is empty.
+
     Parameters
     ----------
     surface
-        The surface.
+        The surface on which the mosaic was laid.
     grid
         Texels of the mosaic.
     alpha
-        (h, w) of the reduced mosaic, 0 where nothing was seen.
+        (h, w) opacity of the reduced mosaic, which is the texture: 0 where nothing was seen.
     reduction
         Texels of the mosaic along a pixel of the reduced one.
     max_faces
@@ -110,7 +112,7 @@ def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], up: Array) -> byt
     Parameters
     ----------
     mesh
-        In the frame of the results.
+        The mesh, in the frame of the results.
     texture
         (h, w, 4) RGBA, or (h, w, 2) gray and alpha.
     up

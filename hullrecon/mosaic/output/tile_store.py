@@ -113,7 +113,10 @@ class TileStore:
     counts: CompressedTiles  # (size, size) uint8, views blended
 
     def pack(self, window: Window, tile: Tile) -> PackedTile:
-        """Round and compress the tile of a window. Several threads may do it at once."""
+        """Round and compress the tile of a window. Several threads may do it at once.
+
+        Nothing is kept yet: `add` does that, in the order of the windows.
+        """
         seen = tile.views > 0
         alpha = np.where(seen, 255, 0).astype(np.uint8)[..., None]
         color = np.concatenate([np.rint(tile.value).astype(np.uint8) * (alpha > 0), alpha], axis=2)
@@ -178,7 +181,7 @@ def make_tiles(
     grid
         Texels of the mosaic.
     channels
-        Of the images, without alpha.
+        Number of channels of the images, without alpha.
     size
         Side of a tile, px.
     max_pixels
@@ -233,11 +236,11 @@ def blend_tiles(
     surface, grid
         The surface, and the raster on its chart.
     footprints, image_views
-        Of all images.
+        Where the rays of each image meet the surface, and the images as views.
     limits
-        Which views are used.
+        How oblique a view may be, and how much that costs.
     channels
-        Of the images.
+        Number of channels of the images.
     tile_px
         Side of a tile.
     stream

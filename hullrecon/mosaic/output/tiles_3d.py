@@ -124,7 +124,7 @@ def write_tileset(
 
 
 def _write_contents(pyramid: Pyramid, write: Callable[[str, bytes], None]) -> dict[Place, _Content]:
-    """Write the GLB of every tile in which something was seen."""
+    """Write the GLB of every tile in which something was seen. The others have none."""
 
     def make(place: Place) -> tuple[TexturedMesh, bytes] | None:
         level, row, column = place
@@ -210,7 +210,7 @@ def _paint_unseen(texture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _mesh(pyramid: Pyramid, level: int, row: int, column: int, seen: Mask) -> TexturedMesh:
-    """Mesh the seen part of the surface under a tile, with skirts.
+    """Mesh the seen part of the surface under a tile, with skirts. Empty if nothing was seen.
 
     seen: whether each texel of the tile, with its margin, was seen.
     """
@@ -291,7 +291,7 @@ def _vertices(
     pyramid, level
         The mosaic, and the level of the tile.
     row, column
-        Of the tile's first vertex among the vertices of the level.
+        Row and column of the tile's first vertex among the vertices of the level.
     count
         Cells of the tile along a side.
 
