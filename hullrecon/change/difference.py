@@ -235,7 +235,8 @@ def smallest_change(found: Difference, places: int, options: ChangeOptions) -> f
 def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOptions) -> Mask:
     """Select the ring of unchanged bare hull around a region's cells (a, g).
 
-    It begins 2 edge_m from the region, beyond the blur of edges. off: cells of all regions that
+    Heights of the region are counted from it. It may be empty. It begins 2 edge_m from the region,
+    beyond the blur of edges. off: cells of all regions that
     changed, which are left out.
     """
     from scipy.ndimage import distance_transform_edt

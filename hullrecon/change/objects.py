@@ -198,7 +198,8 @@ def _candidates(
 def _move_object(found: ReportedObject, context: ObjectComparison, motion: Poses) -> _MovedObject:
     """Move an object by a rigid motion, and project it onto the chart.
 
-    Without an outline on the chart, its footprint is a disc of its extent.
+    Without an outline on the chart, its footprint is a disc of its extent. It is empty off the
+    chart.
     """
     center = motion.apply(np.array([found.center], float))[0]
     ring = motion.apply(np.array(found.outline, float)) if len(found.outline) else np.zeros((0, 3))

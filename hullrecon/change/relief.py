@@ -108,7 +108,11 @@ def local_median(height: Array, window: int) -> Array:
 
 
 def _between(middle: Array, coarse: int, shape: tuple[int, ...]) -> Array:
-    """Interpolate values of blocks (i, j), each `coarse` cells wide, linearly at every cell."""
+    """Interpolate values of blocks (i, j), each `coarse` cells wide, linearly at every cell.
+
+    Blocks without a value take those of blocks near by. NaN where there are none.
+    """
+    # A weighted blur fills such blocks
     from scipy.ndimage import gaussian_filter, map_coordinates
 
     known = np.isfinite(middle)

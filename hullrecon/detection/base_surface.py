@@ -85,7 +85,7 @@ class HullPosition:
         """Collect the members of a position in objects.json and in coverage.json.
 
         Those that are unknown are None: along and girth off the chart, side and frame where the
-        base is not a ship, the depth without a depth in g.
+        base is not a ship, the depth where it was not measured.
         """
         known = bool(np.isfinite(self.along_girth).all())
         along, girth = (round(float(v), 5) for v in self.along_girth) if known else (None, None)

@@ -442,7 +442,10 @@ class _ChartCells:
 
 
 def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
-    """Sort patches into cells of the chart, which reach BRIDGE_CELLS beyond the seen patches."""
+    """Sort patches into cells of the chart, which reach BRIDGE_CELLS beyond the seen patches.
+
+    Patches off the chart, or beyond these cells, are left out.
+    """
     at = chart.to_chart(hull.mesh.vertices)[:, :2]
     known = np.asarray(np.isfinite(at).all(axis=1))
     low = np.floor(at[known & seen].min(axis=0) / CELL_M).astype(np.int64) - BRIDGE_CELLS
@@ -479,6 +482,7 @@ def _hole_facts(
     from scipy import ndimage
 
     which = np.argwhere(hole)
+    # The cell of the hole nearest to its mean
     inner = which[np.argmin(np.linalg.norm(which - which.mean(axis=0), axis=1))]
     center = chart.from_chart(((inner + cells.low + 0.5) * CELL_M)[None])[0][0]
     around = ndimage.binary_dilation(hole, np.ones((3, 3), bool)) & (hole | cells.seen)

@@ -23,6 +23,7 @@ def earth_fixed(latitude_deg: Array, longitude_deg: Array) -> Array:
 
 def north_east(latitude_deg: Array, longitude_deg: Array) -> Array:
     """Compute how far positions lie north and east of the first, (n, 2) m, in its tangent plane."""
+    # Unit vectors north and east at the first position, in earth-fixed axes
     at = earth_fixed(latitude_deg, longitude_deg)
     latitude, longitude = np.radians(latitude_deg[0]), np.radians(longitude_deg[0])
     north = [

@@ -50,7 +50,10 @@ class Around:
         return np.array(self._tree.query_ball_point(center, reach, return_sorted=True), np.int64)
 
     def ball(self, points: Array, reach: float) -> Ints:
-        """Find the rows in a ball that contains everything within reach of any of the points."""
+        """Find the rows in a ball that contains everything within reach of any of the points.
+
+        It is a fast first choice: rows farther off than reach may be among them.
+        """
         center = 0.5 * (points.min(axis=0) + points.max(axis=0))
         return self(center, float(np.linalg.norm(points - center, axis=1).max()) + reach)
 

@@ -54,6 +54,9 @@ def minimise_over_pose(
 ) -> PoseSolution:
     """Minimise a cost over a pose by damped Gauss-Newton steps.
 
+    A step that raises the cost is not taken, and tried again with more damping. So the result is
+    the best pose found, also where `max_iterations` ends the search before the minimum.
+
     Parameters
     ----------
     start
@@ -72,6 +75,7 @@ def minimise_over_pose(
     pose, here, damping = start, linearise(start), FIRST_DAMPING
     for _ in range(max_iterations):
         basis = np.eye(6) if free_directions is None else free_directions(pose)
+        # Only steps in the span of the basis: the unknowns are its k coefficients
         reduced = basis.T @ here.information @ basis
         step = -basis @ np.linalg.solve(
             reduced + damping * np.diag(np.diag(reduced)), basis.T @ here.gradient

@@ -219,6 +219,7 @@ def interpolate(t_ns: Ints, poses: Poses, wanted_ns: Ints) -> Poses:
     left = right - 1
     share = (at - t_ns[left]) / np.maximum(1, t_ns[right] - t_ns[left])
     a, b = poses[left], poses[right]
+    # The rotation from one pose to the next, in the axes of the first, of which a share is taken
     turn = (a.rotation.inv() * b.rotation).as_rotvec() * share[:, None]
     rotation = a.rotation * Rotation.from_rotvec(turn)
     return Poses(

@@ -19,6 +19,7 @@ def fit_rigid(source: Array, target: Array) -> Poses:
     first, second = (np.asarray(p, float).reshape(-1, *np.shape(p)[-2:]) for p in (source, target))
     mean_first, mean_second = first.mean(axis=1, keepdims=True), second.mean(axis=1, keepdims=True)
     u, _, vt = np.linalg.svd(np.einsum("sni,snj->sij", second - mean_second, first - mean_first))
+    # Of flat or noisy sets the best fit may be a reflection: its third axis is then reversed
     no_reflection = np.ones((len(first), 3))
     no_reflection[:, 2] = np.sign(np.linalg.det(u) * np.linalg.det(vt))
     matrix = np.tile(np.eye(4), (len(first), 1, 1))

@@ -78,6 +78,8 @@ def undistortion(camera: CameraModel) -> Undistortion:
         camera.distort(ideal) - side
         for ideal, side in zip((left, right, top, bottom), sides, strict=True)
     ]
+    # Half the width and height, px, of the rectangle about the axis that all four borders leave
+    # free
     half_x = min(-left[:, 0].max(), right[:, 0].min()) * camera.fx
     half_y = min(-top[:, 1].max(), bottom[:, 1].min()) * camera.fy
     if not (np.abs(missed).max() < INVERSE_PX and half_x >= 1 and half_y >= 1):

@@ -313,8 +313,9 @@ def statistical_inliers(
 ) -> Mask:
     """Tell which points (n, 3) are not far from their neighbours [Rusu2008; Ozog2016 3.2.2.1].
 
-    A point is an inlier if its mean distance to its neighbours is at most `deviations` standard
-    deviations above the mean of all. [Ozog2016] takes 30 neighbours and one standard deviation.
+    All are inliers where there are fewer than two. A point is an inlier if its mean distance to its
+    neighbours is at most `deviations` standard deviations above the mean of all. [Ozog2016] takes
+    30 neighbours and one standard deviation.
     """
     count = min(neighbours, len(points) - 1)
     if count < 1:

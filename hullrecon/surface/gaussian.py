@@ -117,6 +117,7 @@ def regress(kernel: Kernel, seen: Observations, wanted: Array, most: int = MOST)
     corners = np.vstack([seen.at, wanted])
     whole = Box(corners.min(axis=0), corners.max(axis=0))
     boxes = list(_split(whole, seen.at, MARGIN * lengths, most))
+    # Sums of weights, of weighted means and of weighted sigmas over the tiles that hold a point
     total, mean, sigma = np.zeros((3, len(wanted)))
     for box in boxes:
         rows, near = (
@@ -177,7 +178,10 @@ class Kernel:
     NORM: ClassVar[float] = np.inf
 
     def matrix(self, a: Array, b: Array) -> sparse.csr_array:
-        """Compute covariances (n, k) between points (n, 2) and (k, 2) of the chart."""
+        """Compute covariances (n, k) between points (n, 2) and (k, 2) of the chart.
+
+        Only pairs nearer than the lengths are found and stored: all others are zero.
+        """
         from scipy.spatial import cKDTree
 
         scale = np.array(self.length)

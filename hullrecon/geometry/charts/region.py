@@ -56,7 +56,7 @@ def region_cells(chart: Chart, mesh: Mesh, along: Limits, girth: Limits) -> Regi
 def chart_limits(chart: Chart, mesh: Mesh) -> Array:
     """Find the limits of a mesh on its chart: (2, 2) low and high of along, and of girth, m.
 
-    The chart is sampled between limits that the mesh's size cannot exceed. Zeros if the chart has
+    The chart is sampled as far as a mesh of this size can reach. Zeros if the chart has
     no point on the mesh. An end narrower than a LOOK-th of the mesh's size may be missed.
     """
     if not len(mesh.vertices):

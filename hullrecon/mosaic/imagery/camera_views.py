@@ -123,6 +123,7 @@ class CameraView:
             self.camera.rays(np.stack([u.ravel(), v.ravel()], axis=1))
             @ self.pose.rotation.as_matrix()[0].T
         )
+        # A ray that misses has no end
         gone = surface.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
         return np.asarray(self.center + np.where(np.isfinite(gone), gone, np.nan)[:, None] * rays)
 

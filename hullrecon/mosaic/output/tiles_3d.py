@@ -217,6 +217,7 @@ def _mesh(pyramid: Pyramid, level: int, row: int, column: int, seen: Mask) -> Te
     cell_px, count = pyramid.cell_px, TILE_PX // pyramid.cell_px
     points, normals, outward = _vertices(pyramid, level, row * count, column * count, count)
     inner = seen[MARGIN_PX:-MARGIN_PX, MARGIN_PX:-MARGIN_PX]
+    # A cell has faces if any of its texels was seen, and there is surface at its four corners
     cells = np.asarray(inner.reshape(count, cell_px, count, cell_px).any(axis=(1, 3)))
     good = np.asarray(np.isfinite(points).all(axis=2))
     cells &= good[:-1, :-1] & good[1:, :-1] & good[:-1, 1:] & good[1:, 1:]
@@ -311,6 +312,7 @@ def _vertices(
     )
     base, outward = surface.chart.from_chart(layout.outside.to_chart(xy.reshape(-1, 2)))
     # Rays along the chart's normals, from outside, meet the surface.
+    # A hit farther than reach_m from the chart does not count
     start = base + surface.reach_m * outward
     gone = np.full(len(start), np.nan)
     known = np.isfinite(start).all(axis=1)
