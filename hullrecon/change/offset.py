@@ -95,8 +95,7 @@ class _Fit:
             weight = samples.weight * share / scale**2
             gradient = rows.T @ (weight * r)
             information = np.asarray(rows.T @ (weight[:, None] * rows) + held)
-            # Lowers the residuals, and the departure from the hull poses, which is the motion
-            # itself
+            # The step lowers the residuals, and the motion itself, which by the hull poses is zero
             step = np.linalg.solve(information, gradient + held @ _as_vector(motion, self.center))
             motion = _apply_step(motion, np.asarray(-step), self.center)
             by_error = np.asarray(rows * weight[:, None]) * samples.shared_m

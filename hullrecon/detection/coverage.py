@@ -318,7 +318,10 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
 
 
 def _meets_fan(cubes: _Cubes, center: Array, out_of_plane: Array, sonar: SonarSurvey) -> Mask:
-    """Mark the cubes (k,) whose sphere may reach into the sonar's fan. The others need no test."""
+    """Mark the cubes (k,) whose sphere may reach into the sonar's fan.
+
+    Patches in the others need no test.
+    """
     # A sphere is in range if its nearest point is. Its part out of the plane is compared with the
     # aperture at its farthest point, where the fan is widest.
     ray = cubes.middle - center
@@ -444,7 +447,8 @@ class _ChartCells:
 def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
     """Sort patches into cells of the chart, which reach BRIDGE_CELLS beyond the seen patches.
 
-    Patches off the chart, or beyond these cells, are left out.
+    Patches off the chart, or beyond these cells, are left out. A cell without a patch of its own is
+    seen if the nearest patch is.
     """
     at = chart.to_chart(hull.mesh.vertices)[:, :2]
     known = np.asarray(np.isfinite(at).all(axis=1))
@@ -476,13 +480,13 @@ def _hole_facts(
 ) -> Facts:
     """Measure a hole: centre, address and area, for coverage.json.
 
-    The centre is the cell of the hole nearest to the mean of its cells, as that may lie outside.
-    The area counts unseen patches in the seen cells around the hole too. hole (a, g): its cells.
+    The centre is the cell of the hole nearest to the mean of its cells, as the mean itself may lie
+    outside. The area counts unseen patches in the seen cells around the hole too. hole (a, g): its
+    cells.
     """
     from scipy import ndimage
 
     which = np.argwhere(hole)
-    # The cell of the hole nearest to its mean
     inner = which[np.argmin(np.linalg.norm(which - which.mean(axis=0), axis=1))]
     center = chart.from_chart(((inner + cells.low + 0.5) * CELL_M)[None])[0][0]
     around = ndimage.binary_dilation(hole, np.ones((3, 3), bool)) & (hole | cells.seen)

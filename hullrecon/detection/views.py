@@ -136,7 +136,7 @@ def find_visibility_by_cell(
     It is many times faster than `find_visibility`, as neighbours are mostly seen alike.
     cell_m (n,): side of the cell at each point, in m.
     """
-    # Cells of different sides are different cells
+    # The side is part of the key: cells of different sides are not the same cell
     key = np.column_stack([np.floor(points / cell_m[:, None]), cell_m])
     _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
     few = find_visibility(views, points[first], normals[first], scene)

@@ -69,7 +69,7 @@ def measure_surface(
     row = np.flatnonzero(np.isfinite(position).all(axis=1) & (views >= 2))
     near = scene.closest(position[row])
     gap = position[row] - near.foot
-    # Distance from the line along the normal through the foot. It is about 0 but at the rim.
+    # Distance from the line along the normal through the foot. It is large beyond the rim.
     sideways = np.linalg.norm(
         gap - near.normal * np.einsum("ni,ni->n", gap, near.normal)[:, None], axis=1
     )

@@ -81,8 +81,8 @@ def dbscan(points: Array, reach_m: float, least: int) -> Ints:
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
-    # Core points within reach of each other are of one cluster, other points of their nearest core
-    # point's
+    # Core points within reach of each other are one cluster. Any other point is of the cluster of
+    # its nearest core point.
     tree = cKDTree(points)
     core = np.flatnonzero(tree.query_ball_point(points, reach_m, return_length=True) >= least)
     if not len(core):

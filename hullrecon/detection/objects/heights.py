@@ -208,7 +208,7 @@ def _median(values: Array) -> Array:
 def _tangents(normal: Array) -> tuple[Array, Array]:
     """Make two unit vectors (n, 3) perpendicular to each normal (n, 3) and to each other.
 
-    Their direction in the tangent plane is of no matter.
+    Any direction in the tangent plane will do.
     """
     helper = np.where(np.abs(normal[:, :1]) < 0.7, np.array([[1.0, 0, 0]]), np.array([[0, 1.0, 0]]))
     east = np.cross(helper, normal)

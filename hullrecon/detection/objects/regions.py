@@ -235,8 +235,8 @@ def find_regions(found: HullAsFound, options: DetectOptions) -> list[Region]:
 def _seeds(relief: _Relief, side: float) -> Iterator[tuple[Ints, Ints]]:
     """Yield for each structure its seed, and the vertices of those that were split from it.
 
-    A seed is the cluster of vertices that stand off the hull by MIN_OFFSET_M. Seeds whose area is
-    below SPECK of the least of an object are noise and left out. side: +1 raised, -1 sunken.
+    A seed is the vertices of a structure that stand off the hull by MIN_OFFSET_M. Seeds whose area
+    is below SPECK of the least of an object are noise and left out. side: +1 raised, -1 sunken.
     """
     for cluster in relief.clusters(np.flatnonzero(relief.off & (side * relief.found.height > 0))):
         parts = _split_at_saddles(relief, cluster, side)
@@ -272,7 +272,10 @@ def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
 
 
 def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
-    """Tell whether a part above a level is no speck, and its top twice as high as the level."""
+    """Tell whether a part of a cluster is a peak: no speck, and its top twice as high as the level.
+
+    level: m, height above which all vertices of the part lie.
+    """
     area = relief.area[rows]
     wide = area.sum() >= SPECK * relief.options.min_area_m2
     return bool(

@@ -66,8 +66,8 @@ class _Profile:
         for _ in range(NEWTON_STEPS):
             foot, tangent, bend = self.at(arc)
             off = places - foot
-            # A point beyond the centre of curvature has no nearest point on this side. The divisor
-            # is kept above LEAST_TURN, so that steps do not grow without limit there.
+            # Beyond the centre of curvature a point has no foot, and the divisor is not positive.
+            # It is kept above LEAST_TURN, so that steps stay short there.
             turn = np.maximum(1.0 - (off * bend).sum(axis=1), LEAST_TURN)
             arc = arc + (off * tangent).sum(axis=1) / turn
         foot, tangent, _ = self.at(arc)

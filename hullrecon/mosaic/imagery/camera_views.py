@@ -57,8 +57,8 @@ class ImageView(Protocol):
         """Compute a lower bound (n,) of r / R over all points of each of n balls.
 
         With it views are ruled out for whole blocks of texels. inf where the picture shows no point
-        of a ball, 0 where nothing can be said. `center`, `radius`: of the balls, (n, 3) m and (n,)
-        m.
+        of a ball, 0 where nothing can be said. `center` (n, 3) m and `radius` (n,) m are those of
+        the balls.
         """
 
     def outline(self, surface: MosaicSurface) -> Array:
