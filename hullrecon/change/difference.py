@@ -236,8 +236,7 @@ def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOption
     """Select the ring of unchanged bare hull around a region's cells (a, g).
 
     Heights of the region are counted from it. It may be empty. It begins 2 edge_m from the region,
-    beyond the blur of edges. off: cells of all regions that
-    changed, which are left out.
+    beyond the blur of edges. off: cells of all regions that changed, which are left out.
     """
     from scipy.ndimage import distance_transform_edt
 

@@ -412,7 +412,7 @@ def find_holes(
     seen
         (n,) which patches were seen.
     chart
-        In whose cells holes are found.
+        Chart of the hull, in whose cells holes are found.
     locate
         Computes members of coverage.json, an address among them, from the center (3,) of a hole.
     min_hole_m2

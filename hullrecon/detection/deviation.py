@@ -52,7 +52,7 @@ def split_deviation(
     Parameters
     ----------
     surface
-        With deviation and sigma at its n vertices.
+        The hull as found, with deviation and sigma at its n vertices.
     own_sigma
         (n,) m, the part of each vertex's sigma that is independent of the others. None: all but the
         part of the hull pose is.

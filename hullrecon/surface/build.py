@@ -241,7 +241,7 @@ def _lift_to_space(mesh: Mesh, offset: Array, sigma: Array, support: Ints, chart
     offset, sigma, support
         (n,) of each vertex: offset from the chart and its sigma, m, and number of returns near by.
     chart
-        Whose points and normals place the vertices.
+        Gives the points in space from which vertices are moved, and the normals along which.
     """
     base, normal = chart.from_chart(mesh.vertices[:, :2])
     vertices = base + normal * offset[:, None]
