@@ -249,7 +249,10 @@ def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOption
 
 
 def _window(cells: Mask, margin: int) -> tuple[slice, slice]:
-    """Choose the part of the lattice around cells with a margin of cells, all of it without any."""
+    """Choose the part of the lattice around cells with a margin of cells, all of it without any.
+
+    Distances are computed there alone, as a lattice has millions of cells.
+    """
     rows, columns = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
     if not len(rows):
         return slice(None), slice(None)

@@ -438,7 +438,10 @@ def _position_sigma(center: Array, moved: _MovedObject | None, context: ObjectCo
 
 
 def _join_parts(rows: Sequence[ObjectChange]) -> list[ObjectChange]:
-    """Keep one row per object: of several regions at one object, that of the largest area."""
+    """Keep one row per object: of several regions at one object, that of the largest area.
+
+    Rows of regions without an object are all kept.
+    """
     kept: dict[object, ObjectChange] = {}
     for k, row in enumerate(rows):
         key = (row.first_id, row.second_id) if (row.first_id, row.second_id) != (None, None) else k

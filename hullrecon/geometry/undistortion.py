@@ -53,7 +53,10 @@ class Undistortion:
         )
 
     def _source_pixels(self) -> tuple[Array, Array]:
-        """Compute columns and rows (h, w) in the source of the pinhole's pixels."""
+        """Compute columns and rows (h, w) in the source of the pinhole's pixels.
+
+        The image is resampled at these.
+        """
         pinhole = self.pinhole
         x = (np.arange(pinhole.width) - pinhole.cx) / pinhole.fx
         y = (np.arange(pinhole.height) - pinhole.cy) / pinhole.fy

@@ -73,7 +73,10 @@ class Tile:
     views: NDArray[np.uint8]  # (h, w) number of views that were blended
 
     def padded(self, shape: tuple[int, int]) -> Tile:
-        """Add unseen rows below and unseen columns to the right, up to a shape."""
+        """Add unseen rows below and unseen columns to the right, up to a shape.
+
+        So tiles that stick out of the raster have the size of all others.
+        """
         more = [(0, n - m) for n, m in zip(shape, self.views.shape, strict=True)]
         return Tile(
             value=np.pad(self.value, [*more, (0, 0)]),

@@ -62,7 +62,10 @@ def build_occlusion_horizon(
 
 
 def _meet(charted: Array, faces: Ints32, limits: Array) -> Mask:
-    """Mark the faces (m,) of charted vertices (n, 2) that reach into limits (2, 2) of the chart."""
+    """Mark the faces (m,) of charted vertices (n, 2) that reach into limits (2, 2) of the chart.
+
+    By the bounding boxes of the faces on the chart: some are marked that only pass near.
+    """
     out = np.zeros(len(faces), bool)
     for rows in blocks_of_faces(len(faces)):
         corner = charted[faces[rows]]
@@ -74,7 +77,10 @@ def _meet(charted: Array, faces: Ints32, limits: Array) -> Mask:
 
 
 def _points_between(vertices: Array, faces: Ints32) -> Array:
-    """Cover the faces that are larger than a cell with points (n, 3) at most CELL_M apart."""
+    """Cover the faces that are larger than a cell with points (n, 3) at most CELL_M apart.
+
+    Otherwise cells inside a large face would have no point, and nothing would seem to occlude.
+    """
     parts = np.zeros(len(faces), np.int64)
     for rows in blocks_of_faces(len(faces)):
         corner = vertices[faces[rows]]

@@ -95,7 +95,10 @@ def _motion_jacobian(shift_axes: Array, turn_axes: Array, levers: Array) -> Arra
 
 
 def _largest_sigma(covariance: Array, normals: Array) -> Array:
-    """Compute the largest sigma (n, k) of covariances (n, k, 3, 3) within the tangent planes."""
+    """Compute the largest sigma (n, k) of covariances (n, k, 3, 3) within the tangent planes.
+
+    NaN where a covariance or a normal is.
+    """
     # Projects onto the tangent planes
     tangent = np.eye(3) - normals[..., :, None] * normals[..., None, :]
     flat = tangent @ covariance @ tangent

@@ -76,7 +76,10 @@ class SonarFan:
         )
 
     def rays(self, bearings: int, elevations: int) -> Array:
-        """Make unit vectors (bearings * elevations, 3) in the sonar's axes, over the aperture."""
+        """Make unit vectors (bearings * elevations, 3) in the sonar's axes, over the aperture.
+
+        They are cast to find where a ping may meet the hull.
+        """
         psi, theta = np.meshgrid(
             np.linspace(self.bearing[0], self.bearing[-1], bearings),
             np.linspace(-self.half_elevation, self.half_elevation, elevations),

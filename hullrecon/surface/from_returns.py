@@ -298,7 +298,10 @@ def _add_sigmas(returns: _ReturnPoints, survey: SurfaceInputs, chart: Chart) -> 
 
 
 def _join(returns: SurfacePoints, landmarks: SurfacePoints) -> SurfacePoints:
-    """Join returns and landmarks. Landmarks give support only where there are no returns at all."""
+    """Join returns and landmarks. Landmarks give support only where there are no returns at all.
+
+    So landmarks sharpen the surface where returns are, and do not extend it.
+    """
     n, alone = len(landmarks.point), not len(returns.point)
     return SurfacePoints(
         point=np.vstack([returns.point, landmarks.point]),

@@ -101,7 +101,11 @@ def dbscan(points: Array, reach_m: float, least: int) -> Ints:
 
 
 def alpha_shape(points: Array, alpha_m: float) -> Ints32:
-    """Triangulate points (n, 2) m and keep triangles (m, 3) with a circumradius up to alpha."""
+    """Triangulate points (n, 2) m and keep triangles (m, 3) with a circumradius up to alpha.
+
+    What is left outlines the points closely, gaps included. Empty for fewer than three points, or
+    points on one line.
+    """
     from scipy.spatial import Delaunay, QhullError
 
     if len(points) < 3:
@@ -172,7 +176,10 @@ def find_shape_hits(
 def count_shapes(
     views: CameraViews, features: Array, deviation: Array, vertices: Array, options: DetectOptions
 ) -> Ints:
-    """Count the views (n,) whose ray to each vertex meets a shape [Ozog2016 Algorithm 5]."""
+    """Count the views (n,) whose ray to each vertex meets a shape [Ozog2016 Algorithm 5].
+
+    An object must be shown by enough views.
+    """
     count = np.zeros(len(vertices), np.int64)
     for rows, _ in find_shape_hits(views, features, deviation, vertices, options):
         count[rows] += 1

@@ -199,7 +199,10 @@ class _Relief:
     options: DetectOptions
 
     def clusters(self, rows: Ints) -> list[Ints]:
-        """Cluster vertices by DBSCAN with the radius `cluster_reach_m`."""
+        """Cluster vertices by DBSCAN with the radius `cluster_reach_m`.
+
+        Vertices with too few others around are noise, and in no cluster.
+        """
         label = dbscan(
             self.found.base.vertices[rows],
             self.options.cluster_reach_m,

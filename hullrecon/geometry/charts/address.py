@@ -81,7 +81,10 @@ def frame_words(along_m: float, spacing_m: float, sigma_m: float | None) -> str:
 def _words(
     at: Array, depth_m: float, spacing_m: float | None, hull: bool, sigma: AddressSigma | None
 ) -> str:
-    """Write the address of one chart point (3,). `hull`: the chart is that of a CAD model."""
+    """Write the address of one chart point (3,). `hull`: the chart is that of a CAD model.
+
+    Parts of it that are unknown are left out: frame, depth, and the digits below a sigma.
+    """
     along, girth = float(at[0]), float(at[1])
     along_sigma, girth_sigma = (None, None) if sigma is None else (sigma.along, sigma.girth)
     if not np.isfinite(at[:2]).all():

@@ -48,7 +48,10 @@ class _Profile:
         return CubicSpline(self.arc, self.knots)
 
     def at(self, arc: Array) -> tuple[Array, Array, Array]:
-        """Compute points, unit tangents and curvature vectors, (n, 2) each, at arc lengths (n,)."""
+        """Compute points, unit tangents and curvature vectors, (n, 2) each, at arc lengths (n,).
+
+        Beyond its ends the curve goes on straight.
+        """
         inside = np.clip(arc, self.arc[0], self.arc[-1])
         beyond = arc - inside
         slope = self._curve(inside, 1)
@@ -218,7 +221,10 @@ def _straight_and_bent(normal: Array, plane: PlaneChart) -> tuple[Array, int]:
 
 
 def _fit_profile(places: Array, outward: Array) -> Array:
-    """Fit a smooth curve, knots (k, 2), to points (n, 2), with outward (n, 2) to its left."""
+    """Fit a smooth curve, knots (k, 2), to points (n, 2), with outward (n, 2) to its left.
+
+    Smoothing and arc lengths depend on each other, so they are computed in turns.
+    """
     arc = _first_arc(places)
     for _ in range(ROUNDS):
         knots = _smooth_curve(places, arc)

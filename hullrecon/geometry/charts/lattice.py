@@ -41,7 +41,10 @@ class Lattice:
         return np.clip(number, 0, last), np.asarray(inside)
 
     def polygon(self, outline: Array) -> Mask:
-        """Find the cells (a, g) inside a closed line (k, 2) of chart points."""
+        """Find the cells (a, g) inside a closed line (k, 2) of chart points.
+
+        None where the line has no point.
+        """
         import cv2
 
         mask = np.zeros(self.shape, np.uint8)

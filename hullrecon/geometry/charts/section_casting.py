@@ -227,7 +227,10 @@ def _points(s: Sections, radius: Array) -> Array:
 
 
 def _girth(s: Sections, radius: Array) -> Array:
-    """Compute the girth (k, m) m: arc length of a section from phi = 0, negative to starboard."""
+    """Compute the girth (k, m) m: arc length of a section from phi = 0, negative to starboard.
+
+    NaN where the radius is, and beyond: the chords there have no length.
+    """
     chord = np.linalg.norm(np.diff(_points(s, radius)[:, :, 1:], axis=1), axis=2)
     keel = radius.shape[1] // 2
     out = np.zeros_like(radius)

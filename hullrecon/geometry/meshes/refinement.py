@@ -82,7 +82,11 @@ class _Limits:
         self._limit: Array = np.zeros(0)
 
     def exceeded(self, edge: Ints, vertices: Array, length: Array) -> Mask:
-        """Tell which edges (e, 2) between vertices (n, 3), of lengths (e,), are too long."""
+        """Tell which edges (e, 2) between vertices (n, 3), of lengths (e,), are too long.
+
+        Limits of the edges asked for last are kept, as most edges are asked for again after a
+        split.
+        """
         if not callable(self._longest_m):
             return np.asarray(length > max(self._longest_m, self._spared_m))
         asked = np.flatnonzero(length > self._spared_m)

@@ -50,7 +50,10 @@ def find_edges(faces: NDArray[np.integer]) -> Edges:
 
 
 def find_shared_edges(faces: NDArray[np.integer]) -> SharedEdges:
-    """Find the edges of faces (m, 3) that exactly two faces share, with `first` < `second`."""
+    """Find the edges of faces (m, 3) that exactly two faces share, with `first` < `second`.
+
+    Open edges, and those at which more than two faces meet, are left out.
+    """
     edges = find_edges(faces)
     number = edges.of_face.ravel()
     inner = np.flatnonzero(edges.face_count[number] == 2)

@@ -265,7 +265,10 @@ def footprint_windows(
 
 
 def camera_views(cameras: Sequence[CameraImages], light: LightModel | None) -> list[CameraView]:
-    """Make views with pictures that are corrected for the light, in the order of the cameras."""
+    """Make views with pictures that are corrected for the light, in the order of the cameras.
+
+    A picture is read when it is asked for. It is not corrected if `light` is None.
+    """
     image_views: list[CameraView] = []
     for k, images in enumerate(cameras):
         for i, row in enumerate(images.rows.tolist()):
@@ -331,7 +334,10 @@ def estimate_light(
 
 
 def _thumbnail(read: Read, row: int) -> NDArray[np.uint8] | None:
-    """Reduce an image to two pixels a side for each cell of the light field. None if unreadable."""
+    """Reduce an image to two pixels a side for each cell of the light field. None if unreadable.
+
+    The light is smooth, so that small copies show it, which fit into memory for all images.
+    """
     import cv2
 
     picture = read(row)

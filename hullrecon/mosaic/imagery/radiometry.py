@@ -175,7 +175,10 @@ def _gains(
 
 
 def _correction(samples: LightSamples, residual: Array, camera: int) -> Array:
-    """Average a camera's residuals (n, channels) by cell of its field, clipped and smoothed."""
+    """Average a camera's residuals (n, channels) by cell of its field, clipped and smoothed.
+
+    The result is added to the field. Clipping keeps glints and shadows from entering it.
+    """
     rows = samples.camera[samples.view] == camera
     cells = FIELD[0] * FIELD[1]
     count = np.bincount(samples.cell[rows], minlength=cells).reshape(FIELD)

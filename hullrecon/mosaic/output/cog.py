@@ -228,7 +228,10 @@ def predict(block: NDArray[np.generic], predictor: int) -> bytes:
 
 
 def read_tags(tiff: bytes) -> dict[int, tuple[int, bytes]]:
-    """Read the first directory of a little-endian classic TIFF: (type, bytes) of each tag."""
+    """Read the first directory of a little-endian classic TIFF: (type, bytes) of each tag.
+
+    Values of up to four bytes stand in the entry itself, longer ones where it points to.
+    """
     (at,) = struct.unpack_from("<I", tiff, 4)
     (count,) = struct.unpack_from("<H", tiff, at)
     tags = {}

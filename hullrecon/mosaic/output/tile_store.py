@@ -41,7 +41,10 @@ def read_at(file: BinaryIO, at: int, length: int) -> bytes:
 
 
 def block_means(picture: Floats32, side: int) -> Floats32:
-    """Reduce a picture (h, w, bands) by the mean of each square of `side` pixels a side."""
+    """Reduce a picture (h, w, bands) by the mean of each square of `side` pixels a side.
+
+    Height and width must be multiples of `side`.
+    """
     import cv2
 
     height, width, bands = picture.shape
@@ -135,7 +138,10 @@ class TileStore:
         )
 
     def add(self, window: Window, tile: PackedTile) -> None:
-        """Keep the tile of a window, and add its contributions."""
+        """Keep the tile of a window, and add its contributions.
+
+        Tiles must come in the order of `grid.tiles(size)`.
+        """
         self.color.add_packed(tile.color)
         self.variance.add_packed(tile.variance)
         self.counts.add_packed(tile.counts)
