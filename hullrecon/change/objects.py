@@ -427,6 +427,7 @@ def _position_sigma(center: Array, moved: _MovedObject | None, context: ObjectCo
     if found is not None and None not in (found.sigma_along, found.sigma_girth, found.sigma_normal):
         return np.array([found.sigma_along, found.sigma_girth, found.sigma_normal], float)
     axes = [axis[0] for axis in tangents_at(context.chart, center[None])]
+    # Charts are left-handed, so that girth x along points outward
     axes.append(np.cross(axes[1], axes[0]))
     # Derivatives of the point's position along each axis by translation and rotation of the hull.
     rows = np.concatenate(

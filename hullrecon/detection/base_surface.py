@@ -37,6 +37,8 @@ class HullError:
 
     def points(self, points: Array) -> Array:
         """Move points (n, 3) of the dive in M as the error of the hull pose does."""
+        # If the hull lies off by the error, the dive lies off in M by its opposite: the translation
+        # (in g) and the turn about the survey's centre are undone
         center = self.hull_pose.survey_center
         shift = self.hull_pose.global_from_hull.rotation.inv().apply(self.error[:3]).reshape(3)
         return np.asarray(self._turn().apply(points - center - shift) + center)
@@ -165,6 +167,7 @@ def _tangents(center: Array, normal: Array, base: BaseSurface) -> tuple[Array, A
     along = along if np.isfinite(along).all() else np.eye(3)[int(np.argmin(np.abs(normal)))]
     along = along - normal * (along @ normal)
     along /= np.linalg.norm(along)
+    # Charts are left-handed: along x girth = -normal
     return along, np.cross(along, normal)
 
 

@@ -15,6 +15,7 @@ SQUARED_ECCENTRICITY = FLATTENING * (2 - FLATTENING)
 def earth_fixed(latitude_deg: Array, longitude_deg: Array) -> Array:
     """Convert positions on the ellipsoid to earth-centred, earth-fixed points (n, 3), m."""
     latitude, longitude = np.radians(latitude_deg), np.radians(longitude_deg)
+    # Length of the normal from the ellipsoid to the polar axis
     normal = SEMI_MAJOR_M / np.sqrt(1 - SQUARED_ECCENTRICITY * np.sin(latitude) ** 2)
     across = normal * np.cos(latitude)
     z = normal * (1 - SQUARED_ECCENTRICITY) * np.sin(latitude)

@@ -51,6 +51,7 @@ def position_sigma(pings: PingUncertainty, points: Array, normals: Array) -> tup
         (n, k) m, one sigma from the mount alone.
     """
     sonar, vehicle = pings.sonar.rotation.as_matrix(), pings.vehicle.rotation.as_matrix()
+    # hull_from_sonar times sonar_from_servo: the mount is shifted along the servo's axes
     hull_from_servo = sonar @ pings.servo_from_sonar.rotation.as_matrix()[0].T
     of_pose = _motion_jacobian(
         np.broadcast_to(np.eye(3), vehicle.shape),

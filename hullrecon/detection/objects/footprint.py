@@ -198,6 +198,7 @@ def _flatten(line: Array) -> Array:
     from above.
     """
     centred = line - line.mean(axis=0) if len(line) else line
+    # The vector area of a closed line points along the normal of its mean plane
     area = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)
     normal = area / max(float(np.linalg.norm(area)), 1e-12)
     across = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])

@@ -116,6 +116,7 @@ def _heights(
     fit = np.concatenate([np.nan_to_num(start)[:, None], np.zeros((len(at), 5))], axis=1)
     h = np.nan_to_num(h)
     for _ in range(ROUNDS):
+        # A landmark 4 robust sigmas off the fit is an outlier, and has no weight
         off = (h - np.einsum("nkj,nj->nk", terms, fit)) / (4.0 * scale[:, None])
         robust = weight * np.maximum(0.0, 1 - off**2) ** 2
         fit, variance = _solve(terms, h, robust, fit)

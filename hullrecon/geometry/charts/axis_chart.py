@@ -109,6 +109,7 @@ class AxisChart:
         normal = hit.normal.copy()
         if not on.all():
             normal[~on] = self.mesh.index.closest(point[~on]).gradient
+        # A normal along the ray, which goes inward, is turned
         return point, np.where(np.einsum("ni,ni->n", normal, inward)[:, None] > 0, -normal, normal)
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:

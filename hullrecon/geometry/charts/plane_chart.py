@@ -90,6 +90,7 @@ def fit_plane_chart(points: Array, toward: Array, up: Array) -> PlaneChart:
     center, directions = _principal(kept)
     normal = directions[2] if (toward - center) @ directions[2] >= 0 else -directions[2]
     girth = _girth_axis(normal, directions[0], up / np.linalg.norm(up))
+    # Left-handed, as every chart: along x girth = -normal
     return PlaneChart(center, np.stack([np.cross(normal, girth), girth, normal]))
 
 

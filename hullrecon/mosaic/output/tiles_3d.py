@@ -320,7 +320,8 @@ def _vertices(
     gone[~(gone <= 2 * surface.reach_m)] = np.nan
     points = (start - gone[:, None] * outward).reshape(*xy.shape[:2], 3)
     outward = outward.reshape(points.shape)
-    # Normals by central differences; the chart's where the surface has none.
+    # Normals by central differences; the chart's where the surface has none. On a map seen from
+    # outside, down x right points at the viewer.
     right, down = points[1:-1, 2:] - points[1:-1, :-2], points[2:, 1:-1] - points[:-2, 1:-1]
     normals = np.cross(down, right)
     length = np.linalg.norm(normals, axis=2, keepdims=True)
