@@ -130,6 +130,7 @@ def changed_regions(found: Difference, places: int, options: ChangeOptions) -> l
     """
     from scipy import ndimage
 
+    # Raised and sunken changes separately: connected cells beyond the threshold, small gaps closed
     threshold = np.maximum(options.min_change_m, CELL_SIGMAS * found.sigma)
     near = np.ones((3, 3), bool)
     regions: list[ChangedRegion] = []
@@ -147,6 +148,7 @@ def changed_regions(found: Difference, places: int, options: ChangeOptions) -> l
                         found, cells, _near_largest(side * found.local, cells), places, options, off
                     )
                 )
+    # Those whose change is large enough, and beyond chance
     good = [
         r
         for r in regions

@@ -47,16 +47,19 @@ def surface_moves(
     """
     from scipy import ndimage
 
+    # Bare hull: what no structure changed, with a margin
     with np.errstate(invalid="ignore"):
         bare = found.both & (np.abs(found.local) < options.min_change_m)
     for region in regions:
         bare &= ~ndimage.binary_dilation(region.cells, iterations=3)
+    # Test each patch, with p-values corrected for the number of patches
     move, sigma, size = _patches(found, bare, chart, lattice, offset, options)
     patches = int(np.isfinite(move).sum())
     p_value = np.ones(move.shape)
     for i, j in np.argwhere(np.isfinite(move)):
         p_value[i, j] = corrected_p_value(float(move[i, j]), float(sigma[i, j]), patches)
     moved = (p_value <= options.max_p_value) & (np.abs(np.nan_to_num(move)) >= options.min_move_m)
+    # Join patches that moved to the same side
     rows = []
     for side in (1.0, -1.0):
         label, count = ndimage.label(

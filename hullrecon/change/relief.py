@@ -57,6 +57,7 @@ def relief_on(
     if len(at) < 4:
         lost = np.full(lattice.shape, np.nan)
         return Relief(height=lost, sigma=lost, views=np.zeros(lattice.shape, np.int64))
+    # Between vertices far apart, linear interpolation would invent a surface: such cells are unseen
     distance, row = nearest(at[:, :2], middles, 1)
     seen = distance[:, 0] <= REACH_CELLS * lattice.step_m
     height = np.full(len(middles), np.nan)
@@ -90,6 +91,7 @@ def local_median(height: Array, window: int) -> Array:
     To save time it is computed once for each block of a fifth of the window, over the 5 by 5 blocks
     around it, and interpolated between blocks.
     """
+    # All heights of each block, then of the 5 by 5 blocks around it
     coarse = max(1, window // 5)
     blocks = [-(-n // coarse) for n in height.shape]
     padded = np.full([n * coarse for n in blocks], np.nan)

@@ -82,6 +82,7 @@ def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> S
     """
     base, normal = _chart_at(surface.chart, grid, window)
     shape = base.shape
+    # Rays start reach_m outside of the chart's surface, and may go as far inside of it
     start = (base + surface.reach_m * normal).reshape(-1, 3)
     direction = -normal.reshape(-1, 3)
     inside = np.zeros(shape[:2], bool)
@@ -92,6 +93,7 @@ def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> S
     off = gone > 2 * surface.reach_m
     gone[off], face[off] = np.nan, -1
     point = (start + gone[:, None] * direction).reshape(shape)
+    # Without a horizon, zero: any texel may be occluded
     if surface.horizon is None:
         tangent = np.zeros(shape[:2], np.float32)
     else:

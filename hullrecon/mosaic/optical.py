@@ -69,11 +69,13 @@ def optical_mosaic(
     ValueError
         When no image meets the surface.
     """
+    # Where the images meet the surface, which gives the raster
     image_views = plain_views(cameras)
     footprints = compute_footprints(surface, image_views, MOST_MEDIANS)
     gsd = ground_sample_distance(cameras, footprints)
     grid = grid_around(footprints.at.reshape(-1, 2), texel_size(gsd, options))
     surface = surface.with_occlusion_horizon(grid, footprints.span_m)
+    # The light, then the tiles
     light = (
         estimate_light(surface, cameras, image_views, footprints, stream)
         if options.even_light

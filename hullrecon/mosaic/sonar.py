@@ -234,6 +234,7 @@ def sonar_mosaic(
     ValueError
         When no ping meets the surface.
     """
+    # Where the pings meet the surface, which gives the raster
     fan = build_fan(pings.directions, pings.range_m, APERTURE_SHARE * elevation_rad)
     image_views = [
         SonarView(pose=poses[i], fan=fan, image=image) for i, image in enumerate(pings.image)
@@ -242,6 +243,7 @@ def sonar_mosaic(
     step = options.resolution_m or round(float(np.median(np.diff(pings.range_m))), 4)
     grid = grid_around(footprints.at.reshape(-1, 2), step)
     surface = surface.with_occlusion_horizon(grid, footprints.span_m)
+    # The levels of returns, then the tiles
     levels = (
         learn_levels(surface, image_views, footprints, LIMITS.min_cosine, scratch)
         if options.even_light
@@ -289,6 +291,7 @@ def learn_levels(
     """
     grid = grid_around(footprints.at.reshape(-1, 2), LEVEL_STEP_M)
     shape = image_views[0].image.shape
+    # For each pixel of the sonar's image, how often it showed hull, and the sum of its gray levels
     total, count = np.zeros(shape), np.zeros(shape)
     cells = _HullCells(scratch, len(image_views))
     windows = footprint_windows(grid, footprints)
@@ -306,6 +309,7 @@ def learn_levels(
             count += flat
     if count.sum() < MIN_SAMPLES:
         return None
+    # The gain of a ping: its own gray levels against the mean at the same pixels
     mean = _smooth(total, count)
     gain = [
         _gain(s.image.ravel()[cell], mean.ravel()[cell])

@@ -263,6 +263,7 @@ def _measure_landmarks(
             gives_support=np.zeros(0, bool),
         )
     _, normals = chart.from_chart(chart.to_chart(landmarks.points)[:, :2])
+    # Off the chart there is no normal: such points are left out later
     pose = survey.solution.hull_pose
     along = variance_along_normals(
         landmarks.points, np.nan_to_num(normals), landmarks.covariance, pose

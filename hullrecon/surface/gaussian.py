@@ -184,6 +184,7 @@ class Kernel:
         """
         from scipy.spatial import cKDTree
 
+        # In units of the lengths the covariance ends at a distance of 1, which a tree finds
         scale = np.array(self.length)
         left, right = np.asarray(a, float) / scale, np.asarray(b, float) / scale
         tree = cKDTree(right)

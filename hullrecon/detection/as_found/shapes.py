@@ -152,6 +152,7 @@ def find_shape_hits(
     rows, points
         For each view with shapes, the k vertices whose rays meet one, and the intersections (k, 3).
     """
+    # Only features off the hull make shapes, and only vertices near them can be met
     off = np.flatnonzero(np.abs(deviation) > threshold_m)
     near = _vertices_near(vertices, features[off], 3 * ALPHA_RADIUS_M)
     nearby = dict(iterate_views(views, vertices[near])) if len(near) and len(off) else {}
@@ -167,6 +168,7 @@ def find_shape_hits(
             MIN_CLUSTER_POINTS,
             ALPHA_RADIUS_M,
         )
+        # Where the rays to the vertices in this view meet the shapes
         seen = near[nearby[view]]
         met = _intersections(shapes, camera_from_result.apply(vertices[seen]))
         hit = np.isfinite(met).all(axis=1)

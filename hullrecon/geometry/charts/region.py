@@ -61,6 +61,8 @@ def chart_limits(chart: Chart, mesh: Mesh) -> Array:
     """
     if not len(mesh.vertices):
         return np.zeros((2, 2))
+    # along lies within the farthest vertex's distance of that of the origin, girth within twice the
+    # diagonal of the mesh
     farthest, around = (
         np.linalg.norm(mesh.vertices, axis=1).max(),
         2 * np.linalg.norm(np.ptp(mesh.vertices, axis=0)),

@@ -152,6 +152,7 @@ def cast_sections(mesh: Mesh, height: float) -> Sections:
     empty = _frame(mesh, height, int(np.ceil(size[0] / step)) + 1, 361)
     origin, inward = empty.rays(*_pairs(empty))
     hit = mesh.index.cast(origin, inward)
+    # Rays that go through to the axis have met no skin
     radius = np.where(hit.range < empty.reach, empty.reach - hit.range, np.nan).reshape(
         empty.radius.shape
     )
@@ -178,6 +179,8 @@ def _frame(mesh: Mesh, height: float, stations: int, angles: int) -> Sections:
     beam = high[1] - low[1]
     half = min(abs(low[1]), abs(high[1])) < 0.05 * beam
     axis_y = 0.0 if half or low[1] < 0 < high[1] else 0.5 * (low[1] + high[1])
+    # Rays start outside of all vertices. Stations are a little inside of both ends, where a plane
+    # would touch the mesh only
     reach = 1.05 * float(
         np.hypot(max(high[1] - axis_y, axis_y - low[1]), max(high[2] - height, height - low[2]))
     )

@@ -155,6 +155,7 @@ def _smooth_edges(mesh: Mesh) -> _SmoothEdges:
     )
     smooth = (angle <= SHARPEST_RAD) & (area[shared.first] > 0) & (area[shared.second] > 0)
     first, second = shared.first[smooth], shared.second[smooth]
+    # The width of a face across an edge is its height over that edge
     ends = welded.vertices[shared.vertices[smooth]]
     length = np.maximum(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), 1e-9)
     return _SmoothEdges(

@@ -235,6 +235,7 @@ def compute_footprints(
     distance = np.array(
         [float(np.median(r[np.isfinite(r)])) if np.isfinite(r).any() else np.nan for r in ranges]
     )
+    # Rays that miss or meet the surface too far off have no point, and no place on the chart
     points = np.stack(outlines)
     points[ranges > most_medians * distance[:, None]] = np.nan
     good = np.isfinite(points).all(axis=2)
@@ -321,6 +322,7 @@ def estimate_light(
     good = np.array([t is not None for t in thumbnails])
     if good.sum() < 2:
         return None
+    # A first guess of each camera's field, samples of texels that several views show, and the fit
     fields = first_fields([t for t in thumbnails if t is not None], camera[good])
     grid = grid_around(footprints.at.reshape(-1, 2), LIGHT_STEP_M)
     samples = sample_light(

@@ -64,6 +64,7 @@ class Picture:
 
     def read(self, window: Window) -> NDArray[np.generic]:
         """Read a window (h, w, bands) of the picture. Zero where it is outside of the picture."""
+        # Copy from the stored tiles what the window shows of each, then turn it as the picture is
         block = np.zeros((*window.shape, self.bands), self.tiles.dtype)
         grid = TexelGrid(0.0, 0.0, 1.0, self.height, self.width)
         asked = window.meet(grid.whole)
@@ -126,6 +127,7 @@ def write_cog(
     """
     tags = read_tags(template)
     predictor = struct.unpack("<H", tags[_PREDICTOR][1])[0]
+    # Compress and halve the picture until it is small enough
     levels, pictures = [], [picture]
     while True:
         reduced, level = _compress(picture, predictor, nodata, scratch)

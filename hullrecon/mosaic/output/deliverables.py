@@ -162,6 +162,7 @@ def _scale_bar(
 
     The axes are turned where `flips` says so. extent: west, east, south and north, m.
     """
+    # The bar is at the lower right corner as the axes are drawn
     span = extent[1] - extent[0]
     power = 10.0 ** math.floor(math.log10(span / 5))
     metres = max(m * power for m in (1.0, 2.0, 5.0) if m * power <= span / 5 + 1e-12)

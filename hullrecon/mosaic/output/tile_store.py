@@ -126,6 +126,8 @@ class TileStore:
         variance = np.where(
             seen, np.rint(tile.variance / VARIANCE_STEP) * VARIANCE_STEP, np.nan
         ).astype(np.float32)
+        # For the histogram the last bin has all larger variances, and texels beyond the raster do
+        # not count as unseen
         rows = np.minimum(variance[seen] / VARIANCE_STEP, len(self.histogram) - 1).astype(int)
         inside = tile.views[: self.grid.height - window.top, : self.grid.width - window.left]
         return PackedTile(
@@ -199,6 +201,7 @@ def make_tiles(
     scratch
         A file that keeps the tiles.
     """
+    # The small copy: its pixels must fill a tile without a rest
     reduction = 1
     while max(grid.width, grid.height) / reduction > max_pixels and size % (2 * reduction) == 0:
         reduction *= 2

@@ -165,6 +165,7 @@ def _tree(pyramid: Pyramid, place: Place, contents: Mapping[Place, _Content]) ->
     picture = pyramid.pictures[level]
     if row * TILE_PX >= picture.height or column * TILE_PX >= picture.width:
         return None
+    # The four tiles of the next finer level that cover this one, as far as something was seen there
     below = [
         _tree(pyramid, (level - 1, 2 * row + i, 2 * column + j), contents)
         for i in (0, 1)
@@ -179,6 +180,7 @@ def _tree(pyramid: Pyramid, place: Place, contents: Mapping[Place, _Content]) ->
         return None
     document: dict[str, object] = {} if content is None else {"content": {"uri": content.uri}}
     low, high = np.min([box[0] for box in boxes], axis=0), np.max([box[1] for box in boxes], axis=0)
+    # A tile without finer ones has no error: a viewer need not refine it
     document["geometricError"] = ERROR_TEXELS * pyramid.texel_m(level) if children else 0
     document["boundingVolume"] = {"box": _box(low, high)}
     if children:
