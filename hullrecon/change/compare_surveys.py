@@ -23,9 +23,10 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.change import ChangeMap, HullChange, HullSurvey
 from hullrecon.typing import Array, Mask
 
-MARGIN_M = 0.3  # of the lattice around what either survey saw
-MAX_CELLS = 40_000_000  # of the lattice; a larger survey is compared on larger cells
-MOST_VERTICES = 20_000  # of a CAD model whose distance to another one is measured, about
+MARGIN_M = 0.3  # by which the lattice reaches beyond what either survey saw
+MAX_CELLS = 40_000_000  # most cells of the lattice: a larger survey is compared on larger cells
+# About as many vertices of a CAD model are looked at when its distance to another is measured
+MOST_VERTICES = 20_000
 SAME_CAD_M = 0.002  # largest distance between CAD models that are taken to be of one hull
 Address = Callable[[Array, AddressSigma], str]  # names a point (3,) of M, no finer than the sigma
 

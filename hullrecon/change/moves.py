@@ -16,7 +16,7 @@ from hullrecon.geometry.charts.lattice import Lattice
 from hullrecon.records.change import SurfaceMove, SurveyOffset
 from hullrecon.typing import Array, Mask
 
-MIN_SHARE = 0.5  # of a patch's cells that both surveys must have seen
+MIN_SHARE = 0.5  # least share of a patch's cells that must be bare hull that both surveys saw
 
 
 def surface_moves(

@@ -21,7 +21,9 @@ from hullrecon.records.change import HullSurvey, ObjectChange, Status, SurveyOff
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.typing import Array, Mask
 
-GATE = 13.8  # of the distance of two objects: 99.9 % of chi-square with two degrees of freedom
+# Largest chi-square of the distance between two objects that may be one: 99.9 % of chi-square with
+# two degrees of freedom
+GATE = 13.8
 # Sigma of an object's centre between two surveys: a share of its size, and at least this
 MIDDLE_SHARE = 0.1
 MIDDLE_M = 0.02

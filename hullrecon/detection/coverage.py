@@ -33,8 +33,9 @@ Facts = dict[str, Any]
 SeenIf = Callable[[HullError], Mask]  # patches that a sensor saw, under an error of the hull pose
 CELL_M = 0.1  # side of a cell of the chart, in which holes are found
 PATCH_M = 0.12  # edges of the patches on which coverage is summed
-PATCHES_REACH_M = 2.0  # from the surveyed surface; farther off, the CAD model is not refined
-DVL_REACH_M = 0.08  # from a vertex of the DVL's surface, whose edges are 0.1 m
+PATCHES_REACH_M = 2.0  # the CAD model is cut into patches up to this far from the surveyed surface
+# A patch is seen by the DVL if a vertex of its surface, whose edges are 0.1 m, is as near as this
+DVL_REACH_M = 0.08
 # Radius of the morphological closing of the surveyed area, in cells: bays of its rim up to twice as
 # wide count as holes. Inside of it, gaps of any width do.
 BRIDGE_CELLS = 6

@@ -23,7 +23,7 @@ from hullrecon.records.solution import HullPose
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.typing import Array, Mask
 
-MIN_VERTICES = 30  # of bare hull, with fewer nothing is fitted
+MIN_VERTICES = 30  # least number of vertices of bare hull for a fit
 MIN_SCALE_M = 0.003  # lower limit of the robust sigma by which outliers are judged
 OUTLIER_SIGMAS = 4.0
 

@@ -11,7 +11,7 @@ from msgspec import Meta, Struct
 Positive = Annotated[float, Meta(gt=0)]
 Count = Annotated[int, Meta(ge=1)]
 MIN_OFFSET_M = 0.025  # a landmark or vertex this far off the hull is part of a structure
-MIN_CLUSTER_POINTS = 3  # of a cluster (DBSCAN)
+MIN_CLUSTER_POINTS = 3  # least number of neighbours of a cluster's core point (DBSCAN)
 
 
 class DetectOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

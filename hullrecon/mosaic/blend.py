@@ -22,7 +22,9 @@ from hullrecon.mosaic.mosaic_surface import (
 from hullrecon.native import BlendSums, insert_view
 from hullrecon.typing import Array, Floats32, Ints, Ints32, Mask
 
-STEEPNESS = (5.0, 10.0, 50.0)  # k of B_k, from the coarsest band to the finest
+# k of the weights B_k (docs/methods.md, 44), from the coarsest band to the finest: how steeply
+# they fall with r / R
+STEEPNESS = (5.0, 10.0, 50.0)
 BLUR_PX = (10.0, 2.5)  # sigmas of the Gaussian low-passes that separate the bands
 # The coarsest band is computed at a quarter of the size, which is six times faster. The middle band
 # is the difference to it, so that the sum stays exact.
@@ -31,7 +33,7 @@ REDUCED = 4
 # the reach of reducing and enlarging
 MARGIN_PX = 64
 ALIGN_PX = 32  # corners of a crop are multiples of it, and it is a multiple of REDUCED
-VIEWS = 4  # blended at most in a texel [Ozog2016 3.2.4]
+VIEWS = 4  # most views that are blended in a texel [Ozog2016 3.2.4]
 BLOCK = 64  # texels, side of the squares for which views are ruled out together
 
 

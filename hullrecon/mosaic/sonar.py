@@ -133,7 +133,7 @@ def build_fan(directions: Array, range_m: Array, elevation_rad: float) -> SonarF
     )
 
 
-APERTURE_SHARE = 0.9  # of the elevation aperture is used: returns are weak at its edge
+APERTURE_SHARE = 0.9  # share of the elevation aperture that is used: at its edge returns are weak
 # Views more oblique than 82 degrees are not used; an imaging sonar grazes the hull
 LIMITS = ViewLimits(min_cosine=float(np.cos(np.radians(82.0))), slant=0.0)
 LEVEL = 90.0  # gray level of the mean return after the correction

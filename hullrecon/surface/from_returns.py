@@ -93,7 +93,7 @@ HullReference = CadHull | UnknownHull
 
 
 Facts = dict[str, object]
-OUTLIER_NEIGHBOURS = 30  # with which a return is compared [Ozog2016 3.2.2.1]
+OUTLIER_NEIGHBOURS = 30  # neighbours with which a return is compared [Ozog2016 3.2.2.1]
 # From points (n, 3), their chart and positions of the sensors (k, 3), chooses the chart on which
 # offsets are regressed, or a plane from which heights are, with facts for surface.json
 Reference = Callable[[Array, Chart, Array], tuple[Chart, PlaneChart | None, Facts]]

@@ -17,7 +17,7 @@ from hullrecon.rows import Rows
 from hullrecon.typing import Array, Ints
 
 MOST = 6000  # observations of a tile and its margin at most: the regression's time is cubic in them
-OUTLIER_SIGMAS = 2.0  # from the surface, beyond which an observation loses weight
+OUTLIER_SIGMAS = 2.0  # distance from the surface beyond which an observation loses weight
 ROUNDS = 4  # of reweighting outliers
 # Width of the margin around a tile from which observations are taken, and of the band on either
 # side of its border in which tiles are blended, as shares of the kernel's lengths

@@ -35,7 +35,7 @@ from hullrecon.geometry.robust import weighted_quantile
 from hullrecon.typing import Array, Ints, Mask
 
 MIN_AGREEMENT = 0.6  # least share of an object's landmarks that stand off the hull as it does
-IMAGES = 6  # that are named with each object, at most
+IMAGES = 6  # most images that are named with an object
 # A landmark whose foot is farther from every vertex lies where the hull was not meshed
 NEAR_M = 0.02
 

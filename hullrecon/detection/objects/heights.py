@@ -31,7 +31,7 @@ class Heights:
     value: Array  # (n,) m
     sigma: Array  # (n,) m
     count: Ints  # (n,) landmarks within reach
-    agreement: Array  # (n,) share of their weight whose landmarks are inliers
+    agreement: Array  # (n,) share of the landmarks, by weight, that are inliers of the fit
 
     def append(self, more: Heights) -> Heights:
         return Heights(

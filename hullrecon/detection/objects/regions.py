@@ -85,8 +85,8 @@ ROUNDS = 4  # of reweighting and fitting
 # A region's height is that which this area of it reaches: small enough not to average a peak away,
 # and larger than a single vertex
 TOP_M2 = 0.0008
-SPECK = 0.3  # of the least area of an object, below which a region is noise
-FOOT_SHARE, CORE_SHARE = 0.25, 0.5  # of the height, at which the footprint and its core end
+SPECK = 0.3  # share of the least area of an object, below which a region is noise
+FOOT_SHARE, CORE_SHARE = 0.25, 0.5  # shares of the height, at which footprint and core end
 SADDLE_STEP = 1.2  # factor between the levels at which saddles are looked for
 RING_GAP_M = 0.04  # distance of the ring of bare hull from a region, whose edge smoothing blurs
 # Width of the ring, as a share of the root of the region's area, and its limits
@@ -100,7 +100,7 @@ class HullAround:
 
     middle: Array  # (3,) m, origin of the tangent plane
     axes: Array  # (2, 3) unit vectors that span the tangent plane
-    coefficients: Array  # (6,)
+    coefficients: Array  # (6,) of the terms 1, a, b, a^2, a b, b^2, with a, b m along the axes
     covariance: Array  # (6, 6) of the coefficients
 
     def offset(self, points: Array) -> Array:
@@ -171,7 +171,7 @@ class Region:
     ring: Ints  # vertices of the hull around it
     hull: HullAround  # the hull beneath it
     height: float  # m above that hull, signed
-    bluntness: float  # m, fall of the height if three times TOP_M2 has to reach it
+    bluntness: float  # m, by how much lower the height is that three times TOP_M2 reaches
 
     def rise(self, found: HullAsFound, vertices: Ints) -> Array:
         """Compute the heights (k,) m of vertices (k,) above the hull around.
@@ -194,7 +194,7 @@ class _Relief:
 
     found: HullAsFound
     area: Array  # (n,) m2 of its vertices
-    off: Mask  # (n,) whether they stand off the hull by the threshold
+    off: Mask  # (n,) whether they were measured and stand off the hull by MIN_OFFSET_M
     around: Around  # index of its vertices
     options: DetectOptions
 

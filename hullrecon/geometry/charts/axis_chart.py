@@ -27,7 +27,7 @@ from hullrecon.geometry.charts.sections import Sections
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.typing import Array
 
-POINTS_AT_ONCE = 1 << 17  # that are charted: each takes some 500 bytes until it is
+POINTS_AT_ONCE = 1 << 17  # points charted at once: each takes some 500 bytes meanwhile
 
 
 @dataclass(frozen=True)

@@ -22,17 +22,18 @@ from hullrecon.geometry.charts.plane_chart import SHIP_AXES_IN_G, PlaneChart
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.typing import Array
 
-MOST_STRETCH = 1.1  # of a map on a plane, beyond which the hull is unrolled
+MOST_STRETCH = 1.1  # stretch of a map on a plane, beyond which the hull is unrolled
 FEW = 0.02  # share of cells that may be stretched more, as structures have steep sides
 CELL_M = 0.2  # side of the cells in which points are averaged
 NEIGHBOURS = 12  # cells to which a normal is fitted
-LEAST_WIDTH = 0.2  # of the neighbours, as a share of their length: on a line they give no normal
-FEWEST = 50  # cells, with fewer the hull's shape cannot be told
+# Least width of the neighbours, as a share of their length: on a line they give no normal
+LEAST_WIDTH = 0.2
+FEWEST = 50  # least number of cells that show the hull's shape
 NEAR_CELLS = 2.5  # largest distance, in cells, of neighbours on the profile
 SMOOTH_M = 0.3  # shorter bends of the profile are smoothed away
 STEP_M = 0.1  # between the profile's knots
-ROUNDS = 6  # of smoothing the profile and measuring arc lengths on it again
-NEWTON_STEPS = 8  # from the nearest knot to the foot of a point
+ROUNDS = 6  # times that the profile is smoothed, and arc lengths are measured on it again
+NEWTON_STEPS = 8  # steps from the nearest knot to the foot of a point
 LEAST_TURN = 0.3  # lower limit of a Newton step's divisor, 1 - height / radius of curvature
 
 

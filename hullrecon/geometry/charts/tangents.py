@@ -9,7 +9,7 @@ import numpy as np
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.typing import Array
 
-STEP_M = 0.05  # of the central differences on the chart
+STEP_M = 0.05  # half the length of the central differences on the chart
 
 
 def tangents_at(chart: Chart, points: Array) -> tuple[Array, Array]:

@@ -25,7 +25,7 @@ from hullrecon.threads import in_threads
 from hullrecon.typing import Array, Ints, Mask
 
 TILE_PX = 512  # texels along a tile
-MARGIN_PX = 1  # of texture around a tile, so that filtering at its border sees its neighbours
+MARGIN_PX = 1  # texture around a tile, so that filtering at its border sees its neighbours
 MESH_M = 0.03  # about the edge length of the finest mesh, that of the hull as found
 MIN_CELL_PX = 4  # least texels along a cell of the mesh: a sonar's texels are longer than MESH_M
 # Geometric error of a tile, in its texels. A viewer refines a tile whose error is longer than 16
