@@ -201,7 +201,7 @@ def _start(measured: Measurements, strategy: Strategy) -> Estimate:
     """
     path = measured.start or measured.trajectory.track().path
     mounts = measured.rig.mounts
-    if measured.tracks is None:
+    if measured.tracks is None:  # no image was matched, so nothing determines the cameras' mounts
         mounts = replace(mounts, tray_from_top=None, top_from_bottom=None)
     return Estimate(
         measured=measured,
@@ -210,7 +210,7 @@ def _start(measured: Measurements, strategy: Strategy) -> Estimate:
             tray=path.tray.copy(),
             landmark=np.full((landmark_count(measured), 3), np.nan),
             mounts=mounts,
-            navigation=np.zeros(6),
+            navigation=np.zeros(6),  # errors of DVL, attitude, depth and servo: none known yet
             hull=None,
         ),
         weights=weighting.initial_weights(measured, strategy),

@@ -118,6 +118,17 @@ def explain_refusal(path: Phase, placed: Phase, solver: RoundSolver) -> Phase:
     """Look for a sensor whose error explains why the CAD model was refused.
 
     Returns the phase of the refused CAD model, with the suspects that were tried in its verdict.
+    Where no suspect explains more than chance, none is in it. Nothing is tried where the path was
+    solved without rounds, or without errors of sensors as unknowns.
+
+    Parameters
+    ----------
+    path
+        The path, solved without the CAD model.
+    placed
+        The phase of the refused CAD model.
+    solver
+        Solves the trials.
 
     Raises
     ------
@@ -138,7 +149,12 @@ def explain_refusal(path: Phase, placed: Phase, solver: RoundSolver) -> Phase:
 
 
 def doubt_tray(path: Phase, placed: Phase) -> Phase:
-    """Ask whether the tray's angles are off where a CAD model was accepted far from its guess."""
+    """Note an offset of the tray's angles where a CAD model was accepted far from its guess.
+
+    It is noted in the placement, for a warning: with the angles corrected by it, the CAD model
+    would lie at its guess. Where no offset does that, the phase `placed` is returned unchanged, as
+    it is without DVL ranges and on a path that outages cut.
+    """
     measured, state, placement = path.estimate.measured, path.estimate.state, placed.placement
     if measured.returns is None or placement is None or placement.segments is not None:
         return placed
@@ -236,7 +252,10 @@ def _with_stated_sigmas(solved: RoundResult) -> native.Problem:
 
 
 def _refuse(trials: Sequence[Trial], beyond: Sequence[str], solver: RoundSolver) -> None:
-    """Raise ContradictionError unless a correction explains what the trials show.
+    """Raise ContradictionError where corrections are beyond belief, or do not explain the trials.
+
+    They do not where the best trial contradicts the rest grossly, and none of the best is a
+    correction of believable size.
 
     Parameters
     ----------
@@ -289,7 +308,7 @@ def _is_gross(trial: Trial, focal_px: float) -> bool:
 def _beyond_belief(stated: Rig, corrected: Phase) -> Iterator[str]:
     """Describe each correction that is larger than its sensor can be wrong by.
 
-    Where the package itself allows more, that is the limit.
+    Where the package itself allows more, that is the limit. The tray's backlash has none.
 
     Parameters
     ----------
@@ -323,4 +342,5 @@ def _largest_sigma(rows: Array) -> float:
 
     rows (6, 6): square root of the mount's information.
     """
+    # The covariance is inverse @ inverse.T, so a sigma is the length of a row of the inverse
     return float(np.linalg.norm(np.linalg.inv(rows), axis=1)[ROTATION].max())

@@ -140,7 +140,11 @@ class Phase:
         )
 
     def then(self, later: Phase | None) -> Phase:
-        """Join this phase with a later one that continues from it. None: return this phase."""
+        """Join this phase with a later one that continues from it. None: return this phase.
+
+        The later one decides whether it is accepted. What the verdicts found is kept from both, and
+        that of the later one goes first.
+        """
         if later is None:
             return self
         here, there = self.verdict, later.verdict
@@ -271,6 +275,7 @@ class RoundSolver:
         settings, strategy = self.settings, self.strategy
         if final and state.hull is not None and strategy.deviation_field:
             off = np.abs(state.hull.deviation(state.landmark[chosen.landmarks]))
+            # distance from which a landmark is labelled as off the hull
             boundary = selection.label_boundary(settings.sigma_on, settings.sigma_off)
             chosen = selection.drop_isolated_landmarks(state, chosen, off > boundary)
         if np.isfinite(strategy.max_off_hull_m) and state.hull is not None:

@@ -102,6 +102,7 @@ def compare_rigs(calibrated: Poses, found: Poses, covariance: Array) -> StereoCo
     shift = (found.translation - calibrated.translation)[0]
     turn = (calibrated.rotation.inv() * found.rotation).as_rotvec()[0]
     axes, length_m = _axes(calibrated)
+    # What images determine: the baseline's direction, as two shifts across it, and the rotation
     to_five = np.zeros((5, 6))
     to_five[:2, :3], to_five[2:, 3:] = axes[1:], np.eye(3)
     five = to_five @ np.r_[shift, turn]
@@ -214,25 +215,32 @@ def _axes(rig: Poses) -> tuple[Array, float]:
 def _sqrt_information(calibrated: Poses, sigma: Array) -> Array:
     """Compute the square root of information (6, 6) of a prior of the stereo mount.
 
+    It is applied to a motion in the bottom camera's axes (`RigPriors`), and divides it by sigmas
+    that are known along and across the baseline.
+
     sigma (6,): along the baseline and twice across it, m, and of the rotation, rad.
     """
     rows = np.zeros((6, 6))
+    # From the bottom camera's axes to the top camera's, then to those of the baseline
     rows[:3, :3] = _axes(calibrated)[0] @ calibrated.rotation.as_matrix()[0]
     rows[3:, 3:] = np.eye(3)
     return np.asarray(rows / sigma[:, None])
 
 
 def _prior_covariance(rig: Rig) -> Array:
-    """Compute the prior covariance (6, 6) of the stereo mount. Zeros where the mount is held.
+    """Compute the prior covariance (6, 6) of the stereo mount, top_from_bottom, m and rad.
 
-    Its order is translation in the top camera's axes, then rotation perturbed on the right.
+    Zeros where the mount is held. The package's prior is on a motion in the bottom camera's axes
+    (`RigPriors`). Here its translation is turned into the top camera's, the order and sense of
+    every covariance of docs/conventions.md.
     """
-    rows = rig.priors.top_from_bottom
-    if rows is None or rig.top_from_bottom is None:
+    sqrt_information = rig.priors.top_from_bottom
+    if sqrt_information is None or rig.top_from_bottom is None:
         return np.zeros((6, 6))
-    to_parent = np.eye(6)
-    to_parent[:3, :3] = rig.top_from_bottom.rotation.as_matrix()[0]
-    return np.asarray(to_parent @ np.linalg.inv(rows.T @ rows) @ to_parent.T)
+    top_from_bottom_axes = np.eye(6)
+    top_from_bottom_axes[:3, :3] = rig.top_from_bottom.rotation.as_matrix()[0]
+    covariance = np.linalg.inv(sqrt_information.T @ sqrt_information)
+    return np.asarray(top_from_bottom_axes @ covariance @ top_from_bottom_axes.T)
 
 
 def _with_rig(estimate: Estimate, rig: Rig) -> Estimate:
@@ -258,6 +266,7 @@ def _free_contradicted(after: Estimate, calibrated: Rig, found: StereoContradict
     mount, length_m = calibrated.top_from_bottom, calibrated.baseline_m
     assert mount is not None
     covariance, axes = _prior_covariance(calibrated), _axes(mount)[0]
+    # The package's sigmas along and across the baseline and of the rotation, below which none goes
     along = np.diag(axes @ covariance[:3, :3] @ axes.T)
     least = np.maximum(np.sqrt(np.r_[along, np.diag(covariance[3:, 3:])]), HELD)
     if found.by_images:

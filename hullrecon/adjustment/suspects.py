@@ -119,7 +119,10 @@ def try_suspects(
 def least_readout_gain(
     problem: native.Problem, settings: native.Options, by_row: RowMotion
 ) -> float:
-    """Bound from below by how much a readout time would lower chi-square, without a solve.
+    """Estimate by how much a readout time would lower chi-square at least, without a solve.
+
+    With it the trials of all suspects, each of which is a solve, are begun only where row by row
+    exposure would explain something (`is_sheared` of contradictions).
 
     Chi-square is taken as a parabola of the readout time, with all other unknowns held. At the
     solution its slope is right. Its curvature is too large, since the other unknowns would follow:
@@ -181,12 +184,13 @@ def _try_readout(
     while True:
         less, more = chi2(middle_s - READOUT_S), chi2(middle_s + READOUT_S)
         slope, curvature = (more - less) / 2, more + less - 2 * here
-        step = -slope / curvature if curvature > 0 else 0.0
+        step = -slope / curvature if curvature > 0 else 0.0  # to the minimum, in READOUT_S
         found_s = middle_s + READOUT_S * step
         if middle_s or abs(step) < 1 or not LEAST_READOUT_S < found_s < MOST_READOUT_S:
             break
         middle_s, here = found_s, chi2(found_s)
     lowest = here + slope * step + curvature * step**2 / 2
+    # One is taken off: any free unknown lowers chi-square by about so much
     return Trial(suspect=name, gain=before - lowest - 1, rows=1, found=found_s)
 
 
@@ -195,7 +199,8 @@ def _try_depths(problem: native.Problem, settings: native.Options, before: float
 
     Depths that are left out are expected to lower chi-square by one for each row. A pressure sensor
     that is stuck may have less noise than stated. Then the chi-square of its readings about their
-    mean is expected instead. Empty without depths.
+    mean is expected instead. Empty without depths. Depths that do not follow the path at all
+    (LEAST_SLOPE) are not tried with a factor.
 
     Parameters
     ----------
@@ -216,6 +221,7 @@ def _try_depths(problem: native.Problem, settings: native.Options, before: float
         rows=len(depth),
         found=None,
     )
+    # The path without depths gives the factor: depths = slope * true depths + constant
     path_m = _depths_of_path(problem.started_from(unknowns), settings)
     slope = _fit_slope(path_m, depth, weight)
     if abs(slope) < LEAST_SLOPE:
@@ -230,6 +236,7 @@ def _depths_of_path(problem: native.Problem, settings: native.Options) -> Array:
     rows = problem.attitude
     at = native.evaluate(problem, replace(settings, method="naive"), jacobian=False)
     whitened = at.residual[at.factor == native.FACTORS.index("attitude")].reshape(-1, 3)[:, 0]
+    # A whitened residual is (depth of the path - measured depth) / sigma
     return np.asarray(whitened * rows.sigma[:, 0] + rows.measured[:, 0])
 
 
@@ -263,9 +270,12 @@ def _try_without(
 
 
 def best_explanations(trials: Sequence[Trial]) -> tuple[Trial, ...]:
-    """Choose the trial that explains most, and those that explain nearly as much (EXPLAINS).
+    """Choose the trial that explains most, and those that explain nearly as much.
 
-    A whole sensor is not named where one of its own errors (WHOLES) explains as much.
+    Nearly: a share EXPLAINS of the best one's gain, less what noise may add to it (`spread`).
+    Trials whose gain noise explains, or whose estimated error no such sensor has, are not
+    considered. Empty if none is left. A whole sensor is not named where one of its own errors
+    (WHOLES) explains as much.
 
     trials: in the order of falling gain, as of `try_suspects`.
     """

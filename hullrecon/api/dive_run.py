@@ -186,8 +186,8 @@ def run(
     progress
         Shows how far each step is, nothing if None.
     raise_failure
-        Raise the error of a step that fails alone once all else is delivered. If False, the error
-        is in `RunResult.failure`.
+        Raise the error of a step on which no other depends (a mosaic, say), once all else is
+        delivered. If False, the error is in `RunResult.failure`.
 
     Returns
     -------

@@ -105,7 +105,9 @@ class RunOutlook:
         return f"[{self.steps.index(step) + 1}/{len(self.steps)}] "
 
     def left_of_step(self, step: str, loop_s: float | None) -> float | None:
-        """Predict the remaining time of a running step, s. None where that is not known.
+        """Predict the remaining wall-clock time of a running step, s, beside other running steps.
+
+        None where the step has no prediction, even if `loop_s` is known: other loops may follow.
 
         loop_s: remaining time of the step's present loop by its own rate, a lower bound.
         """
@@ -115,7 +117,8 @@ class RunOutlook:
         own_s = expected_s[step]
         if loop_s is None and own_s <= 0:  # the step has taken longer than predicted already
             return None
-        # As long as two steps run, each gets half of the machine.
+        # Running steps share the machine evenly. So each other step delays this one by what that
+        # one still needs, but by no more than this one's own need. (own_s counts itself once.)
         shared_s = sum(min(own_s, other_s) for other_s in expected_s.values())
         return max(loop_s or 0.0, shared_s)
 

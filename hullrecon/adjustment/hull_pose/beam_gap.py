@@ -23,7 +23,9 @@ def gap_beyond_beams(
 ) -> tuple[float, float] | None:
     """Measure how far behind the ends of the DVL's beams the landmarks lie.
 
-    For each beam the landmark nearest to its line is taken, and the gap is measured along the beam.
+    With it a refusal of the CAD model can say that the ranges or a mount are wrong instead. For
+    each beam the landmark nearest to its line is taken, and the gap is measured along the beam.
+    Beams without a landmark within BESIDE_M of their line are skipped.
 
     Parameters
     ----------
@@ -41,6 +43,7 @@ def gap_beyond_beams(
         None where ends and landmarks agree, or where fewer than LEAST_BEAMS have a landmark.
     """
     gaps = []
+    # at most MOST_BEAMS beams, evenly over the dive
     rows = np.unique(np.linspace(0, len(ends) - 1, MOST_BEAMS).astype(int))[: len(ends)]
     for end, direction, reach_m in zip(ends[rows], directions[rows], range_m[rows], strict=True):
         from_end = landmarks - end

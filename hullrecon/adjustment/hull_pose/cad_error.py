@@ -88,6 +88,7 @@ def facet_variance(cad_model: CadModel, at: Array, sigmas: float) -> float:
         Factor of the facets' sigma.
     """
     facets = tessellation_error(cad_model.mesh, at)
+    # Facets that have a point, counted as cells of a facet's size
     cells = len(
         np.unique(
             np.floor(chart_coordinates(cad_model, at) / facets.length_m).astype(np.int64), axis=0
@@ -97,6 +98,10 @@ def facet_variance(cad_model: CadModel, at: Array, sigmas: float) -> float:
 
 
 def _covariance(cad_error_model: CadError, along_girth: Array, facet_variance: float) -> Array:
+    """Sum smooth error, offset, facets and noise to a covariance (n, n) at chart points (n, 2) m.
+
+    Facets and noise are taken as independent from point to point.
+    """
     out = (
         matern32(along_girth, cad_error_model.sigma, cad_error_model.length)
         + cad_error_model.offset**2

@@ -66,7 +66,8 @@ class HullPoseEvidence:
     def distances_by_segments(self, pose: Poses) -> Array:
         """Compute how distances to the CAD model change where segments move by one sigma.
 
-        Each segment has six directions, the eigenvectors of its covariance.
+        With it the fit of the pose follows loose segments less (`_factor`). Each segment has six
+        directions, the eigenvectors of its covariance.
 
         Returns
         -------
@@ -75,6 +76,7 @@ class HullPoseEvidence:
         """
         if self.loose is None:
             return np.zeros((len(self.points), 0))
+        # As for `perturb_pose`, translations stay in g and rotations are turned into M
         to_hull = np.eye(6)
         to_hull[3:, 3:] = pose.rotation.inv().as_matrix()[0]
         out = np.zeros((len(self.points), len(self.loose.step), 6))
@@ -112,6 +114,7 @@ def collect_hull_points(
     hull = state.hull
     if hull is None:
         raise ValueError("points on the hull are known by a CAD model")
+    # A round without surface factors has no labels: then no landmark is taken
     on_hull = (
         chosen.landmarks[label == 1]
         if len(chosen.landmarks) == len(label)
@@ -366,6 +369,7 @@ def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
     held = ship_axes[[0, 2]] if heights else ship_axes[:1]
     for direction in _directions(hull_axes(out, pose), ship_axes, held):
         found = _profile(evidence, pose, direction)
+        # The sigma about the delivered pose also holds how far the posterior's mean lies from it
         out = profile_likelihood.inflate_covariance(
             out, replace(found, sigma=float(np.hypot(found.sigma, found.mean))), pose
         )
@@ -379,7 +383,7 @@ def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
 def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid) -> Array:
     """Compute the combinations (6, size) of a deviation field that the fit takes for a motion.
 
-    They move the fitted hull pose, and are part of that pose's covariance already. The field
+    They are the sums over the field's nodes that pull the fit in each of six directions. They move the fitted hull pose, and are part of that pose's covariance already. The field
     without them is the hull's shape.
 
     Parameters
@@ -411,6 +415,7 @@ def _by_range_scale(evidence: HullPoseEvidence, pose: Poses) -> Array:
     _, jacobian = registration.signed_distances(
         evidence.points, pose, evidence.center, evidence.cad_model.mesh
     )
+    # Points that move outward by this much act on distances as the hull moved the other way
     farther = -(jacobian[:, :3] * evidence.by_range).sum(axis=1)
     pulled = jacobian.T @ cho_solve(valley.cost.factor, farther)
     step = np.linalg.solve(valley.cost.linearise(pose).information, pulled)
@@ -424,6 +429,7 @@ def _contradiction(evidence: HullPoseEvidence, pose: Poses) -> Array:
     """
     if not evidence.cad_model.contradicted:
         return np.zeros((6, 6))
+    # The step is in M's axes. A covariance has its translation in g
     step = registration.prior_step(pose, evidence.cad_model, evidence.center)
     apart = np.r_[evidence.cad_model.guess.rotation.as_matrix()[0] @ step[:3], step[3:]]
     return np.outer(apart, apart)

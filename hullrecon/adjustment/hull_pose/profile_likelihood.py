@@ -101,7 +101,7 @@ def inflate_covariance(covariance: Array, found: Profile, global_from_hull: Pose
         The pose.
     """
     to_hull = global_from_hull.rotation.as_matrix()[0].T
-    along = np.r_[to_hull.T @ found.direction, np.zeros(3)]
+    along = np.r_[to_hull.T @ found.direction, np.zeros(3)]  # the direction in g
     lacking = found.sigma**2 - float(along @ covariance @ along)
     if lacking <= 0:
         return covariance
@@ -111,9 +111,11 @@ def inflate_covariance(covariance: Array, found: Profile, global_from_hull: Pose
 def raise_to_moment(covariance: Array, moment: Array) -> Array:
     """Raise a covariance (n, n) to a second moment (n, n) where the moment exceeds it.
 
+    Directions in which the covariance is larger already keep their variance.
     The directions are the eigenvectors of the moment, whitened by the covariance.
     """
     root = np.linalg.cholesky(covariance)
+    # Whitened, the covariance is the identity, and the moment exceeds it by its eigenvalues over 1
     whitened = np.linalg.solve(root, np.linalg.solve(root, moment).T)
     value, vector = np.linalg.eigh((whitened + whitened.T) / 2)
     beyond = root @ vector * np.sqrt(np.maximum(value - 1, 0))

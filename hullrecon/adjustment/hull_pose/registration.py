@@ -144,7 +144,8 @@ def _distant_starts(points: Array, cad_model: CadModel, center: Array) -> list[P
     """Find the DISTANT_STARTS poses of a coarse grid at which points (n, 3) in g fit best.
 
     The grid reaches 8 m along the hull, 2 m across and 25 degrees in yaw from the guess of
-    `cad_model`. Yaw turns about `center` (3,) in M.
+    `cad_model`. Yaw turns about `center` (3,) in M. Of the distances of some 400 points, the
+    largest fifth is not counted, as structures and outliers are far off at any pose.
     """
     hull_from_ship = cad_model.chart.ship_axes.T
     rotate = cad_model.guess.rotation.as_matrix()[0] @ hull_from_ship
@@ -279,6 +280,7 @@ def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
     area = face_areas(part)
     rng = np.random.default_rng(seed)
     face = rng.choice(len(area), SAMPLES, p=area / area.sum())
+    # Uniform in a triangle: the half of the unit square beyond its diagonal is folded back
     u, v = rng.random((2, SAMPLES))
     fold = u + v > 1
     u[fold], v[fold] = 1 - u[fold], 1 - v[fold]
@@ -459,7 +461,7 @@ class HullPoseCost:
 
 def prior_rows(cad_model: CadModel) -> Array:
     """Compute the Jacobian (6, 6) of the whitened `prior_step` by the step of `perturb_pose`."""
-    to_hull = cad_model.guess.rotation.as_matrix()[0].T
+    to_hull = cad_model.guess.rotation.as_matrix()[0].T  # steps are in g, the prior in M's axes
     rows = np.zeros((6, 6))
     rows[:3, :3], rows[3:, 3:] = to_hull, np.eye(3)
     return np.asarray(rows / cad_model.guess_sigma[:, None])
@@ -489,6 +491,8 @@ def signed_distances(
     local = global_from_hull.inverse().apply(points)
     nearest = mesh.index.closest(local)
     rotation = global_from_hull.rotation.as_matrix()[0]
+    # A hull that moves outward under a point shortens its distance. One that turns by w moves the
+    # point by -w x (local - center) in M
     by_shift = -nearest.gradient @ rotation.T
     by_turn = np.cross(nearest.gradient, local - center)
     return nearest.distance, np.hstack([by_shift, by_turn])

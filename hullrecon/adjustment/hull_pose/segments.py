@@ -144,6 +144,7 @@ def _relative_covariance(
     rotation = Poses(
         problem.unknowns.pose[:, 3:7], problem.unknowns.pose[:, :3]
     ).rotation.as_matrix()
+    # Second minus first node, with rotations turned from the vehicle's axes into g
     difference = np.zeros((len(first), 6, 14))
     difference[:, :3, :3], difference[:, :3, 7:10] = -np.eye(3), np.eye(3)
     difference[:, 3:, 3:6], difference[:, 3:, 10:13] = -rotation[first], rotation[second]
@@ -306,6 +307,8 @@ def _move(nodes: Poses, of_node: Ints, moved: list[Poses]) -> Poses:
     moved
         Motion of each segment in g.
     """
+    # For each node the last one before it and the first one after it that has a segment. Both are
+    # the same for a node with a segment, and before the first and after the last of these
     known = np.flatnonzero(of_node >= 0)
     at = np.clip(np.arange(len(of_node)), known[0], known[-1])
     after = np.searchsorted(known, at)

@@ -119,6 +119,8 @@ def compare_shape(evidence: HullPoseEvidence, pose: Poses) -> ShapeComparison:
     noise = expected.noise**2 + cad_error.facet_variance(cad_model, at, sigmas=1.0)
     plane = _distance_to_plane(at)
     loose = evidence.distances_by_segments(pose)
+    # How distances move where the pose or a segment follows the points, and with a common offset:
+    # the fit has taken out what lies along these, so it says nothing of the shape
     fitted = np.c_[
         _open_directions(jacobian, cad_model, noise), _beyond_noise(loose, noise), np.ones(len(at))
     ]
@@ -132,6 +134,7 @@ def compare_shape(evidence: HullPoseEvidence, pose: Poses) -> ShapeComparison:
     if not len(variance):
         return ShapeComparison(patterns=0)
     whitened = patterns.T / np.sqrt(variance)[:, None]
+    # Unit normals in M: a shift of the hull in g changes a distance by minus its normal
     outward = -jacobian[:, :3] @ pose.rotation.as_matrix()[0]
     # The scales' derivatives are taken at the feet of the points on the CAD model: at the points
     # themselves, their noise would correlate with the distances.
@@ -221,6 +224,7 @@ def _resolved_patterns(field: Array, fitted: Array, noise: float) -> tuple[Array
         Orthonormal (n, p), and their variances (p,) m2, with the noise.
     """
     basis, size, _ = np.linalg.svd(fitted, full_matrices=True)
+    # Directions orthogonal to what the fit has taken out
     free = basis[:, int((size > 1e-9 * size[0]).sum()) :]
     variance, vectors = np.linalg.eigh(free.T @ field @ free)
     resolved = variance > noise

@@ -108,6 +108,7 @@ def plan_along(problem: native.Problem, place_m: Array, axis: str, wanted: Wante
     else:
         count, reason = wanted, f"adjust.parts asks for {wanted}"
     order = np.argsort(place_m, kind="stable")
+    # Memory of all poses before each one, to its own middle: equal parts of it are the stripes
     share = np.cumsum(bytes_of_pose[order]) - 0.5 * bytes_of_pose[order]
     stripe = np.empty(len(order), np.int64)
     stripe[order] = count * share / bytes_of_pose.sum()

@@ -141,7 +141,7 @@ class SubProblems:
         return _in_several(self.planes, len(self.problem.unknowns.plane))
 
     def _owner_of_landmarks(self) -> Ints32:
-        """Find the owner of each landmark: the first part that sees it."""
+        """Find the owner of each landmark: the first part that sees it, part 0 if none does."""
         owner = np.full(len(self.problem.unknowns.landmark), self.count, np.int32)
         for table in (self.problem.stereo, self.problem.mono):
             np.minimum.at(owner, table.landmark, self.owner[table.node])
@@ -160,7 +160,8 @@ class SubProblems:
         """Find the owner of each node of the deviation field, and of each row of its prior.
 
         A node goes to the first part whose measurements meet it. Nodes that no measurement meets
-        take the owner of the nodes next to them, in the rows of the prior, step by step.
+        take the owner of the nodes next to them, in the rows of the prior, step by step. A row of
+        the prior goes to the first part that owns one of its nodes.
         """
         prior, last = self.problem.priors.deviation, self.count
         owner = np.full(len(self.problem.unknowns.deviation), last, np.int32)

@@ -83,6 +83,7 @@ def prior_rows(grid: DeviationGrid, sigma: float, length: tuple[float, float]) -
     length
         Correlation length along and in girth, m.
     """
+    # Distance of nodes in the coordinates in which the field solves (1 - Laplace) b = noise
     scaled = grid.step * np.sqrt(2.0) / np.array(length)
     return sparse.csr_array(_operator(grid.shape, scaled) * (_interior_sigma(scaled) / sigma))
 

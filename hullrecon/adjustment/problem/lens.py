@@ -44,11 +44,13 @@ def displacement(pixels: Array, camera: CameraModel, lens: Array) -> Array:
 
     lens (2 LENS_MODES,): amplitudes of the modes in px, for u and then for v.
     """
+    # Over the image -1 to 1. The first pixel's centre is at 0, its edge at -0.5
     at = (2 * pixels + 1) / [camera.width, camera.height] - 1
     degrees = native.LENS_DEGREE + 1
     number = np.zeros((2, degrees, degrees))
     along_u, along_v = np.array(_DEGREES).T
     number[:, along_u, along_v] = lens.reshape(2, native.LENS_MODES)
+    # With this factor a Legendre polynomial has rms 1 over the image, so amplitudes are px rms
     rms = np.sqrt(2 * np.arange(degrees) + 1)
     u, v = _legendre_polynomials(at[:, 0]), _legendre_polynomials(at[:, 1])
     of_axes = [((rms[:, None] * by * rms).T @ u * v).sum(axis=0) for by in number]
@@ -72,6 +74,7 @@ def mode_shares() -> Array:
     Finer parts of the field, and its constant and linear parts, are left out.
     """
     at, weight = np.polynomial.legendre.leggauss(40)
+    # Integrals over -1 to 1, where the image is 2 wide, of the field's covariance along one axis
     by_mode = _unit_legendre(at) * weight[:, None] / 2
     field = np.exp(-0.5 * ((at[:, None] - at) / (2 * LENGTH)) ** 2)
     variance = np.diag(by_mode.T @ field @ by_mode)

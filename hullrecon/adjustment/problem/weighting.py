@@ -164,6 +164,7 @@ def _residuals_of_block(
     tracks, sides = block.tracks, (chosen.top[block.rows], chosen.bottom[block.rows])
     weight = weights.by_response.ratio(tracks.response) ** -2
     owner = block.numbered_from_0.landmark
+    # Summed weight of all observations of a landmark, by both cameras
     whole = np.bincount(owner, weight * np.add(*sides, dtype=np.int8))[owner]
     # A landmark's three coordinates take up 3 of the 2 n coordinates of its n observations, from
     # each by the share of its weight: a redundancy of 1 - (3 / 2) share for each coordinate.
@@ -251,6 +252,7 @@ def _depth_weight(m: Measurements, state: State) -> float:
     nodes = m.attitude.nodes_per_reading[rows]
     given = float(np.median(m.attitude.sigma[rows, 0] / np.sqrt(nodes)))
     white = robust_sigma(z - m.attitude.depth[rows])
+    # An error of the density scales all depths. Readings of this sigma determine a scale no better
     by_density = m.rig.priors.density_sigma * np.sqrt((1 / nodes).sum()) * float(np.std(z))
     return float(np.clip(max(white, by_density, 1e-3) / given, 0.0, 1.0))
 
