@@ -239,8 +239,11 @@ def _prior_covariance(rig: Rig) -> Array:
         return np.zeros((6, 6))
     top_from_bottom_axes = np.eye(6)
     top_from_bottom_axes[:3, :3] = rig.top_from_bottom.rotation.as_matrix()[0]
-    covariance = np.linalg.inv(sqrt_information.T @ sqrt_information)
-    return np.asarray(top_from_bottom_axes @ covariance @ top_from_bottom_axes.T)
+    return np.asarray(
+        top_from_bottom_axes
+        @ np.linalg.inv(sqrt_information.T @ sqrt_information)
+        @ top_from_bottom_axes.T
+    )
 
 
 def _with_rig(estimate: Estimate, rig: Rig) -> Estimate:

@@ -383,8 +383,9 @@ def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
 def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid) -> Array:
     """Compute the combinations (6, size) of a deviation field that the fit takes for a motion.
 
-    They are the sums over the field's nodes that pull the fit in each of six directions. They move the fitted hull pose, and are part of that pose's covariance already. The field
-    without them is the hull's shape.
+    They are sums over the field's nodes, one for each of six directions in which such a field pulls
+    the fit. They move the fitted hull pose, and are part of that pose's covariance already. The
+    field without them is the hull's shape.
 
     Parameters
     ----------
