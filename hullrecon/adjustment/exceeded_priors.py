@@ -55,6 +55,8 @@ class _PriorDeviation:
 
         The covariance is dear, so it is computed only then.
         """
+        # `widening` asks for more than 8 sqrt(g (1 - g)) and 4 sqrt(g) of the prior's sigmas. The
+        # greater of the two is least at the least gain
         return bool(
             np.abs(self.deviation).max()
             > MANY_OF_ITS_OWN * np.sqrt(LEAST_GAINED * (1 - LEAST_GAINED))

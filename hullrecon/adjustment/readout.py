@@ -81,6 +81,7 @@ def motion_by_row(problem: native.Problem, measured: Measurements, state: State)
         """
         mount, model = rig.tray_from(camera), rig.model(camera)
         seen = (tray @ mount).inverse().apply_rows(node, problem.unknowns.landmark[landmark])
+        # Where a point that is seen like this STEP_S later is seen at the node's time
         at_node = (mount.inverse() @ exp(STEP_S * twist) @ mount).apply_rows(node, seen)
         flow = (model.project(at_node) - model.project(seen)) / STEP_S
         return np.asarray(np.nan_to_num(flow * (pixel[:, 1:] / (model.height - 1))))

@@ -139,6 +139,7 @@ class RunOutlook:
             or any(name not in self._predicted_s for name in later)
         ):
             return None
+        # Running steps share the machine, so that together they take the sum of their own times
         under_way_s = max(step_s, sum(expected_s.values()))
         return under_way_s + pace * sum(self._predicted_s[name] for name in later)
 

@@ -138,7 +138,7 @@ class _StepProcess:
                 self._close(_PATIENCE_S)
                 raise message.error from _StepError(message.trace)
             self._display.show(message)
-        else:
+        else:  # all that was sent is read, and the step goes on
             return None
         self._close(_PATIENCE_S)
         raise _ended_early(self._step, self._process.exitcode or 0)

@@ -144,6 +144,7 @@ def _decimate(part: ScenePart | None, most: int) -> ScenePart | None:
     if len(mesh.faces) > MAX_AT_ONCE:
         mesh = _thin_stripes(mesh, 2 * most)
     mesh = _thin_mesh(mesh, most)
+    # The hull as found was thinned. Take the form off again, which the page adds
     nearest = np.asarray(cKDTree(found).query(mesh.vertices)[1], np.int64)
     vertices = mesh.vertices - part.form[nearest, None] * part.normals[nearest]
     return _with_attributes_of(part, nearest, vertices, mesh.faces)
@@ -186,7 +187,8 @@ def _thin_mesh(mesh: Mesh, most: int) -> Mesh:
 def relief_of(points: Array, form: Array) -> Array:
     """Compute the relief (n,) m of a form (n,) at points (n, 3): a smoothed median over RADIUS_M.
 
-    The median leaves out structures on the hull: objects, growth, noise. It is computed at one
+    The page exaggerates it, so that dents and waves show. The median leaves out structures on the
+    hull (objects, growth) and noise, which keep their height. It is computed at one
     point in each cell, since a mesh is finer at objects, averaged over half the radius, and
     interpolated to all points. Over wide surveys cell and radius grow.
     """

@@ -48,6 +48,7 @@ def build(spec: DiveSpec, patch: HullPatch, items: tuple[Item, ...]) -> AsBuilt:
     key, faces = _refined_cells(_near_items(patch, items, 0.04))
     width = FINER * (len(patch.girth_m) - 1) + 1
     step = (patch.along_m[1] - patch.along_m[0]) / FINER
+    # A vertex's key is its number, row by row, in a grid FINER times as fine as the patch
     along, girth = patch.along_m[0] + key // width * step, patch.girth_m[0] + key % width * step
     height = np.zeros(len(key))
     for item in items:

@@ -220,6 +220,8 @@ def _section(
 ) -> tuple[Array, Array]:
     """Cast the rays of one section: arc lengths (k,) and points (k, 3), up to the first gaps.
 
+    Raises InputError where fewer than two rays hit the hull.
+
     Parameters
     ----------
     caster

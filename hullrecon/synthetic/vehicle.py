@@ -203,6 +203,7 @@ def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
     t = STEP_S * np.arange(len(along), dtype=float)
     point, normal = skin.follow(along, girth, width_m=0.5)
     level = _level_from_hull(spec)
+    # In the level frame: outward normal that is to be faced, and point on the hull
     facing, out = level.apply(normal), level.apply(point)
     port = level.apply([0.0, 1.0, 0.0])
     # Under a flat bottom the normal is vertical and gives no heading: add some of the port side's.
@@ -215,12 +216,13 @@ def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
     elevation = gaussian_filter1d(
         np.arcsin(np.clip(facing[:, 2], -0.98, 0.98)), SETTLE_S / STEP_S, mode="nearest"
     )
+    # Where the tray's axis is to be, then the vehicle that carries it
     sensor = out + spec.survey.standoff_m * facing + wobble[:, :3]
     position = sensor - Rotation.from_euler("xyz", attitude).apply(TRAY_ORIGIN)
     smooth = gaussian_filter1d(position, 0.5 / STEP_S, axis=0, mode="nearest")
     global_from_level = _global_from_level(smooth[0], float(attitude[0, 2]), spec.ship.draught_m)
     encoder = elevation + wobble[:, 6]
-    attitude[:, 2] -= attitude[0, 2]
+    attitude[:, 2] -= attitude[0, 2]  # the global frame has the heading of the first attitude
     hull = global_from_level @ Poses(level.as_quat()[None], np.zeros((1, 3)))
     tray = with_backlash(encoder, np.radians(spec.errors.backlash_deg))
     sonar = encoder - SONAR_BELOW[0] + SONAR_BELOW[1] * elevation
@@ -243,6 +245,7 @@ def _time_path(corners: Array, speed: float) -> tuple[Array, Array]:
     from scipy.ndimage import gaussian_filter1d
 
     way = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    # Every second way leads from a leg to the next
     seconds = way / np.where(np.arange(len(way)) % 2, 0.5 * speed, speed)
     knots = np.concatenate(
         [[0.0], 1.0 + np.concatenate([[0.0], np.cumsum(seconds)]), [2.0 + seconds.sum()]]

@@ -47,6 +47,7 @@ def find_weak_directions(
     ):
         covariance = ship_axes @ covariance_in_hull[block, block] @ ship_axes.T
         values, vectors = np.linalg.eigh(covariance)
+        # Pair eigenvectors with the ship's axes so that they are as parallel as possible
         _, axes = linear_sum_assignment(np.abs(vectors.T), maximize=True)
         for k in np.argsort(values)[::-1]:
             sigma = float(np.sqrt(max(values[k], 0)))

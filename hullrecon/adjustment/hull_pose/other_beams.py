@@ -51,7 +51,7 @@ def find_fitting_beams(
     order, rms before, rms after
         Numbers of the beams, from 1, to which the first, second ... range belongs, and the RMS
         distance from the CAD model, m, with the beams as logged and in that order. None where no
-        other order fits far better.
+        other order fits far better, or where the number of beams is not 2 to MOST_BEAMS.
     """
     _, at, beam = np.unique(returns.beam, axis=0, return_index=True, return_inverse=True)
     if not 2 <= len(at) <= MOST_BEAMS:

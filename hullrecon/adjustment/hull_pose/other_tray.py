@@ -55,7 +55,8 @@ def find_fitting_tray(
     -------
     convention, rms before, rms after
         A key of READINGS, and the RMS distance from the CAD model, m, with the angles as read and
-        with that convention. None where no other convention fits far better.
+        with that convention. None where no other convention fits far better, or where the tray does
+        not move.
     """
     if not np.ptp(path.tray):
         return None  # the tray does not move: every convention turns the hull as a whole
@@ -131,6 +132,7 @@ def turned_odometry(odometry: Odometry, turn: Array) -> Odometry:
     The tray's axis is the vehicle's y. The derivative of a translation by the tray's angle,
     `by_tray`, is the cross product of that axis with it, and Rodrigues' formula follows from it.
     """
+    # t + sin (y x t) + (1 - cos) y x (y x t), and its cross product with y, as y x back = -across
     sine, versine = np.sin(turn)[:, None], (1 - np.cos(turn))[:, None]
     by_tray = odometry.by_tray.copy()
     across = by_tray[:, :3]

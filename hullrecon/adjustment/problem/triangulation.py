@@ -67,6 +67,8 @@ def triangulate(
         for rows in [np.flatnonzero(np.isfinite(pixels[:, 0]))]
     ]
     owner, origin, ray = (np.concatenate(parts) for parts in zip(*seen, strict=True))
+    # Takes a vector's part across its ray. At the point with least squared distances, the sum over
+    # the rays of across @ (point - origin) is zero
     across = np.eye(3) - ray[:, :, None] * ray[:, None, :]
 
     def summed(values: Array) -> Array:

@@ -234,7 +234,7 @@ def _interleave(heads: Rows, entries: Rows, count: Ints) -> bytes:
     """
     head, entry = heads.dtype.itemsize, entries.dtype.itemsize
     length = head + entry * count
-    begin = np.cumsum(length) - length
+    begin = np.cumsum(length) - length  # first byte of each head
     out = np.empty(int(length.sum()), np.uint8)
     out[begin[:, None] + np.arange(head)] = heads.view(np.uint8).reshape(-1, head)
     rank = np.arange(len(entries)) - np.repeat(np.cumsum(count) - count, count)
@@ -284,4 +284,4 @@ def _images(given: bytes) -> Iterator[tuple[int, bytes]]:
         (image_id,) = struct.unpack_from("<I", given, at)
         end = given.index(b"\0", at + IMAGE_BYTES) + 1
         yield image_id, given[at:end]
-        at = end + 8
+        at = end + 8  # behind the number of observations, which is zero

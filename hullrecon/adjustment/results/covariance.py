@@ -21,7 +21,7 @@ def poses_in_hull(
 ) -> Array:
     """Compute the covariance (n, 6, 6) of hull_from_vehicle.
 
-    Its order is translation in M, then rotation perturbed on the right in v.
+    The hull's pose has errors of its own, and shares errors with the path. The order is translation in M, then rotation perturbed on the right in v.
 
     Parameters
     ----------
@@ -39,6 +39,7 @@ def poses_in_hull(
     in_hull = global_from_hull.inverse() @ nodes
     to_hull = global_from_hull.rotation.as_matrix()[0].T
     n = len(nodes)
+    # Derivatives by the node's pose and by the hull's, as in the module's docstring
     by_pose, by_hull = np.zeros((n, 6, 6)), np.zeros((n, 6, 6))
     by_pose[:, :3, :3], by_pose[:, 3:, 3:] = to_hull, np.eye(3)
     by_hull[:, :3, :3] = -to_hull

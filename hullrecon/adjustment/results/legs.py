@@ -79,7 +79,7 @@ class LegTies:
 
 
 def tie_legs(positions: Array, observations: Iterable[tuple[Ints, Ints]]) -> LegTies:
-    """Count the landmarks that legs share.
+    """Count the landmarks that legs share, so that a leg that images do not place is reported.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def tie_legs(positions: Array, observations: Iterable[tuple[Ints, Ints]]) -> Leg
         _, number = np.unique(landmark, return_inverse=True)
         shape = (count, int(number.max(initial=-1)) + 1)
         seen = coo_array((np.ones(len(node), np.int64), (leg[node], number)), shape=shape).tocsr()
-        seen.data[:] = 1
+        seen.data[:] = 1  # a leg sees a landmark or not, however often
         shared += (seen @ seen.T).toarray()
     return LegTies(leg=leg, shared=shared)
 
@@ -119,7 +119,7 @@ def split_legs(positions: Array) -> Ints:
     for k in range(1, len(along)):
         low, high = (k if along[k] < along[low] else low), (k if along[k] > along[high] else high)
         if rising >= 0 and along[high] - along[k] > swing:
-            turns += [high] * abs(rising)
+            turns += [high] * abs(rising)  # where the first leg begins is no turn
             rising, low = -1, k
         elif rising <= 0 and along[k] - along[low] > swing:
             turns += [low] * abs(rising)

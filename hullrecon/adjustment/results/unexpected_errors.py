@@ -87,6 +87,7 @@ def scale_warning(correction: Array, allowed: Array, covariance: Array) -> list[
         return []
     if abs(x) <= SURPRISING * np.sqrt(gained * prior):
         return []
+    # The estimate without its prior, in per cent (`exceeded_priors`)
     alone, sigma = -100 * x / gained, 100 * np.sqrt(left / gained)
     return [
         f"All else together says that the DVL measures distances {abs(alone):.0f} ± {sigma:.0f} % "
@@ -119,6 +120,8 @@ class MountFit(NamedTuple):
 
 def mount_warnings(mounts: Mapping[str, MountFit], distance_m: float) -> list[str]:
     """Warn of each mount estimated far from its nominal pose, and of mounts turned alike.
+
+    Mounts that were held, or that the vehicle does not have, are skipped.
 
     Parameters
     ----------

@@ -147,6 +147,7 @@ def hull_map(survey: Survey) -> HullMap | None:
     corners = np.vstack([path, *(placed.at[None] for placed in objects), seen])
     if not np.isfinite(corners).all(axis=1).any():
         return None
+    # As the delivered rasters are turned, else as seen from where the vehicle was
     turned = surfaces.outside.flips if surfaces.outside is not None else flips(chart, path)
     extent = extent_of(corners, turned)
     return HullMap(chart=chart, extent=extent, path=path, objects=objects, found=found)

@@ -219,7 +219,10 @@ def residuals(before: Mapping[str, FactorResiduals], after: Mapping[str, FactorR
 
 
 def standoff(dvl: DvlPings) -> Array:
-    """Compute the distance (n,) m from the DVL to the hull along the instrument's axis."""
+    """Compute the distance (n,) m from the DVL to the hull along the instrument's axis.
+
+    It is the median over the beams, NaN for a ping without any range.
+    """
     depth = dvl.ranges * dvl.beams[:, 2]
     gap = np.full(len(depth), np.nan)
     heard = np.isfinite(depth).any(axis=1)
@@ -263,9 +266,10 @@ def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) 
 
 
 def _while_heard(t_ns: Ints, heard_ns: Ints, value: Array) -> Array:
-    """Interpolate values (m,) from times heard_ns (m,) to times t_ns (n,).
+    """Interpolate values (m,) that were measured at heard_ns (m,) to times t_ns (n,).
 
-    NaN in gaps of more than HEARD_S between the former, and more than that beyond either end.
+    NaN in gaps of more than HEARD_S without a measured value, and more than that before the first
+    or after the last.
     """
     after = np.searchsorted(heard_ns, t_ns)
     before = np.clip(after - 1, 0, len(heard_ns) - 1)
@@ -331,6 +335,7 @@ def deviation_histogram(
     for (name, (values, weights)), color in zip(
         shares.items(), (BLUE, ORANGE, GREEN), strict=False
     ):
+        # what lies beyond the outermost bins is counted in them
         share = (
             100
             * np.histogram(np.clip(values, edges[0], edges[-1] - 1e-9), edges, weights=weights)[0]
