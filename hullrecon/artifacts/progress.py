@@ -166,7 +166,10 @@ class RunOutlook:
         self._counted_until = now
 
     def _pace(self) -> float | None:
-        """Divide the time that finished steps took by the predicted one. None before LEAST_S."""
+        """Compute by which factor this machine takes longer than predicted, by the finished steps.
+
+        None before these took LEAST_S together.
+        """
         known = [name for name in self._finished if name in self._predicted_s]
         took_s = sum(self._spent_s[name] for name in known)
         if took_s < LEAST_S:

@@ -105,6 +105,7 @@ def _refined_cells(busy: NDArray[np.bool_]) -> tuple[Ints, NDArray[np.int32]]:
     width = FINER * (columns - 1) + 1
     fine = busy[:-1, :-1] | busy[1:, :-1] | busy[1:, 1:] | busy[:-1, 1:]
     coarse_cell = np.argwhere(~fine) * FINER
+    # Of the fine cells in one coarse cell, row and column
     sub = np.argwhere(np.ones((FINER, FINER)))[None]
     fine_cell = (np.argwhere(fine)[:, None] * FINER + sub).reshape(-1, 2)
     quads = np.concatenate([_quads(coarse_cell, FINER, width), _quads(fine_cell, 1, width)])
@@ -140,6 +141,7 @@ def deviation_m(spec: DiveSpec, along_m: Array, girth_m: Array, waves: int = 300
     evaluated anywhere.
     """
     random = spec.hull_random("deviation")
+    # The spectrum of a Matern 5/2 field is Student's t with five degrees of freedom
     stretch = np.sqrt(5.0 / random.chisquare(5.0, waves))
     length = np.array([spec.deviation.length_m, 0.5 * spec.deviation.length_m])
     wave = random.standard_normal((waves, 2)) * stretch[:, None] / length

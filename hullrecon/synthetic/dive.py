@@ -97,6 +97,7 @@ def _refuse_legs_beyond(skin: HullSkin, survey: Survey) -> None:
 
 def _frame_rate(spec: DiveSpec) -> float:
     """Choose the frames per second at which a leg shows each point of the steel `views` times."""
+    # Width of an image on the steel. The focal length is 1.03 widths (`true_rig`)
     footprint = (
         spec.survey.standoff_m * spec.cameras.image_width / (1.03 * spec.cameras.image_width)
     )

@@ -36,6 +36,7 @@ def ship_form(ship: Ship) -> Mesh:
     """Build a closed hull with a parallel midbody, round bilges, and curved ends."""
     x = _stations(ship, STATIONS)
     port = np.stack([_section(ship, xi, POINTS) for xi in x])  # (stations, points, 3), keel to deck
+    # From the deck down, without the point at the keel, which port has
     starboard = port[:, :0:-1] * [1, -1, 1]
     rings = np.concatenate([starboard, port], axis=1)
     faces = np.vstack([_side_faces(*rings.shape[:2]), _cap_faces(*rings.shape[:2])])[:, ::-1]

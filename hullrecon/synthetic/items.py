@@ -77,6 +77,7 @@ def _lump(item: Item, u: Array, v: Array, radius: Array) -> Array:
 
 def _barnacles(item: Item, along_m: Array, girth_m: Array, radius: Array) -> Array:
     """Compute the height of cones of one to two centimetres, thinning out to the edge."""
+    # Drawn by the place of the patch: the same barnacles for whatever points are asked
     random = np.random.default_rng([round(1e4 * abs(item.along_m)), round(1e4 * abs(item.girth_m))])
     count = int(900 * item.size_m[0] * item.size_m[1])
     middles = random.uniform(-0.5, 0.5, (count, 2)) * item.size_m + [item.along_m, item.girth_m]

@@ -127,6 +127,7 @@ def choose_anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
     if m.tracks is None or len(chosen.landmarks) <= most:
         return chosen
     node = first_nodes(m)[chosen.landmarks]
+    # By node, and within it by the number of observations: the first of each node are kept
     order = np.lexsort((-chosen.rays[chosen.landmarks], node))
     rank = np.arange(len(order)) - np.searchsorted(node[order], node[order])
     kept = order[rank < max(1, most // max(1, len(np.unique(node))))]
@@ -180,6 +181,7 @@ def _near_hull(state: State) -> Callable[[Array], Mask]:
 
 
 def _finite(points: Array) -> Array:
+    """Move points with a NaN far away, as searches for the nearest refuse NaN."""
     return np.nan_to_num(points, nan=1e6)
 
 

@@ -21,7 +21,8 @@ def poses_in_hull(
 ) -> Array:
     """Compute the covariance (n, 6, 6) of hull_from_vehicle.
 
-    The hull's pose has errors of its own, and shares errors with the path. The order is translation in M, then rotation perturbed on the right in v.
+    The hull's pose has errors of its own, and shares errors with the path. The order is translation
+    in M, then rotation perturbed on the right in v.
 
     Parameters
     ----------

@@ -353,7 +353,10 @@ class _Fleet:
         known: bool = False,
         ended_early: bool = False,
     ) -> FleetDive:
-        """Describe a dive. If its run ended early, deliver/ is not from that run."""
+        """Describe a dive. If its run ended early, deliver/ is not from that run.
+
+        ran: in this call. known: it ended in the same way the last time.
+        """
         path = _log_file(dive, self.runs)
         # After a step that fails alone, such as a mosaic, all else is delivered.
         is_whole = code == 0 or (code == StageError.exit_code and not ended_early)

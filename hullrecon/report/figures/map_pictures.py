@@ -173,7 +173,7 @@ class ContrastStretch:
     @classmethod
     def of(cls, bands: Pixels, seen: Pixels) -> ContrastStretch:
         """Choose the stretch by what was seen of a picture (3, h, w)."""
-        sums = np.zeros(3 * 255 + 1, np.int64)
+        sums = np.zeros(3 * 255 + 1, np.int64)  # histogram of red + green + blue
         for row, alpha in enumerate(seen):
             total = bands[:, row].sum(axis=0, dtype=np.int64)
             sums += np.bincount(total[alpha > 0], minlength=len(sums))

@@ -158,7 +158,10 @@ def _render(ship: Mesh, patch: Mesh, side: Side, bounds: tuple[Array, Array]) ->
 
 
 def _shaded_faces(mesh: Mesh, side: Side, tint: Array) -> tuple[Array, Array]:
-    """Select the faces that the viewer sees (m, 3, 2), farthest first, and their colours (m, 3)."""
+    """Select the faces that the viewer sees (m, 3, 2), farthest first, and their colours (m, 3).
+
+    Drawn in this order, nearer faces cover farther ones. Faces turned away are left out.
+    """
     normal = face_normals(mesh)
     facing = normal @ side.toward
     depth = mesh.vertices[mesh.faces].mean(axis=1) @ side.toward
