@@ -118,7 +118,7 @@ def register(
     solved
         The path, solved without the CAD model.
     cad_model
-        With the package's guess of its pose.
+        The mesh, and the package's guess of its pose, around which starts are tried.
     solver
         Reports the result.
     segments
@@ -524,7 +524,7 @@ def estimate_hull_pose(last: RoundResult, placed: Phase, solver: RoundSolver) ->
     placed
         The phase of the CAD model so far. Its verdict, placement and estimate are replaced.
     solver
-        Whose strategy says whether there is a deviation field. Without one nothing is estimated.
+        Its strategy says whether there is a deviation field. Without one nothing is estimated.
     """
     ready, placement = last.after, placed.placement
     hull = ready.state.hull

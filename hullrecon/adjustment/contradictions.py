@@ -83,7 +83,7 @@ def hold_within_belief(path: Phase, corrected: Phase, solver: RoundSolver) -> Ph
         The path solved with the package's priors, and the path solved with the contradicted priors
         widened.
     solver
-        Solves the trials.
+        Its options are those of the trials' solves, and it reports each trial.
 
     Returns
     -------
@@ -128,7 +128,7 @@ def explain_refusal(path: Phase, placed: Phase, solver: RoundSolver) -> Phase:
     placed
         The phase of the refused CAD model.
     solver
-        Solves the trials.
+        Its options are those of the trials' solves, and it reports each trial.
 
     Raises
     ------
@@ -260,7 +260,7 @@ def _refuse(trials: Sequence[Trial], beyond: Sequence[str], solver: RoundSolver)
     Parameters
     ----------
     trials
-        Of all suspects.
+        What each suspect explains, the best first.
     beyond
         Descriptions of corrections that are too large to be believed. Empty: none is.
     solver

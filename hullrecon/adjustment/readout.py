@@ -41,11 +41,11 @@ class RowMotion:
         Parameters
         ----------
         problem
-            Of whose features the motion is.
+            Its stereo and mono tables have the features, in the order of the motion's rows.
         readout_s
             Time from the first row to the last.
         cameras
-            Whose features are moved. The others stay.
+            The features of these are moved, and the others stay.
         """
         stereo, mono = problem.stereo, problem.mono
         of = [camera.column for camera in cameras]
@@ -64,7 +64,7 @@ def motion_by_row(problem: native.Problem, measured: Measurements, state: State)
     Parameters
     ----------
     problem
-        Without the CAD model, at its solution.
+        The features and landmarks. It has no CAD model, and is at its solution.
     measured, state
         The measurements of which the problem was made, and its solution as a state.
     """

@@ -186,7 +186,7 @@ def _who_is_wrong(found: StereoContradiction, longer: float, sigma: float) -> st
     longer
         Share by which the adjusted baseline is longer than calibrated.
     sigma
-        Of `longer`.
+        Sigma of `longer`.
     """
     by_stereo, by_dvl = abs(longer) / sigma, abs(longer - found.length) / sigma
     if by_stereo > MAX_LENGTH_SIGMAS and by_dvl < MAX_LENGTH_SIGMAS:

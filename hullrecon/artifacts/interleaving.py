@@ -39,7 +39,7 @@ def interleave(
     Returns
     -------
     results
-        Of the coroutines, in the order of the stages.
+        What each coroutine returned, in the order of the stages.
     """
     done, courses = dict[str, Result](), dict[str, Course[Result]]()
     begun: dict[str, BegunStep] = {}

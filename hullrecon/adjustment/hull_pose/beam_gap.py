@@ -30,7 +30,7 @@ def gap_beyond_beams(
     Parameters
     ----------
     ends, directions
-        Of the beams (n, 3): end points, m, and unit vectors.
+        End points (n, 3) m of the beams, and unit vectors (n, 3) along them.
     range_m
         Ranges of the beams (n,).
     landmarks

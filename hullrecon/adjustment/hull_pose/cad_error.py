@@ -81,7 +81,7 @@ def facet_variance(cad_model: CadModel, at: Array, sigmas: float) -> float:
     Parameters
     ----------
     cad_model
-        Whose facets are measured near the points.
+        The mesh, of whose facets size and error are measured near the points.
     at
         Points (n, 3) m in M.
     sigmas

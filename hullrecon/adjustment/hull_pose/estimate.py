@@ -109,7 +109,7 @@ def collect_hull_points(
     Raises
     ------
     ValueError
-        Without a CAD model in the state.
+        The state has no CAD model.
     """
     hull = state.hull
     if hull is None:
@@ -183,7 +183,7 @@ def thin_over_surface(
     pose
         global_from_hull.
     cad_model
-        Whose surface it is.
+        The surface, to which the points' distances are measured.
     most
         Cells grow until at most so many points are left.
     """
@@ -245,9 +245,9 @@ def fit_hull_pose(
     pose
         Start, global_from_hull.
     cad_model
-        With its prior pose and stated error.
+        The mesh, the prior of its pose, and its stated error as noise of the fit.
     center
-        Of the survey (3,) in M.
+        The survey's middle (3,) m in M, about which the pose turns.
 
     Returns
     -------
@@ -394,7 +394,7 @@ def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid
     pose
         global_from_hull, fitted.
     grid
-        Of the deviation field.
+        The grid on which the field stands.
     """
     by_motion = registration.signed_distances(
         evidence.points, pose, evidence.center, evidence.cad_model.mesh

@@ -40,7 +40,7 @@ def find_fitting_beams(
     Parameters
     ----------
     returns
-        Of the DVL, ordered by ping and then by beam.
+        Ranges of the DVL, ordered by ping and then by beam, with their beams' directions.
     ends
         Computes the ends (n, 3) m in g of returns, flagged ones left out.
     cad_model, range_sigma_m

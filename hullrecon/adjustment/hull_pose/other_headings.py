@@ -69,7 +69,7 @@ def _turn_from(cad_model: CadModel, found: Registration) -> float | None:
     Parameters
     ----------
     cad_model
-        With the guess and its stated sigmas.
+        The guess that is turned, and its stated sigmas, in which agreement is judged.
     found
         The registration.
     """

@@ -47,7 +47,7 @@ def find_fitting_tray(
     odometry
         Motion between nodes by the DVL, from which the path is computed anew.
     returns
-        Of the DVL.
+        Ranges of the DVL, whose ends are computed with each convention.
     cad_model
         To which the ends are registered.
 

@@ -72,11 +72,11 @@ def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int =
     points
         On the hull, from DVL returns or landmarks.
     cad_model
-        With the guess of its pose.
+        The mesh, and the guess of its pose, which is the first start and the prior.
     sigma_range
-        Of a DVL range, m.
+        Sigma of a DVL range, m, the noise of a point.
     seed
-        Of the points that are sampled on the CAD model for ICP.
+        Decides which points are sampled on the CAD model for ICP.
     """
     kept = thin_points(points, 0.10, 2500)
     found = register_near(kept, cad_model, sigma_range, seed)
@@ -118,13 +118,13 @@ def _register_from(
     points
         (n, 3) m in g, on the hull.
     cad_model
-        With its guess and stated error.
+        The mesh, its guess as prior, and its stated error as noise of the fit.
     center
         (3,) m in M, of the survey.
     sigma_range
-        Of a DVL range, m.
+        Sigma of a DVL range, m, the noise of a point.
     seed
-        Of the points that are sampled on the CAD model.
+        Decides which points are sampled on the CAD model.
     """
     target = _target_cloud(
         cad_model.mesh, np.vstack([start.inverse().apply(points[::10]) for start in starts]), seed
@@ -177,9 +177,9 @@ def _with_wider_guess(
     points
         (n, 3) m in g, on the hull.
     cad_model
-        With the guess as the package states it.
+        The mesh, and the guess with the sigmas that the package states.
     sigma_range
-        Of a DVL range, m.
+        Sigma of a DVL range, m, the noise of a point.
     """
     step = prior_step(found.global_from_hull, cad_model, found.center)
     off = float(np.abs(step / cad_model.guess_sigma).max())
@@ -242,7 +242,7 @@ def at_other_heights(pose: Poses, cad_model: CadModel, center: Array) -> list[Po
     pose
         global_from_hull.
     cad_model
-        With the guess's sigmas.
+        The sigmas of its guess say how far up and down, and its chart which way is up.
     center
         (3,) m in M, of the survey.
     """
@@ -264,11 +264,11 @@ def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
     Parameters
     ----------
     mesh
-        In M.
+        The CAD model, in M.
     near
         (n, 3) m in M, surveyed points at the starts. Samples within KEPT_M of them are kept.
     seed
-        Of the sampling.
+        Decides which points are sampled.
     """
     corner = mesh.vertices[mesh.faces]
     middle = corner.mean(1)
@@ -395,11 +395,11 @@ def fit_correlated(
     start
         Pose to start from.
     cad_model
-        With its guess and stated error.
+        The mesh, its guess as prior, and its stated error as noise of the fit.
     center
         (3,) m in M, about which steps turn.
     sigma_range
-        Of a DVL range, m.
+        Sigma of a DVL range, m, the noise of a point that is no outlier.
     """
     expected = replace(cad_error.expected_cad_error(cad_model), noise=0.0)
     field = cad_error.distance_covariance(expected, cad_model, start.inverse().apply(points))
@@ -481,7 +481,7 @@ def signed_distances(
     center
         (3,) m in M, about which steps turn.
     mesh
-        In M.
+        The CAD model, in M.
 
     Returns
     -------
@@ -510,9 +510,9 @@ def _robust_sigmas(distance: Array, sigma_range: float, sigma_field: float) -> A
     distance
         (n,) m, signed, of the points to the CAD model at the start.
     sigma_range
-        Of a DVL range, m.
+        Sigma of a DVL range, m, that of a point which is no outlier.
     sigma_field
-        Of the CAD model's error, m.
+        Sigma of the CAD model's error, m, by which a point may be off too.
     """
     ratio = np.abs(distance - np.median(distance)) / (1.345 * np.hypot(sigma_range, sigma_field))
     return np.asarray(

@@ -175,15 +175,15 @@ def register_segments(
     Parameters
     ----------
     segments
-        Of the path.
+        Which nodes belong together, and how loose each segment is.
     nodes
         The path (n,), global_from_vehicle.
     points, node
         Ends of the returns (k, 3) m in g, and their nodes (k,).
     cad_model
-        With the guess of its pose.
+        The mesh, and the guess of its pose relative to the first node.
     sigma_range
-        Of a range, m.
+        Sigma of a range, m, the noise of a point.
     """
     found = registration.register(
         points[segments.of_node[node] == segments.reference],
@@ -244,7 +244,7 @@ def _motion_onto(points: Array, beams: Array, cad_model: CadModel, sigma_range: 
     cad_model
         At the pose of the reference, with sigmas of the segment relative to it.
     sigma_range
-        Of a DVL range, m.
+        Sigma of a DVL range, m, the noise of a point.
     """
     kept = registration.thin_points(points, 0.10, MOST_POINTS)
     center = cad_model.guess.inverse().apply(kept).mean(axis=0)

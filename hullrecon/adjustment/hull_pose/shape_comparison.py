@@ -167,7 +167,7 @@ def _open_directions(jacobian: Array, cad_model: CadModel, noise: float) -> Arra
     jacobian
         (n, 6) of the distances by the step of `perturb_pose`.
     cad_model
-        With the prior of its pose.
+        The prior of its pose says how far each direction is open.
     noise
         Variance of the distances, m2.
     """

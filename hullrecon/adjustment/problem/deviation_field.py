@@ -79,7 +79,7 @@ def prior_rows(grid: DeviationGrid, sigma: float, length: tuple[float, float]) -
     grid
         On which the field b stands.
     sigma
-        Of the field, m.
+        Sigma of the field, m, far from the grid's edge.
     length
         Correlation length along and in girth, m.
     """
@@ -102,11 +102,11 @@ def hold_combinations(
     prior
         Rows over the nodes.
     grid
-        Of the nodes.
+        The grid of the nodes, along whose rows a combination is summed.
     held
         Combinations (k, size). Those that depend linearly on others are left out.
     sigma
-        Of the field, m.
+        Sigma of the field, m. Combinations are held to a share KNOWN_SHARE of it.
 
     Returns
     -------

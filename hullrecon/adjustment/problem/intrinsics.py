@@ -80,7 +80,7 @@ def summarise_intrinsics(
     marginals
         Covariances. Those of intrinsics that were held are zero, and these are left out.
     options
-        With the prior sigmas.
+        The prior sigmas, by which differences are divided.
 
     Returns
     -------

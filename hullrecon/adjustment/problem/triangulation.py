@@ -49,7 +49,7 @@ def triangulate(
     top, bottom
         Poses of the cameras in g at the nodes. None without a bottom camera.
     rig
-        With the camera models.
+        The camera models, which turn pixels into rays.
 
     Returns
     -------
@@ -138,7 +138,7 @@ def reprojection_errors(
     top, bottom
         Poses of the cameras at the nodes.
     rig
-        With the camera models.
+        The camera models, which project the landmarks.
     """
     errors = np.full((2, len(tracks.node)), np.nan)
     cameras = ((tracks.top, rig.top, top), (tracks.bottom, rig.bottom, bottom))

@@ -309,7 +309,7 @@ def _viterbi(cost: Array, flip_cost: float) -> Ints:
     cost
         (n, 2) of each state at each time.
     flip_cost
-        Of each change of state.
+        Cost of each change of state.
     """
     n = len(cost)
     best, back = cost[0].copy(), np.zeros((n, 2), np.int64)

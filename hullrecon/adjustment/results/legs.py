@@ -84,7 +84,7 @@ def tie_legs(positions: Array, observations: Iterable[tuple[Ints, Ints]]) -> Leg
     Parameters
     ----------
     positions
-        Of the vehicle at the nodes (n, 3) m.
+        Positions (n, 3) m of the vehicle at the nodes, which are split into legs.
     observations
         Blocks of whole landmarks: node and landmark of each observation, both (m,).
     """

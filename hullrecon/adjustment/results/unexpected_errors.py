@@ -38,7 +38,7 @@ def navigation_warnings(correction: Array, allowed: Array, covariance: Array) ->
     allowed
         Prior sigmas (6,) that dive.toml states.
     covariance
-        Of the estimate (6, 6).
+        Covariance (6, 6) of the estimate, for its sigmas in the sentences.
     """
     sigma = np.sqrt(np.maximum(np.diag(covariance), 0))
     is_far = (np.abs(correction) > MANY_SIGMAS * allowed) & (
@@ -157,7 +157,7 @@ class _Displacement:
         Parameters
         ----------
         key
-            Of the mount in dive.toml.
+            Key of the mount in dive.toml, which the warning names.
         nominal, found
             Poses parent_from_child, as in dive.toml and as estimated.
         rows

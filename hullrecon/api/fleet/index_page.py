@@ -115,7 +115,7 @@ class FleetIndex:
             Whether the result is of the present package. If not, it is linked, but its findings are
             left out.
         name
-            Of its folder in RUNS, None if unknown.
+            Name of its folder in RUNS, None if unknown.
         """
         found = None
         if name is not None:

@@ -105,7 +105,7 @@ def _frame(patch: Array, low: Array, scale: float, height: float) -> str:
     scale
         SVG units of a metre.
     height
-        Of the picture, SVG units.
+        Height of the picture, SVG units.
     """
     (x0, y0), (x1, y1) = (patch.min(axis=0) - low) * scale, (patch.max(axis=0) - low) * scale
     x, y = MARGIN + (x0 + x1) / 2, MARGIN + height - (y0 + y1) / 2
