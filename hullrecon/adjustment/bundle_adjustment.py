@@ -117,7 +117,10 @@ def adjust(
 
 
 def solve_path_and_place(measured: Measurements, solver: RoundSolver) -> Phase:
-    """Solve the path, then register the CAD model to it and judge it. Raises as `adjust`."""
+    """Solve the path, then register the CAD model to it and judge it. Raises as `adjust`.
+
+    A CAD model that is refused raises nothing: the path goes on alone, and the verdict says why.
+    """
     # First the path, from images and navigation.
     path = solver.once(lambda: solve_path(measured, solver), "path")
 
@@ -140,7 +143,11 @@ def solve_path_and_place(measured: Measurements, solver: RoundSolver) -> Phase:
 
 
 def solve_path(measured: Measurements, solver: RoundSolver) -> Phase:
-    """Solve the path without the CAD model, and widen the package's priors that it contradicts."""
+    """Solve the path without the CAD model, and widen the package's priors that it contradicts.
+
+    The phase has no rounds, and its estimate is the start, with `adjust.rounds = 1` and no CAD
+    model. Raises ContradictionError where corrections cannot be believed (`hold_within_belief`).
+    """
     # Some well-seen landmarks find poses, outliers and sigmas at a fraction of the cost.
     start = _start(measured, solver.strategy)
     with_cad = measured.cad_model is not None

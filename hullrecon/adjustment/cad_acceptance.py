@@ -175,7 +175,7 @@ def _accept_registration(found: registration.Registration, segments: Segments | 
     Parameters
     ----------
     found
-        The registration.
+        The registration, whose fitness and distance from the guess are judged.
     segments
         Segments into which outages cut the path, which a refusal mentions. None: it is not cut.
     """
@@ -216,7 +216,7 @@ def _add_fitting_unit_and_heading(
     verdict
         On the registration. Returned unchanged where it is accepted.
     found
-        The registration.
+        The registration that the verdict is on, with the CAD model and its guess.
     points
         (n, 3) m in g, on the hull. None: nothing is tried, as for a path that outages cut.
     range_sigma_m
@@ -461,7 +461,7 @@ def _hull_state(
     Parameters
     ----------
     found
-        The registration.
+        The registration, which gives CAD model, pose and the survey's middle.
     points
         (n, 3) m in g, on the hull, which the field's grid covers.
     deviation_field

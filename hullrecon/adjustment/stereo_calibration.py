@@ -149,7 +149,7 @@ def stereo_warning(
     Parameters
     ----------
     found
-        The contradiction.
+        The contradiction, which the warning describes.
     calibrated, adjusted
         Poses top_from_bottom, as calibrated and at the solution.
     covariance
@@ -264,7 +264,7 @@ def _free_contradicted(after: Estimate, calibrated: Rig, found: StereoContradict
     calibrated
         The rig with the priors of the package.
     found
-        The contradiction.
+        The contradiction, whose size becomes the sigma of what is freed.
     """
     mount, length_m = calibrated.top_from_bottom, calibrated.baseline_m
     assert mount is not None

@@ -259,7 +259,10 @@ def _with_depths(problem: native.Problem, factor: float) -> native.Problem:
 def _try_without(
     suspect: _Suspect, problem: native.Problem, settings: native.Options, before: float
 ) -> Trial:
-    """Solve without a suspect. before: chi-square with it."""
+    """Solve without a suspect, or with its error as an unknown, to see how far chi-square falls.
+
+    before: chi-square with the suspect as it is.
+    """
     chi2, unknowns = _solved(suspect.doubt(problem), settings)
     return Trial(
         suspect=suspect.name,
@@ -328,7 +331,7 @@ def _suspects(problem: native.Problem) -> list[_Suspect]:
         found.append(_Suspect("dvl-ranges", _without_planes, len(problem.plane_ranges.plane)))
     if len(problem.positions.node):
         found.append(_Suspect("positions", _without_positions, 2 * len(problem.positions.node)))
-    if not has_images:
+    if not has_images:  # then only velocities give the path, and cannot be left out
         return found
     found.append(_Suspect("dvl-velocities", _without_velocities, 3 * steps))
     found += _lenses(problem)

@@ -121,6 +121,7 @@ def external_files(
 
 
 def _external_record(path: Path, name: str, hashes: HashCache) -> FileRecord:
+    """Hash a file of the package. Raises InputError with its name if it cannot be read."""
     try:
         return hashes.record(path)
     except FileNotFoundError as error:

@@ -100,6 +100,7 @@ class _StepProcess:
     def __init__(
         self, preload: Sequence[str], call: StepCall, progress: Progress, outlook: Outlook
     ) -> None:
+        """Start the process, which begins with the step's function at once."""
         self._step, self._patient_until = call.job.stage.name, math.inf
         self._display = _Display(progress, outlook)
         context = _context(preload)
@@ -308,6 +309,7 @@ class _ToldProgress(Progress):
         outlook: Outlook | None = None,
         kept: int = 0,
     ) -> Generator[Item, None, None]:
+        """Yield the items, and tell every _EVERY_S how many have passed since the last message."""
         number, said, said_s = next(self._numbers), 0, time.monotonic()
         self._send(_LoopBegun(number, label, total, kept))
         try:

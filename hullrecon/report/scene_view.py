@@ -80,7 +80,10 @@ def scene_parts(surfaces: Surfaces) -> tuple[ScenePart | None, ScenePart | None]
 
 
 def _split_hull(surfaces: Surfaces) -> tuple[ScenePart | None, ScenePart | None]:
-    """Split the hull into surveyed part and rest of the ship, with all faces."""
+    """Split the hull into surveyed part and rest of the ship, with all faces.
+
+    A face of which all three corners were seen is surveyed. Both are None without a surface.
+    """
     surface = surfaces.as_found if surfaces.as_found is not None else surfaces.surveyed
     if surface is None or surfaces.chart is None or not len(surface.faces):
         return None, None

@@ -255,6 +255,7 @@ def place_items(
         STRUCTURES[k % len(STRUCTURES)]
         for k in range(wanted.structures, wanted.structures + wanted.added)
     ]
+    # Drawn by a generator of its own, so that a dive without them has the same other items
     added = _draw_items(spec.hull_random("added items"), since, before, *window)
     if wanted.grown_m:
         before[0] = _grow(before[0], wanted.grown_m)

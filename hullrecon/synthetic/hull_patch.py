@@ -95,7 +95,7 @@ class HullPatch:
         return np.asarray((1 - q) * low + q * high)
 
     def smooth(self, width_m: float) -> HullPatch:
-        """Smooth the normals over a width: the vehicle follows these."""
+        """Smooth the normals by a Gaussian whose sigma is width_m: the vehicle follows these."""
         from scipy.ndimage import gaussian_filter
 
         sigma = width_m / (self.along_m[1] - self.along_m[0])

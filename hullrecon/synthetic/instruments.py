@@ -79,6 +79,7 @@ def imu(spec: DiveSpec, motion: Motion) -> Imu:
     t = ticks(motion, 25.0, random, 0.06)
     n = len(t)
     level = ROLL_PITCH_SIGMA * (random.standard_normal(2) + 0.3 * random.standard_normal((n, 2)))
+    # A random walk whose sigma reaches HEADING_SIGMA in a minute of readings 0.04 s apart
     walk = HEADING_SIGMA * np.cumsum(random.standard_normal(n)) * np.sqrt(0.04 / 60)
     drift = np.radians(spec.errors.heading_drift_deg_per_hour) / 3600
     heading = drift * t + walk + 0.5 * HEADING_SIGMA * random.standard_normal(n)

@@ -85,6 +85,7 @@ def _write_images(folder: Path, streams: Streams) -> None:
 
 
 def _write_pings(folder: Path, streams: Streams) -> None:
+    """Write a file for each ping of the sonar, and a table of them. Nothing without pings."""
     if not len(streams.ping_s):
         return
     (folder / "sonar").mkdir(exist_ok=True)
@@ -195,6 +196,7 @@ def vector(xyz: Any, kind: str = "geometry_msgs/msg/Vector3") -> Any:
 
 
 def _channels(writer: Any, names: set[str]) -> dict[str, int]:
+    """Register a schema for each type, and a channel for each stream. Returns these by stream."""
     schemas, channels = dict[str, int](), dict[str, int]()
     for name in sorted(names):
         topic, kind = TOPICS[name]
@@ -314,6 +316,7 @@ def _sonar(streams: Streams, k: int, ns: int) -> RosMessage:
     )
 
 
+# Makes the message of row k of a stream, with the stamp ns
 MESSAGES = {
     "dvl": _dvl,
     "imu": _imu,

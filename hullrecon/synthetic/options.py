@@ -355,6 +355,7 @@ def spec_from(**values: Any) -> DiveSpec:
 
 
 def _options() -> Iterator[Option]:
+    """Yield the fields of DiveSpec and of its records that have a Meta. Others are no options."""
     spec = DiveSpec()
     for top in dataclasses.fields(spec):
         part = getattr(spec, top.name)

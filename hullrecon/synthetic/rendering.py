@@ -58,6 +58,7 @@ def photographs(dive: Dive) -> Iterator[tuple[Pixels, Pixels | None]]:
     exposed_s = row_times(dive.frame_s, dive.spec.cameras)
     each = exposed_s.shape[1]  # poses of an image
     tray_from_bottom = rig.tray_from_top @ rig.top_from_bottom
+    # The bottom image is exposed that much later, when the lamp has moved on with the top camera
     late_s = dive.spec.cameras.pair_offset_s
     hull_from_top, hull_from_bottom, lit_from = (
         motion.in_hull(motion.on_tray(exposed_s.ravel() + after_s, mount, TRAY_ORIGIN))

@@ -181,7 +181,7 @@ def thin_over_surface(
     points
         (n, 3 + k): m in g, and further columns that are averaged with the points.
     pose
-        global_from_hull.
+        Pose global_from_hull, at which the points are compared with the surface.
     cad_model
         The surface, to which the points' distances are measured.
     most
@@ -390,7 +390,7 @@ def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid
     Parameters
     ----------
     evidence
-        Points of the fit.
+        Points of the fit, the CAD model, and how wrong it may be.
     pose
         global_from_hull, fitted.
     grid

@@ -71,7 +71,7 @@ def _turn_from(cad_model: CadModel, found: Registration) -> float | None:
     cad_model
         The guess that is turned, and its stated sigmas, in which agreement is judged.
     found
-        The registration.
+        The registration, whose pose is compared with the turned guess.
     """
     at, center = found.global_from_hull, found.center
     turn = float((at.rotation * cad_model.guess.rotation.inv()).as_euler("ZYX")[0, 0])

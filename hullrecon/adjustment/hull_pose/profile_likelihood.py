@@ -96,9 +96,9 @@ def inflate_covariance(covariance: Array, found: Profile, global_from_hull: Pose
     covariance
         (6, 6) of the hull's pose.
     found
-        The profile.
+        The profile, with direction, variance, and the motion of the pose along the valley.
     global_from_hull
-        The pose.
+        The pose, which turns the direction from M into g.
     """
     to_hull = global_from_hull.rotation.as_matrix()[0].T
     along = np.r_[to_hull.T @ found.direction, np.zeros(3)]  # the direction in g

@@ -240,7 +240,7 @@ def at_other_heights(pose: Poses, cad_model: CadModel, center: Array) -> list[Po
     Parameters
     ----------
     pose
-        global_from_hull.
+        Pose global_from_hull that is moved.
     cad_model
         The sigmas of its guess say how far up and down, and its chart which way is up.
     center

@@ -68,7 +68,10 @@ def solve(problem: native.Problem, plan: Plan, options: native.Options) -> nativ
 def covariance(
     problem: native.Problem, plan: Plan, options: native.Options, *, of_landmarks: bool = True
 ) -> native.Covariance:
-    """Compute the covariances as `native.covariance` does, by the parts of a plan."""
+    """Compute the covariances as `native.covariance` does, by the parts of a plan.
+
+    of_landmarks: False leaves out those of the landmarks.
+    """
     if plan.parts == 1:
         return native.covariance(problem, options, of_landmarks=of_landmarks)
     parts = SubProblems(problem, plan.owner)

@@ -72,7 +72,7 @@ def plan_parts(problem: native.Problem, state: State, wanted: Wanted) -> Plan:
     Parameters
     ----------
     problem
-        The whole problem.
+        The whole problem, whose tables give the memory that each pose takes.
     state
         With the same poses, and the hull's chart where it has one.
     wanted

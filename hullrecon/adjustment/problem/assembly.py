@@ -140,6 +140,7 @@ def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selecti
     landmark[chosen.landmarks] = unknowns.landmark
     hull = state.hull
     if hull is not None:
+        # The problem's hull frame has its origin in the middle of the survey
         found = pose_from_vector(unknowns.T_g_M) @ frame_at(hull.survey_center).inverse()
         hull = replace(hull, global_from_hull=found, field=unknowns.deviation.copy())
     return replace(

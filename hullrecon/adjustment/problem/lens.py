@@ -138,7 +138,10 @@ def estimate_lens_sigma(found: Array, calibration_sigma_px: Array) -> Array:
 
 
 def summarise_lenses(rig: Rig, found: Array, marginals: native.Covariance) -> dict[str, Any]:
-    """Tabulate by camera: estimated displacement, its sigma and the calibration's sigma, px rms."""
+    """Tabulate by camera: estimated displacement, its sigma and the calibration's sigma, px rms.
+
+    Lenses that were held have no variance, and are left out.
+    """
     out: dict[str, Any] = {}
     for camera in rig.camera_models:
         variance_px2 = float(np.trace(getattr(marginals, _BLOCKS[camera.column])))

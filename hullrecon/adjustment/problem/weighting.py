@@ -71,8 +71,8 @@ def estimate_weights(
     m, state, chosen
         Measurements, solution of the round, and which measurements entered.
     weights
-        That the round used. Returned unchanged without images, or where the strategy estimates no
-        sigmas.
+        Sigmas and weights that the round used. Returned unchanged without images, or where the
+        strategy estimates no sigmas.
     strategy
         Says whether sigmas are estimated.
     """

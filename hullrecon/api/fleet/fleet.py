@@ -236,6 +236,7 @@ class _Fleet:
         terms: Terms,
         on_failure: Callable[[FleetDive], None] | None = None,
     ) -> None:
+        """Read the folder of dives and the records of earlier calls, and plan. Changes nothing."""
         self.dives, self.runs = Path(os.path.realpath(dives)), Path(os.path.realpath(runs))
         self._terms, self._on_failure = terms, on_failure
         self._program = program_signature()
@@ -409,7 +410,11 @@ def _packages(dives: Path, runs: Path) -> tuple[list[Path], list[Skipped]]:
 def _names(
     packages: list[Path], dives: Path, runs: Path
 ) -> tuple[dict[Path, str | None], dict[Path, HullreconError]]:
-    """Read the dives' names, and find the packages that may not be run."""
+    """Read the dives' names, and find the packages that may not be run, with the error of each.
+
+    They are those whose dive.toml may not be read, those that share a name, and those whose results
+    would lie above the packages. A name is None where dive.toml is not valid.
+    """
     names, refused = dict[Path, str | None](), dict[Path, HullreconError]()
     for package in packages:
         try:

@@ -77,6 +77,7 @@ class FleetIndex:
             write_file(self._runs / FILE, render_index(rows).encode())
 
     def _row(self, dive: FleetDive, running: bool) -> IndexRow:
+        """Make the row of a dive of this fleet."""
         kind, state, current = _row_state(dive, running)
         name = dive.name or dive.package.name
         return self._make_row(

@@ -188,6 +188,7 @@ _LAST_COLUMNS = (
 def _column(
     name: str, unit: str, meaning: str, values: Sequence[object], words: bool = False
 ) -> Column:
+    """Make a column of objects.csv, with six significant digits of each number."""
     return Column(
         name=name,
         unit=unit,
