@@ -140,6 +140,7 @@ def register(
     solver.report(f"registered {len(points)} points to the CAD model, {fitting} within three sigma")
     hull = _hull_state(found, points, solver.strategy.deviation_field)
     state = replace(state, hull=replace(hull, segments=segments))
+    # A model that lies on its side is refused, however well it fits
     on_its_side = lying_side(cad_model)
     if on_its_side is not None:
         verdict = Verdict(accepted=False, reason=on_its_side.sentence)

@@ -269,7 +269,7 @@ def map_arrays(path: Path) -> dict[str, NDArray[Any]]:
                 begin = stream.tell()
             order: Literal["F", "C"] = "F" if is_fortran else "C"
             offset = _first_byte(path, member) + begin
-            empty = not np.prod(shape)
+            empty = not np.prod(shape)  # numpy cannot map an array without elements
             arrays[member.filename.removesuffix(".npy")] = (
                 np.zeros(shape, dtype)
                 if empty

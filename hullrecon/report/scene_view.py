@@ -211,6 +211,7 @@ def relief_of(points: Array, form: Array) -> Array:
     smooth = np.array([medians[near].mean() for near in _neighbours(tree, at, radius / 2)])
     distance, nearest = tree.query(points, k=min(4, len(at)))
     distance, nearest = (np.reshape(values, (len(points), -1)) for values in (distance, nearest))
+    # Of the four nearest samples, by inverse squares of distances that never become zero
     weight = 1.0 / (distance + 0.25 * spacing) ** 2
     return np.asarray((smooth[nearest] * weight).sum(axis=1) / weight.sum(axis=1))
 

@@ -47,6 +47,7 @@ def simulate_dive(spec: DiveSpec) -> Dive:
     cad_model = hull_shape(ship)
     middle = survey.along_m if survey.along_m is not None else (1 - ship.entrance) * ship.length_m
     half = 0.5 * survey.leg_length_m
+    # Height of the first leg above the keel, and how far down in girth the last one is
     surface_z = ship.draught_m - survey.top_m
     depth = (survey.legs - 1) * survey.leg_spacing_m
     if surface_z <= 0:

@@ -140,6 +140,7 @@ class HullSkin:
         self.along_m = (
             np.arange(np.floor(span_m[0] / step_m), np.ceil(span_m[1] / step_m) + 1) * step_m
         )
+        # Girths that every section has
         low, high = -down_m, np.inf
         for arc, line in self._sections(self.along_m):
             low, high = max(low, float(arc[0])), min(high, _arc_at(arc, line, top_z_m))
@@ -236,12 +237,13 @@ def _section(
         (r,) of each ray, 0 straight down. Arc length counts from there.
     """
     hits = caster.cast(spine + far * out, -out)
-    good = hits.hit & (hits.range_m < far)
+    good = hits.hit & (hits.range_m < far)  # a hit beyond the spine is on the hull's other side
     if good.sum() < 2:
         raise InputError(
             "the hull has no section", where=f"x = {spine[0]:.2f} m", remedy="move `along_m`"
         )
     line = spine + (far - hits.range_m[good, None].astype(float)) * out[good]
+    # The section goes from straight down to the first gap on either side
     middle = int(np.argmin(np.abs(angle[good])))
     jump = np.linalg.norm(np.diff(line, axis=0), axis=1)
     gap = np.flatnonzero(jump > GAP_M)

@@ -198,6 +198,7 @@ def thin_over_surface(
         if len(count) <= most:
             break
         cell_m *= 1.25
+    # The last column of the means is their points' mean distance, to which each mean is moved
     means = _middle_half_means(np.c_[points, nearest.distance], nearest.distance, owner, count)
     near = cad_model.mesh.index.closest(pose.inverse().apply(means[:, :3]))
     outward = pose.rotation.apply(near.gradient) * (means[:, -1] - near.distance)[:, None]

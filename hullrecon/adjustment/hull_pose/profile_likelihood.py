@@ -132,6 +132,7 @@ def moment_of_minima(v: Valley, pose: Poses, starts: Sequence[Poses]) -> Array:
     steps: list[Array] = []
     spreads: list[Array] = []
     logs: list[float] = []
+    # From the least cost on: an end near one that was taken already is the same minimum
     for at, cost in found:
         step, spread = _between(pose, at, v.cost.center), posterior_covariance(v, at)
         apart = [

@@ -401,6 +401,7 @@ def fit_correlated(
     sigma_range
         Sigma of a DVL range, m, the noise of a point that is no outlier.
     """
+    # The noise of the points is added below, for each its own
     expected = replace(cad_error.expected_cad_error(cad_model), noise=0.0)
     field = cad_error.distance_covariance(expected, cad_model, start.inverse().apply(points))
     noise = _robust_sigmas(

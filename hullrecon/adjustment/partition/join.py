@@ -45,6 +45,7 @@ def solve(problem: native.Problem, plan: Plan, options: native.Options) -> nativ
     parts = SubProblems(problem, plan.owner)
     with tempfile.TemporaryDirectory() as folder:
         found = solve_parts(parts.parts(), options, Path(folder))
+    # Unknowns of the dive as a whole are the same in all parts. The others are gathered
     unknowns = replace(
         found.parts[0].unknowns,
         **{

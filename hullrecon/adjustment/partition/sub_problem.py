@@ -172,6 +172,7 @@ class SubProblems:
         if len(prior.start) < 2:
             return np.where(owner == last, 0, owner), np.zeros(0, np.int32)
         row_of = np.repeat(np.arange(len(prior.start) - 1), np.diff(prior.start))
+        # A row takes the first owner among its nodes, then a node without one that of its rows
         while True:
             of_row = np.full(len(prior.start) - 1, last, np.int32)
             np.minimum.at(of_row, row_of, owner[prior.index])

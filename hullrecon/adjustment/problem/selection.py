@@ -100,6 +100,7 @@ def _find(
             landmark[own] = _triangulated(block, poses, m)
         errors = reprojection_errors(block.numbered_from_0, landmark[own], *poses, m.rig)
         limit = max_px(block.tracks.response) if callable(max_px) else max_px
+        # An error is NaN without an observation, and does not agree
         agree = [np.nan_to_num(error, nan=np.inf) <= limit for error in errors]
         top[block.rows], bottom[block.rows] = agree
         of_block = np.add(*agree, dtype=np.int8)

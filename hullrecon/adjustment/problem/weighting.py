@@ -80,6 +80,7 @@ def estimate_weights(
         return weights
     by_response = estimate_pixel_sigmas(m, state, chosen, weights)
     side = estimate_sides(m.trajectory.tray - state.tray, weights.tray_direction)
+    # What backlash leaves of the tray's residuals, at nodes at which the servo was read
     excess = (m.trajectory.tray - state.tray - state.navigation[5] * side)[
         m.attitude.tray_sigma == 0
     ]
@@ -183,6 +184,9 @@ def _sigma_by_response(
     response: Array, length: Array, redundancy: Array, pixel: float
 ) -> ResponseSigmas:
     """Estimate the sigma of each of RESPONSE_GROUPS groups of features with similar responses.
+
+    Groups with fewer than MIN_RESIDUALS residuals are left out, between which sigmas are
+    interpolated later.
 
     Parameters
     ----------

@@ -114,6 +114,7 @@ def _add_images(reconstruction: Any, model: SparseModel) -> None:
     import pycolmap
 
     for node in np.flatnonzero((model.stamps >= 0).any(1)):
+        # Of each image its id, its camera's id, and its stamp
         ids = [
             (2 * int(node) + k, k, int(model.stamps[node, k - 1]))
             for k in (TOP, BOTTOM)
@@ -198,7 +199,7 @@ def _write_points(model: SparseModel, path: Path) -> Ints:
     cameras = _Cameras(*model.cameras)
     written, of_image = 0, np.zeros(2 * len(model.stamps) + BOTTOM, np.int64)
     with path.open("wb") as file:
-        file.write(struct.pack("<Q", 0))
+        file.write(struct.pack("<Q", 0))  # number of points, which is written at the end
         for seen in _read_observations(model):
             number, first, views = np.unique(seen.landmark, return_index=True, return_counts=True)
             errors = reprojection_errors(

@@ -70,6 +70,7 @@ def undistort_model(folder: Path) -> UndistortedModel:
     reconstruction = pycolmap.Reconstruction()
     for number, found in undistortions.items():
         pinhole = found.pinhole
+        # The first pixel's centre lies at (0.5, 0.5) in COLMAP, at (0, 0) in the camera model
         params = [pinhole.fx, pinhole.fy, pinhole.cx + 0.5, pinhole.cy + 0.5]
         reconstruction.add_camera(
             pycolmap.Camera(

@@ -310,7 +310,7 @@ class _Fleet:
         name = dive.package.name
         log.debug("%s ended with exit code %d after %.1f s", name, ended.exit_code, ended.seconds)
         code, reason = ended.exit_code, ended.reason
-        if dive.name is None and code == 0:
+        if dive.name is None and code == 0:  # the command was to say what is wrong in dive.toml
             code, reason = UsageError.exit_code, "its dive.toml changed while it was read"
         now = self._dive(
             dive,

@@ -113,6 +113,7 @@ def _ranked_views(
     The score is the centre's distance from the image's middle, in half diagonals.
     """
     rows = track.image[:, camera.column]
+    # Images that the object lists, None: any
     wanted = _rows_named(found.images, camera, index)
     nodes = np.flatnonzero((rows >= 0) & (np.isin(rows, wanted) if wanted is not None else True))
     if not len(nodes):

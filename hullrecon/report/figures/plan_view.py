@@ -161,7 +161,7 @@ def _multiples(span: tuple[float, float], step: float) -> list[float]:
 
 def _path(plan: Plan) -> str:
     """Draw the vehicle's path, interrupted off the chart, with its start and end."""
-    pieces, pen = [], "M"
+    pieces, pen = [], "M"  # of SVG: M moves to a point, L draws a line to it
     for along, girth in plan.path:
         if not np.isfinite(along + girth):
             pen = "M"

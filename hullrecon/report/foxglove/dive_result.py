@@ -253,6 +253,7 @@ def _dvl_returns(survey: Survey, local: LocalFrame) -> Iterator[TimedMessage]:
         return
     points = survey.facts.rig.dvl_points(returns, survey.track.path).points
     order = np.argsort(returns.t_ns, kind="stable")
+    # Rows of one ping at a time, which have the same stamp
     for rows in np.split(order, np.flatnonzero(np.diff(returns.t_ns[order])) + 1):
         t_ns = int(returns.t_ns[rows[0]])
         more: dict[str, NDArray[np.generic]] = {
