@@ -192,6 +192,8 @@ def solve_all_landmarks(settled: Phase, solver: RoundSolver) -> Adjusted:
 
     With an accepted CAD model each landmark has a label, on the model's surface or off it, and the
     hull's pose is held where it was estimated. Otherwise the path is solved without the CAD model.
+
+    settled: path and place, as of `join_path_and_place`, from whose estimate the round starts.
     """
     placement = settled.placement
     estimated = placement is not None and placement.evidence is not None

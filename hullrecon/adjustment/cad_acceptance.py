@@ -171,7 +171,9 @@ def lying_side(cad_model: CadModel) -> Finding | None:
 
 
 def _accept_registration(found: registration.Registration, segments: Segments | None) -> Verdict:
-    """Accept a registration that most points fit and that is not much too far from the guess.
+    """Accept a registration that most points fit, within MAX_SIGMAS_OFF sigmas of the guess.
+
+    A refusal says how far off it is: turned, higher or lower, or in sigmas where it is neither.
 
     Parameters
     ----------

@@ -78,6 +78,8 @@ def motion_by_row(problem: native.Problem, measured: Measurements, state: State)
 
         The node's time is that of the first row. A feature in the last row was exposed the whole
         readout time later, one in the first row at that time.
+
+        camera: which sees them. node, landmark, pixel: of each feature (n,), its pixel (n, 2).
         """
         mount, model = rig.tray_from(camera), rig.model(camera)
         seen = (tray @ mount).inverse().apply_rows(node, problem.unknowns.landmark[landmark])

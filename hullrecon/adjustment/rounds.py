@@ -271,6 +271,8 @@ class RoundSolver:
 
         The last round leaves out landmarks off the hull that stand alone. A strategy may leave out
         those that are far off the hull. Raises StageError with fewer than MIN_LANDMARKS.
+
+        state, chosen: triangulated landmarks, and the measurements that agree with them.
         """
         settings, strategy = self.settings, self.strategy
         if final and state.hull is not None and strategy.deviation_field:

@@ -121,12 +121,13 @@ def least_readout_gain(
 ) -> float:
     """Estimate by how much a readout time would lower chi-square at least, without a solve.
 
-    With it the trials of all suspects, each of which is a solve, are begun only where row by row
-    exposure would explain something (`is_sheared` of contradictions).
+    The trials of all suspects take a solve each. So this tells beforehand whether they are worth it
+    on a path that contradicts no prior (`is_sheared` of contradictions).
 
     Chi-square is taken as a parabola of the readout time, with all other unknowns held. At the
     solution its slope is right. Its curvature is too large, since the other unknowns would follow:
     some twenty times too large on two legs. So chi-square falls at least to the parabola's minimum.
+    Parameters are those of `try_suspects`. Zero without images.
     """
     naive = replace(settings, method="naive")
     gains, here = [0.0], _chi2(problem, naive)

@@ -92,7 +92,10 @@ def _check_artifacts(
 def _check_artifact(
     workspace: Workspace, name: str, manifest: Manifest, hashes: HashCache, result: WorkspaceCheck
 ) -> None:
-    """Compare an artifact's files, and the copies of them in deliver/, with its manifest."""
+    """Compare an artifact's files, and the copies of them in deliver/, with its manifest.
+
+    Counts, and a sentence for each file that differs, are added to `result`.
+    """
     result.artifacts += 1
     result.count(manifest.outputs.values())
     found = damaged_files(workspace.artifact(name), manifest, hashes)
@@ -112,7 +115,10 @@ def _check_artifact(
 def _check_package(
     workspace: Workspace, manifest: Manifest, hashes: HashCache, result: WorkspaceCheck
 ) -> None:
-    """Compare the package's files with what the step read of them."""
+    """Compare the package's files with what the step read of them. Adds to `result`.
+
+    Nothing is compared where it is not known which package was read.
+    """
     package = workspace.package
     if package is None:
         return

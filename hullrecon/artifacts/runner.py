@@ -146,7 +146,11 @@ def _run_all(
     keep_going: bool,
     before: Mapping[str, Callable[[], None]],
 ) -> list[StepOutcome]:
-    """Bring all steps up to date in order, at the same time where they fit together."""
+    """Bring all steps up to date in order, at the same time where they fit together.
+
+    Steps that the dive cannot have, and those that need one that failed, are skipped, and their
+    outcomes say why. Parameters are those of `run_chain`.
+    """
     skipped, failures = chain.skip_reasons(), dict[str, str]()
     hashes = run_context.hashes
     watch = SourceWatch(hashes, chain.package, chain.read_before)

@@ -96,7 +96,10 @@ def paint_atlas(
     girth_m: tuple[float, float],
     texel_m: float,
 ) -> Atlas:
-    """Paint a window of the chart, given by its limits along and in girth, as one image."""
+    """Paint a window of the chart, given by its limits along and in girth, as one image.
+
+    items: painted on the steel where they lie in the window. texel_m: side of a texel.
+    """
     random = spec.hull_random("texture")
     image = paint_steel(random, along_m, girth_m, texel_m)
     atlas = Atlas(image, (along_m[0], girth_m[0]), texel_m)

@@ -270,7 +270,10 @@ def _draw_items(
     along_m: tuple[float, float],
     girth_m: tuple[float, float],
 ) -> list[Item]:
-    """Draw items of the given kinds, clear of each other and of the items already `taken`."""
+    """Draw items of the given kinds, clear of each other and of the items already `taken`.
+
+    Returned are the new ones alone. along_m, girth_m: the window in which their middles lie.
+    """
     out = list(taken)
     for kind in kinds:
         sizes = SHAPES[kind]

@@ -131,8 +131,8 @@ class HullSkin:
     ) -> None:
         """Lay the grid over span_m along the hull, and over the girths that every section has.
 
-        step_m: of the grid. block_cells: of a block, at most. Raises InputError if the CAD model
-        has too little skin there.
+        zero_z_m, top_z_m, down_m: as in the class. step_m: between nodes of the grid. block_cells:
+        most cells of a block. Raises InputError if the CAD model has too little skin there.
         """
         self._caster, self._zero_z_m = Rays(cad_model), zero_z_m
         self._high_z_m = float(cad_model.vertices[:, 2].max())

@@ -65,7 +65,10 @@ def local(item: Item, along_m: Array, girth_m: Array) -> tuple[Array, Array]:
 
 
 def _lump(item: Item, u: Array, v: Array, radius: Array) -> Array:
-    """Compute the height of a bump with an uneven back, highest in the middle."""
+    """Compute the height of a bump with an uneven back, highest in the middle.
+
+    u, v: places in the item's own axes, as of `local`. radius: of these, 1 at the edge.
+    """
     back = (
         1 - 0.12 * (1 - np.cos(5 * u + item.along_m)) * radius - 0.08 * (1 - np.cos(7 * v)) * radius
     )
@@ -76,7 +79,10 @@ def _lump(item: Item, u: Array, v: Array, radius: Array) -> Array:
 
 
 def _barnacles(item: Item, along_m: Array, girth_m: Array, radius: Array) -> Array:
-    """Compute the height of cones of one to two centimetres, thinning out to the edge."""
+    """Compute the height of cones of one to two centimetres, none beyond radius 1.
+
+    radius: (n,) of the chart points in the item's own axes, 1 at its edge.
+    """
     # Drawn by the place of the patch: the same barnacles for whatever points are asked
     random = np.random.default_rng([round(1e4 * abs(item.along_m)), round(1e4 * abs(item.girth_m))])
     count = int(900 * item.size_m[0] * item.size_m[1])

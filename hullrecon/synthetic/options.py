@@ -50,7 +50,7 @@ def describe_field(
     high: float = math.inf,
     choices: tuple[str, ...] = (),
 ) -> Value:
-    """Declare a dataclass field with its Meta."""
+    """Declare a dataclass field with its Meta, which makes it an option with limits and help."""
     meta = Meta(description=description, unit=unit, low=low, high=high, choices=choices)
     made: Value = field(default=default, metadata={"meta": meta})
     return made

@@ -66,7 +66,7 @@ def _octaves(
     gains: list[float],
     texel_m: float,
 ) -> Floats32:
-    """Sum noise of several cell sizes, without those finer than two texels."""
+    """Sum noise of several cell sizes, each times its gain, without those finer than two texels."""
     total = np.zeros(shape, np.float32)
     for cell, gain in zip(cells_m, gains, strict=True):
         if cell / texel_m >= 2.0:
@@ -158,7 +158,7 @@ def _seam(random: np.random.Generator, x: NDArray[np.floating], every_m: float) 
 
 
 def _specks(random: np.random.Generator, image: Pixels, texel_m: float) -> None:
-    """Draw dark and pale dots."""
+    """Draw dark and pale dots into the image, 350 on a square metre."""
     import cv2
 
     count = int(350 * image.shape[0] * image.shape[1] * texel_m**2)
@@ -174,7 +174,7 @@ def _specks(random: np.random.Generator, image: Pixels, texel_m: float) -> None:
 
 
 def _scratches(random: np.random.Generator, image: Pixels, texel_m: float) -> None:
-    """Draw bent scratches of a few centimetres."""
+    """Draw bent scratches of a few centimetres into the image, five on a square metre."""
     import cv2
 
     count = int(5 * image.shape[0] * image.shape[1] * texel_m**2)

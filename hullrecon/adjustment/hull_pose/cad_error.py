@@ -100,7 +100,7 @@ def facet_variance(cad_model: CadModel, at: Array, sigmas: float) -> float:
 def _covariance(cad_error_model: CadError, along_girth: Array, facet_variance: float) -> Array:
     """Sum smooth error, offset, facets and noise to a covariance (n, n) at chart points (n, 2) m.
 
-    Facets and noise are taken as independent from point to point.
+    Facets and noise are taken as independent from point to point. facet_variance: m2, of a point.
     """
     out = (
         matern32(along_girth, cad_error_model.sigma, cad_error_model.length)

@@ -171,7 +171,7 @@ def thin_over_surface(
     quarter with the largest are left out, and the others are averaged. The mean of points on a
     curved hull lies inside of it, so it is moved along the normal to their mean distance.
 
-    A point belongs to the cell of its foot on the surface. If cells were made by the points' own
+    A point belongs to the cell of its foot, the nearest point of the surface. If cells were made by the points' own
     positions, a few points off the surface would have cells to themselves, and as much weight as
     all others. Cells are cubes of g: with cubes of M, the first pose of the path would decide which
     points share a cell.
@@ -340,6 +340,9 @@ def _at_heights(pose: Poses, cad_model: CadModel, center: Array) -> list[Poses]:
     Empty where the package knows the height well. Where no depth was measured, a solve that slides
     along the height turns the hull with it, and a fit from that attitude ends in a minimum beside
     the right one.
+
+    pose: gives the position of the survey's centre, (3,) in M. cad_model: gives the attitude, and
+    the sigma of the height.
     """
     guess = cad_model.guess
     # The hull turns about the survey's centre, which stays.

@@ -366,7 +366,19 @@ def trimmed_cost(
     """Compute the cost by which starts are compared: robust distances and the prior.
 
     It is the mean square of the smallest 80 % of distances, in the CAD model's sigma, plus the mean
-    square of the prior's whitened step. distance (n,): to the CAD model, m, not negative.
+    square of the prior's whitened step. So a start cannot win by a few points alone, nor far from
+    the guess.
+
+    Parameters
+    ----------
+    distance
+        (n,) m, of the points to the CAD model, not negative.
+    global_from_hull
+        The pose that is judged.
+    cad_model
+        Gives the guess with its sigmas, and the sigma of distances.
+    center
+        (3,) m in M, at which the pose is compared with the guess.
     """
     trimmed = np.sort(distance)[: max(1, int(0.8 * len(distance)))]
     prior = prior_step(global_from_hull, cad_model, center) / cad_model.guess_sigma

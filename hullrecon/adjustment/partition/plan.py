@@ -35,7 +35,7 @@ BYTES_A_ROW = 160.0  # of stereo and mono, its table and the views
 BYTES_A_LANDMARK = 700.0
 BYTES_A_LENS_COLUMN = 24.0  # of each landmark, for each unknown of the lenses and intrinsics
 BYTES_A_POSE = 40_000.0  # with some 36 neighbours
-# Unknowns that meet every landmark
+# Unknowns on which the observations of every landmark depend
 SHARED_BY_ALL = ("T_ct_cb", "intrinsics_top", "intrinsics_bottom", "lens_top", "lens_bottom")
 
 

@@ -338,6 +338,17 @@ def _range_table(
 
     Each row has the nodes of the deviation field around the point at which the beam meets the CAD
     model at the present state.
+
+    Parameters
+    ----------
+    m, state
+        The rig, and the poses from which the beams start.
+    returns, chosen
+        Returns of the DVL, and which of them enter.
+    hull
+        The CAD model, its pose, and the grid of the field. Without a grid rows have no nodes.
+    weights
+        The sigma of a range.
     """
     keep = chosen.returns
     table = native.RangeTable(

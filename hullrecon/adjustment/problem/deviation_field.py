@@ -93,9 +93,10 @@ def hold_combinations(
 ) -> tuple[native.SparseRows, int]:
     """Add prior rows that hold linear combinations of a field's nodes at their present values.
 
-    One residual that meets all nodes would make the information matrix dense. So a combination is
-    summed row by row of the grid, and each partial sum is an additional unknown. A prior row then
-    meets one row of nodes, the partial sum before it and the one after it.
+    So what the covariance of the hull's pose holds already is not counted again in the field. One
+    residual of all nodes would make the information matrix dense. So a combination is summed row by
+    row of the grid, and each partial sum is an additional unknown. A prior row then depends on one
+    row of nodes, the partial sum before it and the one after it.
 
     Parameters
     ----------

@@ -52,6 +52,8 @@ def surface_weights(state: State, chosen: Selection, strategy: Strategy) -> Arra
     With the deviation field, the landmarks in a cell of a tenth of its correlation length have
     together the weight of one observation. What the field cannot follow within a cell (plate edges,
     weld seams) moves them all alike. Without the field all have weight one.
+
+    state, chosen: landmarks and hull, and which landmarks enter. Those that do not have weight one.
     """
     if state.hull is None or not strategy.deviation_field or not len(chosen.landmarks):
         return np.ones(len(state.landmark))

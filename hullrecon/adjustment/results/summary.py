@@ -140,7 +140,10 @@ def _covariance_in_hull(marginals: native.Covariance, hull: HullState) -> tuple[
 def _stereo_sentence(
     m: Measurements, adjusted: Adjusted, marginals: native.Covariance
 ) -> str | None:
-    """Warn of a stereo calibration that the dive contradicts. None without a contradiction."""
+    """Warn of a stereo calibration that the dive contradicts.
+
+    None without a contradiction, where it is too small to matter, or without a second camera.
+    """
     if (
         adjusted.verdict.stereo is None
         or adjusted.state.mounts.top_from_bottom is None

@@ -136,7 +136,7 @@ def preview_fleet(
     allow_outside: bool = False,
     time_limit_s: float | None = None,
 ) -> FleetResult:
-    """Plan what `run_fleet` would do, without changing anything.
+    """Plan what `run_fleet` would do with the same arguments, without changing anything.
 
     Raises InputError if there is no package.
     """

@@ -110,7 +110,10 @@ def _ranked_views(
 ) -> list[tuple[float, ObjectView]]:
     """Find the images that show the object's centre, each with a score.
 
-    The score is the centre's distance from the image's middle, in half diagonals.
+    The score is the centre's distance from the image's middle, in half diagonals. Images in which
+    the centre lies outside are left out, and images that the object does not list, if it lists any.
+
+    track, rig: poses of the camera. index: the camera's images.
     """
     rows = track.image[:, camera.column]
     # Images that the object lists, None: any
@@ -153,7 +156,10 @@ def _rows_named(images: Sequence[str], camera: Camera, index: ImageIndex) -> Int
 
 
 def _cut_image(found: ReportedObject, view: ObjectView, source: ImageSource) -> Crop | None:
-    """Cut the surroundings of an object out of an image. None if the image cannot be read."""
+    """Cut the surroundings of an object out of an image. None if the image cannot be read.
+
+    view: the image, and where its camera was. source: reads it.
+    """
     picture = source.read(view.row) if source.index.usable[view.row] else None
     if picture is None:
         return None

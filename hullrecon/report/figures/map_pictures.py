@@ -234,7 +234,10 @@ def palette(name: str) -> Pixels:
 def _levels(
     found: ChartedSurface, values: Array, shading: Shading, extent: Extent, step_m: float
 ) -> tuple[Pixels, Mask]:
-    """Draw values as levels 0 to 255 of the shading (h, w), with a mask (h, w) of pixels drawn."""
+    """Draw values as levels 0 to 255 of the shading (h, w), with a mask (h, w) of pixels drawn.
+
+    values: (n,) at the surface's vertices. step_m: side of a pixel.
+    """
     width, height = (span / step_m for span in extent.size)
     drawn = _draw(found, values, extent, width, height)
     seen = np.isfinite(drawn)

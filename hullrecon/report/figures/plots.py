@@ -231,7 +231,10 @@ def standoff(dvl: DvlPings) -> Array:
 
 
 def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) -> Plot | None:
-    """Draw depth and distance to the hull over the dive, as far as they were measured."""
+    """Draw depth and distance to the hull over the dive, as far as they were measured.
+
+    None if neither was. t_ns, depth_m: of the nodes (n,). dvl: pings, at times of their own.
+    """
     gap = standoff(dvl) if dvl is not None and np.isfinite(dvl.ranges).any() else None
     if depth_m is None and gap is None:
         return None
