@@ -230,8 +230,8 @@ def _suspected(first: RoundResult) -> tuple[native.Problem, RowMotion]:
 def _with_stated_sigmas(solved: RoundResult) -> native.Problem:
     """Give a round's problem the sigmas of depths and tray that the package states.
 
-    Estimated from residuals, a sigma is too small where the solution follows the sensor's noise, and
-    then any sensor that is left out seems to explain much. The displacements of the
+    Estimated from residuals, a sigma is too small where the solution follows the sensor's
+    noise, and then any sensor that is left out seems to explain much. The displacements of the
     lenses are dropped: they would absorb a part of any other error.
     """
     problem, weights = solved.problem, solved.weights

@@ -124,6 +124,7 @@ def collect_hull_points(
     parts = [np.c_[state.landmark[on_hull], np.zeros((len(on_hull), 3))]]
     if m.returns is not None:
         ends = state.mounted(m.rig).dvl_points(m.returns, state.path)
+        # An end moves along its beam by the sigma of the scale times the range
         reach = ends.directions * m.returns.range_m[:, None]
         by_range = reach * _range_scale_sigma(m, seen=len(on_hull) > 0)
         parts.append(np.c_[ends.points, by_range][chosen.returns])
@@ -131,6 +132,7 @@ def collect_hull_points(
     if segments is None:
         thinned = thin_over_surface(points, hull.global_from_hull, hull.cad_model)
         return HullPoints(xyz=thinned[:, :3], by_range=thinned[:, 3:])
+    # A point belongs to the segment of the node that saw it first, or that measured the range
     nodes = [
         first_nodes(m)[on_hull],
         *([] if m.returns is None else [m.returns.node[chosen.returns]]),
@@ -171,10 +173,10 @@ def thin_over_surface(
     quarter with the largest are left out, and the others are averaged. The mean of points on a
     curved hull lies inside of it, so it is moved along the normal to their mean distance.
 
-    A point belongs to the cell of its foot, the nearest point of the surface. If cells were made by the points' own
-    positions, a few points off the surface would have cells to themselves, and as much weight as
-    all others. Cells are cubes of g: with cubes of M, the first pose of the path would decide which
-    points share a cell.
+    A point belongs to the cell of its foot, the nearest point of the surface. If cells were
+    made by the points' own positions, a few points off the surface would have cells to
+    themselves, and as much weight as all others. Cells are cubes of g: with cubes of M, the
+    first pose of the path would decide which points share a cell.
 
     Parameters
     ----------

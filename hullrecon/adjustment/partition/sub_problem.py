@@ -3,9 +3,9 @@
 """Cut a problem into parts that are problems of their own, given the part that owns each pose.
 
 A row of a table meets the poses, landmarks, planes and field nodes on which its residual depends.
-It goes to the first part that owns one of its poses. A landmark goes with all its rows to the first part that sees
-it. Poses, field nodes and planes that rows of several parts meet are copied into each of these
-parts, and are shared.
+It goes to the first part that owns one of its poses. A landmark goes with all its rows to the first
+part that sees it. Poses, field nodes and planes that rows of several parts meet are copied into
+each of these parts, and are shared.
 """
 
 from __future__ import annotations

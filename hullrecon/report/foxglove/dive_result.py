@@ -170,7 +170,7 @@ def _fixed_frames(survey: Survey, t_ns: int, frame: str) -> Iterator[Message]:
     yield messages.frame_transform(t_ns, "tray", "dvl", rig.tray_from_dvl)
     for camera in rig.cameras:
         yield messages.frame_transform(t_ns, "tray", camera.key, rig.tray_from(Camera(camera)))
-    if frame == "global":
+    if frame == "global":  # its z points down: half a turn about x
         yield messages.frame_transform(
             t_ns, "global_z_up", frame, from_rpy(np.zeros((1, 3)), np.array([[np.pi, 0, 0]]))
         )
@@ -181,6 +181,7 @@ def _fixed_frames(survey: Survey, t_ns: int, frame: str) -> Iterator[Message]:
         )
     chart = survey.surfaces.chart
     if chart is not None and chart.ship_axes[2, 2] < 1:
+        # From M to glTF's axes, y up, then from these to axes with z up
         upright = from_matrix(gltf_from(Z_UP).T @ gltf_from(chart.ship_axes[2]))
         yield messages.frame_transform(t_ns, "hull_z_up", frame, upright)
 
