@@ -170,6 +170,7 @@ def _thin_stripes(mesh: Mesh, most: int) -> Mesh:
         points.append(thin.vertices)
         faces.append(thin.faces + count)
         count += len(thin.vertices)
+    # Equal vertices of neighbouring stripes become one
     joined, number = np.unique(np.concatenate(points), axis=0, return_inverse=True)
     return Mesh(joined, number.ravel()[np.concatenate(faces)].astype(np.int32))
 

@@ -227,6 +227,7 @@ def _middle_half_means(points: Array, distance: Array, owner: Ints, count: Ints)
         (c, k).
     """
     order = np.lexsort((distance, owner))
+    # Rank of each point by distance within its cell, and number of points of that cell
     rank = np.arange(len(order)) - np.repeat(np.cumsum(count) - count, count)
     size = count[owner[order]]
     middle = order[(rank >= size // 4) & (rank < size - size // 4)]
@@ -422,7 +423,7 @@ def _by_range_scale(evidence: HullPoseEvidence, pose: Poses) -> Array:
     _, jacobian = registration.signed_distances(
         evidence.points, pose, evidence.center, evidence.cad_model.mesh
     )
-    # Points that move outward by this much act on distances as the hull moved the other way
+    # How distances change as the points move: as if the hull moved the other way
     farther = -(jacobian[:, :3] * evidence.by_range).sum(axis=1)
     pulled = jacobian.T @ cho_solve(valley.cost.factor, farther)
     step = np.linalg.solve(valley.cost.linearise(pose).information, pulled)

@@ -21,6 +21,7 @@ def find_weak_directions(
     """Find the directions of the hull's pose whose sigma is above a limit.
 
     They are eigenvectors of the covariance, positions before attitudes, each from the worst on.
+    Empty where the hull's shape resolves all.
 
     Parameters
     ----------
@@ -53,6 +54,7 @@ def find_weak_directions(
             sigma = float(np.sqrt(max(values[k], 0)))
             if sigma >= least:
                 direction = vectors[:, k] @ ship_axes
+                # Of the two signs, that with which the largest component is positive
                 direction = direction * np.sign(direction[np.argmax(np.abs(direction))])
                 found.append(
                     {

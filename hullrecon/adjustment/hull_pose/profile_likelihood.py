@@ -50,6 +50,8 @@ class Valley:
 def profile(v: Valley, start: Poses, reach: float, count: int = 41) -> Profile:
     """Compute the posterior of a shift along the valley.
 
+    The pose at its mean is the one that is delivered, and its sigma goes into the covariance.
+
     Parameters
     ----------
     v

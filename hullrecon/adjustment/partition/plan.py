@@ -74,7 +74,7 @@ def plan_parts(problem: native.Problem, state: State, wanted: Wanted) -> Plan:
     problem
         The whole problem, whose tables give the memory that each pose takes.
     state
-        With the same poses, and the hull's chart where it has one.
+        Positions of the same poses, and the chart on which they are cut, where there is one.
     wanted
         Number of parts, or "auto": one part up to SOLVER_MB, more beyond.
     """

@@ -86,7 +86,10 @@ def change_csv(change: HullChange) -> str:
 
 
 def change_layer(change: HullChange, outside: OutsideMap) -> Layer:
-    """Outline all objects, unchanged ones included, and the bare hull that moved."""
+    """Outline all objects, unchanged ones included, and the bare hull that moved.
+
+    Those without a place on the map are left out.
+    """
     shapes = [_ring(row.outline, row.along_girth, outside) for row in change.objects]
     shapes += [_ring(move.outline, move.along_girth, outside) for move in change.moves]
     fields = [_fields(row) for row in _rows(change)]

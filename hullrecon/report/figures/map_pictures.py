@@ -257,6 +257,7 @@ def _draw(
     (left, right), (bottom, top) = extent.limits
     faces = found.seen_faces()
     faces = faces[np.isfinite(values[faces]).all(axis=1)]
+    # From the upper left corner, in pixels. Limits are turned as the picture is
     at = (found.at - [left, top]) / [right - left, bottom - top] * size
     shape = (int(size[1]), int(size[0]))
     return draw_triangles(at, faces, values[:, None], shape)[..., 0]
