@@ -92,7 +92,10 @@ class Workspace:
             return None
 
     def refuse_package(self, package: Path) -> None:
-        """Raise UsageError if this folder is or holds the dive package, or its name is too long."""
+        """Raise UsageError if this folder is or holds the dive package, or its name is too long.
+
+        A run would write among the files of the package.
+        """
         root = self.root
         try:
             root.is_symlink()

@@ -203,7 +203,7 @@ def _held_blocks(
 
     systematic_errors, hold_hull_pose: as for `assemble`.
     """
-    held = {"intrinsics_top", "intrinsics_bottom"}
+    held = {"intrinsics_top", "intrinsics_bottom"}  # `free_intrinsics` may free them later
     if not systematic_errors:
         held |= {"navigation", "T_s_d"}
     mounts = {"T_s_d": priors.T_s_d, "T_s_ct": priors.T_s_ct, "T_ct_cb": priors.T_ct_cb}
@@ -236,6 +236,7 @@ def _priors(m: Measurements, state: State) -> native.Priors:
     if state.hull is None:
         return priors
     cad_model, grid = state.hull.cad_model, state.hull.grid
+    # Of the problem's hull frame, whose origin is the survey's middle
     guess = native.MotionPrior(
         value=pose_vector(cad_model.guess @ frame_at(state.hull.survey_center)),
         sqrt_information=np.diag(1.0 / cad_model.guess_sigma),
@@ -361,6 +362,7 @@ def _range_table(
     )
     if hull.grid is None:
         return table
+    # Hits are relative to the survey's middle, as the problem's hull frame is. The chart is in M
     at = hull.cad_model.chart.to_chart(
         _beam_hits(m, returns, hull, state, chosen) + hull.survey_center
     )

@@ -231,7 +231,10 @@ CardContext = Mapping[str, object]
 
 
 def card_context(found: ReportedObject, survey: Survey, crop: Crop | None) -> CardContext:
-    """Write the texts of an object's card, with its picture. None of a crop: no picture."""
+    """Write the texts of an object's card, with its picture. Rows of what is unknown are left out.
+
+    crop: the picture. None, and the card has none, if no image shows the object.
+    """
     rows = [
         ("Height above the hull around it", with_sigma(found.height, found.height_sigma, "m")),
         ("Extent along the hull, in girth", " × ".join(_extents(found))),

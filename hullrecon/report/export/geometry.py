@@ -201,7 +201,7 @@ class ChartMesh:
 def chart_mesh(chart: Chart, seen: Array) -> ChartMesh:
     """Sample a chart on a lattice over the part that encloses the seen points (n, 3).
 
-    Cells of which a corner is off the chart are left out.
+    With it other programs convert map coordinates to the results' frame (chart.ply). Cells of which a corner is off the chart are left out.
     """
     at = chart.to_chart(seen)[:, :2]
     at = at[np.isfinite(at).all(axis=1)]
@@ -219,6 +219,7 @@ def chart_mesh(chart: Chart, seen: Array) -> ChartMesh:
         for rows in (np.s_[:-1], np.s_[1:])
         for columns in (np.s_[:-1], np.s_[1:])
     ]
+    # Cells of which all four corners lie on the chart
     whole = np.isfinite(points[np.stack(corners, axis=1)]).all(axis=(1, 2))
     # Along, girth and the outward normal are left-handed: this order of corners turns faces
     # outward.
