@@ -113,6 +113,8 @@ def register(
 ) -> Phase:
     """Register the CAD model to a solved path, and judge the registration.
 
+    A phase is returned for a refused registration too, and its verdict says why.
+
     Parameters
     ----------
     solved

@@ -137,7 +137,9 @@ def least_readout_gain(
             for readout_s in (-SLOPE_S, SLOPE_S)
         )
         curvature = more + less - 2 * here
-        if curvature > 0:
+        if (
+            curvature > 0
+        ):  # then a parabola falls by slope^2 / (2 curvature), slope = difference / 2
             gains.append(float((more - less) ** 2 / (8 * curvature)))
     return max(gains)
 

@@ -255,9 +255,9 @@ def load_arrays(path: Path) -> dict[str, NDArray[Any]]:
 
 
 def map_arrays(path: Path) -> dict[str, NDArray[Any]]:
-    """Map all members of an uncompressed .npz as memory-mapped arrays, which need not fit in memory.
+    """Map all members of an uncompressed .npz as memory-mapped arrays.
 
-    Members without elements are arrays in memory. Rows are to be read with `rows.read_rows`.
+    They need not fit into memory. Members without elements are arrays in memory. Rows are to be read with `rows.read_rows`.
     """
     arrays: dict[str, NDArray[Any]] = {}
     with zipfile.ZipFile(path) as archive:

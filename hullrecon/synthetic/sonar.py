@@ -91,6 +91,7 @@ def ping(
     total = np.bincount(
         cell, (rays.gain * (0.3 * facing + 0.7 * facing**2))[seen], BEAM_COUNT * BIN_COUNT
     )
+    # Far echoes are amplified, as by a sonar's gain that grows with time
     echo = total.reshape(BEAM_COUNT, BIN_COUNT) * RANGE / (ARC_RAYS * SUB_BEAMS / 40.0)
     speckle = random.gamma(LOOKS, 1 / LOOKS, echo.shape) * (
         1 + 0.05 * random.standard_normal((BEAM_COUNT, 1))

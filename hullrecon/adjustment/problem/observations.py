@@ -52,7 +52,7 @@ def map_blocks(
 ) -> Iterator[Result]:
     """Yield what `work` computes from each block of whole landmarks, in threads.
 
-    The lenses' displacements are applied to the pixels.
+    The lenses' displacements are applied to the pixels. Nothing is yielded without tracks.
 
     Parameters
     ----------

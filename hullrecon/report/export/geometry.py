@@ -201,7 +201,8 @@ class ChartMesh:
 def chart_mesh(chart: Chart, seen: Array) -> ChartMesh:
     """Sample a chart on a lattice over the part that encloses the seen points (n, 3).
 
-    With it other programs convert map coordinates to the results' frame (chart.ply). Cells of which a corner is off the chart are left out.
+    With it other programs convert map coordinates to the results' frame (chart.ply). Cells of which
+    a corner is off the chart are left out.
     """
     at = chart.to_chart(seen)[:, :2]
     at = at[np.isfinite(at).all(axis=1)]
