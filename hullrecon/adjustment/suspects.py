@@ -137,9 +137,8 @@ def least_readout_gain(
             for readout_s in (-SLOPE_S, SLOPE_S)
         )
         curvature = more + less - 2 * here
-        if (
-            curvature > 0
-        ):  # then a parabola falls by slope^2 / (2 curvature), slope = difference / 2
+        if curvature > 0:
+            # A parabola falls by slope^2 / (2 curvature). The slope is half the difference
             gains.append(float((more - less) ** 2 / (8 * curvature)))
     return max(gains)
 

@@ -257,7 +257,8 @@ def load_arrays(path: Path) -> dict[str, NDArray[Any]]:
 def map_arrays(path: Path) -> dict[str, NDArray[Any]]:
     """Map all members of an uncompressed .npz as memory-mapped arrays.
 
-    They need not fit into memory. Members without elements are arrays in memory. Rows are to be read with `rows.read_rows`.
+    They need not fit into memory. Members without elements are arrays in memory. Rows are to be
+    read with `rows.read_rows`.
     """
     arrays: dict[str, NDArray[Any]] = {}
     with zipfile.ZipFile(path) as archive:

@@ -44,7 +44,7 @@ def build(spec: DiveSpec, patch: HullPatch, items: tuple[Item, ...]) -> AsBuilt:
     """
     a, g = np.meshgrid(patch.along_m, patch.girth_m, indexing="ij")
     steel = patch.point + deviation_m(spec, a, g)[..., None] * patch.normal
-    busy = _near_items(patch, items, 0.12)
+    busy = _near_items(patch, items, 0.12)  # farther than the fine cells: items cast shadows
     key, faces = _refined_cells(_near_items(patch, items, 0.04))
     width = FINER * (len(patch.girth_m) - 1) + 1
     step = (patch.along_m[1] - patch.along_m[0]) / FINER

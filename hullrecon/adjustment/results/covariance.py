@@ -33,7 +33,7 @@ def poses_in_hull(
     hull
         Covariance (6, 6) of global_from_hull about `center`.
     nodes, global_from_hull
-        The poses.
+        The poses of vehicle and hull in g, at which derivatives are taken.
     center
         (3,) m in M, about which the hull's rotation is perturbed.
     """

@@ -124,6 +124,7 @@ def split_legs(positions: Array) -> Ints:
         elif rising <= 0 and along[k] - along[low] > swing:
             turns += [low] * abs(rising)
             rising, high = 1, k
+        # On a leg only the extremum ahead counts, as the other is the turn behind
         if rising > 0:
             low = k
         elif rising < 0:

@@ -130,7 +130,7 @@ def weak_sentences(survey: Survey) -> list[str]:
     """Name the directions in which the position is uncertain.
 
     These are the adjustment's sentences, if it has any, else one for each axis whose median sigma
-    exceeds WEAK_SIGMA_M.
+    exceeds WEAK_SIGMA_M. Empty if there is none.
     """
     directions = survey.adjusted.weak_directions if survey.adjusted is not None else ()
     sentences = [str(w["sentence"]) for w in directions if w.get("sentence")]
