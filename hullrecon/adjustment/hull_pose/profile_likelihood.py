@@ -91,7 +91,7 @@ def inflate_covariance(covariance: Array, found: Profile, global_from_hull: Pose
     """Raise the variance along the profiled direction to that of the profile.
 
     What is added moves the pose along the valley (`Profile.tangent`), turns included. A covariance
-    whose variance is larger already is returned unchanged.
+    whose variance along it is larger already is returned unchanged.
 
     Parameters
     ----------
@@ -144,6 +144,7 @@ def moment_of_minima(v: Valley, pose: Poses, starts: Sequence[Poses]) -> Array:
         if min(apart, default=np.inf) > SAME_MINIMUM**2:
             steps.append(step)
             spreads.append(spread)
+            # Log of the likelihood times the square root of the covariance's determinant
             logs.append(0.5 * float(np.linalg.slogdet(spread)[1]) - cost)
     weight = np.exp(np.array(logs) - max(logs))
     moments = np.array(spreads) + np.einsum("ki,kj->kij", steps, steps)

@@ -83,6 +83,7 @@ def covariance(
         del of_rows["landmark"]
     # With the hull's pose held, the cross covariances of landmarks are zero, and not gathered
     left_out = {"landmark_T_g_M"} if "T_g_M" in problem.constant else set()
+    # Covariances of an unknown have its name, cross covariances with the hull's pose end in T_g_M
     gathered = {
         field.name: _scatter(rows, [getattr(part, field.name) for part in found])
         for field in fields(native.Covariance)

@@ -238,6 +238,7 @@ def _interleave(heads: Rows, entries: Rows, count: Ints) -> bytes:
     begin = np.cumsum(length) - length  # first byte of each head
     out = np.empty(int(length.sum()), np.uint8)
     out[begin[:, None] + np.arange(head)] = heads.view(np.uint8).reshape(-1, head)
+    # Rank of each entry among those of its head
     rank = np.arange(len(entries)) - np.repeat(np.cumsum(count) - count, count)
     at = np.repeat(begin + head, count) + entry * rank
     out[at[:, None] + np.arange(entry)] = entries.view(np.uint8).reshape(-1, entry)

@@ -157,6 +157,7 @@ def _add_images(
                 undistorted=image.name.replace("/", "_"),
                 camera_id=image.camera_id,
             )
+            # Observations are sorted by image
             rows = slice(*np.searchsorted(seen.image, [number, number + 1]))
             added = pycolmap.Image(
                 name=name.undistorted,

@@ -126,9 +126,10 @@ def mount_warnings(mounts: Mapping[str, MountFit], distance_m: float) -> list[st
     Parameters
     ----------
     mounts
-        By key of dive.toml.
+        Each mount as stated and as found, by its key in dive.toml.
     distance_m
-        Median distance from the cameras to the hull.
+        Median distance from the cameras to the hull. It turns a shift along the camera's axis into
+        the error of the focal length that would look the same.
     """
     found = [
         _Displacement.of(key, fit.nominal, fit.sqrt_information, fit.found, fit.covariance)
