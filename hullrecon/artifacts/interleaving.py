@@ -74,7 +74,7 @@ def _next_stage(
     under_way: Collection[str],
     fit_together: Callable[[Collection[str]], bool],
 ) -> Stage | None:
-    """Find the first stage whose inputs are all done and that fits to those under way.
+    """Find the first stage whose inputs are all done and that may run beside those under way.
 
     None if there is none: then wait for those under way.
     """

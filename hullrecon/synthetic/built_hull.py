@@ -89,6 +89,9 @@ def _near_items(patch: HullPatch, items: tuple[Item, ...], margin_m: float) -> N
 def _refined_cells(busy: NDArray[np.bool_]) -> tuple[Ints, NDArray[np.int32]]:
     """Build a mesh of coarse cells, and of fine ones where a corner of the cell is busy.
 
+    Fine vertices between the corners of a coarse cell lie on its edge, as points of the steel are
+    interpolated linearly along it. So there is no gap.
+
     Parameters
     ----------
     busy

@@ -50,6 +50,7 @@ def write_truth(folder: Path, dive: Dive) -> None:
 
 def write_ply(path: Path, pieces: Iterable[Mesh]) -> None:
     """Write pieces of a mesh as one binary PLY, float32, with one piece in memory at a time."""
+    # In the file all faces follow all vertices, so both are collected apart
     vertices = faces = 0
     with (
         tempfile.TemporaryFile(dir=path.parent) as corners,

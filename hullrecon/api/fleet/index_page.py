@@ -162,7 +162,7 @@ def _row_state(dive: FleetDive, running: bool) -> tuple[str, str, bool]:
 
 
 def render_index(rows: Sequence[IndexRow]) -> str:
-    """Render the page."""
+    """Render the page, with the rows in their order and the number of dives of each kind."""
     from jinja2 import Environment, StrictUndefined
 
     text = (resources.files("hullrecon.api.fleet") / "templates" / "index.html").read_text(

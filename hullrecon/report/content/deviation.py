@@ -86,7 +86,7 @@ def deviation_document(figures: DeviationFigures | None) -> dict[str, object] | 
 
 
 def deviation_rows(figures: DeviationFigures | None) -> list[tuple[str, str]]:
-    """Tabulate form, offset and tilt for the page's chapter."""
+    """Tabulate form, offset and tilt for the page's chapter. Empty without figures."""
     if figures is None:
         return []
     slopes = " / ".join(

@@ -273,7 +273,10 @@ def coverage_rows(coverage: Coverage | None, what: str = "Hull seen") -> list[tu
 
 
 def region_rows(coverage: Coverage | None) -> list[tuple[str, ...]]:
-    """Tabulate regions: name, limits, area, and what camera, sonar and DVL saw of it."""
+    """Tabulate regions: name, limits, area, and what camera, sonar and DVL saw of it.
+
+    The regions are those that dive.toml names. Empty without any.
+    """
 
     def limits(pair: tuple[float, float] | None) -> str:
         return "whole" if pair is None else f"{pair[0]:g} to {pair[1]:g} m"

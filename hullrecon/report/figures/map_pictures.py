@@ -194,6 +194,7 @@ class ContrastStretch:
         for row in range(bands.shape[1]):
             picture = bands[:, row].astype(np.float32)
             gray = picture.mean(axis=0)
+            # Brightness gets the whole gain, and what a colour differs from it by at most 1.25
             color = BLACK + (gray - low) * gain + (picture - gray) * min(gain, np.float32(1.25))
             rgba[row, :, :3] = np.clip(color, 0, 255).T
         return rgba
