@@ -297,7 +297,10 @@ def estimate_sides(excess: Array, prior_direction: Array) -> Array:
 
 
 def _two_levels(values: Array) -> tuple[float, float]:
-    """Find the medians of two clusters (k-medians in one dimension), started at the quartiles."""
+    """Find the medians of two clusters (k-medians in one dimension), started at the quartiles.
+
+    They are the tray's mean errors on the two sides of its backlash.
+    """
     low, high = (float(q) for q in np.percentile(values, [25, 75]))
     for _ in range(20):
         upper = np.abs(values - high) < np.abs(values - low)

@@ -79,10 +79,11 @@ def scale_warning(correction: Array, allowed: Array, covariance: Array) -> list[
 
     With a right prior of sigma p, an estimate with posterior variance P scatters with the variance
     p^2 - P. So an estimate may be small and still be too large for that. Scales that are large are
-    left to `navigation_warnings`, whose parameters these are.
+    left to `navigation_warnings`, whose parameters these are. Empty where there is no such scale,
+    or where the dive says next to nothing of it (LEAST_TOLD).
     """
     x, prior, left = correction[SCALE], allowed[SCALE] ** 2, covariance[SCALE, SCALE]
-    gained = 1 - left / prior
+    gained = 1 - left / prior  # share of the prior's variance that the dive takes away
     if not np.isfinite(prior) or gained < LEAST_TOLD or abs(x) > MANY_SIGMAS * np.sqrt(prior):
         return []
     if abs(x) <= SURPRISING * np.sqrt(gained * prior):

@@ -57,6 +57,7 @@ def ship_glb(mesh: Mesh) -> bytes:
 
 
 def _thinned(mesh: Mesh) -> Mesh:
+    """Thin a mesh to about MAX_FACES triangles. One that has no more is returned as it is."""
     if len(mesh.faces) <= MAX_FACES:
         return mesh
     o3d = import_open3d()
