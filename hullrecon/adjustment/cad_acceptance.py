@@ -366,6 +366,7 @@ def stated_attitude_rms(found: RoundResult, settings: native.Options) -> float:
     cost = native.evaluate(
         replace(found.problem, tray=tray), replace(settings, method="naive"), jacobian=False
     ).cost_by_factor
+    # The cost is half the chi-square. Attitude has rows of depth, roll and pitch
     rows = len(tray.node) + 3 * len(found.problem.attitude.node)
     return float(np.sqrt(2 * (cost["attitude"] + cost["tray"]) / max(rows, 1)))
 

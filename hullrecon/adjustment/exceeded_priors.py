@@ -81,7 +81,8 @@ class _PriorDeviation:
 def widen_exceeded_priors(path: Phase, solver: RoundSolver) -> Phase | None:
     """Widen the priors that a solved path contradicts, and solve a round with them.
 
-    None where the path contradicts no prior, or has no solved round.
+    None where the path contradicts no prior, where an unknown is not determined at all, or where
+    the path has no solved round.
     """
     solved = path.estimate
     rig, state = solved.measured.rig, solved.state

@@ -94,6 +94,7 @@ def _draw_fouling(random: np.random.Generator, shape: tuple[int, int], texel_m: 
     )
     fine *= np.float32(1.6)
     patches = []
+    # Tone, sizes of the noise's cells in m, their gains, and the noise from which on it grows
     for tone, cells, gains, level in (
         (ALGAE, [0.6, 0.2, 0.07, 0.02], [1.0, 0.6, 0.4, 0.35], 0.55),
         (PALE, [0.4, 0.1, 0.03, 0.011], [0.9, 0.6, 0.5, 0.4], 0.8),

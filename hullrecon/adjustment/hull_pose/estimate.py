@@ -86,6 +86,7 @@ class HullPoseEvidence:
                 at = self.points[own]
                 middle = pose.inverse().apply(at).mean(axis=0)
                 value, vector = np.linalg.eigh(to_hull @ covariance @ to_hull.T)
+                # Points that move act as a hull that moves the other way: a covariance has no sign
                 by_step = registration.signed_distances(at, pose, middle, self.cad_model.mesh)[1]
                 out[own, k] = by_step @ (vector * np.sqrt(np.maximum(value, 0)))
         return np.asarray(out.reshape(len(self.points), -1))

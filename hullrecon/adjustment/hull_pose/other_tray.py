@@ -118,6 +118,7 @@ def with_tray(path: VehiclePath, odometry: Odometry, tray: Array) -> VehiclePath
     tray
         (n,) rad, the other angles.
     """
+    # By how much each motion's tray angle differs, as the mean over its two nodes
     turn = 0.5 * (tray - path.tray)[np.stack([odometry.first, odometry.second])].sum(axis=0)
     way = turned_odometry(odometry, turn).translation
     moved = path.poses.rotation[odometry.first].apply(way)

@@ -121,6 +121,7 @@ def _without_tracked_motions(m: Measurements, chosen: Selection) -> Odometry:
         pairs.append(np.stack([block.tracks.node[rows], block.tracks.landmark[rows]]))
     node, landmark = np.concatenate(pairs, axis=1)
     shape = (len(m.trajectory.t_ns), landmark_count(m))
+    # Which landmarks (columns) each node (row) has observed
     seen = coo_array((np.ones(len(node)), (node, landmark)), shape=shape).tocsr()
     shared = seen[m.odometry.first].multiply(seen[m.odometry.second]).sum(axis=1)
     return m.odometry.take(~(m.odometry.from_images & (np.asarray(shared).ravel() >= MIN_SHARED)))
@@ -257,7 +258,7 @@ def _image_tables(
     is a mono row. Observations are read in blocks twice: to count the rows, and to fill them in.
     """
     known = _is_chosen(m, chosen)
-    number = np.cumsum(known, dtype=np.int32) - 1
+    number = np.cumsum(known, dtype=np.int32) - 1  # of a landmark within the problem
     kinds = (
         (chosen.top & chosen.bottom, slice(0, 4)),
         (chosen.top & ~chosen.bottom, slice(0, 2)),

@@ -221,7 +221,10 @@ def _suspects(trials: Sequence[Trial]) -> dict[str, object]:
 
 
 def explained_as_well(trials: Sequence[Trial]) -> list[str]:
-    """Warn where an error that cannot be corrected explains as much as the best explanation."""
+    """Warn where an error that cannot be corrected explains as much as the best explanation.
+
+    Empty where all of the best explanations are errors that the adjustment corrects.
+    """
     best = best_explanations(trials)
     others = [[trial.suspect, trial.found] for trial in best if not trial.corrects]
     if not others:
