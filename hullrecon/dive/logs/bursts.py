@@ -35,11 +35,11 @@ def spread_bursts(name: str, stamp: Ints, logged: Ints, notes: list[Finding]) ->
     ----------
     name : of the stream, for the notes
     stamp, logged : (n,) ns, by sensor and by logger; alike where the log has one time only
-    notes : what was done is added
+    notes : a finding of the bursts is added
 
     Returns
     -------
-    stamps (n,), ns, in the order given
+    stamps (n,), ns, row by row those of `stamp`
     """
     order = np.argsort(stamp, kind="stable")
     starts = _burst_starts(stamp[order])
@@ -61,8 +61,9 @@ def spread_bursts(name: str, stamp: Ints, logged: Ints, notes: list[Finding]) ->
 def _burst_starts(t_ns: Ints) -> Ints | None:
     """Find the first row (b,) of each burst among sorted stamps.
 
-    None where stamps do not come in bursts, or where the bursts do not follow each other evenly, as
-    those of a buffer that is read at a fixed rate do.
+    A buffer that is read at a fixed rate gives bursts at even intervals. None where the stamps do
+    not come in bursts, or where the bursts follow each other at uneven or long intervals, as then
+    nothing tells over which time they gathered.
     """
     if len(t_ns) < LEAST_BURSTS * LEAST_SIZE:
         return None
@@ -94,6 +95,7 @@ def _spread_evenly(t_ns: Ints, starts: Ints) -> tuple[Ints, float]:
     """
     ends = np.r_[starts[1:], len(t_ns)]
     is_coarse = bool((t_ns[ends - 1] == t_ns[starts]).mean() > 0.5)
+    # the time that stands for each burst: where its readings began, or where they ended
     at = t_ns[starts] if is_coarse else t_ns[ends - 1]
     apart = np.diff(at)
     usual = int(np.median(apart))
@@ -101,6 +103,7 @@ def _spread_evenly(t_ns: Ints, starts: Ints) -> tuple[Ints, float]:
     lasts = np.minimum(np.r_[apart, usual] if is_coarse else np.r_[usual, apart], 2 * usual)
     begin = at if is_coarse else at - lasts
     burst = np.repeat(np.arange(len(starts)), ends - starts)
+    # readings lie in the middle of equal parts of the time in which the burst gathered
     share: Array = (np.arange(len(t_ns)) - starts[burst] + 0.5) / (ends - starts)[burst]
     spread = begin[burst] + np.round(share * lasts[burst]).astype(np.int64)
     return spread, float(np.median(lasts / (ends - starts))) / NS

@@ -61,17 +61,21 @@ def choose_beams(
 ) -> Array:
     """Choose the beams (width, 3) in `dvl`: of the messages, else of dive.toml, else of the type.
 
+    Beams of the messages that point into the instrument are not believed: those of dive.toml are
+    then taken. Empty where the log has no ranges.
+
     Parameters
     ----------
-    samples : pings
-    configured : (b, 3) directions of dive.toml
+    samples : pings of the DVL, which may carry its beams' directions, or its type
+    configured : (b, 3) directions of dive.toml, None where it gives none
     width : number of beams with ranges in the log
-    notes : what was assumed is added
+    notes : findings are added where the directions contradict each other, or come from the type
 
     Raises
     ------
     InputError
-        No source gives the directions, or dive.toml describes another number of beams.
+        No source gives the directions, dive.toml describes another number of beams, or those of the
+        messages point into the instrument and dive.toml gives none.
     """
     if not width:
         return np.zeros((0, 3))
@@ -112,8 +116,9 @@ def put_ranges_right(beams: Array, ranges: Array, altitude: Array) -> tuple[Arra
     """Correct ranges that the altitude shows to be in another unit than m, or along the axis.
 
     Arguments as of `check_beams`. A distance along the axis is shorter than the range along its
-    beam by the cosine of the beam's angle. Another angle of the beams, such as 30 degrees in place
-    of 22.5, changes less than that cosine does.
+    beam by the cosine of the beam's angle. Beams with a wrong angle, such as 30 degrees in place of
+    22.5, are not taken for that: they change the ratio by less than the cosine. Ranges that no
+    altitude can be compared with are returned unchanged.
 
     Returns
     -------
@@ -140,7 +145,7 @@ def put_ranges_right(beams: Array, ranges: Array, altitude: Array) -> tuple[Arra
 
 
 def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[Finding]:
-    """Report beams that point far off the axis or contradict the altitude.
+    """Report beams that point far off the axis or contradict the altitude. Empty for good ones.
 
     Parameters
     ----------
@@ -172,19 +177,20 @@ def range_scale_sigma(
     """Compute the sigma of a scale error that all ranges share, as a share of the range.
 
     Where the altitude contradicts the ranges, one of the two is wrong by that much. Where there is
-    no altitude, a table may hold distances along the axis, as PD0 and others give them. Nothing
-    else in a dive without cameras tells: how the ranges change with the velocities does not, as a
-    vehicle keeps its distance and a hull is curved. Such distances then have to lie within
-    ALONG_AXIS_SIGMAS of the ranges.
+    no altitude, the ranges of a table may in truth be distances along the axis, as PD0 and others
+    give them. Nothing else in a dive without cameras tells: how the ranges change with the
+    velocities does not, as a vehicle keeps its distance and a hull is curved. The sigma is then so
+    large that the error of such distances is ALONG_AXIS_SIGMAS of it.
 
     Parameters
     ----------
     beams, ranges, altitude : as of `check_beams`
-    by_hand : the ranges are of a table, which its writer may have filled with either distance
+    by_hand : the ranges are of a table, whose writer may have taken either distance
 
     Returns
     -------
-    sigma, 0 where nothing speaks against the ranges, and what to report
+    sigma, 0 where nothing speaks against the ranges, and findings, empty but for a table's ranges
+    that no altitude confirms
     """
     if not len(beams):
         return 0.0, []
@@ -215,7 +221,11 @@ def _reach_over_altitude(beams: Array, ranges: Array, altitude: Array) -> float:
 
 
 def _logged_beams(logged: Sequence[Array], configured: Array | None, notes: list[Finding]) -> Array:
-    """Average the beam directions of the messages, and compare them with dive.toml's."""
+    """Average the beam directions of the messages, and compare them with dive.toml's.
+
+    Those of the messages are returned in any case. A finding is noted where they change in the log
+    or differ from dive.toml's.
+    """
     if max(float(np.abs(b - logged[0]).max()) for b in logged) > 1e-6:
         notes.append(Finding("beams-change", where="dvl"))
     beams = unit(np.mean(logged, axis=0))

@@ -69,7 +69,10 @@ class FrameListener:
         return fixed_sensors(frame_tree(self.tree_messages), self.frames, joints, doubts)
 
     def _note(self, message: Message) -> None:
-        """Keep the messages of tf_static, and the frame that each sensor's first message names."""
+        """Keep the messages of tf_static, and the frame that each sensor's first message names.
+
+        Sensors whose messages have no header, or no name in it, get no frame.
+        """
         channel = message.channel
         if is_static(channel):
             if len(self.tree_messages) < MOST_FRAME_MESSAGES:
@@ -96,12 +99,15 @@ def fixed_sensors(
 ) -> dict[str, FixedSensor]:
     """Compute the poses of the sensors whose frames tf_static reaches, by sensor.
 
+    Poses are in the vehicle where tf_static leads up to it, else on the sensor's servo. A sensor
+    whose frame leads to neither is left out. One with a doubt has it in place of a pose.
+
     Parameters
     ----------
     tree : the transforms of tf_static
     frames : name of each sensor's frame, by sensor
     joints : names of the servos by record ("tray", "sonar_tray")
-    doubts : by frame, why its pose is not known; it holds for all frames below as well
+    doubts : by frame, why its pose is not known; it holds for the frames that hang on it as well
     """
     found = {}
     for sensor, frame in frames.items():
@@ -124,7 +130,7 @@ def fixed_sensors(
             found[sensor] = FixedSensor(
                 frame=printable(frame), pose=tuple(mount_of(located.vehicle)), servo_origin=origin
             )
-        # its axes are those of the vehicle at zero: forward, port, up (REP 103)
+        # the servo's frame in the log has the axes forward, port, up (REP 103) with its angle at zero
         elif located.servo is not None:
             pose = tuple(mount_of(FRD_FROM_FLU @ located.servo))
             found[sensor] = FixedSensor(frame=printable(frame), pose=pose, on_servo=True)

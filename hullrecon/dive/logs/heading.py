@@ -37,6 +37,10 @@ class RateHeading:
 def heading_by_rates(t_ns: Ints, rotation: Rotation, rates: Array) -> RateHeading:
     """Replace the heading of attitudes by the integral of the rates.
 
+    Where readings are more than LONGEST_GAP_S apart or lack rates, the heading turns as the
+    orientation does. The drift of the integral is taken off, and the median of its difference from
+    the orientation's heading: that heading stays right on the whole.
+
     Parameters
     ----------
     t_ns : (n,) stamps
@@ -46,7 +50,7 @@ def heading_by_rates(t_ns: Ints, rotation: Rotation, rates: Array) -> RateHeadin
     Raises
     ------
     InputError
-        There are no rates.
+        Fewer than LEAST_RATES of the readings have rates.
     """
     known: Mask = np.asarray(np.isfinite(rates).all(axis=1))
     if len(t_ns) < 2 or known.mean() < LEAST_RATES:
@@ -59,6 +63,7 @@ def heading_by_rates(t_ns: Ints, rotation: Rotation, rates: Array) -> RateHeadin
     turned = rotation.apply(np.nan_to_num(rates))[:, 2]  # about the vertical, rad/s
     step_s = np.diff(t_s)
     by_orientation = (rotation[1:] * rotation[:-1].inv()).as_rotvec()[:, 2]
+    # by how much the heading of the rates turns more than that of the orientation, a step, rad
     growth = 0.5 * (turned[1:] + turned[:-1]) * step_s - by_orientation
     growth[(step_s > LONGEST_GAP_S) | ~known[1:] | ~known[:-1]] = 0.0
     # heading of the rates minus that of the orientation, rad

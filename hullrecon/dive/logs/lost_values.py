@@ -26,7 +26,7 @@ NOTHING_M_S = 1e-6  # velocities below are zero; no DVL tells a tenth of a milli
 LEAST_NOISE = 3.0
 LEAST_PINGS = 20  # to tell a sensor's noise, and that its values are not constant
 THIRD_DIFFERENCE = 20**0.5  # standard deviation of third differences of white noise, over its own
-LONG_RUN = 3.0  # times as many equal velocities as usual
+LONG_RUN = 3.0  # times as many equal readings in a row as usual
 LONGEST_HOLD_S = 1.0  # that a reading may be repeated as measured
 MOST_UNHEARD = 0.5  # of the velocities may be lost because no beam has a range
 # ROS 2's default orientation, and the angle to it from which a neighbour shows it to be false
@@ -44,17 +44,22 @@ def drop_lost_velocities(
 ) -> tuple[Array, Array]:
     """Replace velocities by NaN that stand for a lost bottom lock.
 
+    These are velocities with a sigma of WORST_SIGMA_M_S or more, false zeros, repeats of the last
+    velocity, and those of pings in which no beam has a range. Where every sigma is that large, the
+    sigmas are dropped in place of the velocities. Where most pings have no range, ranges are not
+    asked for.
+
     Parameters
     ----------
-    t_ns : (n,) in order
+    t_ns : (n,) stamps in order
     velocity : (n, 3) m/s, NaN where lost
     sigma : (n,) m/s, NaN where not given
     ranges : (n, b) m, NaN where lost. A beam that tracks the bottom has a range
-    notes : what was left out is added
+    notes : a finding of how many velocities were lost for each reason is added
 
     Returns
     -------
-    velocity, and sigma: NaN where all are so large that they say nothing
+    velocity (n, 3) and sigma (n,), with NaN for what was dropped
     """
     known = np.isfinite(velocity).all(axis=1)
     huge = known & (sigma >= WORST_SIGMA_M_S)
@@ -87,10 +92,12 @@ def _false_readings(t_ns: Ints, velocity: Array) -> tuple[Mask, Mask]:
     """Find velocities that stand for lost ones: false zeros, and repeats of the last one.
 
     Runs of equal velocities are looked at one by one. Zeros are false where the velocity jumps at
-    the start or the end of their run as no vehicle starts or stops. They are also false where a
-    sensor gives several whose noise is well above the smallest velocity that it writes. Such a
-    sensor does not repeat any other velocity for seconds either, unless its driver writes each ping
-    several times.
+    the start or the end of their run as no vehicle starts or stops. Several zeros in a row are also
+    false where the sensor is noisy (`_is_noisy`). A noisy sensor does not repeat any other velocity
+    for more than LONGEST_HOLD_S either, unless its driver writes each ping several times. The first
+    velocity of such a run was measured and is kept.
+
+    velocity: (n, 3) m/s, NaN where lost.
 
     Returns
     -------
@@ -105,6 +112,7 @@ def _false_readings(t_ns: Ints, velocity: Array) -> tuple[Mask, Mask]:
     measured, t_s = velocity[known], (t_ns[known] - t_ns[0]) / NS
     step = np.linalg.norm(np.diff(measured, axis=0), axis=1)
     sudden = step > SUDDEN_M_S + SUDDEN_M_S2 * np.diff(t_s)
+    # a run is a stretch of equal velocities, from its row in `starts` to before that in `ends`
     starts = np.flatnonzero(np.r_[True, step > 0])
     ends = np.r_[starts[1:], len(known)]
     is_zero = (measured[starts] == 0).all(axis=1)
@@ -124,7 +132,9 @@ def _false_readings(t_ns: Ints, velocity: Array) -> tuple[Mask, Mask]:
 def _is_noisy(velocity: Array) -> bool:
     """Tell whether velocities (n, 3) have noise well above their smallest value.
 
-    Third differences tell noise from motion.
+    Such a sensor does not measure exactly zero by chance, nor the same velocity twice. Noise is
+    taken from third differences, in which the motion of a vehicle hardly shows. False for fewer
+    than LEAST_PINGS velocities.
     """
     if len(velocity) < LEAST_PINGS:
         return False
@@ -136,8 +146,9 @@ def _is_noisy(velocity: Array) -> bool:
 def is_false_attitude(quaternion: Array) -> Mask:
     """Find attitudes (n,) of exactly (0, 0, 0, 1) amid others: a message that was not filled in.
 
-    quaternion: (n, 4) x, y, z, w. Such an attitude is believed where the attitudes before and after
-    it are close to it, and where most attitudes are such, as of a vehicle that stands still.
+    quaternion: (n, 4) x, y, z, w. The vehicle may also have had just that attitude. It is therefore
+    not marked where the attitudes before and after it are close to it. None is marked where most
+    attitudes are such, as of a vehicle that stands still.
     """
     default = (np.abs(quaternion) == UNFILLED).all(axis=1)
     others = np.flatnonzero(~default & np.isfinite(quaternion).all(axis=1))
@@ -154,9 +165,10 @@ def is_false_attitude(quaternion: Array) -> Mask:
 def is_held(t_ns: Ints, quaternion: Array, rates: Array, acceleration: Array) -> Mask:
     """Find readings (n,) that repeat the one before to the last digit for more than a second.
 
-    An IMU on a vehicle that turns has no two equal ones: the IMU or its driver has hung up. Two
-    repeats are believed. A simulated vehicle at rest has rates of exactly zero, and a driver that
-    writes each reading several times does so with all of them.
+    An IMU on a vehicle that turns has no two equal readings: the IMU or its driver has hung up. The
+    first reading of such a run is kept. A run counts if it is longer than a second and longer than
+    LONG_RUN times the usual one: some drivers write every reading several times. Runs with rates of
+    exactly zero are a simulated vehicle at rest, and are kept.
 
     Parameters
     ----------
@@ -177,8 +189,10 @@ def is_held(t_ns: Ints, quaternion: Array, rates: Array, acceleration: Array) ->
 def drop_false_beams(ranges: Array, notes: list[Finding]) -> Array:
     """Replace ranges (n, b), m, by NaN that were not measured along the beam they are listed for.
 
-    A driver without ranges writes the altitude into all beams. A beam that hears its own pulse, or
-    a part of the vehicle, stays at one short range while the hull in the others comes and goes.
+    A driver without ranges writes the altitude into all beams: then all ranges are dropped. A beam
+    that hears its own pulse, or a part of the vehicle, stays at one short range while the hull in
+    the others comes and goes: then that beam is dropped. Ranges of fewer than LEAST_BEAMS beams or
+    LEAST_PINGS pings are returned unchanged. notes: what was dropped is added.
     """
     whole = np.isfinite(ranges).all(axis=1)
     if ranges.shape[1] < LEAST_BEAMS or whole.sum() < LEAST_PINGS:
@@ -191,6 +205,7 @@ def drop_false_beams(ranges: Array, notes: list[Finding]) -> Array:
     low, middle, high = np.percentile(known, [5, 50, 95], axis=0)
     for beam in range(ranges.shape[1]):
         others = np.delete(known, beam, axis=1)
+        # how far the ranges of a usual other beam vary, m
         spread = float(np.median(np.ptp(np.percentile(others, [5, 95], axis=0), axis=0)))
         own = float(high[beam] - low[beam])
         is_near = middle[beam] < np.median(others, axis=0).min() - spread
@@ -204,7 +219,9 @@ def drop_false_beams(ranges: Array, notes: list[Finding]) -> Array:
 def drop_ranges_at_limit(ranges: Array, notes: list[Finding]) -> Array:
     """Replace ranges (n, b), m, by NaN that are exactly the largest of all and far from the others.
 
-    Such a range is what an instrument writes where no echo came back.
+    Such a range is what an instrument writes where no echo came back. Ranges are returned unchanged
+    where others come close to the largest, as it may then have been measured, and where there are
+    too few to tell. notes: how many were dropped is added.
     """
     known = ranges[np.isfinite(ranges)]
     if not known.size:

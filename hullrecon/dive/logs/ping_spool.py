@@ -48,7 +48,9 @@ class PingSpool:
     def keep(self, sample: SonarSample) -> SpooledPing:
         """Write a ping's image to the file, and return the ping without it.
 
-        Directions and ranges equal to those of the ping before share its arrays, to save memory.
+        In its place the ping has a stand-in of the same shape and type, which takes no memory and
+        holds the image's bright pixel everywhere. Directions and ranges equal to those of the ping
+        before share its arrays, to save memory.
         """
         image = np.ascontiguousarray(sample.image)
         if (
@@ -84,6 +86,7 @@ def bright_pixel(image: NDArray[np.generic]) -> NDArray[np.generic]:
     eight bits, which needs no scale, it is the brightest one. A spooled ping's stand-in has this
     value.
     """
+    # strides of zero: a stand-in, of which one pixel tells all
     pixels = np.asarray(image[:1, :1] if not any(image.strides) else image)
     if pixels.dtype == np.uint8:
         return np.asarray(pixels.max(), np.uint8)

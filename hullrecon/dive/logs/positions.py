@@ -45,13 +45,16 @@ def position_fixes(
 ) -> PositionFixes | None:
     """Convert fixes to metres north and east of the first one. None where no fix is usable.
 
+    Dropped are readings without a fix, those of another kind (geographic or local) than the first
+    fix, and satellite fixes of a vehicle under water.
+
     Parameters
     ----------
-    samples : in order of time
-    sigma_m : of either horizontal axis, where a message has none
+    samples : positions in order of time
+    sigma_m : standard deviation along either horizontal axis, where a message has none
     frame : "enu" or "ned", the meaning of x and y where fixes are in a local frame
     pressure : depths, which tell when a satellite antenna was under water
-    notes : what was left out is added
+    notes : a finding for each reason is added, with how many were dropped
 
     Raises
     ------
@@ -81,6 +84,7 @@ def position_fixes(
     return PositionFixes(
         t_ns=np.array([s.t_ns for s in kept], np.int64),
         north_east=_in_metres(place, kept[0].geographic, frame),
+        # with x and y, or latitude and longitude, in the other order: loggers exchange them
         exchanged=_in_metres(place[:, [1, 0]], kept[0].geographic, frame),
         sigma=np.where(np.isfinite(given) & (given > 0), given, sigma_m),
     )
@@ -115,7 +119,8 @@ def _refuse_other_units(samples: Sequence[PositionSample]) -> None:
 def _is_position(sample: PositionSample) -> bool:
     """Tell whether a sample holds a fix.
 
-    Receivers send zero latitude and longitude before they have one.
+    It does not where values are missing or beyond any latitude and longitude. Receivers send zero
+    latitude and longitude before they have a fix.
     """
     first, second = sample.place[:2]
     if not np.isfinite([first, second]).all():
@@ -128,7 +133,11 @@ def _is_position(sample: PositionSample) -> bool:
 
 
 def _under_water(samples: Sequence[PositionSample], pressure: PressureSamples | None) -> Mask:
-    """Find the satellite fixes (n,) of a vehicle under water, judged by the nearest depth."""
+    """Find the satellite fixes (n,) of a vehicle under water, where its antenna receives nothing.
+
+    Judged by the depth interpolated at the fix. Fixes without a depth within NEAR_DEPTH_S are
+    believed.
+    """
     t_ns = np.array([s.t_ns for s in samples], np.int64)
     by_satellite = np.array([s.by_satellite for s in samples], bool)
     if pressure is None or not len(pressure.t_ns) or not len(samples):

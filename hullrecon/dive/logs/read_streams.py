@@ -115,16 +115,20 @@ def read_streams(
 ) -> LogContents:
     """Read the logs once and collect the samples that lie in the time window.
 
+    Messages that cannot be used are counted, with the reason, and become findings. A log that
+    cannot be read to its end gives what was read before.
+
     Parameters
     ----------
     logs : in the order in which they are read
-    topics : sensors by topic (a pose has attitude and depth). A sensor named there comes from
-        that topic, not from a further log that gives samples (tables, an instrument's file).
+    topics : by topic, the sensors that it is read as (a pose has attitude and depth). A sensor
+        named there comes from that topic, not from a further log that gives samples (tables, an
+        instrument's file).
     take_image : called with each image
-    watch : sees every message pass (progress)
-    problems : takes what would be raised, if given
-    window : samples outside are counted and dropped, None: all are used
-    keep_ping : turns a sonar's ping into what is kept in memory
+    watch : sees every message pass, to report progress
+    problems : collects the errors that would be raised; None: the first one is raised
+    window : samples outside are counted and dropped; None: all are used
+    keep_ping : puts the image of a sonar's ping away, and returns what is kept in memory
     added_ns : by sensor, what is added to the stamps (positive where they are early)
 
     Raises
@@ -217,7 +221,10 @@ def _sort_by_sensor(
 def _note_joint_before(
     sample: JointSample, logged_ns: int, log: int, out: LogContents, window: TimeWindow
 ) -> None:
-    """Keep a joint's reading where it is the latest one before the window so far."""
+    """Keep a joint's reading where it is the latest one before the window so far.
+
+    It tells at which angle the servo stands when the window begins (`_carry_joints_into_window`).
+    """
     known = out.joints_before.get(sample.name)
     if (
         window.first_ns is not None
@@ -230,8 +237,9 @@ def _note_joint_before(
 def _carry_joints_into_window(out: LogContents, window: TimeWindow) -> None:
     """Repeat the last reading of each joint before the window at the window's start.
 
-    A joint that is logged once, or only when it turns, has stood still since. Where no sensor
-    measured in the window, nothing is added, so that the window stays empty.
+    A joint that is logged once, or only when it turns, has stood still since. It is not repeated
+    where a reading of it lies at that very time. Where no sensor measured in the window, nothing is
+    added, so that the window stays empty.
     """
     if not out.inside:
         return
@@ -259,7 +267,8 @@ def _samples_of(
 ) -> Iterator[tuple[str, Sample]]:
     """Translate a message into samples, and yield each with its sensor.
 
-    Messages that cannot be used are counted in `out`, with the reason.
+    Nothing for messages that cannot be used, which are counted in `out` with the reason, and for
+    samples of a sensor for which dive.toml names a topic.
     """
     channel = message.channel
     is_sample = not isinstance(message.data, bytes)

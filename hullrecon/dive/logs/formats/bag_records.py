@@ -53,7 +53,8 @@ class Connections(dict[int, Channel]):
 def record(stream: BinaryIO, at: int, size: int) -> tuple[Head, bytes, int]:
     """Read head and data of the record at byte `at`, and the byte behind it.
 
-    Raises DamagedError where no whole record of a known kind lies there. size: of the file.
+    Raises DamagedError where no whole record of a known kind lies there, so that damage is noticed
+    before its lengths are believed. size: of the file, bytes.
     """
     if at >= size:
         raise DamagedError(f"it would lie behind the end of the file, {size} bytes")
@@ -78,8 +79,9 @@ def messages_of(
 ) -> list[Message]:
     """Read the messages of a chunk or of a single message record.
 
-    Connections that it defines are added to `connections`. The budget limits what a chunk unpacks
-    to. Raises DamagedError.
+    Empty for records of other kinds. Connections that it defines are added to `connections`.
+    Messages of connections without a definition are dropped and counted there. The budget limits
+    what a chunk unpacks to. Raises DamagedError for a chunk that cannot be read as a whole.
     """
     op = op_of(head)
     if op == CHUNK:
@@ -102,7 +104,10 @@ def messages_of(
 
 
 def records(data: bytes) -> Iterator[tuple[Head, bytes]]:
-    """Yield head and data of the records in a chunk: connections and messages only."""
+    """Yield head and data of the records in a chunk.
+
+    Raises DamagedError for records that are cut off, or no connection and no message.
+    """
     at = 0
     while at < len(data):
         (length,) = fields("<I", data, at)
@@ -120,8 +125,9 @@ def records(data: bytes) -> Iterator[tuple[Head, bytes]]:
 def read_index(stream: BinaryIO, size: int, connections: Connections) -> list[BagChunk] | None:
     """Read the index at a bag's end: its chunks in the order of the file.
 
-    None where the index is damaged, or does not list each chunk once. Connections that it defines
-    are added to `connections`.
+    With it, damage in one chunk does not hide the next ones. None where the index is damaged or
+    empty, or does not list each chunk once. Connections that it defines are added to `connections`.
+    size: of the file, bytes.
     """
     try:
         head, _, _ = record(stream, len(MAGIC), size)

@@ -50,9 +50,9 @@ class Database:
             self.connection.execute(f"PRAGMA {pragma}")
 
     def channels(self) -> dict[int, Channel]:
-        """Read the topics by their number.
+        """Read the topics by their number. Topics whose row has no texts are left out.
 
-        Raises DamagedError for a database that is none of rosbag2.
+        Raises DamagedError for a database that is none of rosbag2, or whose tables run code.
         """
         tables = {name: kind for _, name, kind, *_ in self.connection.execute("PRAGMA table_list")}
         for name in ("topics", "messages"):
@@ -79,6 +79,9 @@ class Database:
 
     def rows(self, open_gap: Callable[[str], None]) -> Iterator[Row]:
         """Yield the rows by number. Behind an unreadable row, look for the next readable one.
+
+        The search ends after a number of failures that grows with the size of the file: a damaged
+        file must not take hours. Rows behind are then lost.
 
         open_gap: called with the reason where rows are lost.
         """
@@ -156,8 +159,10 @@ def _text(value: object) -> str:
 def describe_damage(path: Path) -> str:
     """Describe what SQLite will silently ignore of a write-ahead log. "" for nothing.
 
-    SQLite reuses the file: behind the frames of the last generation those of an older one may lie,
-    which have another salt. They are no damage.
+    Frames are checked until one has another salt or a wrong checksum. SQLite reuses the file:
+    behind the frames of the last generation those of an older one may lie, which have another salt.
+    They are no damage. Where the last generation's salt occurs behind the first bad frame, frames
+    of it are lost.
     """
     with path.open("rb") as stream:
         header = stream.read(HEADER)
@@ -178,6 +183,7 @@ def describe_damage(path: Path) -> str:
             if frame[8:16] != header[16:24] or found != struct.unpack(">II", frame[16:24]):
                 break
             sums, count = found, count + 1
+            # the last frame of a transaction states the size of the database, others 0
             finished = count if any(frame[4:8]) else finished
         if _contains(stream, frame, header[16:24]):
             return f"it is damaged from frame {count + 1} on"

@@ -65,8 +65,8 @@ class Definitions:
     def take(self, opcode: int, body: bytes) -> Message | None:
         """Add a schema or a channel, or decode a message. None for any record but a message.
 
-        A message of a channel that is not known is counted. Raises DamagedError for an invalid
-        record.
+        A message of a channel that is not known is dropped and counted. A channel whose schema is
+        not known is dropped too. Raises DamagedError for an invalid record.
         """
         if opcode == SCHEMA:
             name, at = _string(body, 2)
@@ -109,8 +109,8 @@ def head(stream: BinaryIO, at: int, end: int) -> tuple[int, int]:
 def packed_at(body: bytes, length: int) -> int | None:
     """Find where the packed records start within a chunk's body. None when it is no chunk's body.
 
-    The lengths in a chunk agree with each other, as the bytes of another record hardly do by
-    chance.
+    With it a chunk is recognised whatever its opcode says: the lengths in a chunk agree with each
+    other, as the bytes of another record hardly do by chance.
 
     body: its first CHUNK_HEAD bytes suffice. length: of the whole body.
     """
@@ -151,7 +151,11 @@ def read_chunk(stream: BinaryIO, at: int, end: int) -> Chunk:
 def messages_of(
     chunk: Chunk, definitions: Definitions, budget: UnpackBudget | None = None
 ) -> list[Message]:
-    """Read all messages of a whole chunk. Raises DamagedError."""
+    """Read all messages of a whole chunk, and add the definitions in it to `definitions`.
+
+    The budget limits what it unpacks to. Raises DamagedError where its checksum is wrong, or where
+    a record of it cannot be read.
+    """
     data = decompress(chunk.packed, chunk.compression, chunk.size, budget)
     if chunk.crc and zlib.crc32(data) != chunk.crc:
         raise DamagedError("its checksum is wrong")

@@ -57,7 +57,7 @@ def read_summary(stream: BinaryIO, size: int) -> Summary | None:
     names.
     """
     try:
-        start, section = _section(stream, size)
+        start, section = _read_section(stream, size)
         summary = _parse(section, start)
     except DamagedError:
         return None
@@ -67,8 +67,9 @@ def read_summary(stream: BinaryIO, size: int) -> Summary | None:
 def is_end_of_data(stream: BinaryIO, opcode: int, length: int, at: int, size: int) -> bool:
     """Tell whether the record at byte `at` ends the data.
 
-    That is a DATA_END of four bytes, behind which the summary, if any, the footer and the magic
-    follow. Anything else that looks like an end is damage: data may follow.
+    Such a record is a DATA_END of four bytes, behind which the summary, if any, the footer and the
+    magic follow, or the file's own footer. Anything else that looks like an end is damage: data may
+    follow.
 
     Parameters
     ----------
@@ -126,7 +127,12 @@ def _heads(stream: BinaryIO, at: int, end: int) -> Iterator[tuple[int, int, int]
 
 
 def _names_all(stream: BinaryIO, summary: Summary) -> bool:
-    """Tell whether no chunk and no message lies outside the chunks that the summary names."""
+    """Tell whether no chunk and no message lies outside the chunks that the summary names.
+
+    Otherwise reading by the summary would miss them. False too where the records outside cannot be
+    read.
+    """
+    # starts and ends, in turn, of the stretches between chunks; the loop below takes these alone
     edges = [
         len(MAGIC),
         *(edge for note in summary.chunks for edge in (note.offset, note.end)),
@@ -145,10 +151,12 @@ def _names_all(stream: BinaryIO, summary: Summary) -> bool:
     return not found & {CHUNK, MESSAGE}
 
 
-def _section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
-    """Read the summary's bytes, and where they begin.
+def _read_section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
+    """Read the byte at which the summary begins, and its bytes.
 
-    Raises DamagedError unless its checksum holds.
+    Raises DamagedError without a footer or a summary, or where a checksum is given and wrong.
+
+    size: of the file, bytes.
     """
     at = size - FOOTER_SIZE - len(MAGIC)
     if at < len(MAGIC) or head(stream, at, size) != (FOOTER, 20):

@@ -55,9 +55,10 @@ def is_ping(data: bytes) -> bool:
 
 
 def parse_ping(data: bytes) -> OculusPing:
-    """Parse one whole message.
+    """Parse one whole message: image, bearings and ranges.
 
-    Raises DamagedError for any other message and where sizes do not fit.
+    The gain in front of each row is dropped. Raises DamagedError for any other message, for pixels
+    of 24 bits, and where sizes or bearings do not fit together.
     """
     length = message_bytes(data)
     if not is_ping(data) or length > len(data):

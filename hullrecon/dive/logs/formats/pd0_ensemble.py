@@ -70,7 +70,11 @@ def is_pd0(start: bytes) -> bool:
 
 
 def ensembles(stream: BinaryIO) -> Iterator[tuple[int, int, Ensemble | str]]:
-    """Yield (start, end, ensemble), and (start, end, why) of bytes of no ensemble between them."""
+    """Yield each ping (start, end, ensemble), and each stretch of other bytes (start, end, why).
+
+    Pings whose checksum is wrong, or that cannot be parsed, count as other bytes. start, end: bytes
+    of the file.
+    """
     at = bad = 0  # where the search is, and where bytes of no ensemble begin
     why = ""
     while True:
@@ -84,6 +88,7 @@ def ensembles(stream: BinaryIO) -> Iterator[tuple[int, int, Ensemble | str]]:
             found, reason = _ensemble_at(data, inside)
             if found is None:
                 why = why or reason
+                # after damage, go on at the next head whose checksum holds
                 row = int(np.searchsorted(starts, inside, side="right"))
                 inside = min(int(starts[row]), limit) if row < len(starts) else limit
                 continue
@@ -126,7 +131,8 @@ def _ensemble_at(data: bytes, at: int) -> tuple[Ensemble | None, str]:
 def parse(data: bytes) -> Ensemble:
     """Parse one whole ensemble, given without its checksum.
 
-    Raises DamagedError where its fixed or variable leader is missing.
+    Velocities of bottom and water are NaN or empty where it has none. Raises DamagedError where its
+    fixed or variable leader is missing, its beam angle is none, or its clock shows no time.
     """
     parts = _parts(data)
     if FIXED not in parts or VARIABLE not in parts:
@@ -193,7 +199,8 @@ def _parts(data: bytes) -> dict[int, bytes]:
 def _clock(variable: bytes) -> int:
     """Read the instrument's clock as UTC.
 
-    The clock with a century is preferred where there is one.
+    The clock with a century is preferred where there is one. Else years below 80 are of this
+    century. Raises DamagedError where it shows no time.
     """
     year, *rest = fields("<7B", variable, 4)
     year += 2000 if year < 80 else 1900

@@ -34,13 +34,14 @@ Ping = tuple[NDArray[np.generic], Array | None, Array]
 
 
 def read_ping(path: Path, number: int = 0, window_m: tuple[float, float] | None = None) -> Ping:
-    """Read image (beams, ranges), azimuth (beams,) rad and range (ranges,) m of a ping.
+    """Read image (beams, ranges), azimuth (beams,) rad and range (ranges,) m of a ping in a file.
 
     Parameters
     ----------
     path : of the file
     number : which ping, from 0, of a file of an Oculus or a DIDSON
-    window_m : where the samples of a DIDSON begin and end
+    window_m : ranges at which the samples of a DIDSON begin and end, which its file does not
+        state. None for any other file
 
     Returns
     -------
@@ -111,7 +112,7 @@ def _oculus(path: Path, number: int) -> tuple[NDArray[np.generic], Array, Array]
 
 @lru_cache(maxsize=4)
 def _ping_offsets(path: Path, size: int, mtime_ns: int) -> list[int]:
-    """Find the bytes where the pings begin.
+    """Find the bytes at which the pings of an Oculus' file begin. Other messages are skipped.
 
     size, mtime_ns: of the file, so that the cache does not serve one that has changed.
     """
@@ -128,7 +129,7 @@ def _ping_offsets(path: Path, size: int, mtime_ns: int) -> list[int]:
 def _arrays(path: Path) -> list[NDArray[np.generic]]:
     """Read the arrays of a ping's .npz.
 
-    Raises ValueError for one that lacks arrays or is too large.
+    Raises ValueError for one that lacks arrays, is too large, or has other bytes before them.
     """
     require_regular_file(path)
     if path.stat().st_size > LARGEST_FILE:

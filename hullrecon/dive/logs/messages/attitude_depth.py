@@ -91,7 +91,10 @@ def depth_of_head_up_display(message: Fields, t_ns: int, role: str) -> list[Samp
 
 
 def deep_submergence_depth(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read the depth of ds_sensor_msgs/DepthPressure, which has the latitude in it already."""
+    """Read the depth of ds_sensor_msgs/DepthPressure, computed with gravity at its latitude.
+
+    Raises DamagedError where it has none.
+    """
     if message.depth <= NO_DATA:
         raise DamagedError("a DepthPressure without a depth")
     return [DepthSample(t_ns, float(message.depth), is_up=False)]

@@ -75,7 +75,10 @@ def _blank_text(match: re.Match[str]) -> str:
 def check_types(types: Types, name: str) -> None:
     """Raise DamagedError for types that cannot be compiled or used in reasonable time.
 
-    name: of the message itself.
+    These are too many types or fields, too large arrays, bounds that are no numbers, and types
+    nested too deeply or around nothing.
+
+    types: the message's type and those within it. name: of the message itself.
     """
     fields = [kind for _, members in types.values() for _, kind in members]
     if len(types) > MOST_TYPES or len(fields) > MOST_FIELDS:
@@ -132,6 +135,7 @@ class _Sizes:
         if name not in self._known:
             parts = [self._field(kind, depth) for _, kind in self._types[name][1]]
             size, calls = sum(p[0] for p in parts), 1 + sum(p[1] for p in parts)
+            # real types need a byte or more for most calls; such bytes limit a message's calls
             if calls > 16 + 8 * size:
                 raise DamagedError("its types are nested around nothing")
             self._known[name] = size, calls

@@ -27,9 +27,10 @@ Tree = Mapping[str, tuple[str, Poses]]  # by child frame: its parent, and parent
 
 
 def frame_tree(messages: Iterable[Fields]) -> dict[str, tuple[str, Poses]]:
-    """Collect the fixed frames of tf_static messages, by child.
+    """Collect the fixed frames of tf_static messages, by child: its parent, and its pose there.
 
-    Frames without a rotation are left out, as are those whose logged type lacks a part.
+    The last pose of a frame holds. Frames without a rotation are left out, as are those whose
+    logged type lacks a part, and those beyond MOST_FRAMES.
     """
     tree: dict[str, tuple[str, Poses]] = {}
     for child, parent, pose in _transforms(messages):
@@ -39,7 +40,7 @@ def frame_tree(messages: Iterable[Fields]) -> dict[str, tuple[str, Poses]]:
 
 
 def frame_doubts(messages: Iterable[Fields]) -> dict[str, str]:
-    """Say why the pose of a frame is not known, by frame.
+    """Say why the pose of a frame is not known, by frame. Empty where all are known.
 
     Frames are listed that have two parents, two poses in one parent, or no rotation.
     """
@@ -93,7 +94,7 @@ class LocatedFrame:
 
 
 def names_above(frame: str, tree: Tree) -> list[str]:
-    """List a frame and those that it lies in, as far as base_link."""
+    """List a frame and its parents up to base_link, the frame itself first."""
     names = [_frame(frame)]
     while names[-1] in tree and names[-1].rpartition("/")[2] not in BASE_FRAMES:
         if len(names) > DEEPEST:
@@ -106,7 +107,8 @@ def locate_frame(frame: str, tree: Tree, servos: Set[str] = frozenset()) -> Loca
     """Compute the pose of a frame in the vehicle (axes forward, starboard, down).
 
     The parents are followed up to base_link, and their transforms multiplied. Where base_link is no
-    parent, it may hang on one of them.
+    parent of the frame, it may be a child of the frame or of one of its parents. Both poses are
+    None where neither base_link nor a servo is found.
 
     Parameters
     ----------
@@ -134,9 +136,10 @@ def locate_frame(frame: str, tree: Tree, servos: Set[str] = frozenset()) -> Loca
 
 
 def _by_common_parent(passed: Mapping[str, Poses], tree: Tree) -> Poses | None:
-    """Compute vehicle_from_frame where base_link hangs on the frame, or on one of its parents.
+    """Compute vehicle_from_frame where base_link is a child of the frame or of one of its parents.
 
-    passed: the frame in itself and in each of its parents. None where they share none.
+    None where base_link and the frame have no parent in common. passed: pose of the frame in itself
+    and in each of its parents.
     """
     for base in (name for name in tree if name.rpartition("/")[2] in BASE_FRAMES):
         pose, at = identity(), base
@@ -189,9 +192,9 @@ def calibration_keys(info: Fields) -> dict[str, object]:
 
 
 def calibration_yaml(info: Fields, topic: str) -> str | None:
-    """Write camera_calibration's YAML for a CameraInfo. None where the message is not filled in.
+    """Write camera_calibration's YAML for a CameraInfo, to be kept in a dive package.
 
-    topic: of the message, for a remark on top.
+    None where the message is not filled in. topic: of the message, for a remark on top.
     """
     keys = calibration_keys(info)
     matrix, distortion = np.array(keys["camera_matrix"]), np.array(keys["distortion_coefficients"])

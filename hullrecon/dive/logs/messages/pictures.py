@@ -43,6 +43,8 @@ def encode_raw(message: Fields) -> bytes:
 def decoded_mosaic(form: str, encoded: bytes) -> bytes:
     """Turn a compressed Bayer mosaic into a colour picture. Other pictures are returned unchanged.
 
+    So are mosaics that cannot be decoded: the image is then found damaged later.
+
     Parameters
     ----------
     form : `format` of sensor_msgs/CompressedImage: "jpeg", or, as image_transport writes it,
@@ -79,7 +81,10 @@ def _png(pixels: NDArray[np.integer]) -> bytes:
 
 
 def _parse_encoding(encoding: str) -> tuple[str, int]:
-    """Read an encoding: its key in CHANNELS, and the bytes of a sample."""
+    """Read an encoding: its key in CHANNELS, and the bytes of a sample.
+
+    Raises DamagedError for any that is not read.
+    """
     lower = encoding.lower()
     name = PLAIN.get(lower, lower)
     if name in CHANNELS:
@@ -94,7 +99,7 @@ def _pixels(message: Fields, channels: int, width: int) -> NDArray[np.integer]:
     """Read pixels (h, w) or (h, w, channels) of a message, without the padding of its rows.
 
     Where there are exactly the bytes of rows without padding, the message's step is not used: it
-    may not be filled in.
+    may not be filled in. Raises DamagedError where pixels are missing.
 
     width: bytes of a sample, 1 or 2.
     """

@@ -20,7 +20,7 @@ NO_FIX, UNKNOWN_COVARIANCE = -1, 0  # of sensor_msgs/NavSatStatus and NavSatFix
 
 
 def satellite_fix(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read sensor_msgs/NavSatFix, whose status of -1 is no fix."""
+    """Read sensor_msgs/NavSatFix. The position is NaN where its status is -1, no fix."""
     place = np.array([message.latitude, message.longitude, message.altitude], float)
     sigma = UNKNOWN_SIGMA
     if message.position_covariance_type != UNKNOWN_COVARIANCE:

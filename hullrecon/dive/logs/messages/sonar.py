@@ -21,7 +21,10 @@ WIDTHS = {1: "u1", 2: "u2", 4: "u4"}  # bytes a pixel, of messages that name no 
 
 
 def projected_sonar(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read ProjectedSonarImage. The pixel of range bin r and beam b lies at r * beam_count + b."""
+    """Read ProjectedSonarImage. The pixel of range bin r and beam b lies at r * beam_count + b.
+
+    Raises DamagedError where beams, ranges and pixels do not fit together, or there are none.
+    """
     if int(message.image.dtype) not in DTYPES:
         raise DamagedError(f"a sonar image of data type {message.image.dtype}")
     order = ">" if message.image.is_bigendian else "<"
@@ -43,7 +46,8 @@ def projected_sonar(message: Fields, t_ns: int, role: str) -> list[Sample]:
 def sonar_image(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read acoustic_msgs/SonarImage, the forerunner of ProjectedSonarImage.
 
-    Pixel (r, b) lies at r * beams + b, azimuth grows from z towards y.
+    Pixel (r, b) lies at r * beams + b, azimuth grows from z towards y. Raises DamagedError where
+    beams, ranges and pixels do not fit together, or there are none.
     """
     if int(message.data_size) not in WIDTHS:
         raise DamagedError(f"a sonar image of {message.data_size} bytes a pixel")
@@ -68,7 +72,7 @@ def oculus_raw(message: Fields, t_ns: int, role: str) -> list[Sample]:
 def oculus_ping(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read oculus_interfaces/Ping: one row for each range, behind four bytes of gain if any.
 
-    Bearings are in hundredths of a degree.
+    Bearings are in hundredths of a degree. Raises DamagedError where its sizes do not fit together.
     """
     beams, ranges, row, width = (
         int(v) for v in (message.n_beams, message.n_ranges, message.step, message.sample_size)

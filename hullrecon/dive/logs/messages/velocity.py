@@ -111,7 +111,10 @@ def unnamed_transducer_report(message: Fields, t_ns: int, role: str) -> list[Sam
 
 
 def _transducers(report: Fields, t_ns: int, instrument: str) -> DvlSample:
-    """Read a report of transducers. instrument: A50, or "" where its type does not name it."""
+    """Read one ping, velocity and ranges by beam, of a Water Linked transducer report.
+
+    instrument: A50, or "" where the message's type does not name it.
+    """
     ranges = [
         b.distance if b.beam_valid else np.nan
         for b in sorted(report.transducers, key=lambda b: int(b.id))
@@ -153,13 +156,16 @@ def _water_linked(
 
 
 def girona_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read cola2_msgs/DVL: velocity with covariance, one altitude, no beams."""
+    """Read cola2_msgs/DVL: velocity with covariance, no beams. Its altitude is not used."""
     sigma = sigma_of(message.velocity_covariance, VELOCITY)
     return [_unless_lost(DvlSample(t_ns, vector(message.velocity), sigma, NO_RANGES, None))]
 
 
 def simulator_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read DVLs of UUV Simulator and Stonefish: one message per beam, covariance -1 where lost."""
+    """Read DVLs of UUV Simulator and Stonefish, whose beams' directions dive.toml has to give.
+
+    Each beam is a message of its own, in which a covariance of -1 marks the range as lost.
+    """
     sigma = sigma_of(message.velocity_covariance, VELOCITY)
     ranges = [
         b.range if b.range > 0 and not b.range_covariance < 0 else np.nan for b in message.beams
@@ -169,7 +175,11 @@ def simulator_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def nortek_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read nortek_dvl/Dvl: figure of merit as sigma, lost velocity -32.768, lost distance 0."""
+    """Read nortek_dvl/Dvl, whose figure of merit is the sigma.
+
+    A velocity of -32.768, or with a figure of merit of NORTEK_BAD_MERIT, is lost, and so is a
+    distance of 0. It does not carry its beams' directions.
+    """
     velocity, merit = vector(message.velocity), float(message.figureOfMerit)
     lost = bool(np.any(velocity <= NORTEK_LOST)) or merit >= NORTEK_BAD_MERIT
     ranges = np.asarray(message.beamDistance, float)

@@ -44,7 +44,10 @@ def is_ad2cp(start: bytes) -> bool:
 
 
 def blocks(stream: BinaryIO) -> Iterator[tuple[int, int, Block | str]]:
-    """Yield (start, end, block) of whole blocks, and (start, end, why) of bytes between them."""
+    """Yield (start, end, block) of whole blocks, and (start, end, why) of bytes between them.
+
+    The bytes between are damaged, or of blocks that are not read. start, end: bytes of the file.
+    """
     at = bad = 0  # where the search is, and where bytes of no block begin
     why = ""
     while True:
@@ -97,7 +100,8 @@ def _whole_blocks(data: bytes) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Find starts and ends (m,) of blocks whose header, length and both checksums are right.
 
     The sum over a block is the difference of two running sums, so that each byte is added once,
-    however many headers claim it.
+    however many headers claim it. Starts are in order. Blocks of more than LARGEST_DATA are left
+    out.
     """
     sums = _RunningSums(data)
     starts, ends = [], []
@@ -142,7 +146,10 @@ class _RunningSums:
         return self.values[at] + 256 * self.values[at + 1]
 
     def total(self, start: NDArray[np.int64], end: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Compute Nortek's checksum of the bytes from each start up to its end."""
+        """Compute Nortek's checksum of the bytes from each start up to its end.
+
+        Words of 16 bits begin at `start`: bytes at its parity are their low halves.
+        """
         parity = start % 2
         low = self.running[parity, end] - self.running[parity, start]
         high = self.running[1 - parity, end] - self.running[1 - parity, start]

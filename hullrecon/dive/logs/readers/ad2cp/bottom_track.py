@@ -71,7 +71,9 @@ def parse(kind: int, data: bytes) -> BottomTrack:
 def _parse_df20(data: bytes, start: int) -> BottomTrack:
     """Parse a bottom track of data format 20.
 
-    Bits of its configuration tell which values it has.
+    Bits of its configuration tell which values it has. A beam is lost where its distance or its
+    figure of merit is not positive. Raises DamagedError where it has neither, as a lost velocity
+    could not be told.
 
     Parameters
     ----------
@@ -119,7 +121,8 @@ def _parse_df20(data: bytes, start: int) -> BottomTrack:
 def _parse_df21(data: bytes, start: int) -> BottomTrack:
     """Parse a bottom track of data format 21, in which status bits tell which values are valid.
 
-    Arguments as of `_parse_df20`.
+    Values that are not valid are NaN. Of its two vertical velocities the mean is taken. Arguments
+    as of `_parse_df20`. Raises DamagedError.
     """
     (count,) = fields("<H", data, 14)
     (status,) = fields("<I", data, 20)

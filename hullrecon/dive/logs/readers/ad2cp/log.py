@@ -38,7 +38,10 @@ TURNED_OVER = np.diag([1.0, -1.0, -1.0])
 
 
 def read_beams(text: bytes) -> dict[int, Array]:
-    """Read unit vectors (3,) by the beams' numbers from a configuration."""
+    """Read unit vectors (3,) of the beams, by number, from a configuration. Empty without any.
+
+    Damaged angles are left out.
+    """
     found = ((int(number), float(theta), float(phi)) for number, theta, phi in BEAM.findall(text))
     return {
         number: tilted_beams(theta, [phi])[0]
@@ -55,7 +58,7 @@ def directions(beams: Mapping[int, Array], numbers: Sequence[int]) -> Array | No
 def velocity_from_beams(closing: Array, units: Array) -> Array:
     """Solve for the velocity (3,) m/s from the velocities along the beams, by least squares.
 
-    NaN where fewer than three beams are known, or where they leave a direction unobserved.
+    For files that hold velocities along the beams alone. NaN where fewer than three beams are known, or where they leave a direction unobserved.
 
     Parameters
     ----------
@@ -126,6 +129,9 @@ class Ad2cpLog(FileLog):
 def to_sample(ping: BottomTrack, units: Array | None, enu_from_dvl: Array | None) -> DvlSample:
     """Convert a bottom track to velocity in `dvl` and distances along its z.
 
+    The velocity is NaN where the file lacks what is needed to turn it into `dvl`: the beams'
+    directions for velocities along beams, the attitude for velocities in east, north, up.
+
     Parameters
     ----------
     ping : bottom track
@@ -141,7 +147,7 @@ def to_sample(ping: BottomTrack, units: Array | None, enu_from_dvl: Array | None
 
 
 def enu_from_dvl(ping: BottomTrack) -> Array | None:
-    """Build the rotation (3, 3) from `dvl` to east, north, up.
+    """Build the rotation (3, 3) from `dvl` to east, north, up, of the instrument's own attitude.
 
     None where an angle is missing, or where the instrument took another axis than z as vertical.
     """
@@ -154,6 +160,8 @@ def enu_from_dvl(ping: BottomTrack) -> Array | None:
     ):
         return None
     heading, pitch, roll = ping.angles_rad
+    # heading is clockwise from north, a rotation about z (up) anticlockwise from east. Nortek's
+    # pitch is opposite in sense to a rotation about y
     turn = Rotation.from_euler("ZYX", [np.pi / 2 - heading, -pitch, roll]).as_matrix()
     return np.asarray(turn @ TURNED_OVER if ping.orientation == tracks.Z_DOWN else turn)
 
@@ -172,9 +180,9 @@ def attitude(t_ns: int, turn: Array) -> ImuSample:
 
 
 def describe(seen: Counter[str]) -> list[Finding]:
-    """List what a file lacks, what was ignored and what was assumed.
+    """List as findings what a file lacks, what was ignored and what was assumed.
 
-    seen: counts of blocks and pings, by kind.
+    seen: counts of blocks and pings, by the words that `Ad2cpLog` counts under.
     """
     others = seen["water track"] + seen["other"]
     found: list[tuple[object, str, dict[str, object]]] = [
