@@ -87,7 +87,10 @@ def too_large(path: Path, largest_bytes: int) -> OSError:
 
 
 def gunzip(data: bytes, largest_bytes: int) -> bytes:
-    """Unpack a gzip file, comparing its checksums and counting bytes before they are kept.
+    """Unpack a gzip file, comparing its checksums.
+
+    It is unpacked twice: the first pass only counts bytes, so that a small file does not fill the
+    memory.
 
     Raises ValueError when the file is damaged or holds more than `largest_bytes`.
     """

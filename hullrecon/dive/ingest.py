@@ -144,15 +144,18 @@ def ingest(
     problems: Problems | None = None,
     pings: PingStorage | None = None,
 ) -> IngestResult:
-    """Read what a package holds, once.
+    """Read what a package holds, once: sensors, images, calibrations and CAD model.
+
+    What is absent is left out of the result. Whatever was corrected, assumed or dropped is in its
+    findings.
 
     Parameters
     ----------
     package : its folder
-    request : what is read
+    request : what is read, and in which conventions
     open_file : called for each camera whose image bytes are to be kept
-    watch : sees every message pass (progress)
-    problems : takes what would be raised, if given
+    watch : sees every message pass, to report progress
+    problems : collects the errors that would be raised; None: the first one is raised
     pings : where the sonar's images go. None drops them (those of the result are black)
 
     Raises
@@ -235,7 +238,7 @@ def _sensors_by_topic(topics: Mapping[str, str]) -> dict[str, list[str]]:
 def _rig_of_camchain(
     package: Path, request: IngestRequest, cameras: Mapping[str, CameraModel]
 ) -> dict[str, FixedSensor]:
-    """Read how the lower camera sits in the upper one where both share a camchain."""
+    """Read how the lower camera sits in the upper one where both share a camchain. Else empty."""
     files = [request.calibration.get(camera.key) for camera in Camera]
     if files[0] is None or files[0] != files[1] or len(cameras) < len(files):
         return {}
@@ -276,7 +279,8 @@ def _join_time_bases(
 ) -> list[Finding]:
     """Put the stamps of sensors in bags onto one time base, and report what was moved.
 
-    A sensor whose time offset dive.toml gives is left unchanged.
+    A sensor whose time offset dive.toml gives is left unchanged, as is one of which a part comes
+    from a log whose messages have one time only.
 
     Parameters
     ----------
@@ -335,7 +339,9 @@ def _check_found(
     losses: Sequence[tuple[str, Loss]],
     problems: Problems,
 ) -> None:
-    """Refuse several dives in one, clocks that are hours apart, and a package without any reading.
+    """Refuse several dives in one, clocks that are apart, and a package without any reading.
+
+    The latter is not refused where other problems were found, which explain it.
 
     Parameters
     ----------
@@ -439,8 +445,9 @@ class _Source:
     ) -> list[Kind]:
         """Collect the samples of a sensor in order of time, without duplicates.
 
-        Attitudes and depths of the DVL's own sensors are ignored where another sensor was logged.
-        Clock jumps and bursts are corrected, and readings that a driver repeated are dropped.
+        Empty where it was not logged. Attitudes and depths of the DVL's own sensors are ignored
+        where another sensor was logged. Clock jumps and bursts are corrected. Readings that were
+        written twice, or that a driver repeated until the next one, are dropped.
 
         Parameters
         ----------
@@ -561,7 +568,10 @@ def _build_joint(record: str, source: _Source) -> JointSamples | None:
 
 
 def _upwards(tray: JointSamples, request: IngestRequest) -> JointSamples:
-    """Count the tray's angles from level, growing as it tilts up."""
+    """Convert the tray's logged angles to those of the frame `tray`: growing as it tilts up.
+
+    Sense and zero are those of [tray] in dive.toml.
+    """
     sense = -1.0 if request.tray_positive == "down" else 1.0
     return replace(tray, angle=sense * tray.angle + np.radians(request.tray_offset_deg))
 
@@ -577,7 +587,10 @@ BUILDERS: dict[str, Callable[[_Source], SensorRecord | None]] = {
 
 
 def _build_records(source: _Source, problems: Problems) -> SensorRecords:
-    """Build the records of all sensors but the cameras, in the order of BUILDERS."""
+    """Build the records of all sensors but the cameras, in the order of BUILDERS.
+
+    A record is None without its sensor, and where what is wrong with it was collected as a problem.
+    """
     for name, build in BUILDERS.items():
         if name == next(iter(JOINT_KEYS)):  # once, in front of the joints
             with problems.collect():

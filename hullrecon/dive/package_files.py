@@ -133,13 +133,13 @@ def _named_files(loaded: LoadedConfig) -> Iterator[tuple[str, Path]]:
 
 
 def logo_of(loaded: LoadedConfig) -> str | None:
-    """Look up the file that [report] names as logo, if any."""
+    """Look up the file that [report] names as logo. None where it names none."""
     logo: object = getattr(loaded.sections.get("report"), "logo", None)
     return logo if isinstance(logo, str) else None
 
 
 def earlier_dive_of(loaded: LoadedConfig) -> str | None:
-    """Look up the run that [change] names, if any."""
+    """Look up the folder of the earlier run that [change] names. None where it names none."""
     earlier: object = getattr(loaded.sections.get("change"), "earlier", None)
     return earlier if isinstance(earlier, str) else None
 

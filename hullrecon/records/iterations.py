@@ -14,9 +14,9 @@ from hullrecon.typing import Array, Ints, Mask
 
 
 def reached_cost(cost: Array, accepted: Mask) -> Array:
-    """Compute the cost (k,) at the last accepted point.
+    """Compute the cost (k,) at the last accepted point of each row.
 
-    The record's cost is that of the point tried.
+    The record's cost is that of the point tried, which may have been refused.
     """
     return np.asarray(cost[np.maximum.accumulate(np.where(accepted, np.arange(len(cost)), 0))])
 
@@ -27,9 +27,9 @@ def count(rounds: Ints) -> int:
 
 
 def broken(at: NDArray[np.number], values: NDArray[np.number], rounds: Ints) -> tuple[Array, Array]:
-    """Insert NaN into a curve (k,) over `at` wherever a round begins.
+    """Insert NaN into a curve (k,) over `at` wherever a round begins, so that a plot breaks there.
 
-    Costs of two rounds do not compare.
+    Costs of two rounds do not compare. at: (k,) abscissae. rounds: (k,) round of each row.
     """
     starts = np.flatnonzero(np.diff(rounds)) + 1
     return np.insert(np.asarray(at, float), starts, np.nan), np.insert(

@@ -1,6 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pairs of nodes whose images were compared, what they share, and the path that links constrain."""
+"""Pairs of nodes whose images were compared, what they share, and the path that links constrain.
+
+The leading camera of a node is the one whose images are compared with those of other nodes: the top
+one, or the bottom one where the top one is dark or missing.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +33,7 @@ class CameraLinks(Rows):
 
 
 def no_links() -> CameraLinks:
-    """Make the links of a dive without images."""
+    """Make the links of a dive without images: none, but with arrays of the right shapes."""
     none = np.zeros(0, np.int64)
     return CameraLinks(
         first=none,

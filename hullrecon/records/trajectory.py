@@ -178,10 +178,11 @@ class Odometry(Rows):
         """Compute the sigma (m,), m, of the displacement from nodes to later nodes.
 
         The variances of the motions in between are summed, of each motion the largest of its three
-        axes.
+        axes. Errors that persist (scale, heading) are not included.
         """
         nodes = 1 + max(int(rows.max(initial=0)) for rows in (self.second, first, second))
         walked_m2 = np.zeros(nodes)
+        # variance that grew from the first node to each: between two nodes it is the difference
         np.add.at(walked_m2, self.second, self.covariance[:, [0, 1, 2], [0, 1, 2]].max(axis=1))
         walked_m2 = np.cumsum(walked_m2)
         return np.asarray(np.sqrt(walked_m2[second] - walked_m2[first]))

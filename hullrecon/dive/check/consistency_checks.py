@@ -42,7 +42,11 @@ UPRIGHT, UPSIDE_DOWN = 0.9, -0.7  # cosine between gravity as measured and the v
 def check_consistency(
     config: DiveConfig, records: SensorRecords, images: Mapping[str, ImageIndex]
 ) -> list[Finding]:
-    """Report contradictions between sensors, mounts and clocks. Severe ones are told by ingest."""
+    """Report contradictions between sensors, mounts and clocks. Empty where there are none.
+
+    Clocks that are apart are reported by ingest already, as an error. Sensors are then not
+    compared.
+    """
     streams = {**records.by_name(), **images}
     gaps = clock_gaps(streams)
     out = [finding for finding in gaps if finding.severity == "warning"]
@@ -96,13 +100,14 @@ def _check_coverage(
 def seconds_beyond(t_ns: Ints, pressure: PressureSamples | None, span_ns: tuple[int, int]) -> float:
     """Measure how many seconds a sensor was read under water outside of a span.
 
-    A logger that runs on deck misses nothing. Without a pressure sensor all of the time counts.
+    With it a sensor that ran on without another one is told from a logger that ran on deck, which
+    misses nothing. Without a pressure sensor all of the time counts.
 
     Parameters
     ----------
     t_ns : (n,) stamps of the sensor, in order
     pressure : tells when the vehicle was under water
-    span_ns : first and last instant
+    span_ns : first and last instant of the span
     """
     wet = np.ones(len(t_ns), bool)
     if pressure is not None and len(pressure.t_ns):
@@ -115,12 +120,14 @@ def _check_gravity(imu: ImuSamples, frame: str) -> list[Finding]:
     """Report an IMU whose measured acceleration is not opposite to gravity.
 
     An accelerometer at rest measures -g along z of `global`, which points down. Gravity that points
-    up shows the other convention of `imu.frame`.
+    up shows the other convention of `imu.frame`. Nothing is reported for accelerations that hold no
+    gravity.
     """
     felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
     felt = felt[np.isfinite(felt).all(axis=1)]
     if not len(felt) or np.linalg.norm(np.median(felt, axis=0)) < LEAST_FELT_M_S2:
         return []
+    # cosine between the measured push upward and the vertical, 1 where all is well
     up = -float(np.median(felt[:, 2])) / float(np.linalg.norm(np.median(felt, axis=0)))
     if up < UPSIDE_DOWN:
         other = "enu" if frame == "ned" else "ned"
@@ -133,9 +140,10 @@ def _check_gravity(imu: ImuSamples, frame: str) -> list[Finding]:
 def _check_returns_below_water(
     dvl: DvlPings, pressure: PressureSamples, global_from_dvl: Rotation
 ) -> list[Finding]:
-    """Report DVL returns that would lie above the water's surface.
+    """Report DVL returns that would lie above the water's surface: a mount or a sensor is wrong.
 
     Their depth is that of the pressure sensor, plus the vertical part of the range along the beam.
+    Nothing is reported for less than ABOVE_WATER_SHARE of them.
     """
     seen = np.isfinite(dvl.ranges)
     if not seen.any():
@@ -151,7 +159,7 @@ def _check_returns_below_water(
 
 
 def _check_mounts(config: DiveConfig) -> list[Finding]:
-    """Compare where camera and DVL look, and judge the stereo baseline."""
+    """Report a top camera that looks elsewhere than the DVL, and an implausible stereo baseline."""
     out = []
     top, bottom = config.camera.top, config.camera.bottom
     if top is not None:

@@ -30,7 +30,10 @@ NOUNS = {
 
 
 def describe_streams(records: SensorRecords, images: Mapping[str, ImageIndex]) -> list[Finding]:
-    """Describe each sensor's readings, rate and gaps, and the ranges of their values."""
+    """Describe each sensor's readings, rate and gaps, and the spans of their values.
+
+    Sensors without readings are left out.
+    """
     streams: Iterable[tuple[str, Stream]] = [*records.by_name().items(), *images.items()]
     logged = [(name, record.t_ns) for name, record in streams if len(record.t_ns)]
     # a sensor on another clock says nothing about when the others began or ended
@@ -55,7 +58,10 @@ def describe_streams(records: SensorRecords, images: Mapping[str, ImageIndex]) -
 
 
 def _describe_lost_lock(dvl: DvlPings) -> list[Finding]:
-    """Describe spans in which the DVL sent pings without a velocity over ground."""
+    """Describe spans in which the DVL sent pings without a velocity over ground.
+
+    Spans without any ping are left out, as they are described already.
+    """
     heard_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
     silent = [finding.values for finding in describe_gaps("dvl", dvl.t_ns)]
     name, ends = "velocity of the DVL", (int(dvl.t_ns[0]), int(dvl.t_ns[-1]))

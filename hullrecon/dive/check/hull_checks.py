@@ -74,7 +74,11 @@ def check_upright(hull: Hull, mesh: Mesh) -> list[Finding]:
 
 
 def describe_regions(hull: Hull | None, mesh: Mesh | None) -> tuple[list[Finding], list[Finding]]:
-    """Measure the area of each region of dive.toml, and warn of those that hold no hull."""
+    """Measure the area of each region of dive.toml, and warn of those that hold no hull.
+
+    Both lists are empty without regions or CAD model. Where the CAD model has no chart (coordinates
+    along the ship and around her sections), one warning says that no region was measured.
+    """
     regions = () if hull is None else hull.region or ()
     if not regions or hull is None or mesh is None:
         return [], []

@@ -80,8 +80,8 @@ def _with_offset_by_motion(
 def motions_apart(records: SensorRecords, level: Level | None) -> list[Finding]:
     """Report that the motions of DVL and pressure sensor agree only at an offset of FAR_S or more.
 
-    Their spans overlap, so that nothing else tells. Clocks whose spans do not are reported
-    elsewhere.
+    By their stamps the two were read at the same time, so nothing else shows a wrong clock.
+    Clocks whose sensors were not are reported elsewhere. Empty where the motion tells nothing.
     """
     dvl_early_s = offset_by_motion("dvl", records, level)
     gaps = clock_gaps(records.by_name())
@@ -97,11 +97,12 @@ def mend_shifted(
     """Correct the stamps of a DVL or pressure sensor that is seconds late, or early, throughout.
 
     Both ends of its log have to be late by the same time beside all others, and the motions of the
-    two sensors have to agree better at that offset than as stamped.
+    two sensors have to agree better at that offset than as stamped. Otherwise the records are
+    returned unchanged. One sensor is corrected at most.
 
     Returns
     -------
-    the records, and what was corrected
+    the records, and a finding of what was corrected
     """
     for shifted in shifted_streams(records.by_name()):
         late_s = shifted.values["seconds"]
@@ -134,9 +135,9 @@ def level_of(
 
     Parameters
     ----------
-    records : of the IMU, and of the tray if it turned
+    records : attitudes of the IMU, and angles of the tray if it turned
     tray_origin, pressure_origin : (3,) m, in the vehicle
-    tray_from_dvl : mount of the DVL
+    tray_from_dvl : mount of the DVL on the tray
     """
     imu, tray = records.imu, records.tray
     if imu is None or len(imu.t_ns) < 2:
@@ -145,8 +146,11 @@ def level_of(
     if tray is not None and len(tray.t_ns):
         angle = np.interp(imu.t_ns, tray.t_ns, tray.angle)
     turned = Rotation.from_euler("y", angle[:, None])
+    # from the pressure sensor to the DVL, m, in the vehicle
     lever = tray_origin - pressure_origin + turned.apply(tray_from_dvl.translation)
     global_from_vehicle = Rotation.from_quat(imu.quaternion)
+    # z of `global`, which points down, in the DVL's frame; the lever's part along it is how much
+    # deeper the DVL is
     down = (global_from_vehicle * turned * tray_from_dvl.rotation).inv().apply([0.0, 0.0, 1.0])
     below = global_from_vehicle.apply(lever)[:, 2]
     return Level(t_ns=imu.t_ns, down=np.asarray(down), below=np.asarray(below))
@@ -162,13 +166,14 @@ def offset_by_motion(
 
     It is the time offset at which the DVL's vertical velocity agrees best with the rate of the
     depth. All other sensors are taken to be on one time base, so that the attitude belongs to the
-    one of the two whose clock is right. None where the vehicle hardly went up or down.
+    one of the two whose clock is right. None where the vehicle hardly went up or down, where a
+    sensor or the attitude is missing, and for logs longer than LONGEST_S.
 
     Parameters
     ----------
     sensor : "dvl" or "pressure", whose clock is in doubt; None is returned for any other
-    records : of DVL and pressure sensor
-    level : attitude of the DVL
+    records : velocities of the DVL and depths of the pressure sensor
+    level : how both sensors were oriented to the vertical
     among_s : if given, only offsets within SHIFTED_S of one of these are possible
     """
     dvl, pressure = records.dvl, records.pressure
@@ -189,13 +194,17 @@ def offset_by_motion(
     count = len(depth) if sensor == "dvl" else len(velocity)
     down, is_level = _on_grid(level.t_ns, level.down, at, count)
     below, _ = _on_grid(level.t_ns, level.below[:, None], at, count)
+    # A lag counts from the beginning of one record to that of the other. The offset of the stamps
+    # is the lag plus by how much later, by the stamps, the pressure sensor began.
     if sensor == "dvl":
+        # depth of the DVL itself, as it is the one that the velocity is of
         rate, is_sunk = _rate(depth + below, is_read & is_level)
         later_s = (begin["pressure"] - begin["dvl"]) / NS
         lags_s = [offset_s - later_s for offset_s in among_s]
         lag_s = _best_lag(down, rate, is_sunk, velocity, is_heard, lags_s)
         return None if lag_s is None else lag_s + later_s
     rate, is_sunk = _rate(depth, is_read)
+    # how fast the DVL sinks beside the pressure sensor, as vehicle and tray turn
     swept, is_swept = _rate(below, is_level)
     sinking = (down * velocity).sum(axis=1) - swept
     ones = np.ones((len(rate), 1))
@@ -233,7 +242,10 @@ def _on_grid(
 
 
 def _running_mean(values: Array) -> Array:
-    """Average values (n, k) on the grid over SMOOTH_S, as differences of depths are."""
+    """Average values (n, k) on the grid over SMOOTH_S.
+
+    The rate of the depth is a difference over that time (`_rate`), which is the same average.
+    """
     # imported here: it takes half a second, which other commands should not spend
     from scipy.signal import correlate
 

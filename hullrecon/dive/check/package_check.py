@@ -190,13 +190,15 @@ def check_package(
 ) -> PackageCheck:
     """Read a whole package, and list what it holds, what it lacks and what cannot be used.
 
+    A problem does not end the check: it becomes a finding.
+
     Parameters
     ----------
     loaded : the configuration
     request : what ingest needs of it
-    watch : sees every message pass (progress)
-    check_images : looks at some of the images
-    check_sensors : compares the sensors with each other
+    watch : sees every message pass, to report progress
+    check_images : looks at some of the images, None: at none. Not called where a sensor is wrong
+    check_sensors : compares the sensors with each other, None: they are not compared
     """
     request, missing_files = _leave_out_missing(loaded.package, request)
     logo = logo_of(loaded)
@@ -285,7 +287,7 @@ def _check_hull_pose(
     """Describe which end of the CAD model is the bow, and warn of how hull.pose lays it.
 
     A pose far off and a bow that the CAD model does not have are collected as problems. Both lists
-    are empty then, and without a CAD model.
+    are empty for such a bow, and without a CAD model.
     """
     if hull is not None and mesh is not None:
         with problems.collect():
@@ -338,7 +340,8 @@ def _leave_out_missing(
 ) -> tuple[IngestRequest, list[Finding]]:
     """Remove files that are not there from a request, and report each.
 
-    A single missing log stays in it: its reader says what is wrong.
+    So the rest of the package is still checked. Where one log is missing and it is the only one, it
+    stays: its reader says what is wrong.
     """
     named = [("logs.files", name) for name in request.logs]
     named += [

@@ -35,7 +35,8 @@ EXPECTED = ("dvl", "imu", "pressure", "joints", "camera_top", "camera_bottom", "
 def needs(sensors: Set[str], unread_dvls: Sequence[str] = ()) -> list[Finding]:
     """List what is missing to measure the vehicle's motion by DVL and IMU or by stereo images.
 
-    unread_dvls: topics of DVLs whose types are not read.
+    Empty where one of the two is there. sensors: those that were logged. unread_dvls: topics of
+    DVLs whose types are not read.
     """
     if "dvl" in sensors:
         return [] if "imu" in sensors else [Finding("needs-attitude")]

@@ -47,11 +47,12 @@ class Stream(Protocol):
 def clock_gaps(
     streams: Mapping[str, Stream], added_ns: Mapping[str, int] = MappingProxyType({})
 ) -> list[Finding]:
-    """Report streams that were never read at the same time as the others.
+    """Report streams that were never read at the same time as the others. Empty where all were.
 
-    Streams are gathered into groups that overlap. The largest group is taken as right, and those
-    outside are reported, with an offset where one is likely. A stream of one reading, as of a joint
-    that stands still, says nothing about a clock.
+    Streams are gathered into groups that overlap in time. The largest group is taken as right, and
+    streams outside it are reported, with an offset where one is likely. A stream of one reading, as
+    of a joint that stands still, says nothing about a clock and is passed over. Where a stream's
+    stamps are in another unit, only that is reported.
 
     Parameters
     ----------
@@ -81,8 +82,8 @@ def clock_gaps(
 def shifted_streams(streams: Mapping[str, Stream]) -> list[Finding]:
     """Report a stream that begins and ends late, or early, by the same time beside all others.
 
-    Where the others were started and stopped together, that shows a clock that is off. "seconds" is
-    positive where the stamps are late.
+    Where the others were started and stopped together, that shows a clock that is off. Elsewhere
+    nothing is reported. "seconds" is positive where the stamps are late.
     """
     spans = {
         name: (int(s.t_ns[0]) / NS, int(s.t_ns[-1]) / NS)
@@ -109,7 +110,7 @@ def shifted_streams(streams: Mapping[str, Stream]) -> list[Finding]:
 def _in_other_unit(spans: Mapping[str, Span]) -> list[Finding]:
     """Report a stream that lasts a thousand, or a million, times longer or shorter than the others.
 
-    The others have to last about equally long.
+    Its stamps are in another unit. Nothing is reported unless the others last about equally long.
     """
     out = []
     for name, (begin, end) in spans.items():
@@ -160,8 +161,8 @@ def _describe_gap(name: str, span: Span, others: list[str], whole: Span, given_s
 
     Parameters
     ----------
-    name, span : of the sensor
-    others, whole : names and common span of the others
+    name, span : the sensor, and its first and last stamp, ns
+    others, whole : names of the others, and their first and last stamp together, ns
     given_s : what dive.toml has already added to the stamps
     """
     after = span[0] > whole[1]

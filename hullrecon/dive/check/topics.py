@@ -51,7 +51,7 @@ BY_TYPE = {
 def describe_unused(channels: Iterable[Channel], chosen: Set[str]) -> list[Finding]:
     """List the topics that a run would not use, one finding for each reason.
 
-    channels: of the log. chosen: the topics that are used.
+    Empty where all are used. channels: all that the logs hold. chosen: the topics that are used.
     """
     by_code: dict[str, list[str]] = {
         code: [] for code in (RANGES, ECHOES, CLOUDS, DEPTHS, POSITIONS, COMMANDS, OTHERS)

@@ -118,7 +118,11 @@ def read_pose_in_top(path: Path, topics: Mapping[str, str]) -> tuple[float, ...]
 
 
 def camera_of(data: Mapping[str, object], where: str) -> CameraModel:
-    """Build the camera from the keys of a camera_info YAML. where: the file, for errors."""
+    """Build the camera from the keys of a camera_info YAML, of the message or of OpenCV's samples.
+
+    Raises InputError for keys that are missing or wrong, and for images too large to be read.
+    where: the file, for errors.
+    """
     for name, others in NAMES.items():
         found = next((data[other] for other in others if other in data), None)
         data = data if name in data or found is None else {**data, name: found}
@@ -143,8 +147,10 @@ def has_region(data: Mapping[str, object]) -> bool:
 def _crop_to_region(camera: CameraModel, data: Mapping[str, object], where: str) -> CameraModel:
     """Crop and bin the camera of a whole sensor, as REP 104 defines roi and binning.
 
-    Pixel centres have whole coordinates, hence the half pixels: the centre of the first binned
-    pixel is at 0.5 of the unbinned ones.
+    Images of a part of the sensor, or of merged pixels, have another size and principal point than
+    the calibration. Pixel centres have whole coordinates, hence the half pixels: with a binning of
+    two, the centre of the first binned pixel is at 0.5 of the unbinned ones. Raises InputError for
+    a region that lies outside of the sensor.
     """
     found = data.get("roi")
     region: Mapping[str, object] = found if isinstance(found, Mapping) else {}

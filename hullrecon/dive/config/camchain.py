@@ -56,7 +56,11 @@ def choose_camera(data: Mapping[str, object], camera: Camera, topic: str) -> str
 
 
 def camera_info_of(data: Mapping[str, object], name: str, where: str) -> dict[str, object]:
-    """Convert one camera to the keys of camera_calibration's YAML."""
+    """Convert one camera of a camchain to the keys of camera_calibration's YAML.
+
+    Raises InputError for a model of camera or distortion that is not read, and for missing numbers.
+    where: the file, for errors.
+    """
     entry = _entry(data, name)
     model, distortion = entry.get("camera_model"), entry.get("distortion_model")
     if model != "pinhole":
@@ -88,11 +92,14 @@ def pose_in_top(data: Mapping[str, object], top: str, bottom: str) -> tuple[floa
     """Compute the lower camera's pose in the upper one: m and degrees, as in dive.toml.
 
     None where the two are not neighbours in the chain, or it holds no pose.
+
+    top, bottom: names of the two cameras in the chain.
     """
     names = cameras_of(data)
     first, second = names.index(top), names.index(bottom)
     if abs(first - second) != 1:
         return None
+    # the chain states the pose of each camera relative to the one before
     rows = _entry(data, names[max(first, second)]).get(POSE)
     try:
         later_from_earlier = np.array(rows, float)

@@ -43,12 +43,12 @@ def explain_error(
 
     Parameters
     ----------
-    message : of msgspec
+    message : what msgspec says: what is wrong, and the path of the key in the table
     raw : the tables and values that could not be decoded
-    kind : the struct that they were to be
-    prefix : dotted name of the table
-    more : further known keys of the top level
-    file : that holds the keys
+    kind : the struct that they were to be decoded to
+    prefix : dotted name of the table in the file
+    more : further known keys of the top level, to suggest them too
+    file : name of the file that holds the keys, for the error
     """
     text, _, at = message.partition(" - at `")
     path = re.findall(r"[^.\[\]]+|\[\d+\]", at.rstrip("`").removeprefix("$").lstrip("."))
@@ -113,7 +113,7 @@ def _members(table: object) -> Iterable[object]:
 
 
 def known_keys(kind: type, prefix: str = "") -> Iterator[str]:
-    """Yield every dotted key of a struct, its sections included."""
+    """Yield every dotted key of a struct, its sections included, to suggest one for a wrong key."""
     for field in msgspec.structs.fields(kind):
         dotted = _join([prefix, field.encode_name])
         yield dotted

@@ -29,9 +29,10 @@ Distort = Callable[[Array], Array]  # ideal to distorted coordinates x/z, y/z (n
 def convert_rational(
     pinhole: CameraModel, coefficients: Sequence[float], where: str
 ) -> CameraModel:
-    """Convert OpenCV's rational model with thin prisms to plumb_bob.
+    """Convert OpenCV's rational model with thin prisms to plumb_bob, the only model used here.
 
-    Raises InputError for a tilted sensor, and where plumb_bob does not describe the lens.
+    The focal lengths change slightly, too. Raises InputError for a tilted sensor, and where
+    plumb_bob does not describe the lens.
 
     Parameters
     ----------
@@ -102,9 +103,10 @@ def _as_plumb_bob(pinhole: CameraModel, distort: Distort, where: str) -> CameraM
 
 
 def _rays_in_image(pinhole: CameraModel, distort: Distort) -> Array:
-    """Spread rays x/z, y/z (n, 2) over the image.
+    """Spread rays x/z, y/z (n, 2) over the image, on which the two lens models are compared.
 
-    Empty where along some spoke the model does not leave the image within WIDEST_DEG.
+    Rays lie on spokes from the optical axis outward, each as far as the image's edge. Empty where
+    along some spoke the model does not leave the image within WIDEST_DEG.
     """
     angle = np.radians(np.linspace(0, WIDEST_DEG, RINGS + 1)[1:])
     azimuth = np.linspace(0, 2 * np.pi, SPOKES, endpoint=False)
@@ -112,6 +114,7 @@ def _rays_in_image(pinhole: CameraModel, distort: Distort) -> Array:
     rays = (np.tan(angle)[:, None, None] * spokes).reshape(-1, 2)
     pixels = pinhole.distort(distort(rays)).reshape(RINGS, SPOKES, 2)
     inside = ((pixels > -0.5) & (pixels < [pinhole.width - 0.5, pinhole.height - 0.5])).all(axis=2)
+    # beyond the edge a polynomial may turn back into the image: such rays are not seen there
     inside = np.logical_and.accumulate(inside, axis=0)
     if inside[-1].any():
         return np.empty((0, 2))

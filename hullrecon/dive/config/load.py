@@ -70,8 +70,10 @@ def load_config(
 ) -> LoadedConfig:
     """Decode the dive.toml of a package, with `a.b=value` overrides applied before.
 
-    Raises InputError when there is no dive.toml, UsageError for anything wrong inside it or in an
-    override.
+    Keys that are left out get their defaults. Raises InputError when there is no dive.toml,
+    UsageError for anything wrong inside it or in an override.
+
+    step_sections: the structs of the sections that steps add, by name.
     """
     raw = _read_toml(package)
     for text in overrides:
@@ -245,7 +247,8 @@ def _check_regions(regions: Sequence[HullRegion]) -> None:
 def _check_units(config: DiveConfig) -> None:
     """Raise for lever arms that are no metres, angles no degrees, or an air pressure not in Pa.
 
-    They are told by their size: InputError for mounts, UsageError for the pressure.
+    Their size shows it. Numbers that are left to the log are not looked at. Raises InputError for
+    mounts, UsageError for the pressure.
     """
     top, bottom, hull = config.camera.top, config.camera.bottom, config.hull
     mounts = {

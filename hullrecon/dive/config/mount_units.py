@@ -30,7 +30,10 @@ def refuse_lever_arm(key: str, numbers: Sequence[float], source: str = "") -> No
 
 
 def refuse_radians(key: str, numbers: Sequence[float]) -> None:
-    """Raise InputError for roll, pitch, yaw of which one is a right angle in radians."""
+    """Raise InputError for roll, pitch, yaw of which one is a right angle in radians.
+
+    Most mounts have a right angle, and hardly any has 1.571 degrees. Other angles cannot be told.
+    """
     for angle in numbers[-3:]:
         for right in RIGHT_ANGLES_RAD:
             if abs(abs(angle) - right) < CLOSE_RAD:

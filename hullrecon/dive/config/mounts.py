@@ -52,13 +52,15 @@ def choose_mounts(
 ) -> dict[str, ChosenMount]:
     """Choose the mounts for the keys of DEFAULT_MOUNTS that dive.toml leaves to the log.
 
-    A mount on a servo is relative to the servo's axis: that of dive.toml, else the servo's own
-    frame, else the vehicle's origin.
+    Those that the log does not tell, or contradicts, get their default. A mount on a servo is
+    relative to the servo's axis: that of dive.toml, else the servo's own frame, else the vehicle's
+    origin.
 
     Parameters
     ----------
-    values : by dotted key, as in dive.toml
-    sensors : the pose of each by tf_static ("dvl", "camera_top", ...)
+    values : lever arms and mounts by dotted key, as in dive.toml
+    sensors : the pose of each sensor by tf_static ("dvl", "camera_top", ...), and that of RIG by a
+        calibration
     """
     sensors = {name: sensor for name, sensor in sensors.items() if not sensor.doubt}
     chosen: dict[str, ChosenMount] = {}
@@ -191,7 +193,11 @@ def describe_mounts(mounts: Mapping[str, ChosenMount]) -> list[Finding]:
 
 
 def filled_in(loaded: LoadedConfig, mounts: Mapping[str, ChosenMount]) -> LoadedConfig:
-    """Replace the mounts in a configuration by those that were chosen, by their dotted keys."""
+    """Replace the mounts in a configuration by those that were chosen, by their dotted keys.
+
+    Later steps then find numbers wherever dive.toml left a mount to the log. Sections that are
+    absent in dive.toml stay absent.
+    """
     sections = dict(loaded.sections)
     for key, mount in mounts.items():
         section, _, name = key.rpartition(".")
@@ -224,7 +230,10 @@ def _is_given(value: object) -> bool:
 
 
 def _on_servo(sensor: FixedSensor, origin: Numbers) -> Numbers:
-    """Compute a sensor's mount in the frame of a servo at zero that turns about `origin`."""
+    """Compute a sensor's mount in the frame of a servo at zero that turns about `origin`.
+
+    At zero the servo's axes are the vehicle's, so that only the origin differs.
+    """
     if sensor.on_servo:
         return sensor.pose
     shift = Poses(np.array([[0.0, 0.0, 0.0, 1.0]]), np.array([origin], float))
@@ -234,7 +243,9 @@ def _on_servo(sensor: FixedSensor, origin: Numbers) -> Numbers:
 def guess_sigma(pose: Sequence[float], given: Sequence[float] | None) -> Array:
     """Choose the sigma (6,) of `hull.pose`, m and deg, in the CAD model's axes.
 
-    It is the given one, else a default by which axis of the CAD model the pose turns upward.
+    It is the given one, else a default: the height is known better than the berth, heel and trim
+    better than the heading. Which axes of the CAD model that means is told by which one the pose
+    turns upward.
     """
     if given is not None:
         return np.array(given, float)

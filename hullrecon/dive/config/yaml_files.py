@@ -67,7 +67,10 @@ def parse_yaml(text: str) -> object:
 
 
 def refuse_floods(text: str) -> None:
-    """Raise ValueError for more values or nested brackets than the parser reads in a second."""
+    """Raise ValueError for more values or nested brackets than the parser reads in about a second.
+
+    Commas, lines and brackets are counted, also those in texts: files that are read here have few.
+    """
     if text.count(",") + text.count("\n") > MOST_VALUES:
         raise ValueError(f"it holds more than {MOST_VALUES} lines and values")
     depth = 0

@@ -23,6 +23,9 @@ def find_sunk(
 ) -> Finding | None:
     """Report a CAD model that lies wholly under the water, as one upside down does.
 
+    None where its top is above the water, or may be by the sigma of its height. The finding
+    proposes the pose that turns it by half a turn about its length.
+
     Parameters
     ----------
     mesh

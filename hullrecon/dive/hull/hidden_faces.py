@@ -39,14 +39,17 @@ GOLDEN = 1.1673039782614187  # root of x**5 = x + 1: the golden ratio of a seque
 def leave_out_hidden(mesh: Mesh, notes: list[Finding]) -> Mesh:
     """Keep the faces that are seen from outside. How many were left out is added to notes.
 
+    Measurements are matched to the closest face, which has to be one that a sensor can see.
     Faces that are seen only through an open end of the mesh (a half hull, a hull without deck) are
     kept too, except where they are the inner side of a plate whose outer side is seen when that end
-    is closed by reflection.
+    is closed by reflection. The mesh is returned unchanged where hardly any face is hidden, or all
+    are.
     """
     seen = find_seen(mesh, mesh)
     openings = find_openings(mesh)
     if openings and ((close := _find_close_faces(mesh))[seen] >= 0).any():
         from_elsewhere = find_seen(mesh, reflect_mesh(mesh, openings))
+        # close faces that are seen from elsewhere than the open end: outer sides of a plate
         behind = (close >= 0) & from_elsewhere[close]
         seen &= from_elsewhere | ~behind.any(axis=1)
     area = face_areas(mesh)
@@ -62,13 +65,14 @@ def find_seen(mesh: Mesh, whole: Mesh) -> Mask:
     """Find the faces (m,) of a mesh that are seen from outside, by casting rays from them.
 
     All faces are tested with few rays. Of each connected patch of unseen faces some are tested with
-    more. Then the neighbours of seen faces are tested, ring by ring, so that recesses are followed
-    inward. A face with three seen neighbours counts as seen.
+    more, as a few rays miss narrow openings. Then the neighbours of seen faces are tested, ring by
+    ring, so that recesses are followed inward. A face with three seen neighbours counts as seen.
 
     Parameters
     ----------
-    mesh : whose faces are tested
-    whole : what stops the rays; its first faces are those of the mesh
+    mesh : the mesh whose faces are tested
+    whole : what stops the rays: the mesh, or the mesh completed by reflection. Its first faces are
+        those of the mesh
     """
     seen = _are_seen(mesh, whole, np.arange(len(mesh.faces)), *FIRST)
     if seen.all():
@@ -92,7 +96,10 @@ def find_seen(mesh: Mesh, whole: Mesh) -> Mask:
 
 
 def _sample_unseen(mesh: Mesh, shared: SharedEdges, seen: Mask) -> Ints:
-    """Pick rows (k,) of unseen faces, evenly over the area of each connected patch of them."""
+    """Pick rows (k,) of unseen faces, evenly over the area of each connected patch of them.
+
+    Testing these finds a patch that is seen after all, without testing all of its faces.
+    """
     both = ~seen[shared.first] & ~seen[shared.second]
     pairs = (np.ones(int(both.sum())), (shared.first[both], shared.second[both]))
     patch = connected_components(coo_matrix(pairs, shape=(len(seen), len(seen))), directed=False)[1]
@@ -144,6 +151,7 @@ def _spread_rays(mesh: Mesh, rows: Ints, normal: Array, rays: int) -> tuple[Arra
     origins and directions (k * rays, 3)
     """
     u, v, w, turn = (np.mod(0.5 + np.arange(rays) / GOLDEN**k, 1.0) for k in range(1, 5))
+    # points of the unit square beyond its diagonal are folded back into the triangle
     u, v = np.where(u + v > 1, [1 - u, 1 - v], [u, v])
     weight = (1 - INNER) / 3 + INNER * np.stack([1 - u - v, u, v], axis=1)
     lift = LIFT * float(np.ptp(mesh.vertices, axis=0).max())
@@ -156,7 +164,10 @@ def _spread_rays(mesh: Mesh, rows: Ints, normal: Array, rays: int) -> tuple[Arra
 
 
 def _find_close_faces(mesh: Mesh) -> Ints:
-    """Find the faces (m, 2) in front of and behind each face's middle within THICKEST_M, or -1."""
+    """Find the faces (m, 2) in front of and behind each face's middle within THICKEST_M.
+
+    One of the two may be the other side of the same plate. -1 where there is none.
+    """
     middle, normal = mesh.vertices[mesh.faces].mean(axis=1), face_normals(mesh)
     lift = LIFT * float(np.ptp(mesh.vertices, axis=0).max()) * normal
     hits = [mesh.index.cast(middle + way * lift, way * normal) for way in (1.0, -1.0)]

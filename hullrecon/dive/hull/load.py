@@ -84,8 +84,9 @@ GROUPS = {
 def read_hull(path: Path, units: str, notes: list[Finding]) -> Mesh:
     """Read an STL, PLY, OBJ, OFF or GLB file, gzipped or not, in metres with outward normals.
 
-    Defects and repairs are added to notes. Raises InputError for a file that is no mesh, or one
-    whose size is no ship's.
+    Faces that are degenerate, there twice, or hidden inside the hull are left out. Defects and
+    repairs are added to notes. Raises InputError for a file that is no mesh, one whose size is no
+    ship's in this unit, and one whose coordinates are too coarse.
 
     units: of the file, a key of METRES_PER_UNIT.
     """
@@ -114,7 +115,11 @@ def read_hull(path: Path, units: str, notes: list[Finding]) -> Mesh:
 
 
 def _load_mesh(path: Path) -> tuple[Array, Ints32, bool]:
-    """Read vertices (n, 3), faces (m, 3), and whether the file stores single precision."""
+    """Read vertices (n, 3) in the file's unit, faces (m, 3), and whether it has single precision.
+
+    Raises InputError for a file that is missing, damaged, no mesh, or of another kind than its name
+    says.
+    """
     name = path.name.lower().removesuffix(".gz")
     kind = name.rpartition(".")[2]
     if kind not in FORMATS:
@@ -221,9 +226,10 @@ def _check_extent(corners: Array, units: str, path: Path, notes: list[Finding]) 
 
     Parameters
     ----------
-    corners : (3 m, 3) of all faces, m
-    units : by which they were converted
-    path, notes : of the file, and where remarks are added
+    corners : (3 m, 3) corners of all faces, metres
+    units : key of METRES_PER_UNIT by which they were converted
+    path : of the file
+    notes : a finding is added for one that is a ship in no unit
     """
     if not np.isfinite(corners).all():
         raise InputError(
@@ -324,7 +330,8 @@ def clean_mesh(mesh: Mesh, notes: list[Finding]) -> Mesh:
 def find_bodies_apart(mesh: Mesh) -> list[Finding]:
     """Report two bodies beside each other with a gap between, each large enough to be a ship.
 
-    Gaps are sought along each axis.
+    Such a file may hold two ships. Gaps are sought along each axis, and one finding is returned at
+    most.
     """
     corners = mesh.vertices[mesh.faces]
     low, high = corners.min(axis=1), corners.max(axis=1)
@@ -345,7 +352,8 @@ def find_bodies_apart(mesh: Mesh) -> list[Finding]:
 def merge_corners(vertices: Array, faces: Ints32, tolerance: float) -> tuple[Array, Ints32]:
     """Merge corners that lie in one cell of a grid of the tolerance, m, into the first of them.
 
-    Returns the corners that stay, in the order of the file, and the faces (m, 3) renumbered.
+    Faces are then connected: an STL stores each corner once for every face. Returns the corners
+    that stay, in the order of the file, and the faces (m, 3) renumbered.
     """
     cells = np.round((vertices - vertices.min(axis=0)) / tolerance).astype(np.int64)
     _, first, number = np.unique(cells, axis=0, return_index=True, return_inverse=True)
@@ -365,7 +373,8 @@ def find_degenerate(mesh: Mesh, tolerance: float) -> Mask:
 def prepare(data: bytes, kind: str) -> bytes:
     """Check a mesh file's claims before it is parsed, and join very many groups or solids into one.
 
-    Raises ValueError for a file that claims far more than it holds. Damaged JSON in a GLB may raise
+    Without that a small file takes the parser hours or all memory. Raises ValueError for a file
+    that claims far more than it holds, and for decimal commas. Damaged JSON in a GLB may raise
     anything.
 
     kind: one of FORMATS.

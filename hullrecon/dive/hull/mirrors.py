@@ -37,7 +37,8 @@ def reflect_mesh(mesh: Mesh, planes: Sequence[Plane]) -> Mesh:
 def find_possible_cuts(mesh: Mesh) -> list[Plane]:
     """Find the sides of the bounding box at which the mesh may have been cut, as a half hull is.
 
-    They hold a share of the open boundary and no plating.
+    At least OPEN_SHARE of the mesh's open edges lies in such a side, and hardly any face. Empty for
+    a closed mesh.
     """
     edges = find_boundary(mesh.faces)
     if not len(edges):
@@ -56,9 +57,9 @@ def find_possible_cuts(mesh: Mesh) -> list[Plane]:
 def find_openings(mesh: Mesh) -> list[Plane]:
     """Find the sides of the bounding box at which the mesh ends open, as a half hull does.
 
-    They hold no plating, and the vertices on them span more than half of the mesh in both other
-    directions. Other than `find_possible_cuts`, this also finds openings of hulls whose plates have
-    a thickness: their rims are closed, so that they have no open boundary.
+    Hardly any face lies in such a side, and the vertices on it span more than half of the mesh in
+    both other directions. Other than `find_possible_cuts`, this also finds openings of hulls whose
+    plates have a thickness: their rims are closed, so that they have no open boundary.
     """
     extent = np.ptp(mesh.vertices, axis=0)
     tolerance = ON_PLANE * float(extent.max())
@@ -73,7 +74,8 @@ def find_openings(mesh: Mesh) -> list[Plane]:
 def _find_unplated_sides(mesh: Mesh, tolerance: float) -> list[Plane]:
     """Find the sides of the bounding box in which hardly any face lies.
 
-    tolerance: m, from a side to what lies in it.
+    At these a hull may have been cut. At others a flat bottom or a deck closes it. tolerance: m,
+    from a side to what lies in it.
     """
     corners, area = mesh.vertices[mesh.faces], face_areas(mesh)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)

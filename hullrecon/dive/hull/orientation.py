@@ -28,9 +28,10 @@ CLEAR = 0.05  # difference of the escaping shares below which a piece's outer si
 
 
 def orient_outward(mesh: Mesh, notes: list[Finding]) -> Mesh:
-    """Wind every face counter-clockwise as seen from outside.
+    """Wind every face counter-clockwise as seen from outside, so that normals point outward.
 
-    How many faces were turned, and which pieces have no clear outer side, is added to notes.
+    Added to notes is how many faces were turned, how many pieces have no clear outer side, and at
+    how many edges no winding makes both faces agree.
     """
     shared = find_shared_edges(mesh.faces)
     piece, sign = _unify_winding(len(mesh.faces), shared)
@@ -110,8 +111,9 @@ def _find_outer_sides(mesh: Mesh, piece: Ints32) -> Array:
 def _measure_sides(mesh: Mesh, piece: Ints32, picked: Ints) -> Array:
     """Compare the shares of rays that escape in front of and behind each piece's picked faces.
 
-    A hull that may have been cut at a plane is completed there by reflection. That is kept for the
-    planes that make the difference between the two sides clearer, one plane after the other.
+    Through an open end rays escape from the inner side too. Where the hull may have been cut at a
+    plane, its reflection there is therefore added for the rays, and kept if it makes the difference
+    between the two sides clearer. Planes are tried until none does.
 
     Parameters
     ----------
@@ -197,7 +199,7 @@ def _hemisphere(normal: Array) -> Array:
 
 
 def frames_about(normal: Array) -> Array:
-    """Make a frame (n, 3, 3) about each unit normal (n, 3), its last row."""
+    """Make axes (n, 3, 3), in rows, whose last is the unit normal (n, 3). The others are any."""
     helper = np.where(np.abs(normal[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 1.0, 0]])
     first = np.cross(normal, helper)
     first /= np.linalg.norm(first, axis=1, keepdims=True)

@@ -62,7 +62,7 @@ def _turned_up(guess: Poses, axis: Array) -> list[float]:
 def mirrored_share(mesh: Mesh, axis: int) -> float:
     """Measure which share of a mesh's area lies on it when it is reflected along an axis of M.
 
-    It is reflected in the middle of its extent.
+    It is reflected in the middle of its extent: 1 for a mesh that is symmetric there. axis: 0 to 2.
     """
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     at = mesh.vertices[mesh.faces[_faces_by_area(mesh)]].mean(axis=1)

@@ -91,7 +91,7 @@ def check_image(encoded: bytes, wanted: Size | None = None) -> CheckedImage:
     """Check that an image is whole, by decoding it.
 
     An image that is too large, or whose header states another size than the wanted one, is not
-    decoded. The size that its header states is returned.
+    decoded: the size that its header states is returned unchecked. wanted: None for any size.
     """
     size = header_size(encoded)
     if size is None or not fits(size) or wanted not in (None, size):

@@ -67,7 +67,10 @@ class LoggedCalibrations:
             yield message
 
     def check_constant(self, problems: Problems) -> None:
-        """Raise InputError where a calibration changed, or collect it in `problems`."""
+        """Raise InputError where a calibration changed, or collect it in `problems`.
+
+        Call it once all messages have passed `watch`.
+        """
         for camera, topic in self._changes.items():
             first = self.topics[camera]
             what = (
@@ -137,7 +140,8 @@ class LoggedCalibrations:
     def _build_camera(self, camera: str) -> CameraModel:
         """Build a camera from its CameraInfo.
 
-        Raises InputError where that is missing or does not fit.
+        Raises InputError where that is missing or empty, belongs to two cameras, or describes the
+        pictures before they were rectified.
         """
         images, keys, topic = (
             self._image_topics[camera],

@@ -62,6 +62,9 @@ class ImageSink:
     def take(self, sample: ImageSample, logged_ns: int, log: int) -> None:
         """Check one image and keep its bytes, unless they lie in a file of the package.
 
+        Images that cannot be used are listed too, so that their stamps count. Raises InputError
+        where none of the first PATIENCE has the calibration's size.
+
         logged_ns: when it was logged. log: the number of its log.
         """
         encoded = self._bytes(sample)
@@ -94,11 +97,12 @@ class ImageSink:
         ]
 
     def finish(self, notes: list[Finding]) -> ImageIndex | None:
-        """Index the images in order of time. None without any.
+        """Index the images in order of time, with whether each can be used. None without any.
 
-        Raises InputError where none can be read, or where none has the calibration's size.
+        Copies and images with the stamp of another one are left out. Raises InputError where none
+        can be read, or where none has the calibration's size.
 
-        notes: what was assumed or left out is added.
+        notes: findings of what was assumed or left out are added.
         """
         if not self._rows:
             return None

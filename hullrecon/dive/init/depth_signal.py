@@ -36,7 +36,11 @@ class DepthSignal:
         return t_ns >= self._next_ns
 
     def take(self, t_ns: int, samples: Sequence[Sample]) -> None:
-        """Keep the readings of a message. Beyond MOST_READINGS every second one is dropped."""
+        """Keep the readings of a message that is due.
+
+        Beyond MOST_READINGS every second one is dropped, and the time between two is doubled: those
+        kept are spread evenly over a log whose length is not known.
+        """
         self._next_ns = t_ns + self._every_ns
         for sample in samples:
             if isinstance(sample, PressureSample):
@@ -87,10 +91,10 @@ class DepthSignal:
 
 
 def drop_still(signals: Sequence[DepthSignal]) -> list[int]:
-    """List the signals that may be the depth, by row.
+    """List the rows of the signals that may be the depth.
 
     One that stays still while another changes is the pressure of something else, as of the air in
-    an enclosure.
+    an enclosure. All may be the depth where none changes much. Signals without a reading are kept.
     """
     spans = [signal.span_m for signal in signals]
     moving = max(spans, default=0.0)

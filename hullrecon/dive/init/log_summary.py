@@ -175,7 +175,11 @@ def summarise_log(log: Log) -> LogSummary:
 
 
 def summarise_logs(logs: Sequence[Log]) -> LogSummary:
-    """Summarise the logs of one dive together."""
+    """Summarise the logs of one dive together.
+
+    The messages of a channel that several logs hold are counted together. Notes name their log
+    where there are several.
+    """
     parts = [summarise_log(log) for log in logs]
     notes: dict[Channel, TopicNote] = {}
     for note in (note for part in parts for note in part.topics):
@@ -204,7 +208,8 @@ def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
     """Guess each sensor's topic by type, then by name.
 
     The name decides among several topics of one type. It alone decides for types that many kinds of
-    sensors use (COMMON_TYPES). A channel of samples is named by its sensor and preferred to topics,
+    sensors use (COMMON_TYPES). Topics whose name or messages show that they are not the sensor's
+    (UNFIT) are passed over. Tables and files of instruments name their sensor. They are preferred to topics,
     but for attitude and depth by sensors inside the DVL.
 
     Returns
@@ -237,7 +242,8 @@ def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
 def _has_no_attitude(topic: TopicNote) -> bool:
     """Tell whether an IMU's messages have rates and acceleration but no orientation.
 
-    Some drivers of raw IMUs leave the message's default there.
+    Some drivers of raw IMUs leave the message's default there. The first message and a later one
+    are looked at, as a vehicle may have that very attitude once.
     """
     if type_name(topic.channel) != IMU or topic.first is None:
         return False
@@ -277,12 +283,12 @@ def _drop_still_topics(
     """Drop from each list the topics that stay still while another topic shows a depth.
 
     Each list is sorted so that pressures in pascal come first: those of another unit need a key in
-    dive.toml.
+    dive.toml. Lists may become empty.
 
     Parameters
     ----------
-    signals : readings by topic
-    candidates : lists of topics
+    signals : readings by topic, of all candidates
+    candidates : lists of topics that may be the depth
     """
     topics = list(dict.fromkeys(topic for listed in candidates for topic in listed))
     kept = {topics[row] for row in drop_still([signals[topic] for topic in topics])}
@@ -296,13 +302,17 @@ def _drop_still_topics(
 
 
 def _note_depth(note: TopicNote, message: Message) -> None:
-    """Keep some readings of a topic that may hold the depth."""
+    """Add a message's readings to `note.depth`, if its type may be a pressure or a depth.
+
+    Messages before the next one is due are skipped, so that readings are thinned out evenly over
+    the log. They show later which topic moves as a depth does, and in which unit (`DepthSignal`).
+    """
     translate = TYPES["pressure"].get(type_name(note.channel))
     if translate is None or note.first is None or not note.depth.is_due(message.t_ns):
         return
     if not isinstance(message.data, bytes):
         return
-    with suppress(Exception):  # fields of any names and types, as in _decode_if_read
+    with suppress(Exception):  # a message may not hold what its type says: it is then skipped
         fields = decode(message.channel, message.data)
         note.depth.take(message.t_ns, translate(fields, message.t_ns, "pressure"))
 
@@ -311,7 +321,7 @@ def _guess_cameras(topics: Sequence[str]) -> dict[str, str]:
     """Guess upper and lower camera among topics of images, by name.
 
     Compressed images are preferred to raw ones of the same camera. A single camera is taken as the
-    upper one.
+    upper one. Depth images are left out. Empty without images.
     """
     topics = [t for t in topics if t + COMPRESSED not in topics and "depth" not in t.lower()]
     lower = _with_part(topics, LOWER)

@@ -35,7 +35,10 @@ from hullrecon.geometry.frames import Camera
 
 
 def questions(summary: LogSummary) -> list[Finding]:
-    """List what the log leaves open and a run needs."""
+    """List what the log leaves open and a run needs. Empty where it leaves nothing open.
+
+    That is where the beams of DVL and sonar point, and how a DVL sits whose attitude is used.
+    """
     beams, fan = beams_to_ask_for(summary), azimuths_to_ask_for(summary)
     out = [Finding("question", {"question": ask_for_beams(beams).line()})] if beams else []
     out += [Finding("question", {"question": ask_for_azimuths(fan).line()})] if fan else []
@@ -132,7 +135,9 @@ def proposed_mounts(
 ) -> dict[str, ChosenMount]:
     """Propose mounts, by key of dive.toml, where tf_static leads from base_link to a sensor.
 
-    joints: names of the servos ("tray", "sonar_tray").
+    Mounts that tf_static does not tell, or contradicts, are left out.
+
+    joints: names of the servos' joints, by record ("tray", "sonar_tray").
     """
     frames = {
         sensor: frame
@@ -158,7 +163,8 @@ def proposed_mounts(
 def find_calibration(folder: Path, camera: str) -> str | None:
     """Find the YAML file of a package that calibrates a camera, relative to the package.
 
-    It is named after the camera, or is a camchain of Kalibr.
+    It is named after the camera, or is a camchain of Kalibr. None where there is none. folder: of
+    the package, which is searched with the folders in it.
     """
     side = camera.removeprefix("camera_")
     patterns = ("*.yaml", "*.yml", "*/*.yaml", "*/*.yml")
@@ -170,7 +176,8 @@ def find_calibration(folder: Path, camera: str) -> str | None:
 def pose_by_calibration(folder: Path, summary: LogSummary) -> tuple[str, tuple[float, ...]] | None:
     """Find the lower camera's pose in the upper one where one camchain calibrates both.
 
-    Returns its file and the pose as in dive.toml.
+    Returns its file, and the pose as in dive.toml. None where each camera has a file of its own, or
+    the camchain holds no pose or cannot be read.
     """
     file = find_calibration(folder, Camera.TOP.key)
     if file is None or file != find_calibration(folder, Camera.BOTTOM.key):

@@ -130,7 +130,7 @@ def fixed_sensors(
             found[sensor] = FixedSensor(
                 frame=printable(frame), pose=tuple(mount_of(located.vehicle)), servo_origin=origin
             )
-        # the servo's frame in the log has the axes forward, port, up (REP 103) with its angle at zero
+        # the servo's frame in the log has the axes forward, port, up (REP 103), its angle at zero
         elif located.servo is not None:
             pose = tuple(mount_of(FRD_FROM_FLU @ located.servo))
             found[sensor] = FixedSensor(frame=printable(frame), pose=pose, on_servo=True)

@@ -35,11 +35,14 @@ SIGNIFICANT = 5.0  # standard deviations above the number of readings that are a
 def drop_republished(name: str, samples: Sequence[Kind], notes: list[Finding]) -> list[Kind]:
     """Keep the first of each group of readings that a driver published several times.
 
+    All are kept where the repeats may be by chance (`find_republished`), and those of servos, which
+    may stand still.
+
     Parameters
     ----------
     name : of the stream, for the notes
-    samples : in order of time
-    notes : what was left out is added
+    samples : readings of one sensor, in order of time
+    notes : a finding of how many were dropped is added
     """
     values = [_values_of(sample) for sample in samples]
     width = max((len(row) for row in values), default=0)
@@ -62,7 +65,7 @@ def find_republished(values: Array) -> Mask:
 
     Parameters
     ----------
-    values : (n, k), NaN where lost
+    values : (n, k) what the sensor measures in each reading, NaN where lost
 
     Returns
     -------
@@ -78,7 +81,11 @@ def find_republished(values: Array) -> Mask:
 
 
 def is_even(again: Mask) -> bool:
-    """Tell whether readings (n,) that repeat the one before come in runs of about one length."""
+    """Tell whether readings (n,) that repeat the one before come in runs of about one length.
+
+    A driver that publishes faster than the sensor measures gives such runs. False for fewer than
+    LEAST_MEASURED runs.
+    """
     starts = np.flatnonzero(~again)
     length = np.diff(np.r_[starts, len(again)])
     usual = float(np.median(length)) if len(length) else 0.0
@@ -90,7 +97,8 @@ def _chance_of_alike(values: Array) -> float:
     """Bound the probability that two consecutive readings of a sensor are alike by chance.
 
     It is, for each of the k values (n, k), at most the sensor's resolution over the value's usual
-    change. The k values are taken as independent.
+    change. The k values are taken as independent. Values that never change, or are mostly lost, say
+    nothing and are passed over.
     """
     chance = 1.0
     for column in values.T:

@@ -156,7 +156,8 @@ def is_of_dvl(sample: object) -> bool:
 def find_copies(samples: Sequence[Sample], log: Sequence[int]) -> list[int]:
     """Find the rows whose reading, with the same stamp, stands earlier in the same log already.
 
-    log: number of the log of each sample. Equal readings of two logs are no copies: they are two
+    They were written twice, and are to be left out. log: number of the log of each sample. Equal
+    readings of two logs are no copies: they are two
     recordings of one message, by which the clocks of the loggers are compared.
     """
     keys = np.array([(number, s.t_ns) for number, s in zip(log, samples, strict=True)], np.int64)

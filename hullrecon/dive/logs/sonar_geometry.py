@@ -33,7 +33,9 @@ def pings_of_one_window(
 
     A window is a number of beams and samples and a span of ranges. Windows whose ends differ by
     SAME_REACH at most are one, as the speed of sound that a sonar reckons with changes with the
-    temperature. A fan is the directions of all beams. What was left out is added to `notes`.
+    temperature. A fan is the directions of all beams. Pings of other windows and fans are dropped,
+    so that the rest fits into one array. `notes` gets findings of how many. Both results are empty
+    without pings. The ranges are those of most pings.
     """
     if not samples:
         return [], np.zeros(0)
@@ -123,7 +125,8 @@ def _is_one_fan(directions: Array | None, other: Array | None) -> bool:
 def image_in_ranges(sample: SonarSample, range_m: Array) -> NDArray[np.generic]:
     """Resample a ping's image (beams, ranges) to other ranges, m, by the nearest sample.
 
-    0 beyond its own ranges. Returned unchanged where its own ranges do not grow.
+    With it pings of slightly different windows fit into one array. 0 beyond its own ranges.
+    Returned unchanged where its own ranges do not grow.
     """
     own = sample.range_m
     if np.array_equal(own, range_m) or len(own) < 2 or not (np.diff(own) > 0).all():
@@ -146,7 +149,8 @@ def choose_directions(
     """Choose the directions (beams, 3) in `sonar` of a ping's beams: its own, else dive.toml's.
 
     Raises InputError where neither says, or where azimuth_deg (beams,) of dive.toml describes
-    another number of beams.
+    another number of beams, or does not grow. notes: a finding is added where azimuth_deg is given
+    but not used.
     """
     if sample.directions is not None:
         if azimuth_deg is not None:

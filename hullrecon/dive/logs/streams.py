@@ -120,7 +120,9 @@ def dvl_pings(
     notes: list[Finding],
     unit: str = "m/s",
 ) -> DvlPings:
-    """Stack the pings of a DVL.
+    """Stack the pings of a DVL, with NaN for velocities and ranges that are lost or absurd.
+
+    Ranges become metres along the beams, whatever they were logged as.
 
     Parameters
     ----------
@@ -214,6 +216,9 @@ def _refuse_far(ranges: Array) -> None:
 def _refuse_coarse(velocity: Array, speed: Array) -> None:
     """Raise InputError for velocities (n, 3), m/s, rounded so that they lose their direction.
 
+    They are where all are multiples of one step, and the step is more than COARSEST_SHARE of the
+    median speed. Too few velocities, or different values, are accepted.
+
     Parameters
     ----------
     velocity : (n, 3) m/s, NaN where lost
@@ -268,13 +273,16 @@ def imu_samples(
 ) -> ImuSamples:
     """Stack attitudes and rates of the vehicle in `global`, leaving out rows without an attitude.
 
+    So are rows that only repeat the one before because the IMU hung up. Rates and accelerations
+    that a driver filled with zeros become NaN, and gravity that a filter took off is put back.
+
     Parameters
     ----------
-    samples : in order of time, all by an IMU or all by sensors inside the DVL
+    samples : readings in order of time, all by an IMU or all by sensors inside the DVL
     frame : "ned" (body forward-starboard-down in north-east-down) or "enu" (body
         forward-port-up in east-north-up)
     notes : what was assumed or left out is added
-    mount_deg : roll, pitch, yaw of the IMU in the vehicle
+    mount_deg : roll, pitch, yaw of the IMU in the vehicle, None where it has the vehicle's axes
     rates_unit : "rad/s" or "deg/s"
     heading : "orientation" or "rates": what the heading is taken from
 
@@ -306,6 +314,7 @@ def imu_samples(
         notes.append(Finding("rates-unfilled", {"count": len(rates)}, "imu"))
         rates = np.full_like(rates, np.nan)
     rotation = Rotation.from_quat(quaternion[good])
+    # jumps between two orientations in turn show two sensors
     cut = windows(rotation.as_quat())
     cosine = np.abs((cut * cut[:, :1]).sum(axis=2))  # of half the angle between two orientations
     refuse_two_sensors("imu", 2 * np.degrees(np.arccos(np.minimum(cosine, 1))), "degrees")
@@ -314,6 +323,8 @@ def imu_samples(
         mount_deg = _require_mount_of_dvl(mount_deg)
         notes.append(Finding("attitude-of-dvl", where="imu"))
     elif frame == "enu":
+        # world and body axes: to north-east-down on the left, from forward-starboard-down on the
+        # right
         rotation = NED_FROM_ENU * rotation * FRD_FROM_FLU.inv()
         rates, acceleration = rates * [1, -1, -1], acceleration * [1, -1, -1]
     if mount_deg is not None:
@@ -369,6 +380,8 @@ def _in_m_s2(acceleration: Array, notes: list[Finding]) -> Array:
 def _with_gravity(acceleration: Array, rotation: Rotation, notes: list[Finding]) -> Array:
     """Put gravity back into accelerations that a filter has taken it off, by the orientation.
 
+    Accelerations whose median is near that of gravity are returned unchanged.
+
     Parameters
     ----------
     acceleration : (n, 3) m/s2, in the vehicle, as an accelerometer feels it
@@ -379,7 +392,7 @@ def _with_gravity(acceleration: Array, rotation: Rotation, notes: list[Finding])
     -------
     acceleration (n, 3), NaN where a driver filled in zeros
     """
-    felt = rotation.apply(acceleration)
+    felt = rotation.apply(acceleration)  # in `global`, where gravity adds up and motion does not
     known = np.isfinite(felt).all(axis=1)
     if not known.any():
         return acceleration
@@ -390,6 +403,7 @@ def _with_gravity(acceleration: Array, rotation: Rotation, notes: list[Finding])
     if mean >= LEAST_FELT_M_S2:
         return acceleration
     notes.append(Finding("gravity-taken-off", {"felt_m_s2": mean}, "imu"))
+    # z of `global` is down, and an accelerometer at rest feels the push upward
     return np.asarray(acceleration - rotation.inv().apply([0.0, 0.0, GRAVITY_M_S2]))
 
 
@@ -443,11 +457,13 @@ def pressure_samples(
 ) -> PressureSamples | None:
     """Stack the depths of one sensor, positive down. None where no reading is finite.
 
+    Depths higher above the water than any deck, and spikes, are dropped.
+
     Parameters
     ----------
     samples : readings in order of time
-    model : converts them to depth
-    notes : what was assumed or left out is added
+    model : constants and units by which a reading becomes a depth
+    notes : findings of what was assumed or dropped are added
     compared : whether another sensor tells how the vehicle sank, so that a wrong unit of pressure
         is found later; depths above the water are then returned, not refused
 
@@ -496,6 +512,7 @@ def _are_spikes(t_ns: Ints, depth: Array) -> Mask:
     off = np.abs(depth - median_filter(depth, SPIKE_READINGS, mode="mirror"))
     rows, half = np.arange(len(depth)), SPIKE_READINGS // 2
     after, before = t_ns[np.minimum(rows + half, rows[-1])], t_ns[np.maximum(rows - half, 0)]
+    # what a vehicle can sink or rise between the first and the last of them, m
     way = FASTEST_DIVE_M_S * (after - before) / NS
     noise = float(np.median(np.abs(np.diff(depth))))
     return np.asarray(off > np.maximum(SPIKE_M + way, 10 * noise))
@@ -544,7 +561,11 @@ def _depth_m(sample: PressureSample | DepthSample, model: PressureModel) -> floa
 def _above_water(
     samples: Sequence[PressureSample | DepthSample], model: PressureModel
 ) -> InputError:
-    """Make the error for depths that lie above the water, with the units that bring them below."""
+    """Make the error for depths that lie above the water, with the units that bring them below.
+
+    It names the keys of dive.toml that may be wrong: the unit or the air pressure of a pressure,
+    the direction in which a depth grows.
+    """
     unit = model.unit or ("Pa" if isinstance(samples[0], PressureSample) else "m")
     height = -float(np.median([_depth_m(s, model) for s in samples]))
     what = f"half of the depths lie {height:.1f} m or more above the water"
@@ -582,12 +603,15 @@ def joint_samples(
 ) -> JointSamples | None:
     """Stack the angles of one servo. None where no reading is finite.
 
+    Readings that are not finite are dropped. Angles that begin anew after each turn are made to run
+    on.
+
     Parameters
     ----------
-    samples : in order of time
-    record : "tray" or "sonar_tray"
-    name : of the joint
-    notes : what was left out is added
+    samples : readings of the servo in order of time
+    record : "tray" or "sonar_tray", whose angles may go beyond a turn
+    name : of the joint in the log
+    notes : findings of what was changed or dropped are added
     unit : "rad" or "deg"
 
     Raises
@@ -620,7 +644,11 @@ def joint_samples(
 
 
 def _join_turns(angle: Array, name: str, notes: list[Finding]) -> Array:
-    """Join angles (n,) rad that are counted anew from 0 after each whole turn."""
+    """Let angles (n,) rad run on that are counted anew from 0 after each whole turn.
+
+    Whole turns are then taken off all, so that their median lies within half a turn of 0. Angles
+    without such jumps are returned unchanged. name: of the stream, for `notes`.
+    """
     jumps = int(np.count_nonzero(np.abs(np.diff(angle)) > NEARLY_A_TURN))
     if not jumps:
         return angle
@@ -661,6 +689,9 @@ def sonar_pings(
 ) -> SonarPings | None:
     """Stack pings of the most common geometry as images of 8 bits. None without any.
 
+    Pings of other windows and fans are dropped. All are scaled by one factor, so that their
+    brightness stays comparable.
+
     Parameters
     ----------
     samples : pings in order of time
@@ -692,9 +723,9 @@ def sonar_pings(
 
 
 def _scale_to_eight_bits(samples: Sequence[SonarSample], notes: list[Finding]) -> float | None:
-    """Find the factor that brings the bright pixel of nearly all pings to 255.
+    """Find the factor that brings the bright pixel of nearly all pings to 255 at most.
 
-    None where all pixels have 8 bits.
+    None where all pixels have 8 bits, 0 where all are black.
     """
     if all(sample.image.dtype == np.uint8 for sample in samples):
         return None

@@ -103,12 +103,14 @@ def join_time_bases(
 ) -> tuple[dict[str, Ints], list[Finding]]:
     """Compute what to add to the stamps of each sensor that is on another time base.
 
-    The base that most sensors share holds. Where two are shared by as many sensors, it is the one
-    nearer to the logger's clock.
+    The base that most sensors share is the right one. Where two are shared by as many sensors, it
+    is the one nearer to the logger's clock. Sensors of fewer than LEAST readings are left alone.
+    Stamps of a queue that fills or empties stay too: they only look like those of a clock that
+    drifts. Nothing is moved where only one sensor remains.
 
     Returns
     -------
-    by sensor, (n,) ns to add, without the sensors whose stamps stay; and what to report
+    by sensor, (n,) ns to add, without the sensors whose stamps stay; and findings
     """
     known = {name: stamps for name, stamps in sensors.items() if len(stamps.stamp_ns) >= LEAST}
     if len(known) < 2:
@@ -122,7 +124,8 @@ def join_time_bases(
     right = max(alike, key=lambda names: (len(names), -min(abs(lag_ns[n]) for n in names)))
     shifts: dict[str, Ints] = {}
     notes: list[Finding] = []
-    # Clocks that drift, and queues that fall behind, which look like slow clocks.
+    # Clocks that drift, and queues that fall behind, which look like slow clocks: the time from
+    # stamp to logging grows in both.
     drifts = {name: found for name in known if (found := known[name].drift()) is not None}
     behind = [name for name, (rate, _) in drifts.items() if rate < -FASTEST_DRIFT]
     for name in behind:
@@ -164,14 +167,14 @@ def _find_shift(stamps: BagStamps, right: Sequence[BagStamps]) -> Ints | None:
 
     Parameters
     ----------
-    stamps : of the sensor
-    right : stamps of the sensors of the right base
+    stamps : those of the sensor
+    right : those of the sensors of the right base
 
     Returns
     -------
-    None where the stamps may stay. Stamps that were only logged seconds later than others are
-    right, those ahead of the logger's clock by a second or more are not. None too where the lag
-    jumps, so that nothing tells.
+    (n,) ns, or None where the stamps may stay. Stamps that were only logged seconds later than
+    others are right, those ahead of the logger's clock by a second or more are not. None too where
+    the lag jumps, so that nothing tells.
     """
     steady_ns = [other.median_lag_ns for other in right if other.is_steady]
     if stamps.is_steady and steady_ns:
@@ -193,9 +196,9 @@ def _find_shift(stamps: BagStamps, right: Sequence[BagStamps]) -> Ints | None:
 def _to_clock_of(other: BagStamps, logged_ns: Ints) -> Ints:
     """Compute what to add to logging times (n,), ns, to put them onto another sensor's clock.
 
-    The other sensor's lags are reduced to medians over blocks of BLOCK_S, which are interpolated
-    linearly at the logging times. The line through the first two and the last two blocks is
-    extended to the other sensor's first and last reading.
+    That is the negative of the other sensor's lag at these times. Its lags are reduced to medians
+    over blocks of BLOCK_S, which are interpolated linearly. The line through the first two and the
+    last two blocks is extended to the other sensor's first and last reading.
     """
     order = np.argsort(other.logged_ns, kind="stable")
     at, lag = other.logged_ns[order], other.logged_minus_stamp_ns[order]

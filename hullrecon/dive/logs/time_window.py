@@ -36,7 +36,8 @@ class TimeWindow:
     def time_of(self, t_ns: int, logged_ns: int) -> int:
         """Choose the time of a message that is compared with the limits: its stamp or its logging.
 
-        It is the stamp, or, where the two are a day or more apart, the one nearer to a limit.
+        It is the stamp, or, where the two are a day or more apart, the one nearer to a limit: one
+        of them is then of a simulator's clock, or of one that was never set.
         """
         limit = self.last_ns if self.first_ns is None else self.first_ns
         if limit is None or abs(logged_ns - t_ns) < FAR_NS:

@@ -155,7 +155,8 @@ def _refuse_two_bases(name: str, stamp: Ints) -> None:
 def _far_from_all(stamp: Ints) -> Mask:
     """Find the stamps (n,) of small groups that lie a day or more from all other stamps.
 
-    Groups are parted by gaps of FAR_S. The largest group is kept whatever its size.
+    Such stamps are of a clock that was not set yet, or damaged. Groups are parted by gaps of FAR_S.
+    The largest group is kept whatever its size.
     """
     order = np.argsort(stamp, kind="stable")
     part = np.zeros(len(stamp), np.int64)
@@ -292,7 +293,7 @@ def _lasting_jump(stamp: Ints, offset: Ints, before: slice, after: slice) -> int
     """Measure by how much the clock's offset changes between two segments, ns.
 
     It is the difference of the median offsets of readings within BESIDE_NS of the change. 0 where
-    the offset is not steady on both sides, or changes by less than JUMP_S.
+    the offset is not steady on both sides, or changes by less than JUMP_S: then no clock jumped.
 
     Parameters
     ----------
@@ -358,7 +359,8 @@ def _describe_jumps(
 def _logged_late(stamp: Ints, logged: Ints) -> Mask:
     """Find the readings (n,) that were logged late: their clock ran on while logging lagged.
 
-    Logging has to catch up again. Where it never does, the sensor's clock jumped instead.
+    Their stamps are right, so that nothing is corrected. Logging has to catch up again. Where it
+    never does, the sensor's clock jumped instead.
     """
     out = np.zeros(len(stamp), bool)
     offset, row = stamp - logged, 0
@@ -375,7 +377,10 @@ def _logged_late(stamp: Ints, logged: Ints) -> Mask:
 
 
 def describe_gaps(name: str, t_ns: Ints, longest: int = MOST_GAPS) -> list[Finding]:
-    """Describe silences longer than five periods and longer than a second, the longest first."""
+    """Describe silences longer than five periods and longer than a second, the longest first.
+
+    At most `longest` are described one by one, of the others their number. Empty without silences.
+    """
     step = np.diff(t_ns) / NS
     if len(step) < 2:
         return []
@@ -391,7 +396,10 @@ def describe_gaps(name: str, t_ns: Ints, longest: int = MOST_GAPS) -> list[Findi
 
 
 def describe_ends(name: str, t_ns: Ints, start_ns: int, stop_ns: int) -> list[Finding]:
-    """Describe a sensor that began late or ended early, relative to the whole log."""
+    """Describe a sensor that began long after the first one, or ended long before the last one.
+
+    Empty for less than LATE_S. start_ns, stop_ns: first and last stamp of all sensors.
+    """
     late_s, early_s = (int(t_ns[0]) - start_ns) / NS, (stop_ns - int(t_ns[-1])) / NS
     ends = (("stream-late", late_s), ("stream-early", early_s))
     return [Finding(code, {"seconds": s}, name) for code, s in ends if s >= LATE_S]

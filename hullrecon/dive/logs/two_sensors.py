@@ -26,6 +26,9 @@ ROUNDING = 1e-9  # of the largest difference; smaller differences are rounding, 
 def refuse_two_sensors(sensor: str, away: Array, unit: str, leave_away: str = "") -> None:
     """Raise InputError where readings are those of two sensors in turn.
 
+    Neither is the right one, and their mixture would be taken for noise. Readings that fill no
+    window are accepted.
+
     Parameters
     ----------
     sensor : name of the stream, for the message
@@ -64,7 +67,10 @@ def refuse_two_sensors(sensor: str, away: Array, unit: str, leave_away: str = ""
 
 
 def windows(values: Array) -> Array:
-    """Cut values (n, ...) into windows (w, WINDOW, ...) that follow each other."""
+    """Cut values (n, ...) into windows (w, WINDOW, ...) that follow each other.
+
+    Values that fill no window at the end are left out.
+    """
     if len(values) < WINDOW:
         return np.zeros((0, WINDOW, *values.shape[1:]))
     return np.moveaxis(sliding_window_view(values, WINDOW, axis=0)[::WINDOW], -1, 1)

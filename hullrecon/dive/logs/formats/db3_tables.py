@@ -52,7 +52,7 @@ class Database:
     def channels(self) -> dict[int, Channel]:
         """Read the topics by their number. Topics whose row has no texts are left out.
 
-        Raises DamagedError for a database that is none of rosbag2, or whose tables run code.
+        Raises DamagedError for a database that is none of rosbag2, or in which code computes them.
         """
         tables = {name: kind for _, name, kind, *_ in self.connection.execute("PRAGMA table_list")}
         for name in ("topics", "messages"):

@@ -67,8 +67,8 @@ def read_summary(stream: BinaryIO, size: int) -> Summary | None:
 def is_end_of_data(stream: BinaryIO, opcode: int, length: int, at: int, size: int) -> bool:
     """Tell whether the record at byte `at` ends the data.
 
-    Such a record is a DATA_END of four bytes, behind which the summary, if any, the footer and the
-    magic follow, or the file's own footer. Anything else that looks like an end is damage: data may
+    Such a record is the file's footer, or a DATA_END of four bytes behind which the summary, if
+    any, the footer and the magic follow. Anything else that looks like an end is damage: data may
     follow.
 
     Parameters

@@ -132,7 +132,7 @@ def parse(data: bytes) -> Ensemble:
     """Parse one whole ensemble, given without its checksum.
 
     Velocities of bottom and water are NaN or empty where it has none. Raises DamagedError where its
-    fixed or variable leader is missing, its beam angle is none, or its clock shows no time.
+    fixed or variable leader is missing, its beam angle is impossible, or its clock shows no time.
     """
     parts = _parts(data)
     if FIXED not in parts or VARIABLE not in parts:

@@ -32,8 +32,8 @@ class FileLog:
     def messages(self) -> Iterator[Message]:
         """Yield every whole message, in the order of the file.
 
-        Raises InputError for a pipe, socket or device, and where the system cannot read the file's
-        start.
+        Where the system cannot read on, the rest is a loss. Raises InputError for a pipe, socket or
+        device, and where the system cannot read the file's start.
         """
         self.notes, self._tracker = [], LossTracker()
         try:

@@ -35,7 +35,10 @@ class LossTracker:
         return message
 
     def add_loss(self, why: str, start_ns: int, end_ns: int, topics: Collection[str] = ()) -> None:
-        """Add the loss of a part with a known span. Without topics, of every topic seen so far."""
+        """Add the loss of a part with a known span. Without topics, of every topic seen so far.
+
+        Beyond MOST_LOSSES it is only counted.
+        """
         if self._is_beyond_limit():
             return
         self._add_by_topic(why, dict.fromkeys(topics or self._last, start_ns), end_ns, start_ns)
@@ -43,7 +46,8 @@ class LossTracker:
     def open_gap(self, why: str) -> None:
         """Note the loss of a part of unknown content.
 
-        For each topic it reaches from the topic's last message to the next message of the log.
+        For each topic the loss lasts from the topic's last message to the next message of the log,
+        of any topic.
         """
         if len(self._open) < MOST_REASONS and not self._is_beyond_limit():
             self._open.append((why, dict(self._last)))

@@ -62,7 +62,11 @@ class McapLog(FileLog):
         self._seen = _Unchecked()
 
     def _read(self) -> Iterator[Message]:
-        """Yield the messages by the chunks of the summary, or from the start without one."""
+        """Yield the messages by the chunks of the summary, or from the start without one.
+
+        What could not be read becomes losses. At the end the counts that the summary states are
+        compared with those that were read.
+        """
         size = self.path.stat().st_size
         self._budget, self._seen = UnpackBudget(size), _Unchecked()
         with self.path.open("rb") as stream:
@@ -83,7 +87,10 @@ class McapLog(FileLog):
         self._tracker.finish(summary.counts if summary is not None else None)
 
     def _by_summary(self, stream: BinaryIO, size: int, summary: Summary) -> Iterator[Message]:
-        """Read chunk by chunk as the summary lists them. A damaged chunk is lost alone."""
+        """Read chunk by chunk as the summary lists them.
+
+        A damaged chunk is lost alone, with its topics and times, which the summary states.
+        """
         for note in summary.chunks:
             try:
                 found = self._open(read_chunk(stream, note.offset, size))
@@ -98,7 +105,10 @@ class McapLog(FileLog):
         self._check_data(stream, summary.start - DATA_END_SIZE)
 
     def _from_start(self, stream: BinaryIO, size: int) -> Iterator[Message]:
-        """Read record by record. Behind damage, look for the next chunk."""
+        """Read record by record. Behind damage, look for the next chunk.
+
+        The rest is given up where too many bytes that looked like chunks were none (PATIENCE).
+        """
         at, patience = len(MAGIC), PATIENCE * size
         while at < size:
             length = 0
@@ -166,7 +176,7 @@ class McapLog(FileLog):
         """Compare the checksum over all data before `at`, where chunks have none of their own.
 
         `at` is the byte at which the record that holds the checksum begins. A wrong checksum is a
-        loss, a missing one is noted.
+        loss, unless damage was found before, which explains it. A missing one is noted.
         """
         stream.seek(at)
         closing = stream.read(DATA_END_SIZE)
@@ -210,8 +220,9 @@ def checksum(stream: BinaryIO, end: int) -> int:
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
     """Find where the next chunk begins, from byte `start` on. `size` where none follows.
 
-    A chunk counts where the lengths in its head agree with each other. Bodies are not read: for
-    each head that only looks like one that would take time quadratic in the file's size.
+    A chunk is accepted if the lengths in its head agree with each other. Bodies are not read: many
+    bytes only look like a head, and reading the body behind each would take a time quadratic in the
+    file's size.
     """
     at = start
     while at < size:

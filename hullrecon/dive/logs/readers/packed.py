@@ -56,7 +56,10 @@ class PackedLog:
         return [*self._damage, *(self._log.losses() if self._log is not None else [])]
 
     def _unpack(self) -> Log:
-        """Unpack the log into a scratch folder, up to the first damage, and open the copy."""
+        """Unpack the log into a scratch folder, up to the first damage, and open the copy.
+
+        The folder is removed with this object. Raises StorageError where the disk has no room.
+        """
         import zstandard
 
         require_regular_file(self.path)

@@ -36,7 +36,10 @@ class Pd0Log(FileLog):
     gives_samples = True
 
     def _read(self) -> Iterator[Message]:
-        """Yield velocity, attitude and depth of each ensemble, as far as it has them."""
+        """Yield velocity, attitude and depth of each ensemble.
+
+        Attitudes of exactly zero and depths of zero are left out: it has no such sensor then.
+        """
         frames, has_bottom = set(), False
         with self.path.open("rb") as stream:
             for start, end, found in ensembles(stream):
@@ -99,6 +102,7 @@ def instrument_velocity(ping: Ensemble) -> Array:
     vector = ping.bottom[:3]
     if ping.frame == "instrument":
         return vector
+    # the ship's axes are the instrument's turned by its alignment, about the axis of a heading
     heading = ping.heading_rad if ping.frame == "earth" else -ping.alignment_rad
     return (
         earth_from_instrument(heading, *(_tilts(ping) if ping.tilts_applied else (0.0, 0.0))).T

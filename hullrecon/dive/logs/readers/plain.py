@@ -126,8 +126,8 @@ class PlainLog:
     def _read_table(self, sensor: str) -> Iterator[Message]:
         """Yield the readings of a sensor's table.
 
-        Rows that cannot be read are counted. Raises InputError where that is all of them, or where
-        most stamps are no seconds.
+        Rows of units or remarks are skipped. Rows that cannot be read are counted and become a
+        loss. Raises InputError where that is all of them, or where most stamps are no seconds.
         """
         channel, translate = Channel(sensor, f"{sensor}.csv", "sample"), self._translators()[sensor]
         bad, rows, late, first_reason = _BadLines(), 0, list[float](), ""
@@ -205,16 +205,21 @@ class PlainLog:
         }
 
     def _locate(self, name: str) -> Path:
-        """Find a file that a table names: beside the table, else in the package.
+        """Resolve a file name of a table: beside the table, else in the package.
 
-        Separators may be those of Windows. A file that is not there is placed in the package.
+        Separators may be those of Windows. If there is no such file, the path that it would have in
+        the package is returned.
         """
         names = dict.fromkeys((name.strip(), name.strip().replace("\\", "/")))
         places = [folder / known for known in names for folder in (self.path, self.package)]
         return next((place for place in places if is_there(place)), self.package / name.strip())
 
     def _read_image(self, camera: str, row: Row) -> ImageSample:
-        """Read a row of a camera's table, which names an image file or a frame of a video."""
+        """Read a row of a camera's table, which names an image file or a frame of a video.
+
+        The bytes of an image file stay there: they are read when the image is checked. A frame of a
+        video is decoded at once.
+        """
         name = row["file"].strip()
         path = self._locate(name)
         is_name = 0 < len(name) <= LONGEST_PATH and len(path.name) <= LONGEST_FILE_NAME
@@ -245,7 +250,11 @@ class PlainLog:
         )
 
     def _read_ping(self, row: Row) -> SonarSample:
-        """Read a ping. Beams lie in the y-z plane of `sonar`, azimuth from z towards y."""
+        """Read a ping. Beams lie in the y-z plane of `sonar`, azimuth from z towards y.
+
+        Raises ValueError for a file that cannot be read, a ping that was named before, and where
+        the pings together unpack to far more than their files hold.
+        """
         name = printable(row["file"], LONGEST_REASON)
         path = Path(os.path.realpath(self._locate(row["file"])))  # of links in a circle, too
         number = int(row.get("ping") or 0)
@@ -270,7 +279,7 @@ class PlainLog:
 
 
 def _is_remark(stamp: str) -> bool:
-    """Tell a row of units, a remark or a total from a reading by its cell of column t."""
+    """Tell whether a row is one of units, a remark or a total, by its cell of column t."""
     text = stamp.strip()
     is_word = text[:1].isalpha() and not any(c.isdigit() for c in text)
     return text.startswith(("#", "%", "[")) or (is_word and text.lower() not in NULLS | NO_NUMBERS)
@@ -324,7 +333,10 @@ def words_for_unit(value: float) -> str:
 
 
 def _dvl(row: Row) -> DvlSample:
-    """Translate a row of dvl.csv."""
+    """Translate a row of dvl.csv. Empty cells of velocities, ranges and altitude are lost values.
+
+    The directions of the beams are those of dive.toml.
+    """
     names = [n for n in row if n and n.startswith("range_")]
     odd = [n for n in names if not n[6:].isdecimal()]
     if odd:

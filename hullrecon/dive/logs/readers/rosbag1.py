@@ -67,7 +67,9 @@ class Rosbag1Log(FileLog):
         notes: list[BagChunk],
         budget: UnpackBudget,
     ) -> Iterator[Message]:
-        """Read the chunks that the index lists. A damaged chunk does not cost the others.
+        """Read the chunks that the index lists. A damaged chunk is lost alone.
+
+        So is one that holds another number of messages than the index says.
 
         Parameters
         ----------
@@ -101,7 +103,10 @@ class Rosbag1Log(FileLog):
     def _from_start(
         self, stream: BinaryIO, size: int, connections: Connections, budget: UnpackBudget
     ) -> Iterator[Message]:
-        """Read record by record without an index, and look for the next chunk after damage."""
+        """Read record by record without an index, and look for the next chunk after damage.
+
+        The rest is given up where too many bytes that looked like chunks were none (PATIENCE).
+        """
         at, patience = len(MAGIC), PATIENCE * size
         closed = False
         while at < size:
@@ -126,8 +131,9 @@ class Rosbag1Log(FileLog):
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
     """Find where the next chunk begins, from byte `start` on. `size` where none follows.
 
-    A chunk counts where its head can be read and its data fit into the file. The data are not
-    read: for each head that only looks like one that would take time quadratic in the file's size.
+    A chunk is accepted if its head can be read and its data fit into the file. The data are not
+    read: many bytes only look like a head, and reading the data behind each would take a time
+    quadratic in the file's size.
     """
     at = start
     while at < size:

@@ -59,7 +59,8 @@ class Rosbag2Log:
     def messages(self) -> Iterator[Message]:
         """Yield every whole message of the folder's files.
 
-        Raises InputError where none can be read.
+        A file that cannot be read is a loss, as are messages that the metadata count and no file
+        holds. Raises InputError where the folder cannot be read.
         """
         self.notes, self._losses = [], []
         seen: Counter[str] = Counter()
@@ -90,7 +91,8 @@ class Rosbag2Log:
     def _open_parts(self, info: _Metadata) -> list[Log]:
         """Open the folder's files, and list those that the metadata name but are missing.
 
-        Where a file lies there both packed and unpacked, the unpacked one is taken.
+        Missing ones become losses. Files that the metadata do not name come last, by name. Where a
+        file lies there both packed and unpacked, the unpacked one is taken.
         """
         try:
             inside = sorted(p for p in self.path.iterdir() if is_stored(p.name))

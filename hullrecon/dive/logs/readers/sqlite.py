@@ -26,7 +26,10 @@ class SqliteLog(FileLog):
     kind = "ROS 2 database"
 
     def _read(self) -> Iterator[Message]:
-        """Yield the messages of the database, merged with its write-ahead log if there is one."""
+        """Yield the messages of the database, merged with its write-ahead log if there is one.
+
+        Raises InputError for a database that SQLite cannot open at all, or that is none of rosbag2.
+        """
         with ExitStack() as stack:
             merged = self._copy_with_log(stack)
             address = (
@@ -57,7 +60,7 @@ class SqliteLog(FileLog):
         self._tracker.finish()
 
     def _messages(self, database: Database) -> Iterator[Message]:
-        """Read the rows of the database as messages, and count those that are none."""
+        """Read the rows of the database as messages. Rows that are none are dropped and counted."""
         channels = database.channels()
         strange = foreign = 0
         for number, t_ns, data in database.rows(self._tracker.open_gap):
@@ -77,6 +80,7 @@ class SqliteLog(FileLog):
     def _copy_with_log(self, stack: ExitStack) -> Path | None:
         """Copy database and write-ahead log for SQLite to merge. None without such a log.
 
+        A log that cannot be read, or is damaged, becomes a loss. The former is left out.
         SQLite reads a write-ahead log only where it may write beside it, and the package is not
         written to.
         """

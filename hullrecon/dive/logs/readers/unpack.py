@@ -45,7 +45,8 @@ class UnpackBudget:
 def decompress(data: bytes, how: str, size: int, budget: UnpackBudget | None = None) -> bytes:
     """Unpack a chunk packed as "", "none", "zstd", "lz4", "bz2" or "zlib" to `size` bytes.
 
-    Raises DamagedError when data are missing or incomplete.
+    Raises DamagedError for another packing, for damaged data, where they unpack to another size,
+    and where the size is beyond LARGEST_CHUNK or what is left of the budget.
     """
     if size > LARGEST_CHUNK:
         raise DamagedError(f"it claims {size} bytes")
@@ -71,7 +72,10 @@ def decompress(data: bytes, how: str, size: int, budget: UnpackBudget | None = N
 
 
 def unpack_frame(data: bytes, budget: UnpackBudget) -> bytes:
-    """Unpack one zstd frame. Raises DamagedError."""
+    """Unpack one zstd frame, which need not state its size.
+
+    Raises DamagedError where it is damaged, larger than LARGEST_CHUNK, or beyond the budget.
+    """
     import zstandard
 
     try:

@@ -80,7 +80,10 @@ class WaterLinkedLog(FileLog):
     gives_samples = True
 
     def _read(self) -> Iterator[Message]:
-        """Yield velocities and attitudes of the reports, and note what these lack."""
+        """Yield velocities and attitudes of the reports, and note what these lack.
+
+        Reports without a time are dropped and counted. Raises InputError where all are.
+        """
         offset_deg, timeless = None, 0
         with self.path.open("rb") as stream:
             for number, report in read_reports(stream):
@@ -147,7 +150,7 @@ def describe(timeless: int, offset_deg: float | None) -> list[Finding]:
 
 
 def to_velocity(report: Report) -> DvlSample:
-    """Convert a report of type velocity. Raises DamagedError.
+    """Convert a report of type velocity. Raises DamagedError where a value is missing.
 
     The velocity is lost where the report marks it as invalid, where it is not over the bottom, or
     where its figure of merit is FIGURE_OF_MERIT_LIMIT or more.
@@ -172,7 +175,10 @@ def to_velocity(report: Report) -> DvlSample:
 
 
 def to_attitude(report: Report) -> ImuSample:
-    """Convert a report of type position_local. Raises DamagedError."""
+    """Convert a report of type position_local to an attitude of `dvl`. Its position is not used.
+
+    Raises DamagedError where a value is missing.
+    """
     from scipy.spatial.transform import Rotation  # slow to import, and few logs need it
 
     angles = [number_of(report, key) for key in ("yaw", "pitch", "roll")]

@@ -59,7 +59,10 @@ class OculusLog(FileLog):
         self.notes.append(Finding("oculus-read" if pings else "oculus-empty"))
 
     def _first_item(self, stream: BinaryIO) -> int:
-        """Find where items begin. Raises InputError where they are encrypted."""
+        """Find the byte at which the first item begins. Raises InputError where they are encrypted.
+
+        With a damaged header it is taken to be of the usual length, and the damage is a loss.
+        """
         try:
             size, is_encrypted = parse_file_header(stream.read(FILE_HEADER_BYTES))
         except DamagedError as error:

@@ -89,9 +89,9 @@ def items(
 ) -> Iterator[tuple[int, int, tuple[ItemHeader, bytes] | str]]:
     """Yield (start, end, header and payload) of items, and (start, end, why) of bytes between them.
 
-    An item counts where its bytes end where another begins or the file ends, or where it holds one
-    whole message of an Oculus. False headers may each claim the rest of the file. PATIENCE bounds
-    what is read for them.
+    An item is accepted if another item or the file's end follows it, or if it holds one whole
+    message of an Oculus. False headers may each claim the rest of the file, so that PATIENCE limits
+    how much is read for them. Beyond that the rest is one stretch of other bytes.
 
     Parameters
     ----------

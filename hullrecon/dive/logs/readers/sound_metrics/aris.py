@@ -64,7 +64,7 @@ class ArisLog(FileLog):
     gives_samples = True
 
     def _read(self) -> Iterator[Message]:
-        """Yield the frames that were taken with the transmitter on."""
+        """Yield the frames that were taken with the transmitter on. Others are only counted."""
         seen = _Seen()
         with self.path.open("rb") as stream:
             for start, end, found in frames(stream):

@@ -92,8 +92,8 @@ def parse_header(data: bytes) -> FrameHeader:
 def frames(stream: BinaryIO) -> Iterator[tuple[int, int, ArisFrame | str]]:
     """Yield (start, end, frame) of whole frames, and (start, end, why) of the bytes between them.
 
-    A frame counts if it ends where another begins, where the file ends, or where a frame of the
-    last size would end.
+    A frame is accepted if it ends where another begins or the file ends, or if it is as large as
+    the one before. start, end: bytes of the file.
     """
     at, last, mark = HEADER, 0, HeaderMark(MAGIC, MAGIC_AT, HEADER, parse_header)
     end = stream.seek(0, 2)
