@@ -285,7 +285,7 @@ def _join_time_bases(
     Parameters
     ----------
     found : samples, whose stamps are changed in place
-    sinks : of the cameras, whose stamps are changed too
+    sinks : by camera, what takes its images. Their stamps are changed too
     bags : numbers of the logs in which messages have a time of logging of their own
     added_ns : by sensor, what dive.toml has added to the stamps
     """
@@ -451,8 +451,8 @@ class _Source:
 
         Parameters
         ----------
-        sensor : as in [topics] of dive.toml
-        kind : type of its samples
+        sensor : its key in [topics] of dive.toml
+        kind : type of its samples; others are ignored
         joint : name of one servo among those of "joints"
         """
         found = self.found
@@ -555,7 +555,7 @@ def _build_position(source: _Source) -> PositionFixes | None:
 
 
 def _build_joint(record: str, source: _Source) -> JointSamples | None:
-    """Stack the angles of the servo of a record, "tray" or "sonar_tray"."""
+    """Stack the angles of the servo of a record, "tray" or "sonar_tray". None if not logged."""
     joint = source.request.joints.get(record)
     if joint is None:
         return None

@@ -158,8 +158,8 @@ def _files_of_log(key: str, log: Path, package: Path) -> Iterator[tuple[str, Pat
 
     Parameters
     ----------
-    key : of dive.toml that names the log
-    log : file or folder
+    key : key of dive.toml that names the log, for errors
+    log : its file or folder
     package : the folder that paths in tables may be relative to
     """
     yield key, log

@@ -22,7 +22,7 @@ Record = TypeVar("Record")
 
 
 def to_arrays(record: object) -> Arrays:
-    """Collect the arrays of a record by name."""
+    """Collect the arrays of a record by name. Fields and parts that are None are left out."""
     arrays: Arrays = {}
     for field in fields(record):  # type: ignore[arg-type]  # any dataclass
         value = getattr(record, field.name)

@@ -130,7 +130,7 @@ class Trajectory:
         return Poses(self.quaternion, self.translation)
 
     def track(self) -> VehicleTrack:
-        """Convert to a track in g."""
+        """Convert to a track in g, for use where no adjusted path exists yet."""
         return VehicleTrack(
             t_ns=self.t_ns,
             poses=self.poses(),

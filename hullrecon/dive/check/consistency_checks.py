@@ -26,7 +26,7 @@ from hullrecon.records.sensors import (
 )
 from hullrecon.typing import Ints
 
-# Findings that are not told where a sensor was found to be wrong, as they are its consequences
+# Findings that are left out where a sensor was found to be wrong, as they are its consequences
 COARSE = frozenset({"imu-upside-down", "imu-gravity-tilted", "ranges-above-water"})
 ABOVE_WATER_M = 0.5  # a return that far above the surface is not of the hull under water
 ABOVE_WATER_SHARE = 0.05  # of the returns; more are reported
@@ -82,7 +82,10 @@ def check_mount_of_attitude(config: DiveConfig, tray: JointSamples | None) -> li
 def _check_coverage(
     dvl: DvlPings, imu: ImuSamples, pressure: PressureSamples | None
 ) -> list[Finding]:
-    """Report parts of a dive without images in which DVL or IMU is missing: the path ends there."""
+    """Report parts of a dive without images in which DVL or IMU is missing: the path ends there.
+
+    Short parts are not reported.
+    """
     heard_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
     if not len(heard_ns) or not len(imu.t_ns):
         return []
@@ -100,8 +103,8 @@ def _check_coverage(
 def seconds_beyond(t_ns: Ints, pressure: PressureSamples | None, span_ns: tuple[int, int]) -> float:
     """Measure how many seconds a sensor was read under water outside of a span.
 
-    With it a sensor that ran on without another one is told from a logger that ran on deck, which
-    misses nothing. Without a pressure sensor all of the time counts.
+    This is the time for which another sensor is missing. Time on deck does not count, as nothing is
+    missing there. Without a pressure sensor all of the time counts.
 
     Parameters
     ----------
@@ -180,7 +183,10 @@ def _check_mounts(config: DiveConfig) -> list[Finding]:
 def _global_from_dvl(
     config: DiveConfig, dvl: DvlPings, imu: ImuSamples, tray: JointSamples | None
 ) -> Rotation:
-    """Compute the DVL's attitude at each ping from the nearest IMU reading and the tray's angle."""
+    """Compute the DVL's attitude at each ping from the nearest IMU reading and the tray's angle.
+
+    Without a tray its angle is taken as zero.
+    """
     row = nearest(imu.t_ns, dvl.t_ns)
     angle = np.zeros(len(dvl.t_ns))
     if tray is not None and len(tray.t_ns):

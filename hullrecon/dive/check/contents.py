@@ -102,7 +102,10 @@ def _describe_values(records: SensorRecords) -> list[Finding]:
 def describe_start_offset(
     records: SensorRecords, images: Mapping[str, ImageIndex]
 ) -> list[Finding]:
-    """Compare the first camera image with the first DVL ping."""
+    """Say how long before or after the first DVL ping the first image was taken.
+
+    Empty without a DVL or an upper camera.
+    """
     top = images.get(Camera.TOP.key)
     if records.dvl is None or top is None:
         return []
@@ -112,7 +115,10 @@ def describe_start_offset(
 
 
 def describe_losses(found: Sequence[tuple[str, Loss]]) -> list[Finding]:
-    """Describe each loss of a file: its span and topic."""
+    """Describe each loss of a file: its topic, when it begins and ends, and why.
+
+    found: losses with the name of their file.
+    """
     return [
         Finding(
             "data-lost",

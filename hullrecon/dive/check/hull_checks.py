@@ -24,7 +24,10 @@ AFT_SHARE = 0.25  # of the length; no aft perpendicular lies farther from the af
 
 
 def refuse_far_hull(hull: Hull, mesh: Mesh) -> None:
-    """Raise InputError where hull.pose puts the whole CAD model far from the dive's beginning."""
+    """Raise InputError where hull.pose puts the whole CAD model far from the dive's beginning.
+
+    Its origin is then not near the ship, as in map coordinates.
+    """
     box = np.stack([mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)])
     middle = from_mount(hull.pose).apply(box.mean(axis=0)[None])[0]
     reach_m = 0.5 * float(np.linalg.norm(np.ptp(box, axis=0)))

@@ -221,10 +221,10 @@ def _on_grid(
 
     Parameters
     ----------
-    t_ns : (n,) stamps
-    values : (n, k)
-    start_ns : first point of the grid
-    count : of its points, None: up to the last reading
+    t_ns : (n,) stamps, in order
+    values : (n, k) what was read
+    start_ns : time of the first point of the grid
+    count : number of points of the grid; None: up to the last reading
 
     Returns
     -------

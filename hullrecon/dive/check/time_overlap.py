@@ -127,7 +127,10 @@ def _in_other_unit(spans: Mapping[str, Span]) -> list[Finding]:
 
 
 def _group_overlapping(spans: Mapping[str, Span]) -> list[set[str]]:
-    """Gather streams that overlap into groups, also where they overlap only by way of others."""
+    """Gather streams that overlap in time into groups.
+
+    Two streams that do not overlap are in one group where others fill the time between them.
+    """
     groups: list[set[str]] = []
     end = 0
     for name in sorted(spans, key=lambda name: spans[name]):

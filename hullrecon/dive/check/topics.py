@@ -72,7 +72,10 @@ def describe_unused(channels: Iterable[Channel], chosen: Set[str]) -> list[Findi
 
 
 def unread_dvls(channels: Iterable[Channel]) -> list[str]:
-    """List the topics, with their types, of DVLs (by name or maker) whose type is not read."""
+    """List the topics, with their types, of DVLs (by name or maker) whose type is not read.
+
+    They are named where a run lacks a DVL.
+    """
     found = sorted(
         {c for c in channels if not readable_as(c) and not _unread_code(c)}, key=lambda c: c.topic
     )

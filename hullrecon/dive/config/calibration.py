@@ -50,9 +50,10 @@ def read_camera(path: Path, camera: Camera = Camera.TOP, topic: str = "") -> Cam
 
     Parameters
     ----------
-    path : of the YAML
-    camera : which of the rig, for a camchain
-    topic : of its images, "" where unknown. It also chooses the entry of a camchain
+    path : the YAML file
+    camera : which camera of the rig, to choose its entry of a camchain
+    topic : name of the topic of its images, "" where unknown. It tells whether they are rectified,
+        and also chooses the entry of a camchain
     """
     where = str(path)
     _refuse_foreign(path, where)

@@ -44,8 +44,8 @@ def choose_camera(data: Mapping[str, object], camera: Camera, topic: str) -> str
     Parameters
     ----------
     data : the camchain
-    camera : of the rig
-    topic : of its images, "" where unknown
+    camera : which camera of the rig
+    topic : name of the topic of its images, "" where unknown
     """
     names = cameras_of(data)
     for name in names:

@@ -95,9 +95,9 @@ def load_config(
 
 
 def _read_toml(package: Path) -> Table:
-    """Read dive.toml as TOML.
+    """Read dive.toml as TOML, not yet decoded to sections.
 
-    Raises InputError if it cannot be read, UsageError if it is not valid.
+    Raises InputError if it is missing or cannot be read, UsageError if it is not valid TOML.
     """
     path = package / FILE
     try:
@@ -141,7 +141,10 @@ def _line_of(error: str, text: str) -> str:
 
 
 def _apply_override(raw: Table, text: str) -> None:
-    """Apply an override `a.b=value` to the raw tables. A value that is no TOML is a string."""
+    """Apply an override `a.b=value` to the raw tables. A value that is no TOML is a string.
+
+    Tables that are absent are made. Whether the key exists is checked when the whole is decoded.
+    """
     key, equals, value = text.partition("=")
     parts = [part.strip() for part in key.split(".")]
     if not equals or not all(parts):
@@ -204,7 +207,10 @@ def _check_whole(config: DiveConfig) -> None:
 
 
 def _check_topics(topics: Topics) -> None:
-    """Check that no two sensors share a topic. A pose may be velocity, attitude and depth."""
+    """Raise UsageError where two sensors share a topic.
+
+    DVL, IMU and pressure may: a pose or odometry holds velocity, attitude and depth.
+    """
     sensors_of: dict[str, list[str]] = {}
     for sensor in topics.__struct_fields__:
         topic = getattr(topics, sensor)
@@ -218,7 +224,7 @@ def _check_topics(topics: Topics) -> None:
 
 
 def _check_regions(regions: Sequence[HullRegion]) -> None:
-    """Check that each region has a unique name, and limits that are not empty."""
+    """Raise UsageError for regions with one name, without limits, or with empty ones."""
     names = [region.name for region in regions]
     twice = [name for name in names if names.count(name) > 1]
     if twice:
@@ -278,7 +284,7 @@ def _check_units(config: DiveConfig) -> None:
 
 
 def _check_tilt(dvl: Dvl) -> None:
-    """Check that the beams' angle comes with their azimuths, and without unit vectors."""
+    """Raise UsageError for the beams' angle without their azimuths, or beside unit vectors."""
     given = [
         name for name in ("beam_angle_deg", "beam_azimuth_deg") if getattr(dvl, name) is not None
     ]

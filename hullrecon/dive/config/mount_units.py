@@ -32,7 +32,8 @@ def refuse_lever_arm(key: str, numbers: Sequence[float], source: str = "") -> No
 def refuse_radians(key: str, numbers: Sequence[float]) -> None:
     """Raise InputError for roll, pitch, yaw of which one is a right angle in radians.
 
-    Most mounts have a right angle, and hardly any has 1.571 degrees. Other angles cannot be told.
+    Most mounts have a right angle, and hardly any has 1.571 degrees. Radians of other angles are
+    not noticed.
     """
     for angle in numbers[-3:]:
         for right in RIGHT_ANGLES_RAD:

@@ -244,8 +244,8 @@ def guess_sigma(pose: Sequence[float], given: Sequence[float] | None) -> Array:
     """Choose the sigma (6,) of `hull.pose`, m and deg, in the CAD model's axes.
 
     It is the given one, else a default: the height is known better than the berth, heel and trim
-    better than the heading. Which axes of the CAD model that means is told by which one the pose
-    turns upward.
+    better than the heading. The axis of the CAD model that the pose turns upward shows which is
+    which.
     """
     if given is not None:
         return np.array(given, float)

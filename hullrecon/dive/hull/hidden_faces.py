@@ -113,8 +113,8 @@ def _are_seen(mesh: Mesh, whole: Mesh, rows: Ints, rays: int, enough: int) -> Ma
     ----------
     mesh, whole : as of find_seen
     rows : (k,) faces to test
-    rays : from each side of a face
-    enough : of these rays that have to hit nothing
+    rays : number of rays cast from each side of a face
+    enough : number of these that have to hit nothing, for the face to count as seen
 
     Returns
     -------
@@ -141,10 +141,10 @@ def _spread_rays(mesh: Mesh, rows: Ints, normal: Array, rays: int) -> tuple[Arra
 
     Parameters
     ----------
-    mesh : of the faces
-    rows : (k,) faces
-    normal : (k, 3) unit normals, of either side
-    rays : from each face
+    mesh : the mesh that the faces are of
+    rows : (k,) faces from which rays start
+    normal : (k, 3) their unit normals, towards the side to which the rays go
+    rays : number of rays cast from each face
 
     Returns
     -------

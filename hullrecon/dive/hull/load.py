@@ -195,7 +195,10 @@ def _refuse_other_kind(data: bytes, kind: str, path: Path) -> None:
 
 
 def _parse_mesh(data: bytes, kind: str, path: Path) -> tuple[Array, Ints]:
-    """Parse a mesh file's bytes into vertices (n, 3) and faces (m, 3)."""
+    """Parse a mesh file's bytes into vertices (n, 3), in its unit, and faces (m, 3).
+
+    Raises InputError where the parser fails, in whatever way. kind: one of FORMATS.
+    """
     import trimesh
 
     try:

@@ -57,8 +57,8 @@ def _unify_winding(count: int, shared: SharedEdges) -> tuple[Ints32, Ints]:
 
     Parameters
     ----------
-    count : of faces
-    shared : edges of two faces each, with whether both wind alike
+    count : number of faces
+    shared : edges of two faces each, with whether both faces wind alike
 
     Returns
     -------
@@ -155,9 +155,9 @@ def sample_faces(mesh: Mesh, piece: Ints32, wanted: Ints) -> Ints:
 
     Parameters
     ----------
-    mesh : of all pieces
+    mesh : the mesh, whose face areas count
     piece : (m,) piece of each face
-    wanted : (w,) pieces
+    wanted : (w,) pieces from which faces are picked
 
     Returns
     -------

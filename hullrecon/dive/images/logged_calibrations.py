@@ -90,7 +90,10 @@ class LoggedCalibrations:
         ]
 
     def _look_for_first(self, messages: Iterable[Message]) -> None:
-        """Keep the first CameraInfo and the size of the first image of each camera."""
+        """Keep the first CameraInfo and the size of the first image of each camera.
+
+        Stops reading when nothing more is needed.
+        """
         for message in messages:
             for camera, keys in self._read_calibration(message):
                 if camera not in self._keys:

@@ -139,7 +139,11 @@ class ImageSink:
     def _without_copies(
         self, notes: list[Finding]
     ) -> list[tuple[int, int, int, str, int, int, bool]]:
-        """Leave out images that a driver published again, and rows that a table holds twice."""
+        """List the images without those that a driver published again, or a table holds twice.
+
+        Images with equal bytes are left out only where they come at an even rate: a vehicle at rest
+        may also take two equal ones.
+        """
         rows, again = self._rows, np.array(self._again)
         if is_even(again):
             counts = {"repeated": int(again.sum()), "count": len(rows)}
@@ -211,7 +215,10 @@ class SampledImages(BytesIO):
         self._count, self._at, self._stride = 0, 0, 1
 
     def write(self, data: object, /) -> int:
-        """Keep every `_stride`-th run of images. The stride doubles when MOST images are kept."""
+        """Keep every `_stride`-th run of images, and drop the others.
+
+        The stride doubles whenever more than MOST images are kept.
+        """
         assert isinstance(data, bytes)
         if (self._count // RUN) % self._stride == 0:
             self._kept[self._at] = (self._count, data)

@@ -209,8 +209,8 @@ def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
 
     The name decides among several topics of one type. It alone decides for types that many kinds of
     sensors use (COMMON_TYPES). Topics whose name or messages show that they are not the sensor's
-    (UNFIT) are passed over. Tables and files of instruments name their sensor. They are preferred to topics,
-    but for attitude and depth by sensors inside the DVL.
+    (UNFIT) are passed over. Tables and files of instruments name their sensor. They are preferred
+    to topics, but for attitude and depth by sensors inside the DVL.
 
     Returns
     -------

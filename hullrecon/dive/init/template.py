@@ -171,7 +171,7 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
     ----------
     summary : what the logs hold
     logs : their paths
-    folder : of the package, in which calibrations and a CAD model are looked for
+    folder : the package's folder, in which calibrations and a CAD model are looked for
     """
     guessed = guess_topics(summary.topics)
     names = joint_names(summary)
@@ -215,7 +215,8 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
 def _mount_lines(summary: LogSummary, tray: str, folder: Path) -> dict[str, str]:
     """Write the lines of all mounts, by the names of their fields in the template.
 
-    tray: name of the tray's joint.
+    A mount that neither tf_static nor a calibration tells is a comment, to be filled in. tray: name
+    of the tray's joint.
     """
     lines = dict(MOUNTS)
     for key, mount in proposed_mounts(summary, {"tray": tray}).items():

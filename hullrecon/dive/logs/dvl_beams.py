@@ -61,8 +61,8 @@ def choose_beams(
 ) -> Array:
     """Choose the beams (width, 3) in `dvl`: of the messages, else of dive.toml, else of the type.
 
-    Beams of the messages that point into the instrument are not believed: those of dive.toml are
-    then taken. Empty where the log has no ranges.
+    Beams of the messages that point into the instrument are wrong: those of dive.toml are then
+    taken. Empty where the log has no ranges.
 
     Parameters
     ----------

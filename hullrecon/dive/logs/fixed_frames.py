@@ -100,7 +100,8 @@ def fixed_sensors(
     """Compute the poses of the sensors whose frames tf_static reaches, by sensor.
 
     Poses are in the vehicle where tf_static leads up to it, else on the sensor's servo. A sensor
-    whose frame leads to neither is left out. One with a doubt has it in place of a pose.
+    whose frame has neither above it is left out. One whose pose is in doubt gets the doubt, and a
+    pose of zeros.
 
     Parameters
     ----------

@@ -128,9 +128,9 @@ def dvl_pings(
     ----------
     samples : pings in order of time
     beams : (b, 3) directions of dive.toml in `dvl`, for messages without; None: not given
-    sigma : of a velocity, m/s, where a message has none
+    sigma : standard deviation of a velocity, m/s, where a message has none
     notes : what was assumed or left out is added
-    unit : of METRES_A_SECOND, of the logged velocities and of their sigmas
+    unit : key of METRES_A_SECOND by which the logged velocities and their sigmas are converted
 
     Raises
     ------

@@ -3,9 +3,9 @@
 """Put the sensors of a bag onto one time base, by when their messages were logged.
 
 Each message of a bag has two times: the stamp of its sensor and when it was logged. The time of
-logging minus the stamp is known for every topic, so that stamps of different bases (a simulator's
-time, a clock that was never set, a topic without stamps) can be joined. It is positive where the
-stamp is earlier than the logging, and is called the lag here.
+logging minus the stamp is known for every topic. With it stamps of different bases (a simulator's
+time, a clock that was never set, a topic without stamps) are put onto one base. It is positive
+where the stamp is earlier than the logging, and is called the lag here.
 """
 
 from __future__ import annotations
@@ -77,8 +77,9 @@ class BagStamps:
     def drift(self) -> tuple[float, Ints] | None:
         """Fit a line to the lags of a clock that runs faster or slower than the logger's.
 
-        None where the lags do not grow or shrink along a line, as those of a clock do. A clock
-        that is slow by more than FASTEST_DRIFT cannot be told from a queue that grows.
+        None where the lags do not grow or shrink along a line, as those of a clock do. The line is
+        also found for a queue of messages that grows: from the lags it looks like a clock that is
+        slow by more than FASTEST_DRIFT.
 
         Returns
         -------

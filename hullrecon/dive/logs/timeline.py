@@ -268,9 +268,9 @@ def _stepped_back(stamp: Ints, logged: Ints, period: int, least: int, again: int
 def _refuse_open_step(name: str, stamp: Ints, log: Ints) -> None:
     """Raise InputError where stamps (n,) fall back so far that a gap stays before the log's start.
 
-    The clock was set back by more than the log lasted, or two recordings were joined, and nothing
-    tells by how much. Where the later part ends just before the earlier one begins, the two were
-    only logged in another order.
+    The clock was set back by more than the log lasted, or two recordings were put into one log, and
+    nothing tells by how much. Where the later part ends just before the earlier one begins, the two
+    were only logged in another order.
     """
     for number in np.unique(log):
         part = stamp[log == number]

@@ -54,7 +54,7 @@ def record(stream: BinaryIO, at: int, size: int) -> tuple[Head, bytes, int]:
     """Read head and data of the record at byte `at`, and the byte behind it.
 
     Raises DamagedError where no whole record of a known kind lies there, so that damage is noticed
-    before its lengths are believed. size: of the file, bytes.
+    before its lengths are used. size: of the file, bytes.
     """
     if at >= size:
         raise DamagedError(f"it would lie behind the end of the file, {size} bytes")

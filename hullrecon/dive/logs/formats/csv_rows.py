@@ -36,7 +36,7 @@ def read_rows(path: Path, needed: Sequence[str]) -> Iterator[tuple[int, Row | No
 
     Parameters
     ----------
-    path : of the table
+    path : the table's file
     needed : columns that every row needs
 
     Raises

@@ -128,7 +128,11 @@ def packed_at(body: bytes, length: int) -> int | None:
 
 
 def read_chunk(stream: BinaryIO, at: int, end: int) -> Chunk:
-    """Read the chunk at byte `at`, whatever its opcode says, if its lengths agree."""
+    """Read the chunk at byte `at`, still packed, whatever its opcode says.
+
+    Raises DamagedError where its lengths do not agree, or where it is cut off or too large.
+    end: byte before which it has to end.
+    """
     _, length = head(stream, at, end)
     start = packed_at(stream.read(min(length, CHUNK_HEAD)), length)
     if start is None:

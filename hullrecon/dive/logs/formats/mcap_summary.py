@@ -74,7 +74,7 @@ def is_end_of_data(stream: BinaryIO, opcode: int, length: int, at: int, size: in
     Parameters
     ----------
     stream : the file
-    opcode, length : of the record
+    opcode, length : kind of the record, and bytes behind its head
     at, size : where the record begins, and the size of the file
     """
     footer = _footer(stream, size)

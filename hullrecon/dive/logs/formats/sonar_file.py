@@ -38,7 +38,7 @@ def read_ping(path: Path, number: int = 0, window_m: tuple[float, float] | None 
 
     Parameters
     ----------
-    path : of the file
+    path : the file
     number : which ping, from 0, of a file of an Oculus or a DIDSON
     window_m : ranges at which the samples of a DIDSON begin and end, which its file does not
         state. None for any other file
@@ -83,7 +83,10 @@ def _begins_with(path: Path, magic: bytes) -> bool:
 
 
 def _didson(path: Path, number: int, window_m: tuple[float, float] | None) -> Ping:
-    """Read a frame of a DIDSON's file. Its samples divide the window evenly."""
+    """Read a frame of a DIDSON's file: image, no azimuths, ranges.
+
+    Its samples divide the window evenly. Raises ValueError without a window, or for an absurd one.
+    """
     image = didson_frames.read_frame(path, number)
     if window_m is None:
         raise ValueError("a DIDSON's file states no ranges in metres: give range_from and range_to")

@@ -44,7 +44,11 @@ class VideoFrames:
         self._next = 0
 
     def jpeg(self, number: int) -> bytes:
-        """Encode a frame by its number from 0. Numbers have to grow from call to call."""
+        """Encode a frame as JPEG by its number from 0.
+
+        Frames are only read forward, so that numbers have to grow from call to call. Raises
+        ValueError where they do not, and for a frame that is not there.
+        """
         import cv2
 
         if not self._next <= number < MOST_FRAMES:

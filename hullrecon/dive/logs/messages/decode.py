@@ -65,7 +65,10 @@ def _type_store(channel: Channel) -> Typestore | str:
 
 
 def _from_definition(channel: Channel) -> Typestore:
-    """Compile the message definition that the log itself holds, within limits of its size."""
+    """Compile the message definition that the log itself holds.
+
+    Raises DamagedError for one that would take hours to compile or to decode by.
+    """
     from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
     store = get_typestore(Stores.EMPTY)

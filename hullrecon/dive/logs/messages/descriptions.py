@@ -64,7 +64,11 @@ def frame_doubts(messages: Iterable[Fields]) -> dict[str, str]:
 
 
 def _transforms(messages: Iterable[Fields]) -> Iterator[tuple[str, str, Poses | None]]:
-    """Yield child, parent and parent_from_child, None in its place where it has no rotation."""
+    """Yield child, parent and parent_from_child of each transform of tf_static messages.
+
+    The pose is None where its quaternion is not of unit length, or its shift not finite. Transforms
+    that lack a part are left out.
+    """
     for transform in (t for message in messages for t in getattr(message, "transforms", ())):
         try:
             r, child, parent = (

@@ -111,7 +111,10 @@ class PlainLog:
         return [f"{sensor}.csv" for sensor in COLUMNS if (self.path / f"{sensor}.csv").exists()]
 
     def named_files(self) -> list[Path]:
-        """List the existing files that tables name, relative to the package if inside."""
+        """List the existing images, videos and pings that tables name.
+
+        Paths are relative to the package, absolute for files outside of it.
+        """
         names = {
             row["file"]
             for sensor in ("camera_top", "camera_bottom", "sonar")
@@ -232,7 +235,10 @@ class PlainLog:
         return ImageSample(_read_stamp_ns(row), camera, b"", self._in_package(path).as_posix())
 
     def _read_video_frame(self, camera: str, path: Path, row: Row) -> bytes:
-        """Read a frame of a video as JPEG. Rows have to be in the order of the frames."""
+        """Read a frame of a video as JPEG. Rows have to be in the order of the frames.
+
+        The video stays open for the next row, as decoders only read forward.
+        """
         if not (row.get("frame") or "").strip().isdecimal():
             raise ValueError("a video needs the number of its frame in column frame")
         name, video = self._videos.get(camera, (None, None))
@@ -392,7 +398,11 @@ def _read_number(value: str, lost: bool = False) -> float:
 
 
 def _read_stamp_ns(row: Row) -> int:
-    """Read seconds since 1970 as nanoseconds, exact to the digits written, or a date and time."""
+    """Read seconds since 1970 as nanoseconds, exact to the digits written, or a date and time.
+
+    Raises ValueError for anything else, with the seconds (_LateStampError) for stamps that are far
+    too late: they may be in another unit.
+    """
     text = row["t"].strip()
     try:
         seconds = float(text)

@@ -42,7 +42,11 @@ class Rosbag1Log(FileLog):
     kind = "ROS 1 bag"
 
     def _read(self) -> Iterator[Message]:
-        """Yield the messages by the index, or from the bag's start without one."""
+        """Yield the messages by the index, or from the bag's start without one.
+
+        What could not be read becomes losses. At the end the counts that the index states are
+        compared with those that were read.
+        """
         size = self.path.stat().st_size
         connections, budget = Connections(), UnpackBudget(size)
         with self.path.open("rb") as stream:

@@ -77,7 +77,7 @@ def _parse_df20(data: bytes, start: int) -> BottomTrack:
 
     Parameters
     ----------
-    data : of the block
+    data : what lies behind the block's header
     start : byte at which the values of the beams begin
     """
     (config,) = fields("<H", data, 2)

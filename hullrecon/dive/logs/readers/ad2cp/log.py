@@ -79,7 +79,10 @@ class Ad2cpLog(FileLog):
     gives_samples = True
 
     def _read(self) -> Iterator[Message]:
-        """Yield velocities and attitudes of the bottom tracks, and note what else was met."""
+        """Yield velocities and attitudes of the bottom tracks, and note what else was met.
+
+        The beams' directions are those of the configuration that stands before a ping.
+        """
         seen: Counter[str] = Counter()
         beams: dict[int, Array] = {}
         with self.path.open("rb") as stream:

@@ -34,7 +34,7 @@ class OculusLog(FileLog):
     gives_samples = True
 
     def _read(self) -> Iterator[Message]:
-        """Yield the pings, and count items of other kinds."""
+        """Yield the pings. Items of other kinds are counted, damaged ones become losses."""
         pings, others, budget = 0, 0, UnpackBudget(self.path.stat().st_size)
         with self.path.open("rb") as stream:
             for start, end, found in items(stream, self._first_item(stream), budget):
