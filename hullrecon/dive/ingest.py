@@ -446,8 +446,9 @@ class _Source:
         """Collect the samples of a sensor in order of time, without duplicates.
 
         Empty where it was not logged. Attitudes and depths of the DVL's own sensors are ignored
-        where another sensor was logged. Clock jumps and bursts are corrected. Readings that were
-        written twice, or that a driver repeated until the next one, are dropped.
+        where another sensor was logged. Clock jumps are corrected. Readings that were stamped in
+        bursts, when a buffer was read, are spread over the time in which they were measured.
+        Readings that were written twice, or that a driver repeated until the next one, are dropped.
 
         Parameters
         ----------

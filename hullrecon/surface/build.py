@@ -79,7 +79,8 @@ def gaussian_process(
     charted
         Along, girth and offset (n, 3) m of the observations.
     observed
-        The same observations (n,), of which the independent sigma is taken.
+        The same observations (n,). Of their sigmas only the independent `noise` is used:
+        `build_surface` adds what poses share afterwards.
     wanted
         Along and girth (k, 2) m at which offsets are predicted.
     options
@@ -90,7 +91,7 @@ def gaussian_process(
     Returns
     -------
     offset, sigma, facts
-        (k,) m each, and facts for surface.json.
+        (k,) m each, the sigma without the error that poses share, and facts for surface.json.
     """
     noise = np.hypot(observed.noise, ROUGHNESS_SIGMA_M)
     seen = cell_means(charted[:, :2], charted[:, 2], noise, options.cell_m)

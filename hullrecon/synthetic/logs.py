@@ -72,7 +72,11 @@ def _write_joints(path: Path, streams: Streams) -> None:
 
 
 def _write_images(folder: Path, streams: Streams) -> None:
-    """Write the images of all cameras frame by frame, then a table for each camera."""
+    """Write the images of all cameras frame by frame, then a table for each camera.
+
+    Frames are rendered when they are read. So all cameras' images of a frame are written before the
+    next one.
+    """
     for camera in streams.cameras:
         (folder / camera).mkdir(exist_ok=True)
     stamps = seconds(streams.frame_s) if streams.cameras else []

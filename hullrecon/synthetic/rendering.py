@@ -114,10 +114,16 @@ def lens_error(spec: DiveSpec, name: str, camera: CameraModel) -> Array | None:
 
 
 def _paint(dive: Dive) -> Albedo:
-    """Make the albedo of the hull, with repeated or bare paint if the spec says so."""
+    """Choose the colours of the hull, made hard for image matching if the spec asks for it.
+
+    The colours come again every `repeats_m` along the hull, so that places look alike. Or the paint
+    is of one tone over the share `bare_share` of the legs, from their end towards the stern, so
+    that images show nothing.
+    """
     paint, survey = dive.spec.paint, dive.spec.survey
     if paint.bare_share == 0 and paint.repeats_m is None:
         return _choose_atlas(dive)
+    # forward end of the bare paint; the legs lie about the middle of the hull that is seen
     bare_to_m = float(np.mean(dive.seen_along)) + (paint.bare_share - 0.5) * survey.leg_length_m
     return PaintedHull(
         albedo=_choose_atlas(dive),

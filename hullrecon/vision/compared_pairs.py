@@ -134,7 +134,7 @@ class ComparedPairs:
         """
         return self.proposal.first * nodes + self.proposal.second
 
-    def joined_with(
+    def followed_by(
         self, proposal: Proposal, found: Sequence[PairMatch], number: int
     ) -> ComparedPairs:
         """Append the pairs of another round, whose number is `number`, with their results.
@@ -169,8 +169,12 @@ class ComparedPairs:
         rejected[self.kept()[links]] = True
         return replace(self, rejected=rejected)
 
-    def accepting(self, accepted: Mask) -> ComparedPairs:
-        """Reject the matched pairs of the last round that place recognition does not accept.
+    def keeping_recognised(self, accepted: Mask) -> ComparedPairs:
+        """Reject those of the newest pairs that place recognition did not accept.
+
+        Recognition proposed and compared the last a pairs, and accepts a group that confirms
+        itself, or none. The others stay listed as rejected: they give no link, and are not compared
+        again.
 
         accepted: (a,) one for each of the last a pairs. Earlier pairs stay as they are.
         """

@@ -194,7 +194,7 @@ def link_images(
     usable = np.asarray((dive.trajectory.image >= 0).any(axis=1))
     keyframes = select_keyframes(track, usable, depth_m, scene.camera)
     neighbours = propose_neighbours(track, keyframes, depth_m, scene.camera, options)
-    compared = ComparedPairs.none().joined_with(neighbours, scene.match(track, neighbours), 0)
+    compared = ComparedPairs.none().followed_by(neighbours, scene.match(track, neighbours), 0)
     matched = len(compared.kept())
     if appearance:
         compared = reject_look_alikes(scene, track, keyframes, compared)
@@ -336,8 +336,8 @@ class _Rounds(Generic[Solved]):
             if places is None:
                 break
             number = 1 + int(compared.round.max(initial=0))
-            tried = compared.joined_with(places.proposal, places.found, number)
-            closed, path = tried.accepting(places.accepted), solved
+            tried = compared.followed_by(places.proposal, places.found, number)
+            closed, path = tried.keeping_recognised(places.accepted), solved
             if places.accepted.any():
                 # Without the solution so far as a start: the closed path is far from it.
                 path = self.solve_path(closed.links(self.scene.bottom), None)
@@ -345,7 +345,7 @@ class _Rounds(Generic[Solved]):
                 # question is whether these images match at all.
                 closed, path = self.link_legs(closed.rejecting(path.rejected), path, 1, 0.0)
             if not is_confirmed(closed, number):
-                compared = tried.accepting(np.zeros_like(places.accepted))
+                compared = tried.keeping_recognised(np.zeros_like(places.accepted))
                 reason = "the images that it puts beside each other do not match"
                 recognised.append(places.refused(reason))
                 break
@@ -368,7 +368,7 @@ class _Rounds(Generic[Solved]):
         """
         bottom = self.scene.bottom
         found = self.scene.match(track, proposal)
-        compared = compared.joined_with(proposal, found, 1 + int(compared.round.max(initial=-1)))
+        compared = compared.followed_by(proposal, found, 1 + int(compared.round.max(initial=-1)))
         if not any(pair.reason is Reason.MATCHED for pair in found):
             return compared, solved, False
         contradicted = contradicted_links(compared.links(bottom), compared.across())

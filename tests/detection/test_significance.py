@@ -10,8 +10,8 @@ from hullrecon.detection.objects.regions import (
     find_regions,
     height_sigma,
     p_value,
-    relief_left,
     roughness,
+    unresolved_relief,
 )
 from hullrecon.detection.options import DetectOptions
 
@@ -46,9 +46,9 @@ def test_relief_is_scatter_beyond_landmark_noise() -> None:
     random = np.random.default_rng(2)
     noise, relief = random.normal(0, 0.003, 4000), random.normal(0, 0.004, 4000)
     sigma = np.full(4000, 0.003)
-    assert relief_left(noise, sigma) < 0.001
-    assert relief_left(noise + relief, sigma) == pytest.approx(0.004, rel=0.1)
-    assert relief_left(np.zeros(0), np.zeros(0)) == 0.0
+    assert unresolved_relief(noise, sigma) < 0.001
+    assert unresolved_relief(noise + relief, sigma) == pytest.approx(0.004, rel=0.1)
+    assert unresolved_relief(np.zeros(0), np.zeros(0)) == 0.0
 
 
 def test_places_do_not_depend_on_object_size() -> None:

@@ -47,10 +47,15 @@ def expected_cad_error(cad_model: CadModel) -> CadError:
 def distance_covariance(cad_error_model: CadError, cad_model: CadModel, at: Array) -> Array:
     """Compute the covariance (n, n) of signed distances of points (n, 3) in M to the CAD model.
 
-    It is the sum of smooth error, offset, facets and noise. The facets make a pattern that repeats
-    over the survey, which no stationary covariance describes. So all points on one facet together
-    have the information of a single point (docs/methods.md 9). The facets' sigma is taken three
-    times, because otherwise a slide by one facet looks like a better pose.
+    Used to weigh the distances when the hull's pose is fitted. Four errors add up: the smooth error
+    of the CAD model, an offset of the whole hull, the noise of each point, and the mesh's facets,
+    flat faces that cut into a curved hull.
+
+    The facets make a pattern that repeats over the survey, which no stationary covariance
+    describes. Instead their error is taken as independent from point to point, with a variance so
+    much larger that all points of one facet together weigh as a single one (`facet_variance`,
+    docs/methods.md 9). Its sigma is tripled, because otherwise a slide by one facet looks like a
+    better pose.
     """
     along_girth = chart_coordinates(cad_model, at)
     return _covariance(cad_error_model, along_girth, facet_variance(cad_model, at, sigmas=3.0))

@@ -23,8 +23,8 @@ from hullrecon.detection.objects.regions import (
     find_regions,
     height_sigma,
     p_value,
-    relief_left,
     roughness,
+    unresolved_relief,
 )
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import CameraViews, rows_in_image, visible_rows
@@ -259,7 +259,7 @@ def _collect_evidence(
     # bluntness, by which a peak may be higher than was measured, and the relief between landmarks
     # that smoothing has removed.
     stands, over, own = landmarks.on(found, region, _top_rows(found, region))
-    unresolved = relief_left(over[stands], own[stands])
+    unresolved = unresolved_relief(over[stands], own[stands])
     sigma = float(np.sqrt(sigma**2 + rough**2 + region.bluntness**2 + unresolved**2))
     return _RegionEvidence(
         region=region, center=_center(found, region, area), seen=seen, chance=chance, sigma=sigma

@@ -34,11 +34,12 @@ def height_sigma(found: HullAsFound, region: Region) -> float:
     return float(np.hypot(top, hull))
 
 
-def relief_left(over_m: Array, sigma_m: Array) -> float:
-    """Estimate the relief that smoothing has removed, m.
+def unresolved_relief(over_m: Array, sigma_m: Array) -> float:
+    """Estimate the relief between landmarks that the as-found surface does not show, m.
 
-    Where landmarks are too far apart for the relief, the surface passes between them. So it is the
-    scatter of landmarks about the surface, beyond their own sigmas. Zero without landmarks.
+    Where landmarks are too far apart to resolve the relief, the surface passes between the high and
+    the low ones. The relief is what their scatter about the surface has beyond their own sigmas. It
+    is a part of the sigma of an object's height. Zero without landmarks.
 
     Parameters
     ----------

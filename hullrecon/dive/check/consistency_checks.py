@@ -124,7 +124,7 @@ def _check_gravity(imu: ImuSamples, frame: str) -> list[Finding]:
 
     An accelerometer at rest measures -g along z of `global`, which points down. Gravity that points
     up shows the other convention of `imu.frame`. Nothing is reported for accelerations that hold no
-    gravity.
+    gravity. frame: `imu.frame` of dive.toml, ned or enu.
     """
     felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
     felt = felt[np.isfinite(felt).all(axis=1)]

@@ -119,10 +119,14 @@ def read_pose_in_top(path: Path, topics: Mapping[str, str]) -> tuple[float, ...]
 
 
 def camera_of(data: Mapping[str, object], where: str) -> CameraModel:
-    """Build the camera from the keys of a camera_info YAML, of the message or of OpenCV's samples.
+    """Build the camera of the images as they are logged: cropped and binned as the file says.
 
-    Raises InputError for keys that are missing or wrong, and for images too large to be read.
-    where: the file, for errors.
+    Three sets of key names are understood (NAMES): those of a camera_info YAML (image_width,
+    camera_matrix), of the ROS message CameraInfo (width, K), and of OpenCV's sample programs
+    (cameraMatrix). Raises InputError for keys that are missing or wrong, and for images too large
+    to be read.
+
+    data: the parsed file. where: its name, for errors.
     """
     for name, others in NAMES.items():
         found = next((data[other] for other in others if other in data), None)

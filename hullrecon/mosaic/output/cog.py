@@ -149,7 +149,9 @@ def write_cog(
 def _compress(
     picture: Picture, predictor: int, nodata: float | None, scratch: BinaryIO
 ) -> tuple[CompressedTiles, Level]:
-    """Compress the blocks of a picture, and halve it in the same pass.
+    """Compress a picture by blocks of the file, and halve it in the same pass.
+
+    Each block is read once. The tiles of the halved picture are each made of one block.
 
     Parameters
     ----------

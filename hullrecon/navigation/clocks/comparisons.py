@@ -510,14 +510,24 @@ def _vehicle_from_dvl(servo: Servo, rig: Rig, t_ns: Ints) -> Rotation:
 
 
 def _rows_apart(t_ns: Ints, apart_s: float) -> Ints:
-    """Choose triples of pings that lie apart_s from each other, for second differences.
+    """List the rows of three pings each that lie about apart_s from one to the next.
 
-    A ping is left out as the first of three where another comes too late (LATE), as in an outage.
+    Of a quantity at three such pings the second difference is formed, in which a constant bias and
+    a steady drift cancel. The second and third ping are the first ones at or after the wanted time.
+    A triple is dropped where one of them comes later than that by more than LATE * apart_s, as
+    after an outage.
+
+    Parameters
+    ----------
+    t_ns
+        Times (n,) of the pings, in order.
+    apart_s
+        From the first to the second, and from the second to the third.
 
     Returns
     -------
     Ints
-        Rows (m, 3) of the three, thinned evenly to about MOST_ROWS. Empty without any.
+        Rows (m, 3) of `t_ns`, thinned evenly to about MOST_ROWS. (0, 3) where there are none.
     """
     rows = [np.arange(len(t_ns))]
     near = np.ones(len(t_ns), bool)

@@ -161,11 +161,19 @@ def _history(imu: ImuSamples | None, sigma_tilt_rad: float) -> AttitudeHistory |
 def _prepare_guess(
     t_ns: Ints, history: AttitudeHistory | None, vehicle_from_camera: Poses
 ) -> StepGuess:
-    """Collect what steps can be guessed from, where images do not show them.
+    """Collect what a motion between two stereo pairs is guessed from where their images fail.
 
-    With an IMU these are its turns, else the previous step alone.
+    Its translation is guessed from the motion before it, and its turn from the IMU. Without an IMU
+    both come from the motion before.
 
-    t_ns (n,): of the pairs. vehicle_from_camera: of the top camera (n) at the pairs.
+    Parameters
+    ----------
+    t_ns
+        Times (n,) of the stereo pairs.
+    history
+        Attitude (global_from_vehicle) by the IMU, None without one.
+    vehicle_from_camera
+        Poses (n) of the top camera at these times, which follow the tray.
     """
     t_s = seconds(t_ns, int(t_ns[0]))
     if history is None:

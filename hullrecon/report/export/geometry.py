@@ -75,9 +75,10 @@ def header_comments(survey: Survey) -> list[str]:
 
 
 def landmarks_ply(survey: Survey, solution: Solution) -> bytes:
-    """Encode landmarks.ply (docs/deliverables.md).
+    """Encode landmarks.ply (docs/deliverables.md), in M, without a CAD model in g.
 
-    sigma is that of one axis: the square root of a third of the covariance's trace.
+    track is the number of images that saw a landmark. sigma is that of one axis: the square root of
+    a third of the covariance's trace.
     """
     sigma = np.sqrt(np.einsum("nii->n", solution.landmarks.covariance) / 3)
     color = {

@@ -158,8 +158,9 @@ def _render(ship: Mesh, patch: Mesh, side: Side, bounds: tuple[Array, Array]) ->
 
 
 def _shaded_faces(mesh: Mesh, side: Side, tint: Array) -> tuple[Array, Array]:
-    """Select the faces that the viewer sees (m, 3, 2), farthest first, and their colours (m, 3).
+    """Project the faces that the viewer sees, farthest first, and shade them.
 
+    Returns their corners (m, 3, 2) m in the picture's axes, and their RGB colours (m, 3), 0 to 1.
     Drawn in this order, nearer faces cover farther ones. Faces turned away are left out.
     """
     normal = face_normals(mesh)

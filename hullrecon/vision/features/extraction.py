@@ -135,12 +135,12 @@ def to_raw_pixels(keypoints: Floats32, step: Floats32) -> Floats32:
 def is_clear_of_border(keypoints: Floats32, shape: tuple[int, ...], window_px: float) -> Mask:
     """Select keypoints (n, 4) that are far enough from the border not to be displaced by it.
 
-    Filters mirror the image there.
+    Near the border, filters work on a mirrored image, which shifts features.
 
     Parameters
     ----------
     keypoints
-        In raw pixels.
+        (n, 4) x, y, size, response, in raw pixels.
     shape
         Shape (h, w, ...) of the raw image.
     window_px

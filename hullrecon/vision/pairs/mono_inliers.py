@@ -122,15 +122,27 @@ def refine_on_inliers(
 ) -> tuple[Array, Array]:
     """Refine a motion on the matches that agree with the most likely motion.
 
-    The most likely motion, that of matches and navigation together, shows which matches are wrong.
-    All matches (n, 2) are taken where navigation does not know the motion well, or contradicts the
-    one fitted without it. As many wrong matches as were rejected may be left among the inliers. So
-    the rejected ones count in the variance with the residual of the limit.
+    The most likely motion is that of matches and navigation together. It shows which matches are
+    wrong, and has no further part in the result. All matches are taken where navigation does not
+    know the motion well, or contradicts the one fitted without it.
+
+    The covariance is enlarged for wrong matches that happen to lie within the limit and stay. It is
+    scaled by the mean square of the residuals of all matches, those of rejected ones set to the
+    limit, over that of the inliers.
+
+    Parameters
+    ----------
+    start
+        Motion (4, 4), second_from_first, with |t| = 1.
+    first, second
+        Matches (n, 2) in both images, ideal coordinates.
+    prior
+        Navigation's motion. None where it is not known: all matches are then taken.
 
     Returns
     -------
     motion
-        (4, 4) with |t| = 1.
+        (4, 4), second_from_first, with |t| = 1.
     covariance
         (5, 5) of its rotation and direction.
     """

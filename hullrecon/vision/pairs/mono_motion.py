@@ -114,11 +114,12 @@ def with_length(motion: Array, covariance: Array, prior: Motion | None) -> Motio
 
 
 def navigation_chi2(found: Motion, prior: Motion) -> float:
-    """Compute chi-square between a motion without a length and navigation's.
+    """Compute chi-square between the rotation and direction of a motion and navigation's motion.
 
-    A large one means a wrong match, or the wrong one of a plane's two motions. It has five degrees
-    of freedom. The length is the non-negative one that agrees best, so that a direction says little
-    where the vehicle hardly moved.
+    A large one means that the two images do not show the same place, or that it is the wrong one of
+    a plane's two motions. It has five degrees of freedom. The length in `found` is navigation's own
+    and is not used. In its place is the non-negative one that agrees best, so that a direction says
+    little where the vehicle hardly moved.
     """
     own, wanted = found.second_from_first, prior.second_from_first
     turn = Rotation.from_matrix(wanted[:3, :3].T @ own[:3, :3]).as_rotvec()

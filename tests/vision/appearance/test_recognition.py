@@ -352,9 +352,9 @@ def compared_pairs(matched, rounds):
 
 def test_of_last_pairs_those_that_are_not_accepted_are_rejected():
     pairs = compared_pairs([True, False, True, True, False, True], [0, 0, 0, 1, 1, 1])
-    left = pairs.accepting(np.array([True, False, False]))
+    left = pairs.keeping_recognised(np.array([True, False, False]))
     assert left.rejected.tolist() == [False, False, False, False, False, True]
-    assert not pairs.accepting(np.zeros(0, bool)).rejected.any()
+    assert not pairs.keeping_recognised(np.zeros(0, bool)).rejected.any()
 
 
 @pytest.mark.parametrize(

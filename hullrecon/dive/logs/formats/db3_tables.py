@@ -50,9 +50,12 @@ class Database:
             self.connection.execute(f"PRAGMA {pragma}")
 
     def channels(self) -> dict[int, Channel]:
-        """Read the topics by their number. Topics whose row has no texts are left out.
+        """Read the topics by their number.
 
-        Raises DamagedError for a database that is none of rosbag2, or in which code computes them.
+        Those whose name, type or format is no text are left out.
+
+        Raises DamagedError for a database without the tables of rosbag2, or in which they are views
+        or computed columns, which would run code of the file.
         """
         tables = {name: kind for _, name, kind, *_ in self.connection.execute("PRAGMA table_list")}
         for name in ("topics", "messages"):

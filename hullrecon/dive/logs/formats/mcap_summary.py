@@ -53,6 +53,8 @@ class Summary:
 def read_summary(stream: BinaryIO, size: int) -> Summary | None:
     """Read the summary. None where there is none, or where it cannot be trusted.
 
+    With it, chunks can be read by their place in the file instead of from the start.
+
     Its checksum, where it has one, must hold, and no message may lie outside the chunks that it
     names.
     """
@@ -96,7 +98,10 @@ def claims_summary(stream: BinaryIO, size: int) -> bool:
 
 
 def _footer(stream: BinaryIO, size: int) -> tuple[int, int] | None:
-    """Read where the summary starts, and where the footer. None without a footer."""
+    """Read from the footer where the summary starts, and where the footer itself starts, in bytes.
+
+    The summary starts at 0 where there is none. None where the file does not end with a footer.
+    """
     at = size - FOOTER_SIZE - len(MAGIC)
     try:
         if at < len(MAGIC) or head(stream, at, size) != (FOOTER, 20):
