@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
+from hullrecon.geometry.rotations import mount_angles_deg
 from hullrecon.typing import Array, Ints, Ints32, Mask
 
 
@@ -178,6 +179,14 @@ def from_mount(mount: ArrayLike) -> Poses:
     """Make a pose of dive.toml's six numbers: x y z in m, roll pitch yaw in degrees."""
     m = np.asarray(mount, float)
     return from_rpy(m[:3], np.radians(m[3:]))
+
+
+def to_mount(pose: Poses) -> list[float]:
+    """Write one pose (a batch of one) as dive.toml's six numbers, the inverse of `from_mount`.
+
+    Rounded to millimetres and hundredths of a degree, for a user to copy.
+    """
+    return [*pose.translation[0].round(3).tolist(), *mount_angles_deg(pose.rotation)]
 
 
 def pose_vector(pose: Poses) -> Array:

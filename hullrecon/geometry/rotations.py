@@ -34,7 +34,7 @@ def roll_pitch_yaw(rotation: Rotation) -> Array:
 
 
 def mount_angles_deg(rotation: Rotation) -> list[float]:
-    """Write one rotation as dive.toml has it: roll, pitch, yaw, deg, to hundredths.
+    """Convert one rotation to the roll, pitch and yaw of dive.toml, in hundredths of a degree.
 
     At a pitch of 90 degrees, where roll and yaw turn about one axis, yaw is 0.
     """

@@ -100,5 +100,5 @@ def test_the_legend_says_where_the_map_is_finer(tiled: Survey) -> None:
     alone, beside = (survey_layers(tiled, view, tiles)[0].note for tiles in ((), {"optical"}))
     assert alone.endswith("Shown at 6.0 mm a pixel; ortho_optical.tif has 2.0 mm.")
     assert beside.endswith(
-        "Shown at 6.0 mm a pixel, closer up at 2.0 mm from the folder tiles beside this page."
+        "Shown at 6.0 mm a pixel, closer up at 2.0 mm where the folder tiles is beside this page."
     )

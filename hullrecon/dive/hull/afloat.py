@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.charts.section_casting import AXES
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.geometry.poses import Poses
-from hullrecon.geometry.rotations import mount_angles_deg
+from hullrecon.geometry.poses import Poses, to_mount
 from hullrecon.typing import Array
 
 HEIGHT_SIGMA_M = 0.3  # of the height of hull.pose where pose_sigma is not given
@@ -23,8 +22,8 @@ def find_sunk(
 ) -> Finding | None:
     """Report a CAD model that lies wholly under the water, as one upside down does.
 
-    None where its top is above the water, or may be by the sigma of its height. The finding
-    proposes the pose that turns it by half a turn about its length.
+    Nothing is reported where its top is above the water, or may be by the sigma of its height. The
+    finding proposes the pose that turns it by half a turn about its length.
 
     Parameters
     ----------
@@ -42,6 +41,7 @@ def find_sunk(
     if top_m <= SUNK_SIGMAS * sigma_m:
         return None
     over = Rotation.from_rotvec(np.pi * np.round(ship_axes[0]))
-    pose = [*guess.translation[0].round(3).tolist(), *mount_angles_deg(guess.rotation * over)]
+    turned = Poses((guess.rotation * over).as_quat(), guess.translation)
+    pose = to_mount(turned)
     values = {"top_m": top_m, "bottom_m": bottom_m, "up": AXES[upward], "pose": pose}
     return Finding("hull-under-water", values)

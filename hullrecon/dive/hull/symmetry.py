@@ -15,8 +15,7 @@ from hullrecon.dive.hull.mirrors import find_openings
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.charts.section_casting import AXES
 from hullrecon.geometry.meshes.mesh import Mesh, face_areas
-from hullrecon.geometry.poses import Poses, up_in
-from hullrecon.geometry.rotations import mount_angles_deg
+from hullrecon.geometry.poses import Poses, to_mount, up_in
 from hullrecon.typing import Array, Ints
 
 PLACES = 2000  # points on the skin that are reflected
@@ -53,10 +52,11 @@ def find_lying_side(mesh: Mesh, ship_axes: Array, guess: Poses) -> Finding | Non
 def _turned_up(guess: Poses, axis: Array) -> list[float]:
     """Turn a pose by a right angle about M's origin until an axis (3,) of M points up.
 
-    Returns the six numbers of dive.toml.
+    Returns the six numbers of hull.pose.
     """
     turn = Rotation.from_rotvec(0.5 * np.pi * np.round(np.cross(axis, up_in(guess))))
-    return [*guess.translation[0].round(3).tolist(), *mount_angles_deg(guess.rotation * turn)]
+    turned = Poses((guess.rotation * turn).as_quat(), guess.translation)
+    return to_mount(turned)
 
 
 def mirrored_share(mesh: Mesh, axis: int) -> float:

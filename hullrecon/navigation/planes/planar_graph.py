@@ -190,7 +190,9 @@ def _joint_covariance(solved: GraphSolution, patches: Patches, pairs: PatchPairs
 
 
 def _why_refused(offer: Offer, solved: GraphSolution) -> str | None:
-    """Explain why planes are left out. None where they are used, or where none was offered.
+    """Explain why planes are left out.
+
+    Returns None where planes are used, and where there was none to use.
 
     They are left out where few of them agree, where the hull is too rough, and where the solution
     with them asks for implausible errors of navigation.

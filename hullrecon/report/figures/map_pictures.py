@@ -98,9 +98,8 @@ def _resolution(layer: MapLayer, rasters: Mapping[str, Path], has_tiles: bool) -
     if full_m >= 0.999 * layer.step_m:
         return f"{shown}."
     if has_tiles:
-        return (
-            f"{shown}, closer up at {_millimetres(full_m)} from the folder tiles beside this page."
-        )
+        full = _millimetres(full_m)
+        return f"{shown}, closer up at {full} where the folder tiles is beside this page."
     return f"{shown}; {raster} has {_millimetres(full_m)}."
 
 

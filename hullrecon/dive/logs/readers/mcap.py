@@ -218,7 +218,9 @@ def checksum(stream: BinaryIO, end: int) -> int:
 
 
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
-    """Find where the next chunk begins, from byte `start` on. `size` where none follows.
+    """Find the byte, at or after `start`, at which the next chunk begins.
+
+    Returns `size`, the end of the file, if there is none.
 
     A chunk is accepted if the lengths in its head agree with each other. Bodies are not read: many
     bytes only look like a head, and reading the body behind each would take a time quadratic in the

@@ -133,7 +133,9 @@ class Rosbag1Log(FileLog):
 
 
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
-    """Find where the next chunk begins, from byte `start` on. `size` where none follows.
+    """Find the byte, at or after `start`, at which the next chunk begins.
+
+    Returns `size`, the end of the file, if there is none.
 
     A chunk is accepted if its head can be read and its data fit into the file. The data are not
     read: many bytes only look like a head, and reading the data behind each would take a time

@@ -165,7 +165,9 @@ class HeaderMark:
 
 
 def find_header(stream: BinaryIO, at: int, end: int, window: int, mark: HeaderMark) -> int:
-    """Find where the next header begins, from byte `at` on. `end` where none follows.
+    """Find the byte, at or after `at`, at which the next header begins.
+
+    Returns `end`, the size of the file, if there is none.
 
     Parameters
     ----------
