@@ -117,7 +117,7 @@ def blend_tile(
     image_views
         All views of the dive.
     windows
-        For each view the texels that it may see: all others are not asked.
+        For each view the texels that it may see. It is considered at these alone.
     limits
         How oblique a view may be, and how much that costs.
     channels

@@ -88,11 +88,11 @@ def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> S
     inside = np.zeros(shape[:2], bool)
     inside[window.meet(grid.whole).within(window)] = True
     good = np.isfinite(start[:, 0] + start[:, 1] + start[:, 2]) & inside.ravel()
-    gone, face = np.full(len(start), np.inf), np.full(len(start), -1, np.int32)
-    gone[good], face[good] = surface.scene.hit(start[good], direction[good])
-    off = gone > 2 * surface.reach_m
-    gone[off], face[off] = np.nan, -1
-    point = (start + gone[:, None] * direction).reshape(shape)
+    distance, face = np.full(len(start), np.inf), np.full(len(start), -1, np.int32)
+    distance[good], face[good] = surface.scene.hit(start[good], direction[good])
+    off = distance > 2 * surface.reach_m
+    distance[off], face[off] = np.nan, -1
+    point = (start + distance[:, None] * direction).reshape(shape)
     # Without a horizon, zero: any texel may be occluded
     if surface.horizon is None:
         tangent = np.zeros(shape[:2], np.float32)

@@ -178,10 +178,9 @@ class ComparedPairs:
 
         accepted: (a,) one for each of the last a pairs. Earlier pairs stay as they are.
         """
-        # Row of each kept pair among the last a ones, negative for earlier pairs. Index -1 looks up
-        # the True that is appended, so that earlier pairs stay.
-        rows = self.kept() - (len(self.found) - len(accepted))
-        return self.rejecting((rows >= 0) & ~np.append(accepted, True)[np.maximum(rows, -1)])
+        accepted_of_all = np.ones(len(self.found), bool)
+        accepted_of_all[len(self.found) - len(accepted) :] = accepted
+        return self.rejecting(~accepted_of_all[self.kept()])
 
     def sorted(self) -> ComparedPairs:
         """Sort the pairs by (first, second), the order in which they are stored."""

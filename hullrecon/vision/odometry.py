@@ -282,7 +282,7 @@ def _measured_motion(found: PairMatch) -> MeasuredMotion | None:
 def _with_disagreement(found: MeasuredMotion, again: MeasuredMotion) -> MeasuredMotion:
     """Add the difference of the motion matched forward and in reverse to the covariance.
 
-    Half its square is added: either of the two may be wrong.
+    Half its square is added, the variance of one of two measurements that differ by so much.
     """
     reversed_motion = again.motion.inverse().second_from_first
     turn = found.motion.second_from_first[:3, :3].T @ reversed_motion[:3, :3]

@@ -122,15 +122,16 @@ def seconds_beyond(t_ns: Ints, pressure: PressureSamples | None, span_ns: tuple[
 def _check_gravity(imu: ImuSamples, frame: str) -> list[Finding]:
     """Report an IMU whose measured acceleration is not opposite to gravity.
 
-    An accelerometer at rest measures -g along z of `global`, which points down. Gravity that points
-    up shows the other convention of `imu.frame`. Nothing is reported for accelerations that hold no
-    gravity. frame: `imu.frame` of dive.toml, ned or enu.
+    Accelerations are in `vehicle`, and are turned into `global` (z down) by the IMU's own
+    orientation. At rest they then point up, with the size of gravity. Where they point down, the
+    orientation follows the other convention of `imu.frame`. Nothing is reported for accelerations
+    that hold no gravity. frame: `imu.frame` of dive.toml, ned or enu.
     """
     felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
     felt = felt[np.isfinite(felt).all(axis=1)]
     if not len(felt) or np.linalg.norm(np.median(felt, axis=0)) < LEAST_FELT_M_S2:
         return []
-    # cosine between the measured push upward and the vertical, 1 where all is well
+    # cosine between the measured acceleration and the upward vertical, 1 where all is well
     up = -float(np.median(felt[:, 2])) / float(np.linalg.norm(np.median(felt, axis=0)))
     if up < UPSIDE_DOWN:
         other = "enu" if frame == "ned" else "ned"

@@ -107,6 +107,7 @@ def mend_shifted(
     for shifted in shifted_streams(records.by_name()):
         late_s = shifted.values["seconds"]
         assert isinstance(late_s, float)
+        # Only two offsets are possible: none, or the one that the ends of the log show.
         early_s = offset_by_motion(shifted.where, records, level, (0.0, -late_s))
         if early_s is None or abs(early_s + late_s) > SHIFTED_S:
             continue

@@ -172,6 +172,7 @@ def _describe_gap(name: str, span: Span, others: list[str], whole: Span, given_s
     gap_s = (span[0] - whole[1] if after else whole[0] - span[1]) / NS
     values: dict[str, object] = {"others": others, "seconds": gap_s, "after": after}
     hours, by_ends_s = whole_hours(span, whole), offset_by_ends(span, whole)
+    # Sensors of ALONE may run alone. That is believed unless hours and both ends explain the gap.
     of_zone = hours is not None and by_ends_s is not None
     if name in ALONE and gap_s < LONG_ALONE_S and not of_zone:
         return Finding("read-beside", values, name)

@@ -31,8 +31,10 @@ def find_sunk(
         In M.
     ship_axes
         Rows forward, port, up (3, 3) in M, along M's own axes, as the package's guess has them.
-    guess, guess_sigma_m
-        Of T_g_M (a batch of one), and of its translation (3,) in M's axes, None where not given.
+    guess
+        Guess of the hull pose T_g_M, a batch of one.
+    guess_sigma_m
+        Sigma (3,) of its translation, in M's axes. None where not given.
     """
     upward = int(np.abs(ship_axes[2]).argmax())
     sigma_m = HEIGHT_SIGMA_M if guess_sigma_m is None else float(guess_sigma_m[upward])

@@ -38,7 +38,7 @@ def find_lying_side(mesh: Mesh, ship_axes: Array, guess: Poses) -> Finding | Non
     ship_axes
         Rows forward, port, up (3, 3) in M, along M's own axes, as the package's guess has them.
     guess
-        Of T_g_M, by hull.pose (a batch of one).
+        Guess of the hull pose T_g_M, by hull.pose, a batch of one.
     """
     _, port, up = np.abs(ship_axes).argmax(axis=1).tolist()
     if mirrored_share(mesh, up) < SYMMETRIC or mirrored_share(mesh, port) > ASYMMETRIC:

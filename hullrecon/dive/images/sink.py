@@ -217,7 +217,8 @@ class SampledImages(BytesIO):
     def write(self, data: object, /) -> int:
         """Keep every `_stride`-th run of images, and drop the others.
 
-        The stride doubles whenever more than MOST images are kept.
+        The stride doubles whenever more than MOST images are kept. Returns the number of bytes, as
+        a file does.
         """
         assert isinstance(data, bytes)
         if (self._count // RUN) % self._stride == 0:

@@ -45,6 +45,7 @@ class ImageStore:
         return self._bytes(self.index, i)
 
     def _bytes(self, index: ImageIndex, i: int) -> Encoded:
+        """Read image i from its file in the package, or from the file of bytes that ingest kept."""
         file = str(index.file[i])
         path = self.ingest / f"images_{self.camera}.bin"
         if file:

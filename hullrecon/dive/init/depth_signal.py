@@ -77,7 +77,7 @@ class DepthSignal:
 
     @property
     def span_m(self) -> float:
-        """By how much the depth changes."""
+        """By how much the depth changes, m, without the outermost twentieths of the readings."""
         known = self._known()
         if not len(known):
             return 0.0

@@ -57,6 +57,7 @@ class TopicNote:
     end_ns: int = 0
 
     def sentence(self) -> str:
+        """Describe the topic in one line: its messages, their rate and their type."""
         seconds = (self.end_ns - self.start_ns) / NS
         many = count_noun(self.count, "message")
         pace = (

@@ -124,8 +124,10 @@ class CameraView:
             @ self.pose.rotation.as_matrix()[0].T
         )
         # A ray that misses has no end
-        gone = surface.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
-        return np.asarray(self.center + np.where(np.isfinite(gone), gone, np.nan)[:, None] * rays)
+        distance = surface.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
+        return np.asarray(
+            self.center + np.where(np.isfinite(distance), distance, np.nan)[:, None] * rays
+        )
 
     @property
     def size(self) -> tuple[int, int]:

@@ -151,7 +151,8 @@ def _compress(
 ) -> tuple[CompressedTiles, Level]:
     """Compress a picture by blocks of the file, and halve it in the same pass.
 
-    Each block is read once. The tiles of the halved picture are each made of one block.
+    Each block (BLOCK texels a side) is read once. Reduced to half its side, it is one tile of the
+    halved picture.
 
     Parameters
     ----------
@@ -296,7 +297,8 @@ def _assemble(
 ) -> None:
     """Write the directories, then the blocks from the smallest picture to the full size.
 
-    Each block stands between its length and a copy of its last four bytes, as GHOST says.
+    Each block stands between its length and a copy of its last four bytes. GHOST, in the header,
+    tells readers so.
     """
     whole = sum(size + 8 for level in levels for size in level.sizes)
     form = _Format(whole > CLASSIC_BYTES)

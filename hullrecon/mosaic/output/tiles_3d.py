@@ -224,6 +224,7 @@ def _mesh(pyramid: Pyramid, level: int, row: int, column: int, seen: Mask) -> Te
     good = np.asarray(np.isfinite(points).all(axis=2))
     cells &= good[:-1, :-1] & good[1:, :-1] & good[:-1, 1:] & good[1:, 1:]
     index = np.arange((count + 1) ** 2).reshape(count + 1, count + 1)
+    # Corners of each cell: upper left, upper right, lower left, lower right
     a, b, c, d = (
         index[s][cells] for s in (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
     )
@@ -316,11 +317,11 @@ def _vertices(
     # Rays along the chart's normals, from outside, meet the surface.
     # A hit farther than reach_m from the chart does not count
     start = base + surface.reach_m * outward
-    gone = np.full(len(start), np.nan)
+    distance = np.full(len(start), np.nan)
     known = np.isfinite(start).all(axis=1)
-    gone[known] = surface.scene.cast(start[known], -outward[known])
-    gone[~(gone <= 2 * surface.reach_m)] = np.nan
-    points = (start - gone[:, None] * outward).reshape(*xy.shape[:2], 3)
+    distance[known] = surface.scene.cast(start[known], -outward[known])
+    distance[~(distance <= 2 * surface.reach_m)] = np.nan
+    points = (start - distance[:, None] * outward).reshape(*xy.shape[:2], 3)
     outward = outward.reshape(points.shape)
     # Normals by central differences; the chart's where the surface has none. On a map seen from
     # outside, down x right points at the viewer.

@@ -70,13 +70,14 @@ def agreement(
     # second[j]. This has to agree with the motion of link j.
     count = len(first)
     i, j = np.triu_indices(count, 1)
-    here, there = track.motions(first[j], first[i]), track.motions(second[i], second[j])
+    along_first = track.motions(first[j], first[i])
+    along_second = track.motions(second[i], second[j])
     agree, contradict = np.zeros((count, count), bool), np.zeros((count, count), bool)
-    for a, b, back, on in zip(i.tolist(), j.tolist(), here, there, strict=True):
+    for a, b, before, after in zip(i.tolist(), j.tolist(), along_first, along_second, strict=True):
         link = found[a].motion
-        if link is None or max(_sigma_m(back), _sigma_m(on)) > max_sigma_m:
+        if link is None or max(_sigma_m(before), _sigma_m(after)) > max_sigma_m:
             continue
-        closes = agrees(found[b], compose(compose(on, link), back), MAX_CHI2)
+        closes = agrees(found[b], compose(compose(after, link), before), MAX_CHI2)
         agree[a, b] = agree[b, a] = closes
         contradict[a, b] = contradict[b, a] = not closes
     return Agreement(agree=agree, contradict=contradict)

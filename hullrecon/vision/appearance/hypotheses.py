@@ -112,8 +112,8 @@ def open_places(
 ) -> OpenPlaces | None:
     """Find the pairs of keyframes that may be one place although the search by overlap skips them.
 
-    Only some keyframes, the stations, are tested: the pairs of all keyframes are too many. None
-    where there are none: the path is known well enough for the search by overlap.
+    Only some keyframes, the stations, are tested, as the pairs of all keyframes are too many. The
+    result is None where the path is known well enough for the search by overlap.
 
     Parameters
     ----------
@@ -134,14 +134,18 @@ def open_places(
     middle = np.full(len(keyframes), keyframes[len(keyframes) // 2])
     if 2 * np.sqrt(3) * track.relative_sigma(keyframes, middle).max() < BEYOND * size:
         return None
+    # Stations are rows of `keyframes`, and `station` is the number of the one that stands for each
+    # keyframe.
     edges = _edges_of_parts(track, keyframes, depth_m, size)
-    rank = _spread(edges, STATIONS, PART_STATIONS, MOST_STATIONS)
-    station = _nearest_of_part(edges, rank)
+    stations = _spread(edges, STATIONS, PART_STATIONS, MOST_STATIONS)
+    station = _nearest_of_part(edges, stations)
     at = track.global_from_camera.translation[keyframes]
     # Typical distance of a keyframe from its station.
-    slack = float(np.median(np.linalg.norm(at - at[rank[station]], axis=1)))
-    a, b = np.triu_indices(len(rank), 1)
-    offset, covariance = scene_offsets(track, keyframes[rank[a]], keyframes[rank[b]], depth_m)
+    slack = float(np.median(np.linalg.norm(at - at[stations[station]], axis=1)))
+    a, b = np.triu_indices(len(stations), 1)
+    offset, covariance = scene_offsets(
+        track, keyframes[stations[a]], keyframes[stations[b]], depth_m
+    )
     pairs_open = _is_open(offset, covariance, size, size / 2 + slack)
     if not pairs_open.any():
         return None
@@ -149,8 +153,8 @@ def open_places(
     return OpenPlaces(
         edges=edges,
         station=station,
-        open=_symmetric(pairs_open, a, b, len(rank)),
-        apart=_symmetric(_is_apart(offset, covariance, size, slack), a, b, len(rank)),
+        open=_symmetric(pairs_open, a, b, len(stations)),
+        apart=_symmetric(_is_apart(offset, covariance, size, slack), a, b, len(stations)),
         reach_m=float(np.linalg.norm(offset[known], axis=1).max(initial=0.0)),
     )
 
@@ -168,7 +172,7 @@ def _edges_of_parts(track: CameraTrack, keyframes: Ints, depth_m: Array, size_m:
 
 
 def _spread(edges: Ints, total: int, each: int, most: int) -> Ints:
-    """Choose ranks of keyframes evenly along each part of the path.
+    """Choose keyframes evenly along each part of the path, and return their rows, ascending.
 
     Each part gets some, however short: an outage may separate it from the others.
 
@@ -177,12 +181,12 @@ def _spread(edges: Ints, total: int, each: int, most: int) -> Ints:
     edges
         First keyframe of each part, and the number of keyframes.
     total
-        Number of ranks, shared among the parts by their lengths.
+        Number of keyframes to choose, shared among the parts by their lengths.
     each
-        Least number of ranks in a part, unless these would be more than `most` in all.
+        Least number in a part, unless these would be more than `most` in all.
     most
-        Largest number of ranks in all. If there are more parts than that, the whole path is taken
-        as one part.
+        Largest number in all. If there are more parts than that, the whole path is taken as one
+        part.
     """
     length, parts = np.diff(edges), len(edges) - 1
     if parts > most:
@@ -190,28 +194,29 @@ def _spread(edges: Ints, total: int, each: int, most: int) -> Ints:
     count = np.rint(total * length / length.sum()).astype(np.int64)
     if parts > 1:
         count = np.maximum(count, min(each, most // parts))
-    ranks = [
+    rows = [
         np.linspace(a, b - 1, n).round()
         for a, b, n in zip(edges[:-1], edges[1:], count, strict=True)
     ]
-    return np.unique(np.concatenate(ranks).astype(np.int64))
+    return np.unique(np.concatenate(rows).astype(np.int64))
 
 
-def _nearest_of_part(edges: Ints, rank: Ints) -> Ints:
-    """Assign each keyframe the nearest station (m,), preferably one of its own part.
+def _nearest_of_part(edges: Ints, stations: Ints) -> Ints:
+    """Assign each of m keyframes the nearest station, preferably one of its own part of the path.
 
-    Across the edge of a part the station would say little of the keyframe's place. Returned are
-    places in `rank`. edges: first keyframe of each part, and m. rank: (s,) keyframes that are
-    stations.
+    Beyond an outage a station would say little of where the keyframe is.
+
+    edges: first keyframe of each part, and m. stations: (s,) keyframes that are stations,
+    ascending. Returns (m,) rows of `stations`.
     """
     number = np.arange(edges[-1])
-    after = np.searchsorted(rank, number)
-    beside = np.clip([after - 1, after], 0, len(rank) - 1)
+    after = np.searchsorted(stations, number)
+    beside = np.clip([after - 1, after], 0, len(stations) - 1)
     part, of_station = (
-        np.searchsorted(edges, values, side="right") for values in (number, rank[beside])
+        np.searchsorted(edges, values, side="right") for values in (number, stations[beside])
     )
     # Keyframes to the stations before and after. A station of another part is farther than any.
-    away = np.abs(number - rank[beside]) + edges[-1] * (part != of_station)
+    away = np.abs(number - stations[beside]) + edges[-1] * (part != of_station)
     return np.asarray(np.where(away[0] <= away[1], *beside))
 
 
@@ -238,9 +243,9 @@ def likeliest_pairs(
     Returns
     -------
     pairs
-        (m, 2) ranks of keyframes that may be one place, first < second, sorted.
+        (m, 2) rows of keyframes that may be one place, first < second, sorted.
     control
-        (c, 2) ranks of keyframes known to be two places.
+        (c, 2) rows of keyframes known to be two places.
     """
     queries = _spread(places.edges, QUERIES, PART_QUERIES, MOST_QUERIES)
     scores, size = images.scores(queries), footprint_m(depth_m[keyframes], camera)
@@ -311,8 +316,8 @@ def _best(scores: Array, most: int) -> tuple[Ints, Ints]:
 def _by_place(asked: Ints, candidate: Ints, score: Array, most: int) -> Ints:
     """Order candidates for comparison: the best of each query, then the next best elsewhere, etc.
 
-    So that a limited number of comparisons spreads over queries and places. Candidates of a query
-    within two keyframes of one already taken are left out: they show about the same place.
+    In this order a limited number of comparisons spreads over queries and places. Candidates of a
+    query within two keyframes of one already taken are left out: they show about the same place.
 
     Parameters
     ----------

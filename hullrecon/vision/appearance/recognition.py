@@ -146,6 +146,8 @@ def recognise_places(
     _, covariance = scene_offsets(
         track, proposal.first[group], proposal.second[group], scene.depth_m
     )
+    # A control excludes look-alikes only as far apart as its own pairs. It has to reach as far as
+    # the path is uncertain.
     if len(group) and likely.reach_m < LEAST_REACH * largest_sigma(covariance).max():
         group, refusal = group[:0], TOO_SHORT
     if alike > MAX_ALIKE:

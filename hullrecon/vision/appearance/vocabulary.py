@@ -92,7 +92,8 @@ def invert(words: Sequence[Ints], vocabulary: int) -> InvertedFile:
     """Build the inverted file of n images from their words, of a vocabulary of that size.
 
     words: of each image, one for each feature. A word's weight is its share of the image's features
-    times log(n / images with that word): words that all images show have no weight.
+    times log(n / images with that word): words that all images show have no weight. The weights of
+    an image are scaled to unit length, so that the product of two images is their likeness.
     """
     size = np.array([len(w) for w in words], np.int64)
     image = np.repeat(np.arange(len(words)), size)

@@ -130,6 +130,7 @@ def best_of_pairs(
     """
     if len(first) == 0:
         return _no_matches()
+    # Rows of the best pair of each feature that has one, and by feature the next best distance.
     forward, forward_next = native.best_and_next(first, distance)
     backward, backward_next = native.best_and_next(second, distance)
     chosen = _in_both(forward, backward, len(first))

@@ -79,7 +79,7 @@ def extract(image: Pixels, options: FeatureOptions) -> Features:
     keypoints, descriptors = find_sift(levelled, options.max_features)
     keypoints = to_raw_pixels(keypoints, step)
     clear = is_clear_of_border(keypoints, image.shape, options.level_window * image.shape[1])
-    return describe(image, keypoints[clear], descriptors[clear])
+    return add_colors(image, keypoints[clear], descriptors[clear])
 
 
 def level_image(image: Pixels, options: FeatureOptions) -> tuple[Pixels, Floats32]:
@@ -156,8 +156,11 @@ def is_clear_of_border(keypoints: Floats32, shape: tuple[int, ...], window_px: f
     )
 
 
-def describe(image: Pixels, keypoints: Floats32, descriptors: Pixels) -> Features:
-    """Join keypoints and descriptors to features, with the image's colours at the keypoints."""
+def add_colors(image: Pixels, keypoints: Floats32, descriptors: Pixels) -> Features:
+    """Join keypoints (n, 4) and descriptors to features, with the image's RGB at the keypoints.
+
+    The nearest pixel's is taken. image: (h, w) or (h, w, 3). keypoints: u, v first, in its pixels.
+    """
     column = np.clip(np.rint(keypoints[:, 0]).astype(np.int64), 0, image.shape[1] - 1)
     row = np.clip(np.rint(keypoints[:, 1]).astype(np.int64), 0, image.shape[0] - 1)
     color = image[row, column]

@@ -55,6 +55,7 @@ class GrowingArray:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        """Write the number of rows into the header, and close the file."""
         if self._file is not None:
             self._file.seek(0)
             self._header(self._file)

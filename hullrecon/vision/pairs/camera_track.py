@@ -61,6 +61,7 @@ class NavigationErrors:
         """
         model = self.model
         apart = model.by_error[first] - model.by_error[second]
+        # The covariance of the random walk is summed up from the start of the path.
         gained = model.walk[np.maximum(first, second)] - model.walk[np.minimum(first, second)]
         twist = (
             apart @ model.error_covariance @ apart.swapaxes(1, 2)
@@ -190,6 +191,7 @@ def depth_priors(
     points, node = rig.dvl_points(returns, trajectory.track().path).points[good], returns.node[good]
     order = np.argsort(node, kind="stable")
     points, node = points[order], node[order]
+    # Returns are sorted by node now. Those of node k's window are the rows start[k] to stop[k].
     t_ns, row, span_ns = trajectory.t_ns, np.arange(len(track)), round(1e9 * WINDOW_S)
     start = np.searchsorted(node, np.minimum(row - WINDOW, np.searchsorted(t_ns, t_ns - span_ns)))
     stop = np.searchsorted(

@@ -72,9 +72,9 @@ class ExpectedLinks:
         """
         size = np.maximum(common, self.min_common)
         out = self.information * np.square(size)[:, None, None]
-        bearing = ~(self.scaled[first] & self.scaled[second])
-        across = _across(translation[bearing])
-        out[bearing] = across @ out[bearing] @ across
+        without_length = ~(self.scaled[first] & self.scaled[second])
+        across = _across(translation[without_length])
+        out[without_length] = across @ out[without_length] @ across
         return np.asarray(out)
 
 
@@ -83,8 +83,9 @@ def learn_links(
 ) -> ExpectedLinks:
     """Learn to predict links from the comparisons made so far.
 
-    Comparisons of unknown overlap are left out. A node that was not compared yet gets the features
-    found again that are typical of the dive.
+    Comparisons of unknown overlap are left out. How many features of a node are found again in
+    other images, for an overlap of 1, is its sum over the node's comparisons. A node that was not
+    compared yet gets the mean of the dive.
 
     Parameters
     ----------

@@ -92,7 +92,7 @@ class MatchWorker:
         """Look up the local saliency of the leading camera's image.
 
         It is low where there is little to recognise, as on plain paint. Where the top camera leads
-        without an image, that of the bottom camera.
+        but has no image, the bottom camera's image is taken.
         """
         if not self.read(node).bottom_leads:
             top = FeatureStore(self.features, Camera.TOP).saliency(node.image[0])
@@ -130,6 +130,7 @@ class MatchWorker:
         return settle_depths(self.rig, matched, depth_m, exposure)
 
     def _match_cameras(self, features: NodeFeatures, prior: DepthPrior | None) -> StereoMatches:
+        """Match two cameras as if exposed together. prior: depth to search, None where unknown."""
         return stereo_of_node(
             self.rig,
             features.top,

@@ -118,7 +118,7 @@ class PairMatcher:
                 return result
         everywhere = np.arange(len(first)), np.arange(len(second))
         gated = self._gate(first, second, prior, *everywhere)
-        seeds = self._best(first, second, gated, *everywhere)
+        seeds = self._match_descriptors(first, second, gated, *everywhere)
         if len(seeds) < MIN_PUTATIVE:
             return failed_match(len(seeds), Reason.FEW_PUTATIVE)
         # Where these are too few, use the triangulated points of one node.
@@ -144,7 +144,7 @@ class PairMatcher:
             rows = rows[:: max(1, len(rows) // SEEDS)]
         among = np.flatnonzero(second.stereo)
         gated = self._gate(first, second, prior, rows, among)
-        seeds = self._best(first, second, gated, rows, among)
+        seeds = self._match_descriptors(first, second, gated, rows, among)
         if len(seeds) < MIN_PUTATIVE:
             return failed_match(len(seeds), Reason.FEW_PUTATIVE)
         views = self.reprojection_terms(first, second, seeds)
@@ -171,7 +171,7 @@ class PairMatcher:
             return None
         return self._within_ellipses(first, second, prior, rows, among)
 
-    def _best(
+    def _match_descriptors(
         self,
         first: NodeView,
         second: NodeView,
@@ -232,6 +232,8 @@ class PairMatcher:
         inliers = _count_inliers(motion.second_from_first, views, self.tolerance, len(seeds))
         if inliers < self.options.min_inliers:
             return failed_match(len(seeds), Reason.FEW_INLIERS)
+        # The motion of few seeds is rough, so that the lines are off. It is guided once more by the
+        # motion of all the features found.
         matched = self.search_along(first, second, motion)
         motion, calibration = self._adjust(first, second, matched, motion)
         if len(seeds) < FEW:
@@ -278,6 +280,8 @@ class PairMatcher:
         """
         a, b = seeds.first, seeds.second
         lead, bottom = np.eye(4), self.bottom_from_top
+        # Points, observations, the observing camera from its node's leading one, and whether the
+        # points are the second node's.
         terms = [
             (first.point[a], second.xy[b], lead, False),
             (first.point[a], second.other[b], bottom, False),

@@ -205,10 +205,10 @@ def tangent_basis(direction: Array) -> Array:
 
     A small change of a direction has two numbers, its parts along these vectors.
     """
-    # Numbers: arithmetic of a small array takes ten times as long.
+    # Plain numbers, as the arithmetic of a small array takes ten times as long.
     x, y, z = (float(part) for part in direction)
     least = min(range(3), key=lambda k: abs((x, y, z)[k]))
-    # The direction times the axis that it is least along.
+    # The cross product of the direction and the axis that it is least along.
     a, b, c = ((0.0, z, -y), (-z, 0.0, x), (y, -x, 0.0))[least]
     length = math.sqrt(a * a + b * b + c * c)
     a, b, c = a / length, b / length, c / length

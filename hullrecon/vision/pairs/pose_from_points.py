@@ -116,15 +116,15 @@ def refine(motion: Array, views: list[ObservedPoints], tolerance: float) -> tupl
     # raise it.
     damping = 1e-6
     inlier = _inliers(motion, views, tolerance)
-    normal, gradient, cost = _normal(motion, views, inlier)
+    normal, gradient, cost = _normal_equations(motion, views, inlier)
     for k in range(ITERATIONS):
         if 0 < k < ITERATIONS // 2:
             before, inlier = inlier, _inliers(motion, views, tolerance)
             if any(not np.array_equal(*pair) for pair in zip(before, inlier, strict=True)):
-                normal, gradient, cost = _normal(motion, views, inlier)
+                normal, gradient, cost = _normal_equations(motion, views, inlier)
         step = -np.linalg.solve(normal + damping * np.diag(np.diag(normal) + 1e-12), gradient)
         trial = apply_step(motion, np.asarray(step))
-        after = _normal(trial, views, inlier)
+        after = _normal_equations(trial, views, inlier)
         better = after[2] <= cost
         if better:
             motion, (normal, gradient, cost) = trial, after
@@ -142,7 +142,7 @@ def _inliers(motion: Array, views: list[ObservedPoints], tolerance: float) -> li
     ]
 
 
-def _normal(
+def _normal_equations(
     motion: Array, views: list[ObservedPoints], inlier: list[Mask]
 ) -> tuple[Array, Array, float]:
     """Sum normal matrix (6, 6), gradient (6,) and squared error of the inliers of all views.
@@ -179,10 +179,13 @@ def hide_unknown_points(view: ObservedPoints) -> ObservedPoints:
 
 
 def resect(points: Array, xy: Array, tolerance: float, trials: int) -> Array | None:
-    """Find the motion (4, 4) of points (n, 3) into a camera that saw them at (n, 2), by P3P RANSAC.
+    """Find the motion (4, 4), camera_from_points, of a camera that saw known points, by P3P RANSAC.
 
     It serves where only one of two nodes has triangulated points. None with fewer than four points,
     or where no motion fits.
+
+    points: (n, 3) m. xy: (n, 2) where the camera saw them, ideal coordinates. tolerance: largest
+    error of an inlier, ideal coordinates. trials: of RANSAC at most.
     """
     import cv2
 

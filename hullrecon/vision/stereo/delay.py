@@ -83,11 +83,12 @@ def estimate_delay(rig: Rig, pairs: Sequence[MatchedRays]) -> Delay | None:
     # The shortest first: of equally good delays the shortest is taken.
     starts = starts[np.argsort(np.abs(starts), kind="stable")]
     unknowns = np.zeros(6)
+    # At most FEW matches of each pair are enough to choose the start.
     few = [pair.every(-(-len(pair.top) // FEW)) for pair in pairs]
     unknowns[5] = min(starts, key=lambda delay_s: _cost(rig, few, np.r_[np.zeros(5), delay_s]))
     information, scatter = np.eye(6), np.eye(6)
     for _ in range(STEPS):
-        information, gradient, scatter = _normal(rig, pairs, unknowns)
+        information, gradient, scatter = _normal_equations(rig, pairs, unknowns)
         if np.linalg.cond(information) > 1e14:  # nothing moved
             return None
         step = np.linalg.solve(information, gradient)
@@ -169,7 +170,9 @@ def _cost(rig: Rig, pairs: Sequence[MatchedRays], unknowns: Array) -> float:
     )
 
 
-def _normal(rig: Rig, pairs: Sequence[MatchedRays], unknowns: Array) -> tuple[Array, Array, Array]:
+def _normal_equations(
+    rig: Rig, pairs: Sequence[MatchedRays], unknowns: Array
+) -> tuple[Array, Array, Array]:
     """Sum the normal equations of all pairs, with Huber weights and numeric derivatives.
 
     Returns

@@ -91,8 +91,8 @@ def settle_depths(
 def _depths(features: Features, rows: Ints, depth_m: Array, otherwise_m: float) -> Array:
     """Assign a depth (n,), m, to each feature of one camera, by which it can be moved.
 
-    That of its own stereo match, else the mean of the nearest matches in the image. With fewer than
-    NEIGHBOURS matches all get the depth of the scene.
+    It is the depth of its own stereo match, else the mean of the nearest matches in the image. With
+    fewer than NEIGHBOURS matches all get the depth of the scene.
 
     Parameters
     ----------
@@ -114,6 +114,7 @@ def _depths(features: Features, rows: Ints, depth_m: Array, otherwise_m: float) 
     at = features.keypoints[:, :2]
     depth = depth_m[cKDTree(at[rows]).query(at, k=NEIGHBOURS)[1]].mean(axis=1)
     depth[rows] = depth_m
+    # Features at one pixel have one depth, that of the first.
     return np.asarray(depth[place])
 
 

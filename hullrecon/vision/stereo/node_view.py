@@ -207,6 +207,7 @@ def view_of_node(
         seen = features.bottom.keypoints[stereo.bottom, :2]
         other[stereo.top] = rig.model(Camera.BOTTOM).undistort(seen)
         point[stereo.top] = stereo.point
+    # Features at one pixel are one measurement: each has the match and depth of the first of them.
     place = lead.place
     depth, sigma = _depths(rig, xy, point, prior, sigma_px)
     return NodeView(
@@ -227,9 +228,9 @@ def _depths(
 ) -> tuple[Array, Array]:
     """Assign a depth and its sigma (n,), m, to each feature of the leading camera.
 
-    That of its own stereo point, else the mean of the four nearest points in the image. With fewer
-    than four stereo points all get the prior's, NaN without one. xy: (n, 2) ideal coordinates.
-    point: (n, 3) stereo points, NaN for none. sigma_px: of a feature's position.
+    It is the depth of its own stereo point, else the mean of the four nearest points in the image.
+    With fewer than four stereo points all get the prior's, NaN without one. xy: (n, 2) ideal
+    coordinates. point: (n, 3) stereo points, NaN for none. sigma_px: of a feature's position.
     """
     from scipy.spatial import cKDTree
 

@@ -113,7 +113,7 @@ def test_wrong_depth_is_forgiven_along_its_line_only(scene):
     stiff = image_view(deep, along.xy, along.camera_from_node, False, 1e9)
     everywhere = [np.ones(len(scene), bool)]
     off, off_if_stiff = (
-        pose_from_points._normal(TRUTH, [view], everywhere)[2] for view in (along, stiff)
+        pose_from_points._normal_equations(TRUTH, [view], everywhere)[2] for view in (along, stiff)
     )
     assert off < 0.25 * off_if_stiff
 

@@ -39,6 +39,7 @@ class Database:
     """A connection that runs no code of the file and limits the steps of each statement."""
 
     def __init__(self, address: str, size: int) -> None:
+        """Open a database by its SQLite URI. size: of the file, bytes, which limits a search."""
         self.connection = sqlite3.connect(address, uri=True)
         # numbers between those of the rows that were read; recorders leave none out
         self.skipped = 0

@@ -21,6 +21,7 @@ class VideoFrames:
     """A video that is read forward. Raises ValueError, here and in `jpeg`, with what is wrong."""
 
     def __init__(self, path: Path) -> None:
+        """Open a video, and check its kind and the size of its frames."""
         import cv2
 
         os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")  # what is wrong is said by us
