@@ -156,9 +156,10 @@ def is_of_dvl(sample: object) -> bool:
 def find_copies(samples: Sequence[Sample], log: Sequence[int]) -> list[int]:
     """Find the rows whose reading, with the same stamp, stands earlier in the same log already.
 
-    They were written twice, and are to be left out. log: number of the log of each sample. Equal
-    readings of two logs are no copies: they are two
-    recordings of one message, by which the clocks of the loggers are compared.
+    They were written twice, and are to be left out. Equal readings of two logs are no copies: they
+    are two recordings of one message, by which the clocks of the loggers are compared.
+
+    log: number of the log of each sample.
     """
     keys = np.array([(number, s.t_ns) for number, s in zip(log, samples, strict=True)], np.int64)
     if not len(keys):

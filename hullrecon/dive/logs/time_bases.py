@@ -105,9 +105,9 @@ def join_time_bases(
     """Compute what to add to the stamps of each sensor that is on another time base.
 
     The base that most sensors share is the right one. Where two are shared by as many sensors, it
-    is the one nearer to the logger's clock. Sensors of fewer than LEAST readings are left alone.
-    Stamps of a queue that fills or empties stay too: they only look like those of a clock that
-    drifts. Nothing is moved where only one sensor remains.
+    is the one nearer to the logger's clock. Sensors of fewer than LEAST readings are left
+    unchanged, and so are stamps of a queue that fills or empties: they only look like those of a
+    clock that drifts. Nothing is moved where only one sensor remains.
 
     Returns
     -------

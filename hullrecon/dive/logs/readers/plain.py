@@ -65,6 +65,7 @@ class PlainLog:
     gives_samples = True
 
     def __init__(self, path: Path, package: Path | None = None) -> None:
+        """Take the folder, and the package in which files named by tables may lie as well."""
         self.path, self.package = path, package or path
         self.notes: list[Finding] = []
         self._losses: list[Loss] = []
