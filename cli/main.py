@@ -28,6 +28,7 @@ class LazyGroup(click.Group):
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import a command by its name, with the options that all have. None for an unknown one."""
         entry = COMMANDS.get(cmd_name)
         if entry is None:
             return None

@@ -127,6 +127,7 @@ class _Check(click.Command):
     """
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the help of this command's options, then those for a dive package."""
         super().format_options(ctx, formatter)
         known = {parameter.name for parameter in self.get_params(ctx)}
         options = [

@@ -41,6 +41,8 @@ def interleave(
     results
         What each coroutine returned, in the order of the stages.
     """
+    # A stage's coroutine yields its process whenever it has to wait for that, and returns at the
+    # end. `courses` are the coroutines under way, `begun` the processes that they wait for.
     done, courses = dict[str, Result](), dict[str, Course[Result]]()
     begun: dict[str, BegunStep] = {}
     try:

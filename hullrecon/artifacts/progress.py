@@ -276,6 +276,7 @@ class LogLines(Progress):
         outlook: Outlook | None = None,
         kept: int = 0,
     ) -> Generator[Item, None, None]:
+        """Yield the items, and log a line whenever `seconds` have passed since the last one."""
         last, rate = self._clock(), _Rate(total, kept, self._clock)
         for done, item in enumerate(items):
             if self._clock() - last >= self._seconds:
@@ -300,6 +301,7 @@ class Bars(Progress):
         outlook: Outlook | None = None,
         kept: int = 0,
     ) -> Generator[Item, None, None]:
+        """Yield the items, and move the loop's bar on. The last loop's end stops the display."""
         display, rate = self._start(), _Rate(total, kept)
         task = display.add_task(label, total=total, run="")
         try:

@@ -150,6 +150,10 @@ class Context(Generic[Parameters]):
     def _track(
         self, items: Iterable[Item], label: str, total: int | None, kept: int = 0
     ) -> Iterator[Item]:
+        """Yield the items and show progress, unless the run is interrupted.
+
+        kept: items that an earlier run made, which are logged and take no time.
+        """
         shown = f"{self._outlook.mark}{self._stage.name}: {label}"
         if kept:
             log.info("%s: %d of %d are there from a run that did not end", shown, kept, total)

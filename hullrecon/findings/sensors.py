@@ -103,6 +103,7 @@ def _wrong(
     misfit: float,
     remedy: str = "",
 ) -> str:
+    """Name the fault that a sensor was found to have, with what shows it and what to do."""
     said = f"{sensor}: {_fault(sensor, fault, value)} ({_evidence(kind, first, second)})"
     return f"{said}: {remedy}" if remedy else said
 

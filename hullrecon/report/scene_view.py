@@ -95,6 +95,7 @@ def _split_hull(surfaces: Surfaces) -> tuple[ScenePart | None, ScenePart | None]
     # Normals of the chart, which are smooth, where there are any: those of the mesh follow its
     # bumps.
     normals = np.where(np.isfinite(smooth).all(axis=1, keepdims=True), smooth, rough)
+    # The page adds the form again, more or less exaggerated
     base = surface.vertices - form[:, None] * normals
     whole = ScenePart(vertices=base, form=form, normals=normals, faces=surface.faces, chart=chart)
     seen = np.asarray((surface.support[surface.faces] > 0).all(axis=1), bool)

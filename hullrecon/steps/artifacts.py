@@ -103,6 +103,7 @@ class RequiredFile(Generic[Record]):
         self.name, self.kind, self.keep = name, kind, keep  # keep: read once, for many accesses
 
     def __get__(self, artifact: StepArtifact, owner: type) -> Record:
+        """Read the record, or take it from the artifact if it was read and is to be kept."""
         kept: dict[str, Record] = artifact.__dict__
         if self.name in kept:
             return kept[self.name]

@@ -39,7 +39,7 @@ class Atlas:
     texel_m: float
 
     def look_up(self, along_m: Floats32, girth_m: Floats32, seen: NDArray[np.bool_]) -> Floats32:
-        """Interpolate the albedo (h, w, 3), as `Albedo.look_up`."""
+        """Interpolate the albedo (h, w, 3), 0 to 1, at chart coordinates (h, w) that are `seen`."""
         import cv2
 
         x = (along_m - np.float32(self.origin_m[0])) / np.float32(self.texel_m)
@@ -77,7 +77,10 @@ class PaintedHull:
     repeats_m: float | None  # period of the colours along the hull; None: they do not repeat
 
     def look_up(self, along_m: Floats32, girth_m: Floats32, seen: NDArray[np.bool_]) -> Floats32:
-        """Look up the changed albedo (h, w, 3), as `Albedo.look_up`."""
+        """Look up the albedo (h, w, 3), 0 to 1, at chart coordinates (h, w) that are `seen`.
+
+        Along the hull it is that of the first period, and of one tone where the paint is bare.
+        """
         within = along_m
         if self.repeats_m is not None:
             within = (np.mod(along_m - self.start_m, self.repeats_m) + self.start_m).astype(
@@ -122,7 +125,7 @@ class PlateAtlas:
         self._plates: OrderedDict[tuple[int, int], Atlas] = OrderedDict()
 
     def look_up(self, along_m: Floats32, girth_m: Floats32, seen: NDArray[np.bool_]) -> Floats32:
-        """Look up the albedo (h, w, 3), as `Albedo.look_up`; zero where not seen."""
+        """Look up the albedo (h, w, 3), 0 to 1, at chart points (h, w). Zero where not `seen`."""
         column = np.floor(along_m / np.float32(PLATE_M[0])).astype(np.int64)
         row = np.floor(girth_m / np.float32(PLATE_M[1])).astype(np.int64)
         number = column * ROWS + row + ROWS // 2  # rows have either sign

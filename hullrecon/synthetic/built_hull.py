@@ -137,11 +137,11 @@ def _vertex_normals(mesh: Mesh) -> Array:
 
 
 def deviation_m(spec: DiveSpec, along_m: Array, girth_m: Array, waves: int = 300) -> Array:
-    """Evaluate how far the steel is off the CAD model (...) along its outward normal.
+    """Evaluate how far the steel is off the CAD model at chart points, m along its outward normal.
 
-    A stationary Gaussian field with Matern 5/2 correlation, whose length in girth is half of that
-    along the hull. It is drawn by its spectrum, as a sum of `waves` plane waves, so that it can be
-    evaluated anywhere.
+    It is a stationary Gaussian field with Matern 5/2 correlation, whose length in girth is half of
+    that along the hull. It is drawn by its spectrum, as a sum of `waves` plane waves, so that it
+    can be evaluated anywhere.
     """
     random = spec.hull_random("deviation")
     # The spectrum of a Matern 5/2 field is Student's t with five degrees of freedom
@@ -177,7 +177,10 @@ class BuiltHull:
         return self._block(int(self.skin.block_of(np.array([along_m]))[0]))
 
     def ranges(self, origins: Array, directions: Array) -> Array:
-        """Measure ranges (n, b) from points (n, 3) along unit directions (n, b, 3), NaN if none."""
+        """Measure ranges (n, b), m, from points (n, 3) along unit directions (n, b, 3), both in M.
+
+        NaN where a ray does not meet the hull.
+        """
         count, out = directions.shape[1], np.empty(directions.shape[:2])
         block = self.skin.block_of(origins[:, 0])
         for k in np.unique(block).tolist():

@@ -39,6 +39,7 @@ class Rays:
     """A mesh to cast rays at. Its middle is subtracted from origins, as rays are in float32."""
 
     def __init__(self, mesh: Mesh) -> None:
+        """Load the mesh into Open3D's ray caster, with its middle at the origin."""
         o3d = import_open3d()
         self.middle: Array = mesh.vertices.mean(0)
         self._tensor = o3d.core.Tensor

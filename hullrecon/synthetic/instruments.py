@@ -58,6 +58,7 @@ def dvl(spec: DiveSpec, motion: Motion, rig: TrueRig, hull: BuiltHull) -> Dvl:
     random = spec.random("dvl")
     t = ticks(motion, 5.0, random)
     at = motion.on_tray(t, rig.tray_from_dvl, TRAY_ORIGIN)
+    # The DVL's own velocity, lever arm and tray included, is a central difference over 80 ms.
     ahead, behind = (
         motion.on_tray(t + dt, rig.tray_from_dvl, TRAY_ORIGIN).translation for dt in (0.04, -0.04)
     )

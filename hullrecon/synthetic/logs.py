@@ -62,6 +62,7 @@ def write_table(
 
 
 def _write_joints(path: Path, streams: Streams) -> None:
+    """Write the angles of both servos as one table, a row for each servo and time."""
     lines = ["t,name,rad"]
     for stamp, row in zip(seconds(streams.joints.t_s), streams.joints.value.tolist(), strict=True):
         lines += [
@@ -216,6 +217,7 @@ def _channels(writer: Any, names: set[str]) -> dict[str, int]:
 
 
 def _dvl(streams: Streams, k: int, ns: int) -> RosMessage:
+    """Make the message of DVL ping k. A lost range is 0, with a covariance of -1."""
     ranges, velocity = streams.dvl.ranges[k], streams.dvl.velocity[k]
     good = np.isfinite(ranges)
     return make(
@@ -242,6 +244,7 @@ def _dvl(streams: Streams, k: int, ns: int) -> RosMessage:
 
 
 def _imu(streams: Streams, k: int, ns: int) -> RosMessage:
+    """Make the message of IMU reading k."""
     x, y, z, w = streams.imu.quaternion[k].tolist()
     return make(
         "sensor_msgs/msg/Imu",
@@ -258,6 +261,7 @@ def _imu(streams: Streams, k: int, ns: int) -> RosMessage:
 
 
 def _pressure(streams: Streams, k: int, ns: int) -> RosMessage:
+    """Make the message of pressure reading k."""
     pascal = float(streams.pressure.value[k])
     return make(
         "sensor_msgs/msg/FluidPressure",
@@ -268,6 +272,7 @@ def _pressure(streams: Streams, k: int, ns: int) -> RosMessage:
 
 
 def _joints(streams: Streams, k: int, ns: int) -> RosMessage:
+    """Make the message of reading k of both servos."""
     none = np.zeros(0)
     names, angle = ["tray", "sonar_tray"], streams.joints.value[k]
     return make(
@@ -293,6 +298,7 @@ def _camera(name: str, jpeg: bytes, ns: int) -> RosMessage:
 
 
 def _sonar(streams: Streams, k: int, ns: int) -> RosMessage:
+    """Make the message of sonar ping k."""
     width = np.full(sonar.BEAM_COUNT, np.radians(SONAR_ELEVATION_DEG), np.float32)
     beam = np.full(sonar.BEAM_COUNT, abs(sonar.AZIMUTH[1] - sonar.AZIMUTH[0]), np.float32)
     info = make(

@@ -76,6 +76,8 @@ def record(dive: Dive, track: Track = without_progress) -> Streams:
     cameras = ("camera_top", "camera_bottom")[:count]
     images = track(_jpegs(dive), "images written", len(cameras) * len(dive.frame_s))
     ping_s, pinged = pings(dive) if spec.sonar else (np.zeros(0), iter(()))
+    # The images come camera by camera within a frame: one iterator, taken once for each camera,
+    # gives the images of a frame.
     return Streams(
         dvl=instruments.dvl(spec, motion, dive.rig, dive.hull),
         imu=instruments.imu(spec, motion),
@@ -119,6 +121,7 @@ def _jpegs(dive: Dive) -> Iterator[bytes]:
 
 
 def _jpeg(image: NDArray[np.uint8], quality: int) -> bytes:
+    """Encode an image (h, w, 3) RGB as JPEG."""
     import cv2
 
     done, data = cv2.imencode(

@@ -179,7 +179,7 @@ def photograph(
     direction = (view.ray.reshape(len(turn), each, 3) @ turn).reshape(-1, 3)
     camera, lamp = (np.repeat(at, each, axis=0) for at in (hull_from_camera.translation, lamp))
     hits = scene.block.rays.cast(camera, direction)
-    range_m = np.where(hits.hit, hits.range_m, np.float32(8.0))
+    range_m = np.where(hits.hit, hits.range_m, np.float32(8.0))  # 8 m of water where none is hit
     corner = scene.block.built.mesh.faces[hits.face]
     chart = np.einsum("nk,nkd->nd", hits.weight, scene.block.built.chart[corner])
     normal = np.einsum("nk,nkd->nd", hits.weight, scene.block.built.normal[corner])
@@ -190,8 +190,8 @@ def photograph(
     )
     albedo = scene.atlas.look_up(along_m, girth_m, seen).reshape(-1, 3)
     point = direction * range_m[:, None]
-    light, lamp_way = _illuminate(scene, hits.hit, point, normal, chart, camera, lamp)
-    water = np.exp(-scene.absorption * ABSORPTION * (range_m + lamp_way)[:, None])
+    light, lamp_m = _illuminate(scene, hits.hit, point, normal, chart, camera, lamp)
+    water = np.exp(-scene.absorption * ABSORPTION * (range_m + lamp_m)[:, None])
     veil = VEIL * (1 - np.exp(-scene.absorption * ABSORPTION * 1.3 * range_m[:, None]))
     radiance = albedo * light[:, None] * water * hits.hit[:, None] + veil
     radiance = radiance.reshape(*shape, 3) * view.vignetting[..., None]
@@ -226,22 +226,24 @@ def _illuminate(
     -------
     light
         (n,) irradiance, by angle of incidence and inverse square of the distance.
-    way
-        (n,) distance from lamp to point, m.
+    distance
+        (n,) from lamp to point, m.
     """
     to_lamp = (lamp - camera).astype(np.float32) - point
-    way = np.linalg.norm(to_lamp, axis=1)
-    to_lamp /= way[:, None]
-    light = np.clip(np.einsum("nd,nd->n", normal, to_lamp), 0, 1) / way**2
-    # Only items cast shadows, so that rays to the lamp are cast only near items.
+    distance = np.linalg.norm(to_lamp, axis=1)
+    to_lamp /= distance[:, None]
+    light = np.clip(np.einsum("nd,nd->n", normal, to_lamp), 0, 1) / distance**2
+    # Only items cast shadows, so that rays to the lamp are cast only near items: at nodes of the
+    # patch, 0.03 m apart, that are busy. A shadow leaves a quarter of the light.
     patch, busy = scene.block.patch, scene.block.built.busy
     i = np.clip(np.rint((chart[:, 0] - patch.along_m[0]) / 0.03), 0, busy.shape[0] - 1).astype(int)
     j = np.clip(np.rint((chart[:, 1] - patch.girth_m[0]) / 0.03), 0, busy.shape[1] - 1).astype(int)
     ask = np.flatnonzero(busy[i, j] & hit)
     if len(ask):
         start = camera[ask] + point[ask] + 0.004 * normal[ask]
-        light[ask[scene.block.rays.is_blocked(start, to_lamp[ask], way[ask])]] *= np.float32(0.25)
-    return np.asarray(light, np.float32), np.asarray(way, np.float32)
+        is_blocked = scene.block.rays.is_blocked(start, to_lamp[ask], distance[ask])
+        light[ask[is_blocked]] *= np.float32(0.25)
+    return np.asarray(light, np.float32), np.asarray(distance, np.float32)
 
 
 def _add_particles(radiance: Floats32, random: np.random.Generator) -> Floats32:

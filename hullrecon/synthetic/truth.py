@@ -70,6 +70,7 @@ def write_ply(path: Path, pieces: Iterable[Mesh]) -> None:
 
 
 def _ply_header(vertices: int, faces: int) -> str:
+    """Write the header of a binary PLY with that many vertices and triangles."""
     return f"""ply
 format binary_little_endian 1.0
 comment as built, frame M, metres

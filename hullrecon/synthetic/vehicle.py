@@ -204,7 +204,7 @@ def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
     point, normal = skin.follow(along, girth, width_m=0.5)
     level = _level_from_hull(spec)
     # In the level frame: outward normal that is to be faced, and point on the hull
-    facing, out = level.apply(normal), level.apply(point)
+    facing, on_hull = level.apply(normal), level.apply(point)
     port = level.apply([0.0, 1.0, 0.0])
     # Under a flat bottom the normal is vertical and gives no heading: add some of the port side's.
     flat = facing[:, :2] + 0.1 * port[:2]
@@ -217,7 +217,7 @@ def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
         np.arcsin(np.clip(facing[:, 2], -0.98, 0.98)), SETTLE_S / STEP_S, mode="nearest"
     )
     # Where the tray's axis is to be, then the vehicle that carries it
-    sensor = out + spec.survey.standoff_m * facing + wobble[:, :3]
+    sensor = on_hull + spec.survey.standoff_m * facing + wobble[:, :3]
     position = sensor - Rotation.from_euler("xyz", attitude).apply(TRAY_ORIGIN)
     smooth = gaussian_filter1d(position, 0.5 / STEP_S, axis=0, mode="nearest")
     global_from_level = _global_from_level(smooth[0], float(attitude[0, 2]), spec.ship.draught_m)

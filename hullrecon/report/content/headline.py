@@ -87,6 +87,7 @@ def path_length_m(survey: Survey) -> float:
 
 
 def _dive_sentence(survey: Survey) -> str:
+    """Name dive and vessel, with the time, the length of the path and the number of images."""
     track, dive = survey.track, survey.facts.dive
     spent = duration(float(track.t_ns[-1] - track.t_ns[0]) * 1e-9)
     images = sum(int(source.index.usable.sum()) for source in survey.facts.images.values())
@@ -97,6 +98,7 @@ def _dive_sentence(survey: Survey) -> str:
 
 
 def _position(survey: Survey) -> str:
+    """Say how positions were found, in which frame they are, and their median sigmas."""
     sigma = lengths(np.median(survey.track.sigma[:, :3], axis=0).tolist())
     known = f"median one sigma in x / y / z: {sigma}."
     if survey.adjusted is None:
@@ -115,6 +117,7 @@ def _stereo_calibration(adjusted: AdjustedDive | None) -> str:
 
 
 def _position_fixes(adjusted: AdjustedDive | None) -> str:
+    """Say how many position fixes (USBL, GNSS) bound the drift, and how well they fit the path."""
     found = adjusted.summary.positions if adjusted is not None else None
     if found is None:
         return ""
@@ -185,6 +188,7 @@ def _change(survey: Survey) -> str:
 
 
 def _deviation(survey: Survey) -> str:
+    """Say by how much the surveyed patch departs from the CAD model, in form and as a whole."""
     figures = deviation_figures(survey)
     if figures is None:
         return ""
@@ -216,6 +220,7 @@ def _coverage(survey: Survey) -> str:
 
 
 def _landmarks(adjusted: AdjustedDive | None) -> str:
+    """Say how many landmarks were measured, and which share lies on the CAD model."""
     if adjusted is None or not len(adjusted.solution.landmarks):
         return ""
     label = adjusted.solution.landmarks.label
@@ -235,6 +240,7 @@ def _mosaics(survey: Survey) -> str:
 
 
 def _losses(survey: Survey) -> str:
+    """Say how much data was lost, and how many warnings there are."""
     lost, warnings = survey.facts.log.lost, survey.provenance.warnings()
     if not lost and not warnings:
         return "The log was read completely and no step raised a warning."

@@ -74,6 +74,7 @@ def settings_rows(steps: Iterable[StepRun]) -> list[tuple[str, str]]:
 
 
 def _flatten(values: Mapping[str, object], above: str = "") -> list[tuple[str, object]]:
+    """List the values of nested tables by dotted names, which begin with `above`."""
     out: list[tuple[str, object]] = []
     for key, value in values.items():
         if isinstance(value, Mapping):

@@ -171,7 +171,11 @@ def charted_objects(objects: Sequence[ReportedObject], chart: Chart) -> list[Cha
 
 
 def sigma_ellipse(covariance: Array) -> SigmaEllipse:
-    """Compute the one-sigma ellipse of a covariance (2, 2), m², of along and girth."""
+    """Compute the one-sigma ellipse of a covariance (2, 2), m², of along and girth.
+
+    Its half axes are the longer, then the shorter one. The angle is that of the longer one, from
+    along to girth.
+    """
     variance, axes = np.linalg.eigh(covariance)
     half = np.sqrt(np.maximum(variance, 0.0))
     return SigmaEllipse(

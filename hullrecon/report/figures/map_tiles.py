@@ -68,7 +68,10 @@ def stream_tiles(survey: Survey, stream: Stream) -> Iterator[tuple[str, bytes]]:
 
 
 def tile_runs(ortho: Path) -> list[TileRun]:
-    """List the tiles of a mosaic at all levels that are finer than its picture in the page."""
+    """List the tiles of a mosaic at all levels that are finer than its picture in the page.
+
+    Up to AT_ONCE tiles side by side are one run, which is read at once.
+    """
     import rasterio
 
     with rasterio.open(ortho) as source:

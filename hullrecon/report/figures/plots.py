@@ -123,28 +123,30 @@ def labels(iterations: Arrays) -> Plot:
 
     iterations: the record of the solve, one row an iteration.
     """
-    on, changed = (np.asarray(iterations[k], np.int64) for k in ("on_surface", "label_changes"))
-    rounds, step = _rounds(iterations, len(on)), np.arange(len(on))
-    of = (
+    on_hull, changed = (
+        np.asarray(iterations[k], np.int64) for k in ("on_surface", "label_changes")
+    )
+    rounds, step = _rounds(iterations, len(on_hull)), np.arange(len(on_hull))
+    total = (
         np.asarray(iterations["landmarks"], np.int64)
         if "landmarks" in iterations
-        else np.full(len(on), on.max())
+        else np.full(len(on_hull), on_hull.max())
     )
     figure, (left, right) = new_figure(7.2, columns=2)
-    left.plot(*broken(step, 100 * on / np.maximum(of, 1), rounds), color=BLUE, linewidth=2)
+    left.plot(*broken(step, 100 * on_hull / np.maximum(total, 1), rounds), color=BLUE, linewidth=2)
     left.set(xlabel="iteration, all rounds", ylabel="landmarks on the hull (%)")
     right.plot(*broken(step, changed.astype(float), rounds), color=ORANGE, linewidth=2)
     right.set(xlabel="iteration, all rounds", ylabel="labels changed")
     label_counts(right.yaxis)
     for axis in (left, right):
         _mark_rounds(axis, iterations, rounds, names=False)
-    alt = f"{on[-1]:,} of {of[-1]:,} landmarks end as on the hull; "
+    alt = f"{on_hull[-1]:,} of {total[-1]:,} landmarks end as on the hull; "
     alt += f"{changed[-1]:,} labels changed at the last iteration."
     table = {
         "round": rounds.tolist(),
         "iteration": step.tolist(),
-        "landmarks": of.tolist(),
-        "on_surface": on.tolist(),
+        "landmarks": total.tolist(),
+        "on_surface": on_hull.tolist(),
         "label_changes": changed.tolist(),
     }
     return finish_plot(figure, "labels", "Labels by iteration", alt, table)
