@@ -175,7 +175,7 @@ class Odometry(Rows):
     from_images: Mask  # (m,) images of the two nodes measured the motion
 
     def sigma_between(self, first: Ints, second: Ints) -> Array:
-        """Compute the sigma (m,), m, of the displacement from nodes to later nodes.
+        """Compute the sigma (m,), m, of the displacement from nodes `first` to later ones `second`.
 
         The variances of the motions in between are summed, of each motion the largest of its three
         axes. Errors that persist (scale, heading) are not included.

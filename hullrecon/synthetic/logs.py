@@ -54,7 +54,10 @@ def seconds(t_s: Array) -> list[str]:
 def write_table(
     path: Path, names: list[str], t_s: Array, values: Array, form: str = "%.9f"
 ) -> None:
-    """Write a CSV with a column t; NaN is left empty."""
+    """Write a CSV with a column t, the times (n,) in s, and columns of values (n, k) by name.
+
+    NaN is left empty. form: format of a value.
+    """
     lines = [",".join(["t", *names])]
     for stamp, row in zip(seconds(t_s), values.tolist(), strict=True):
         lines.append(",".join([stamp, *("" if v != v else form % v for v in row)]))

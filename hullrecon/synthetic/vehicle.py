@@ -238,9 +238,10 @@ def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
 
 
 def _time_path(corners: Array, speed: float) -> tuple[Array, Array]:
-    """Sample along and girth of the path every STEP_S.
+    """Sample along and girth (n,) of the path every STEP_S.
 
-    Between legs the vehicle is half as fast, and it rests a second at both ends.
+    Between legs the vehicle is half as fast, and it rests a second at both ends. corners: starts
+    and ends of the legs, along and girth (k, 2), as by `leg_corners`. speed: on the legs, m/s.
     """
     from scipy.ndimage import gaussian_filter1d
 

@@ -273,10 +273,12 @@ def _best_lag(
     is_moving: Mask,
     among_s: Sequence[float],
 ) -> float | None:
-    """Find the lag, s, at which the sum over k of fixed times moving correlates best with the rate.
+    """Find the lag, s, at which the vertical velocity correlates best with the rate of the depth.
 
-    The correlation coefficient is computed at all lags by FFT. None unless it is high at the best
-    lag, and chi-square is clearly lower there than at all lags OTHER_S or more away.
+    The vertical velocity at a lag is the sum over k of the direction `fixed` times the velocity
+    `moving`, whose grid is shifted by the lag. The correlation coefficient is computed at all lags
+    by FFT. None unless it is high at the best lag, and chi-square is clearly lower there than at
+    all lags OTHER_S or more away.
 
     Parameters
     ----------
@@ -288,44 +290,50 @@ def _best_lag(
     """
     from scipy.signal import correlate
 
-    on, off = is_fixed.astype(float), is_moving.astype(float)
-    fixed, moving, rate = fixed * on[:, None], moving * off[:, None], rate * on
+    # 1 where known, else 0: what is not known then adds nothing to a sum
+    fixed_known, moving_known = is_fixed.astype(float), is_moving.astype(float)
+    fixed, rate = fixed * fixed_known[:, None], rate * fixed_known
+    moving = moving * moving_known[:, None]
 
     def lagged(one: Array, other: Array) -> Array:
         return np.asarray(correlate(one, other, mode="full", method="fft"))
 
-    # The correlation of prediction and rate at every lag, over the steps at which both are known.
-    # Each sum over steps is itself a correlation of products, taken by FFT.
+    # The correlation of vertical velocity and rate at every lag, over the steps at which both are
+    # known. Each sum over steps is itself a correlation of products, taken by FFT.
     axes = range(fixed.shape[1])
-    count = np.maximum(lagged(on, off), 1.0)
+    count = np.maximum(lagged(fixed_known, moving_known), 1.0)
     mean = sum(lagged(fixed[:, i], moving[:, i]) for i in axes) / count
     square = sum(
         lagged(fixed[:, i] * fixed[:, j], moving[:, i] * moving[:, j]) for i in axes for j in axes
     )
-    mean_rate, square_rate = lagged(rate, off) / count, lagged(rate**2, off)
+    mean_rate, square_rate = lagged(rate, moving_known) / count, lagged(rate**2, moving_known)
     product = sum(lagged(fixed[:, i] * rate, moving[:, i]) for i in axes)
     scatter = (square / count - mean**2) * (square_rate / count - mean_rate**2)
     floor = 1e-6 * float(np.mean(rate**2)) ** 2
-    found = (product / count - mean * mean_rate) / np.sqrt(np.maximum(scatter, max(floor, 1e-18)))
-    least = max(LEAST_S / STEP_S, LEAST_SHARE * min(on.sum(), off.sum()))
-    found = np.clip(np.where(count >= least, found, -1.0), -1.0, 0.999)
+    correlation = (product / count - mean * mean_rate) / np.sqrt(
+        np.maximum(scatter, max(floor, 1e-18))
+    )
+    least = max(LEAST_S / STEP_S, LEAST_SHARE * min(fixed_known.sum(), moving_known.sum()))
+    correlation = np.clip(np.where(count >= least, correlation, -1.0), -1.0, 0.999)
     if among_s:
-        lags_s = STEP_S * (np.arange(len(found)) - (len(moving) - 1))
+        lags_s = STEP_S * (np.arange(len(correlation)) - (len(moving) - 1))
         away_s = np.abs(lags_s[:, None] - np.array(among_s))
-        found = np.where(away_s.min(axis=1) <= SHIFTED_S, found, -1.0)
+        correlation = np.where(away_s.min(axis=1) <= SHIFTED_S, correlation, -1.0)
     # The best lag has to be far better than any other.
-    best = int(np.argmax(found))
-    apart = np.abs(np.arange(len(found)) - best) >= OTHER_S / STEP_S
-    other = float(found[apart].max(initial=-1.0))
-    if found[best] < LEAST_CORRELATION:
+    best = int(np.argmax(correlation))
+    apart = np.abs(np.arange(len(correlation)) - best) >= OTHER_S / STEP_S
+    other = float(correlation[apart].max(initial=-1.0))
+    if correlation[best] < LEAST_CORRELATION:
         return None
     # by how much chi-square is larger at any other offset
     independent = max(count[best] * STEP_S / INDEPENDENT_S - 1.0, 0.0)
-    gain = independent * np.log((1 - max(other, 0.0) ** 2) / (1 - found[best] ** 2))
+    gain = independent * np.log((1 - max(other, 0.0) ** 2) / (1 - correlation[best] ** 2))
     if gain < (GAIN_OF_FEW if among_s else GAIN):
         return None
     # between the steps of the grid, by a parabola
-    low, middle, high = found[best - 1 : best + 2] if 0 < best < len(found) - 1 else (0.0, 1.0, 0.0)
+    low, middle, high = (
+        correlation[best - 1 : best + 2] if 0 < best < len(correlation) - 1 else (0.0, 1.0, 0.0)
+    )
     bend = low - 2 * middle + high
     within = 0.5 * (low - high) / bend if bend < 0 else 0.0
     return float(STEP_S * (best + np.clip(within, -0.5, 0.5) - (len(moving) - 1)))

@@ -223,8 +223,10 @@ def _reach_over_altitude(beams: Array, ranges: Array, altitude: Array) -> float:
 def _logged_beams(logged: Sequence[Array], configured: Array | None, notes: list[Finding]) -> Array:
     """Average the beam directions of the messages, and compare them with dive.toml's.
 
-    Those of the messages are returned in any case. A finding is noted where they change in the log
-    or differ from dive.toml's.
+    Those of the messages are returned in any case, (b, 3) in `dvl`. A finding is noted where they
+    change in the log or differ from dive.toml's.
+
+    logged: (b, 3) of each message. configured: (b, 3) of dive.toml, None where it gives none.
     """
     if max(float(np.abs(b - logged[0]).max()) for b in logged) > 1e-6:
         notes.append(Finding("beams-change", where="dvl"))

@@ -173,6 +173,8 @@ def clock_error(stamp: Ints, logged: Ints) -> Ints:
     delivery that catches up is not a jump). The error is to be subtracted. It is zero in the
     segment between jumps whose offset from the logger's clock is smallest, if that is below JUMP_S
     (its clocks were synchronised), else in the longest segment. Zeros without a jump.
+
+    stamp, logged: (n,) ns, by the sensor's and by the logger's clock, in the order of the logs.
     """
     offset = stamp - logged
     limits = np.concatenate(
@@ -221,6 +223,8 @@ def _set_back_within(stamp: Ints, logged: Ints) -> Ints:
 
     Steps back of JUMP_S or more are sought first, which one reading shows. Where there are none,
     steps as small as a time server makes are sought, which several readings have to show.
+
+    stamp, logged: (n,) ns, by the sensor's and by the logger's clock.
     """
     step = np.diff(stamp)
     if not (step > 0).any():

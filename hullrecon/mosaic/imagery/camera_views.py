@@ -94,10 +94,10 @@ class CameraView:
         )  # fmt: skip
 
     def least_ratio(self, center: Array, radius: Array) -> Array:
-        """Compute a lower bound of r / R over all points of each ball. See `ImageView`.
+        """Compute a lower bound (n,) of r / R, as of `ImageView.project`, over the points of balls.
 
-        It is r / R of the ball's centre, less how far in the image a point of the ball may be from
-        it.
+        It is r / R of a ball's centre, less how far from it in the image a point of the ball may
+        be. inf where the image shows no point of the ball. center, radius: (n, 3) and (n,) m.
         """
         x, y, z = self._inside(center)
         nearest = np.maximum(z - radius, 1e-9)

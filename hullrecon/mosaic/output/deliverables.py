@@ -315,9 +315,10 @@ def gap_area_m2(alpha: NDArray[np.uint8], step_m: float) -> float:
 
 
 def near_outside(inside: Mask, most_px: int) -> Mask:
-    """Tell which pixels are no farther than `most_px` from the nearest pixel outside, exactly.
+    """Tell which pixels (h, w) are no farther than `most_px` from the nearest pixel outside.
 
-    The result equals that of scipy's distance_transform_edt, with a seventh of its memory.
+    Distances are exact. The result equals that of scipy's distance_transform_edt, with a seventh
+    of its memory. inside: (h, w), False for pixels outside.
     """
     import cv2
 

@@ -158,7 +158,7 @@ class TileStore:
         """Reduce a tile for the small copy, by the mean of the seen texels in each block.
 
         A block is opaque where at least half of it is seen, so that holes of single texels do not
-        show.
+        show. color: (size, size, channels and alpha).
         """
         seen = (color[..., -1:] > 0).astype(np.float32)
         share = block_means(seen, self.reduction)

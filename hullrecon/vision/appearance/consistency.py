@@ -111,10 +111,10 @@ def largest_group(agree: Mask, among: Ints) -> Ints:
 
 
 def independent_links(first: Ints, second: Ints) -> int:
-    """Count links of which no two share a node, chosen greedily from links (m,) by their nodes.
+    """Count links of which no two share a node, chosen greedily from links (m,).
 
     Links that share an image may be wrong by the same cause, so they count once. There may be a
-    larger choice: the count is a lower bound.
+    larger choice: the count is a lower bound. first, second: (m,) nodes of the links.
     """
     used: set[int] = set()
     count = 0

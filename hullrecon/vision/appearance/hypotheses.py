@@ -146,6 +146,8 @@ def open_places(
     offset, covariance = scene_offsets(
         track, keyframes[stations[a]], keyframes[stations[b]], depth_m
     )
+    # Scenes that overlap are within about half a footprint, and a keyframe within `slack` of its
+    # station.
     pairs_open = _is_open(offset, covariance, size, size / 2 + slack)
     if not pairs_open.any():
         return None
@@ -251,19 +253,24 @@ def likeliest_pairs(
     scores, size = images.scores(queries), footprint_m(depth_m[keyframes], camera)
 
     def pairs_where(
-        mask: Mask, wanted: Callable[[Array, Array], Mask], places_each: int, most: int
+        mask: Mask, wanted: Callable[[Array, Array], Mask], most_each: int, most: int
     ) -> Array:
         """Find the pairs that look most alike among those whose offset `wanted` selects.
 
         mask: (s, s) pairs of stations to search. wanted: selects by offset and covariance of the
-        scenes. places_each: pairs of a query at most. most: pairs in all at most.
+        scenes. most_each: pairs of a query at most. most: pairs in all at most.
         """
-        # The mask only preselects: an outage may lie between a keyframe and its station.
-        asked, place = _best(np.where(places.of_keyframes(queries, mask), scores, 0.0), CANDIDATES)
-        keep = wanted(*scene_offsets(track, keyframes[queries[asked]], keyframes[place], depth_m))
-        asked, place = asked[keep], place[keep]
-        order = _by_place(asked, place, scores[asked, place], places_each)
-        return _distinct(np.column_stack([queries[asked], place])[order], most)
+        # Rows of `queries` and of `keyframes`. The mask only preselects: an outage may lie between
+        # a keyframe and its station.
+        asked, candidate = _best(
+            np.where(places.of_keyframes(queries, mask), scores, 0.0), CANDIDATES
+        )
+        keep = wanted(
+            *scene_offsets(track, keyframes[queries[asked]], keyframes[candidate], depth_m)
+        )
+        asked, candidate = asked[keep], candidate[keep]
+        order = _order_for_comparison(asked, candidate, scores[asked, candidate], most_each)
+        return _distinct(np.column_stack([queries[asked], candidate])[order], most)
 
     return (
         pairs_where(
@@ -293,10 +300,10 @@ def _is_open(offset: Array, covariance: Array, size_m: float, slack_m: float) ->
 
 
 def _is_apart(offset: Array, covariance: Array, size_m: float, slack_m: float) -> Mask:
-    """Select pairs (m,) known to be two places.
+    """Select pairs (m,) of scenes known to be two places: the offset is large and well known.
 
-    slack_m: typical distance of a keyframe from the station that stands for it. Other parameters
-    are those of `_is_open`.
+    offset, covariance, size_m: as of `_is_open`. slack_m: typical distance of a keyframe from the
+    station that stands for it, 0 where both scenes are keyframes' own.
     """
     distance = np.linalg.norm(offset, axis=1)
     return np.asarray(
@@ -313,7 +320,7 @@ def _best(scores: Array, most: int) -> tuple[Ints, Ints]:
     return row[some], column.ravel()[some]
 
 
-def _by_place(asked: Ints, candidate: Ints, score: Array, most: int) -> Ints:
+def _order_for_comparison(asked: Ints, candidate: Ints, score: Array, most: int) -> Ints:
     """Order candidates for comparison: the best of each query, then the next best elsewhere, etc.
 
     In this order a limited number of comparisons spreads over queries and places. Candidates of a

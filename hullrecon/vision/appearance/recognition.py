@@ -301,6 +301,7 @@ def _confirmed(
     refusal
         Why there are none, None if there are some.
     """
+    # The largest group has to be of several links, spread over the hull.
     size = footprint_m(scene.depth_m, scene.camera)
     first, second = proposal.first[rows], proposal.second[rows]
     links = agreement(track, first, second, [found[k] for k in rows], KNOWN * size)
@@ -310,6 +311,7 @@ def _confirmed(
     independent = independent_links(first[group], second[group])
     if independent < LEAST_LINKS or extent < LEAST_EXTENT * size:
         return rows[:0], TOO_FEW
+    # Links that contradict most of it must not form a group that is nearly as large.
     against = np.flatnonzero(links.contradict[:, group].sum(axis=1) > len(group) / 2)
     rival = largest_group(links.agree, against)
     if len(rival) > 1 and len(rival) >= RIVAL_SHARE * len(group):

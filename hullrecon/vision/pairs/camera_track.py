@@ -58,6 +58,8 @@ class NavigationErrors:
         a and b, and the white noise at each. With twist (rho, omega) = twist_a - twist_b in global
         axes, the pose becomes T_b^-1 Exp(twist) T_a: the translation moves by R_b' (rho + omega x
         p_a), the rotation by R_a' omega.
+
+        first, second: (m,) nodes a and b.
         """
         model = self.model
         apart = model.by_error[first] - model.by_error[second]
@@ -102,6 +104,7 @@ class CameraTrack:
         """Compute second_from_first with its covariance for m pairs of nodes.
 
         Errors that the error model leaves out are added (WHITE_TRANSLATION_M, WHITE_ROTATION_RAD).
+        first, second: (m,) nodes.
         """
         relative = self.relative_poses(first, second)
         floor = np.diag(np.repeat([WHITE_TRANSLATION_M**2, WHITE_ROTATION_RAD**2], 3))

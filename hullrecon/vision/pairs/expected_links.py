@@ -67,9 +67,12 @@ class ExpectedLinks:
         """Predict the information (m, 6, 6) of the links, if the pairs match.
 
         It grows with the square of the common features: a larger overlap has more of them, and
-        farther apart. common: (m,) predicted common features. translation: (m, 3) of
-        second_from_first. A link that does not measure its length has no information along it.
+        farther apart. A link that does not measure its length has no information along it.
+
+        first, second: (m,) nodes. common: (m,) predicted common features. translation: (m, 3) of
+        second_from_first.
         """
+        # `information` is that of a link with one common feature.
         size = np.maximum(common, self.min_common)
         out = self.information * np.square(size)[:, None, None]
         without_length = ~(self.scaled[first] & self.scaled[second])
@@ -115,6 +118,7 @@ def learn_links(
     return ExpectedLinks(
         found_again=found_again,
         logit=_fit_logit(_regressors(expected, min_common), found > 0),
+        # of all links, over the squares of their common features: as of a link with one
         information=_information(links).sum(axis=0) / max(float(np.square(common).sum()), 1.0),
         scaled=scaled,
         min_common=min_common,
@@ -129,7 +133,8 @@ def _regressors(common: Array, min_common: int) -> Array:
 def _fit_logit(regressors: Array, matched: Mask) -> Array:
     """Fit the logistic regression of matches (m,) on regressors (m, 2) by Newton's method.
 
-    With the prior of PRIOR_LOGIT, so that it is defined before the first comparison. Returns (2,).
+    With the prior of PRIOR_LOGIT, so that it is defined before the first comparison. Returns the
+    coefficients (2,) of the log odds.
     """
     sign = np.where(matched, 1.0, -1.0)
 

@@ -4,6 +4,8 @@
 
 Its five unknowns are the rotation, perturbed on the right (3), and the direction of the translation
 in `tangent_basis` (2). They are refined on matches, get a covariance, and are held to navigation.
+Here `motion` is second_from_first (4, 4), and matches are `first` and `second` (n, 2) in ideal
+coordinates of the two views.
 """
 
 from __future__ import annotations

@@ -3,6 +3,7 @@
 """Two-view geometry without depth: essential matrix or homography.
 
 The geometric information criterion chooses between them [Torr1998], [KimEustice2009 III-B].
+Matches are `first` and `second` (n, 2) in ideal coordinates of the two views.
 """
 
 from __future__ import annotations

@@ -126,6 +126,8 @@ def _read_16_bits(rows: NDArray[np.uint8], is_bigendian: bool) -> NDArray[np.int
     """Read samples of 16 bits. Raises DamagedError where their bytes are in the other order.
 
     Neighbouring pixels of a picture are alike. With the bytes exchanged they differ all over.
+
+    rows: (h, bytes) of the image. is_bigendian: as the message states. Returns (h, samples).
     """
     orders = (">u2", "<u2") if is_bigendian else ("<u2", ">u2")
     stated, exchanged = (_roughness(rows[::EVERY].view(order)) for order in orders)
