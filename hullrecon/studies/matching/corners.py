@@ -29,7 +29,7 @@ from hullrecon.vision.features.descriptors import (
 )
 from hullrecon.vision.features.extraction import (
     Features,
-    describe,
+    add_colors,
     find_sift,
     is_clear_of_border,
     level_image,
@@ -180,7 +180,7 @@ def extract_with_corners(image: Pixels, options: FeatureOptions) -> Features:
     levelled, step = level_image(image, options)
     found, descriptors = find_sift(levelled, options.max_features)
     if not len(found):
-        return describe(image, found, descriptors)
+        return add_colors(image, found, descriptors)
     keypoints = to_raw_pixels(found, step)
     clear = is_clear_of_border(keypoints, image.shape, options.level_window * image.shape[1])
     place, _ = find_corners(levelled, found[:, :2], int(CORNERS * options.max_features))
@@ -188,7 +188,7 @@ def extract_with_corners(image: Pixels, options: FeatureOptions) -> Features:
         [place, np.full(len(place), 2 * RADIUS_PX), np.full(len(place), np.nan)]
     )
     corners = to_raw_pixels(table.astype(np.float32), step)
-    return describe(
+    return add_colors(
         image,
         np.concatenate([keypoints[clear], corners]),
         np.concatenate([descriptors[clear], describe_corners(levelled, place)]),
