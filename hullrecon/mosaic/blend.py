@@ -192,7 +192,7 @@ class _Block:
     patch: SurfacePatch  # of shape (n, 1)
 
     def only(self, rows: Ints) -> _Block:
-        """Keep some of the texels."""
+        """Keep some of the texels. rows: (k,) among those of the block."""
         return replace(
             self,
             row=self.row[rows],

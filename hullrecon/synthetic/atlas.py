@@ -165,7 +165,10 @@ def paint_items(atlas: Atlas, items: tuple[Item, ...], tones: NDArray[np.float64
 
 
 def _paint_item(atlas: Atlas, item: Item, tone: float) -> None:
-    """Blend an item's paint into the atlas: marks strongly, others as a tint."""
+    """Blend an item's paint into the atlas: marks strongly, others as a tint.
+
+    tone: gray 0..255 for kinds without a colour of their own.
+    """
     row, column, mask = _place_mask(atlas, item)
     if mask.size == 0:
         return

@@ -241,7 +241,10 @@ def place_items(
 ) -> tuple[Item, ...]:
     """Place the dive's items at random within a window of the chart, clear of each other.
 
-    Structures are drawn first, then marks, barnacles, and structures added since a first dive.
+    Structures are drawn first, then marks and barnacles. Then come the changes since a first dive
+    that the spec asks for: structures added, one grown, and others removed. Items that the spec
+    places itself are returned as they are. along_m, girth_m: limits of the window.
+
     Raises UsageError if they do not fit, or if more structures are to be changed than there are.
     """
     if spec.items.placed is not None:

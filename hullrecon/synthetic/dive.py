@@ -45,6 +45,7 @@ def simulate_dive(spec: DiveSpec) -> Dive:
     """
     ship, survey = spec.ship, spec.survey
     cad_model = hull_shape(ship)
+    # Of the survey's window along the hull. By default where the parallel midbody ends forward
     middle = survey.along_m if survey.along_m is not None else (1 - ship.entrance) * ship.length_m
     half = 0.5 * survey.leg_length_m
     # Height of the first leg above the keel, and how far down in girth the last one is

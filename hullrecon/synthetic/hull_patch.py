@@ -173,7 +173,10 @@ class HullSkin:
         return self._cut_patch(first, last)
 
     def follow(self, along_m: Array, girth_m: Array, width_m: float) -> tuple[Array, Array]:
-        """Sample points (n, 3) at chart coordinates, and normals (n, 3) smoothed over width_m."""
+        """Sample points (n, 3) of the hull at chart coordinates (n,), and their normals (n, 3).
+
+        The normals are smoothed over width_m. along_m, girth_m: the chart coordinates.
+        """
         point, normal = np.empty((len(along_m), 3)), np.empty((len(along_m), 3))
         block = self.block_of(along_m)
         for k in np.unique(block).tolist():

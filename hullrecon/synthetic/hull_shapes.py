@@ -134,7 +134,10 @@ def _side_faces(rings: int, points: int) -> NDArray[np.int64]:
 
 
 def _cap_faces(rings: int, points: int) -> NDArray[np.int64]:
-    """Close the deck between both sheer lines, and the two ends."""
+    """Close the deck between both sheer lines, and the two ends.
+
+    rings: stations of the hull. points: of a station, from sheer line over the keel to the other.
+    """
     node = np.arange(rings * points).reshape(rings, points)
     first, last = node[:, 0], node[:, -1]
     deck = [

@@ -150,9 +150,9 @@ def lens(camera: CameraModel, error_px: Array | None = None) -> Lens:
     if error_px is not None:
         pixel += error_px.reshape(-1, 2)
     ray = camera.rays(pixel).astype(np.float32)
-    return Lens(
-        camera, ray, np.asarray(ray[:, 2] ** 2.5, np.float32).reshape(camera.height, camera.width)
-    )
+    # Vignetting: light falls off with the cosine to the optical axis
+    light = np.asarray(ray[:, 2] ** 2.5, np.float32)
+    return Lens(camera, ray, light.reshape(camera.height, camera.width))
 
 
 def photograph(

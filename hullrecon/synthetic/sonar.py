@@ -61,15 +61,19 @@ def fan() -> Fan:
     """Make the rays of a ping, which fill the elevation and width of every beam."""
     half = np.radians(SONAR_ELEVATION_DEG / 2)
     step = abs(AZIMUTH[1] - AZIMUTH[0])
-    offset = (np.arange(SUB_BEAMS) + 0.5) / SUB_BEAMS - 0.5
+    offset = ((np.arange(SUB_BEAMS) + 0.5) / SUB_BEAMS - 0.5) * step
     elevation = half * (2 * (np.arange(ARC_RAYS) + 0.5) / ARC_RAYS - 1)
-    b, s, e = np.meshgrid(np.arange(BEAM_COUNT), offset * step, elevation, indexing="ij")
-    azimuth = (AZIMUTH[b] + s).ravel()
-    e = e.ravel()
+    # Of every ray: its beam, azimuth from the beam's middle, and elevation
+    beam, beside, e = (
+        grid.ravel()
+        for grid in np.meshgrid(np.arange(BEAM_COUNT), offset, elevation, indexing="ij")
+    )
+    azimuth = AZIMUTH[beam] + beside
     direction = np.stack(
         [np.sin(e), np.cos(e) * np.sin(azimuth), np.cos(e) * np.cos(azimuth)], axis=1
     )
-    return Fan(direction, b.ravel().astype(np.int64), np.exp(-1.2 * (e / half) ** 2))
+    # The beam pattern falls off with elevation
+    return Fan(direction, beam.astype(np.int64), np.exp(-1.2 * (e / half) ** 2))
 
 
 def ping(
@@ -79,11 +83,23 @@ def ping(
 
     The echoes of all rays, by angle of incidence and beam pattern, are summed in range bins.
     Speckle and a noise floor are added.
+
+    Parameters
+    ----------
+    hull_from_sonar
+        A single pose.
+    block
+        The part of the hull near it.
+    rays
+        As by `fan`.
+    random
+        Draws the noise.
     """
     direction = hull_from_sonar.rotation.apply(rays.direction)
     hits = block.rays.cast(hull_from_sonar.translation, direction)
     corner = block.built.mesh.faces[hits.face]
     normal = np.einsum("nk,nkd->nd", hits.weight, block.built.normal[corner])
+    # Cosine of the angle of incidence
     facing = np.clip(-np.einsum("nd,nd->n", normal, direction), 0, 1)
     bins = np.rint((hits.range_m - NEAR_M) / (FAR_M - NEAR_M) * (BIN_COUNT - 1))
     seen = hits.hit & (bins >= 0) & (bins < BIN_COUNT)
@@ -97,5 +113,6 @@ def ping(
         1 + 0.05 * random.standard_normal((BEAM_COUNT, 1))
     )
     floor = 0.004 * random.gamma(1.0, 1.0, echo.shape)
+    # The root makes weak echoes visible beside strong ones
     loud = 255 * np.sqrt(np.abs(0.65 * echo * speckle + floor))
     return np.asarray(np.clip(loud, 0, 255), np.uint8)

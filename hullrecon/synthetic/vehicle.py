@@ -203,7 +203,7 @@ def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
     t = STEP_S * np.arange(len(along), dtype=float)
     point, normal = skin.follow(along, girth, width_m=0.5)
     level = _level_from_hull(spec)
-    # In the level frame: outward normal that is to be faced, and point on the hull
+    # In the level frame, whose z points down: outward normal that is to be faced, and point on hull
     facing, on_hull = level.apply(normal), level.apply(point)
     port = level.apply([0.0, 1.0, 0.0])
     # Under a flat bottom the normal is vertical and gives no heading: add some of the port side's.

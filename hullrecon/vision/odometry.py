@@ -80,7 +80,7 @@ class StereoOdometer:
         return self.frame_of_features(number, NodeFeatures(top=sides[0], bottom=sides[1]))
 
     def frame_of_features(self, number: int, features: NodeFeatures) -> OdometryFrame:
-        """Match the two cameras, without a prior of the scene's depth.
+        """Prepare a stereo pair: match its two cameras, without a prior of the scene's depth.
 
         number: seeds the random draws of later matching.
         """

@@ -375,6 +375,7 @@ def sample_light(
     camera
         (views,) number of the camera of each view.
     """
+    # For each tile and view: view, texel, cell of the vignetting field, and log value, all (n, ...)
     parts: list[tuple[Any, ...]] = []
     for tile in grid.parts(BLOCK):
         patch = sample_surface(surface, grid, tile)

@@ -140,7 +140,7 @@ class TileStore:
         )
 
     def add(self, window: Window, tile: PackedTile) -> None:
-        """Keep the tile of a window, and add its contributions.
+        """Keep the tile of a window. Add it to the sums and to the small copy.
 
         Tiles must come in the order of `grid.tiles(size)`.
         """

@@ -336,7 +336,10 @@ class PairMatcher:
     def _best_on_lines(
         self, first: NodeView, second: NodeView, motion: Array, a: Ints, b: Ints
     ) -> Putative:
-        """Match descriptors of those pairs (a, b) that are near each other's epipolar lines."""
+        """Match descriptors of those pairs (a, b) that are near each other's epipolar lines.
+
+        motion: second_from_first (4, 4). a, b: (k,) features of the first node, and of the second.
+        """
         limit = (VERIFY_PX / self.rig.focal_px(Camera.TOP)) ** 2
         essential = two_view.essential_of(motion)
         good = two_view.sampson_squared(essential, first.xy[a], second.xy[b]) < limit
