@@ -403,14 +403,14 @@ def _texels_by_view(choice: BestViews) -> Iterator[tuple[int, Ints]]:
     chosen = choice.view.reshape(VIEWS, -1) >= 0
     texel = np.broadcast_to(np.arange(chosen.shape[1], dtype=np.int32), chosen.shape)[chosen]
     view = choice.view[choice.view >= 0]
-    names = np.flatnonzero(np.bincount(view))
+    used = np.flatnonzero(np.bincount(view))
     # Views are renumbered in 16 bits, which NumPy sorts in a fraction of the time
-    place = np.zeros(names.max(initial=0) + 1, np.uint16)
-    place[names] = np.arange(len(names))
-    place = place[view]
-    order = np.argsort(place, kind="stable")
-    last = np.cumsum(np.bincount(place, minlength=len(names)))
-    yield from zip(names.tolist(), np.split(texel[order], last[:-1]), strict=False)
+    new_number = np.zeros(used.max(initial=0) + 1, np.uint16)
+    new_number[used] = np.arange(len(used))
+    renumbered = new_number[view]
+    order = np.argsort(renumbered, kind="stable")
+    last = np.cumsum(np.bincount(renumbered, minlength=len(used)))
+    yield from zip(used.tolist(), np.split(texel[order], last[:-1]), strict=False)
 
 
 def crop_around(pixel: Array, size: tuple[int, int]) -> tuple[Part, Floats32]:

@@ -208,14 +208,14 @@ class HullSkin:
 
         Arc length is 0 where the port side passes zero_z_m. The points are hits of rays that go
         from far outside towards a point inside the hull, from below the keel on starboard around to
-        port.
+        port. along_m: stations of the sections. rays: cast at each.
         """
         spine = np.array([0.0, 1e-3 * self._high_z_m, 0.55 * self._high_z_m])
         angle = np.linspace(-1.25, 2.5, rays)
-        out = np.stack([np.zeros(rays), np.sin(angle), -np.cos(angle)], 1)
+        outward = np.stack([np.zeros(rays), np.sin(angle), -np.cos(angle)], 1)
         for x in along_m:
             arc, line = _section(
-                self._caster, spine + np.array([x, 0.0, 0.0]), out, self._far_m, angle
+                self._caster, spine + np.array([x, 0.0, 0.0]), outward, self._far_m, angle
             )
             yield arc - _arc_at(arc, line, self._zero_z_m), line
 

@@ -116,11 +116,11 @@ def positions(spec: DiveSpec, motion: Motion) -> Series:
     if spec.positions.every_s is None:
         return NO_POSITIONS
     random = spec.random("positions")
-    heading, place = random.uniform(-np.pi, np.pi), random.uniform(-200, 200, 2)
+    heading, origin = random.uniform(-np.pi, np.pi), random.uniform(-200, 200, 2)
     t = ticks(motion, 1 / spec.positions.every_s, random, 0.7)
     x, y, z = motion.vehicle(t).apply(np.array(TRANSPONDER)).T
-    north = place[0] + x * np.cos(heading) - y * np.sin(heading)
-    east = place[1] + x * np.sin(heading) + y * np.cos(heading)
+    north = origin[0] + x * np.cos(heading) - y * np.sin(heading)
+    east = origin[1] + x * np.sin(heading) + y * np.cos(heading)
     at = np.stack([east, north, -z], axis=1) + spec.positions.sigma_m * random.standard_normal(
         (len(t), 3)
     )

@@ -252,12 +252,13 @@ def _add_particles(radiance: Floats32, random: np.random.Generator) -> Floats32:
 
     height, width = radiance.shape[:2]
     flakes: Floats32 = np.zeros((height, width), np.float32)
-    for x, y, r, tone in random.uniform(0, 1, (14, 4)).tolist():
+    for x, y, size, tone in random.uniform(0, 1, (14, 4)).tolist():
+        # Centre and radius in sixteenths of a pixel, as cv2 takes them with a shift of 4 bits
         centre = (round(16 * x * width), round(16 * y * height))
         cv2.circle(
             flakes,
             centre,
-            round(16 * (0.5 + 1.5 * r**4)),
+            round(16 * (0.5 + 1.5 * size**4)),
             0.02 + 0.12 * tone**3,
             -1,
             cv2.LINE_AA,

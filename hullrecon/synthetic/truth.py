@@ -165,12 +165,14 @@ def _views(dive: Dive, point: Array) -> int:
     if dive.spec.cameras.carried == "none":
         return 0
     camera = dive.rig.camera_top
-    at = dive.motion.in_hull(dive.motion.on_tray(dive.frame_s, dive.rig.tray_from_top, TRAY_ORIGIN))
-    inside = at.inverse().apply(np.tile(point, (len(at), 1)))
-    pixel = camera.project(inside)
+    hull_from_camera = dive.motion.in_hull(
+        dive.motion.on_tray(dive.frame_s, dive.rig.tray_from_top, TRAY_ORIGIN)
+    )
+    in_camera = hull_from_camera.inverse().apply(np.tile(point, (len(hull_from_camera), 1)))
+    pixel = camera.project(in_camera)
     with np.errstate(invalid="ignore"):
         seen = (pixel >= 0).all(1) & (pixel[:, 0] < camera.width) & (pixel[:, 1] < camera.height)
-    return int((seen & (inside[:, 2] < dive.spec.survey.standoff_m + BEHIND_M)).sum())
+    return int((seen & (in_camera[:, 2] < dive.spec.survey.standoff_m + BEHIND_M)).sum())
 
 
 def _pose_document(motion: Poses) -> dict[str, Any]:

@@ -182,12 +182,15 @@ def ticks(
 
 
 def leg_corners(survey: Survey, middle_m: float, top_girth_m: float) -> Array:
-    """List the start and end of each leg as along, girth (2 legs, 2). Legs run to and fro."""
+    """List the start and end of each leg as along, girth (2 legs, 2). Legs run to and fro.
+
+    middle_m: of all legs, along the hull. top_girth_m: of the first leg. The others lie below it.
+    """
     rows = []
     for k in range(survey.legs):
-        way = 0.5 * survey.leg_length_m * (1 if k % 2 else -1)
+        half = 0.5 * survey.leg_length_m * (1 if k % 2 else -1)
         girth = top_girth_m - k * survey.leg_spacing_m
-        rows += [(middle_m - way, girth), (middle_m + way, girth)]
+        rows += [(middle_m - half, girth), (middle_m + half, girth)]
     return np.array(rows)
 
 
@@ -245,9 +248,9 @@ def _time_path(corners: Array, speed: float) -> tuple[Array, Array]:
     """
     from scipy.ndimage import gaussian_filter1d
 
-    way = np.linalg.norm(np.diff(corners, axis=0), axis=1)
-    # Every second way leads from a leg to the next
-    seconds = way / np.where(np.arange(len(way)) % 2, 0.5 * speed, speed)
+    distance = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    # Every second one leads from a leg to the next
+    seconds = distance / np.where(np.arange(len(distance)) % 2, 0.5 * speed, speed)
     knots = np.concatenate(
         [[0.0], 1.0 + np.concatenate([[0.0], np.cumsum(seconds)]), [2.0 + seconds.sum()]]
     )

@@ -31,8 +31,8 @@ def stored_step(vertices: Array, is_single: bool = False) -> float:
     if not is_single and len(np.unique(vertices, axis=0)) < ENOUGH_CORNERS:
         return 0.0
     steps = np.spacing(size.astype(np.float32)).astype(float)
-    off = np.abs(vertices.astype(np.float32).astype(float) - vertices) <= NEAR_SINGLE * steps
-    single = np.where(is_single | off.all(axis=0), steps, 0.0)
+    near = np.abs(vertices.astype(np.float32).astype(float) - vertices) <= NEAR_SINGLE * steps
+    single = np.where(is_single | near.all(axis=0), steps, 0.0)
     decimal = [_decimal_step(column) for column in vertices.T]
     return float(np.max([single, decimal]))
 

@@ -232,7 +232,7 @@ def compute_footprints(
     """
     outlines = [image_view.outline(surface) for image_view in image_views]
     ranges = np.array(
-        [np.linalg.norm(o - s.center, axis=1) for o, s in zip(outlines, image_views, strict=True)]
+        [np.linalg.norm(o - v.center, axis=1) for o, v in zip(outlines, image_views, strict=True)]
     )
     distance = np.array(
         [float(np.median(r[np.isfinite(r)])) if np.isfinite(r).any() else np.nan for r in ranges]
