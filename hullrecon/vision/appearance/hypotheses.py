@@ -86,8 +86,9 @@ def scene_offsets(
     """
     relative, covariance = scene_in_target(track, first, second, depth_m[first])
     middle = depth_m[first, None] * [0.0, 0.0, 1.0]
-    there = np.einsum("mij,mj->mi", relative[:, :3, :3], middle) + relative[:, :3, 3]
-    return there - depth_m[second, None] * [0.0, 0.0, 1.0], covariance
+    # Centre of the first scene in the second camera
+    centre = np.einsum("mij,mj->mi", relative[:, :3, :3], middle) + relative[:, :3, 3]
+    return centre - depth_m[second, None] * [0.0, 0.0, 1.0], covariance
 
 
 def may_be_one(offset: Array, covariance: Array, slack_m: float) -> Mask:

@@ -200,7 +200,7 @@ def reject_look_alikes(
 
 @dataclass(frozen=True, kw_only=True)
 class _Likely:
-    """Pairs of keyframe ranks that look most alike."""
+    """Pairs of keyframes that look most alike, as rows of the keyframes."""
 
     pairs: Array  # (m, 2) may be one place
     control: Array  # (c, 2) known to be two places

@@ -140,7 +140,7 @@ def is_clear_of_border(keypoints: Floats32, shape: tuple[int, ...], window_px: f
     Parameters
     ----------
     keypoints
-        (n, 4) x, y, size, response, in raw pixels.
+        (n, 4) u, v, diameter, score, in raw pixels.
     shape
         Shape (h, w, ...) of the raw image.
     window_px
@@ -172,7 +172,7 @@ def add_colors(image: Pixels, keypoints: Floats32, descriptors: Pixels) -> Featu
 def local_saliency(descriptors: NDArray[np.uint8]) -> float:
     """Rate how much there is to recognise in an image [KimEustice2013], [Ozog2016 2.3.3].
 
-    The entropy of the words of its descriptors (n, 128) over the largest possible: 0 without
+    It is the entropy of the words of its descriptors (n, 128) over the largest possible: 0 without
     descriptors or with all alike, 1 with all words equally frequent. The vocabulary is not learnt:
     the sides of eight random planes on which a descriptor lies make 256 words, so that the score
     depends on no other image.

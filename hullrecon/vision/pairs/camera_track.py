@@ -171,8 +171,8 @@ def leading_cameras(cameras: Rig, path: VehiclePath, bottom: Mask) -> Poses:
 def _backlash_twist(global_from_vehicle: Poses, tray_origin: Array, sigma_rad: float) -> Array:
     """Compute the covariance (n, 6, 6) of each node's pose due to an error of the tray's angle.
 
-    As a twist (translation, rotation) in global axes. The tray turns about the vehicle's y axis
-    through `tray_origin` (3,) in the vehicle.
+    The error is a twist (translation, rotation) in global axes. The tray turns about the vehicle's
+    y axis through `tray_origin` (3,) in the vehicle.
     """
     # A turn about the axis moves the point at the global origin by origin x axis.
     axis = global_from_vehicle.rotation.as_matrix()[:, :, 1]

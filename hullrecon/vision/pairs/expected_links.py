@@ -133,8 +133,8 @@ def _regressors(common: Array, min_common: int) -> Array:
 def _fit_logit(regressors: Array, matched: Mask) -> Array:
     """Fit the logistic regression of matches (m,) on regressors (m, 2) by Newton's method.
 
-    With the prior of PRIOR_LOGIT, so that it is defined before the first comparison. Returns the
-    coefficients (2,) of the log odds.
+    The prior PRIOR_LOGIT defines it before the first comparison. Returns the coefficients (2,) of
+    the log odds.
     """
     sign = np.where(matched, 1.0, -1.0)
 

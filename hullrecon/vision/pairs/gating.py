@@ -68,14 +68,14 @@ def transfer(
     spread = _motion_points(motion)
     centre = np.hstack([xy, np.ones((len(xy), 1))])
     moved = [_project(spread, centre * depth_m[:, None])]
-    here = motion.second_from_first[None]
+    unmoved = motion.second_from_first[None]
     for sign in (3.0, -3.0):
         deeper = np.maximum(depth_m + sign * depth_sigma_m, 0.02 * depth_m)
-        moved.append(_project(here, centre * deeper[:, None]))
+        moved.append(_project(unmoved, centre * deeper[:, None]))
         for axis in range(2):
             shifted = centre.copy()
             shifted[:, axis] += sign * pixel_sigma
-            moved.append(_project(here, shifted * depth_m[:, None]))
+            moved.append(_project(unmoved, shifted * depth_m[:, None]))
     # (2, 18, n): each has weight 1 / 18. The unmoved point has weight 0 and is left out.
     points = np.concatenate(moved, axis=1)
     mean = points.mean(axis=1)

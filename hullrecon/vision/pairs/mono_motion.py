@@ -41,8 +41,9 @@ def refine(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
 def fit(motion: Array, first: Array, second: Array) -> Array:
     """Minimise the Sampson distances of matches (n, 2) over motions (4, 4) with |t| = 1.
 
-    By Levenberg-Marquardt, from `motion`. To first order the Sampson distance is the residual that
-    a bundle adjustment of two views has once the point of the match is eliminated.
+    It starts from `motion` and iterates by Levenberg-Marquardt. To first order the Sampson distance
+    is the residual that a bundle adjustment of two views has once the point of the match is
+    eliminated.
     """
     residual, jacobian = linearise(motion, first, second)
     # Not geometry.pose_solver: five unknowns, and a variance that each step finds anew.

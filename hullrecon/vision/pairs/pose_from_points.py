@@ -93,10 +93,11 @@ def _trials_needed(share: float) -> float:
 def squared_errors(motions: Array, view: ObservedPoints) -> Array:
     """Compute squared reprojection errors (s, n) under each motion second_from_first (s, 4, 4).
 
-    In squared ideal coordinates. Infinite behind the camera, 0 where not seen.
+    They are in squared ideal coordinates, infinite behind the camera, 0 where not seen.
     """
-    way = np.linalg.inv(motions) if view.backward else motions
-    return native.squared_reprojections(view.camera_from_node @ way, view.points, view.xy)
+    # From the node that triangulated the points to the one that observed them
+    moved = np.linalg.inv(motions) if view.backward else motions
+    return native.squared_reprojections(view.camera_from_node @ moved, view.points, view.xy)
 
 
 def refine(motion: Array, views: list[ObservedPoints], tolerance: float) -> tuple[Array, Array]:

@@ -174,8 +174,8 @@ def correlation_inflation(information: Array, gradient: Array, variance: float, 
     """Estimate by what factor correlated errors of neighbouring features inflate the covariance.
 
     Without it, many features that share an error would look like as many measurements. Features are
-    grouped by square image cells, as those of a cell may share an error. The largest factor over
-    the cells' sizes in CELLS, at least 1.
+    grouped by square image cells, as those of a cell may share an error. The factor is the largest
+    over the cells' sizes in CELLS, at least 1.
 
     Parameters
     ----------

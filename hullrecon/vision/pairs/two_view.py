@@ -66,8 +66,9 @@ class PossibleMotion:
 def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
     """Fit an essential matrix or a homography to matches, whichever has the smaller criterion.
 
-    By RANSAC. On a flat hull the essential matrix is not determined, and the homography wins. None
-    with fewer than LEAST_MATCHES, or where one of the models cannot be fitted.
+    Both are fitted by RANSAC. On a flat hull the essential matrix is not determined, and the
+    homography wins. None with fewer than LEAST_MATCHES, or where one of the models cannot be
+    fitted.
 
     first, second: (n, 2) in ideal coordinates. tolerance: largest error of an inlier.
     """
@@ -113,9 +114,10 @@ def fit_both(first: Array, second: Array, tolerance: float) -> BothModels | None
 def criterion(whitened_squared: Array, dimension: int, parameters: int) -> float:
     """Compute the geometric information criterion of a model, smaller is better.
 
-    sum e^2/sigma^2 + 2 d N + 4 P [Torr1998], [KimEustice2009 III-B], with d the dimension of the
-    manifold of matches, N their number and P the number of parameters. The term of a match is
-    capped at 2 (4 - d), so that a single outlier cannot decide.
+    It is sum e^2/sigma^2 + 2 d N + 4 P [Torr1998], [KimEustice2009 III-B], with e the error of a
+    match, sigma its sigma, d the dimension of the manifold of matches, N their number and P the
+    number of parameters. The term of a match is capped at 2 (4 - d), so that a single outlier
+    cannot decide. whitened_squared: (N,) e^2/sigma^2.
     """
     capped = np.minimum(whitened_squared, 2.0 * (4 - dimension))
     return float(capped.sum() + 2.0 * dimension * len(whitened_squared) + 4.0 * parameters)

@@ -71,10 +71,11 @@ def estimate_delay(rig: Rig, pairs: Sequence[MatchedRays]) -> Delay | None:
     """Estimate the bottom camera's delay together with errors of the rig's calibration.
 
     Both move features off their epipolar lines, so that a wrong calibration would otherwise pass as
-    a delay. Start at the delay of least epipolar error on a grid of delays, then take Gauss-Newton
-    steps on delay, rotation and direction of the baseline. The variance of the delay is that of the
-    matches plus the cluster-robust one, which holds differences between pairs of images beyond
-    their noise. None where fewer than three pairs have a known motion, or where nothing moved.
+    a delay. It starts at the delay of least epipolar error on a grid of delays, then takes
+    Gauss-Newton steps on delay, rotation and direction of the baseline. The variance of the delay
+    is that of the matches plus the cluster-robust one, which holds differences between pairs of
+    images beyond their noise. None where fewer than three pairs have a known motion, or where
+    nothing moved.
     """
     pairs = [pair for pair in pairs if np.isfinite(pair.twist).all()]
     if len(pairs) < 3:
@@ -139,8 +140,8 @@ def _bottom_moved(rig: Rig, pair: MatchedRays, delay_s: float) -> Poses:
 def _residuals(rig: Rig, pair: MatchedRays, unknowns: Array) -> Array:
     """Compute signed Sampson distances (n,) of matches from their epipolar lines.
 
-    In ideal coordinates. unknowns: (6,) error of the bottom camera's rotation (3) and of the
-    baseline's direction (2), rad, and the delay, s.
+    They are in ideal coordinates. unknowns: (6,) error of the bottom camera's rotation (3) and of
+    the baseline's direction (2), rad, and the delay, s.
     """
     assert rig.stereo_mount is not None
     # Rectified cameras have the baseline along y: rows 0 and 2 are the axes across it

@@ -144,13 +144,16 @@ def epipolar_error_px(lenses: Lenses, essential: Array, seen: tuple[Array, Array
 
 
 def _shifted(lens: CameraModel, values: Array) -> CameraModel:
+    """Shift the principal point by values (2,), as shares of the focal length."""
     return replace(lens, cx=lens.cx + values[0] * lens.fx, cy=lens.cy + values[1] * lens.fx)
 
 
 def _scaled(lens: CameraModel, values: Array) -> CameraModel:
+    """Lengthen the focal length by a share of it, values (1,)."""
     factor = max(1 + values[0], 0.1)
     return replace(lens, fx=lens.fx * factor, fy=lens.fy * factor)
 
 
 def _distorted(lens: CameraModel, values: Array) -> CameraModel:
+    """Add values (2,) to the radial distortion k1 and k2."""
     return replace(lens, k1=lens.k1 + values[0], k2=lens.k2 + values[1])
