@@ -64,7 +64,7 @@ def build_occlusion_horizon(
 def _meet(charted: Array, faces: Ints32, limits: Array) -> Mask:
     """Mark the faces (m,) of charted vertices (n, 2) that reach into limits (2, 2) of the chart.
 
-    By the bounding boxes of the faces on the chart: some are marked that only pass near.
+    Bounding boxes of the faces on the chart are tested: some are marked that only pass near.
     """
     out = np.zeros(len(faces), bool)
     for rows in blocks_of_faces(len(faces)):

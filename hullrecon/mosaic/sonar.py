@@ -61,8 +61,8 @@ class SonarFan:
             NaN for points outside the fan.
         """
         x, y, z = points.T
-        level = np.hypot(y, z)
-        distance, bearing, elevation = np.hypot(level, x), np.arctan2(y, z), np.arctan2(x, level)
+        ahead = np.hypot(y, z)  # distance within the plane of the fan
+        distance, bearing, elevation = np.hypot(ahead, x), np.arctan2(y, z), np.arctan2(x, ahead)
         first, last = self.range_m[0], self.range_m[-1]
         n_r = (distance - first) * (len(self.range_m) - 1) / (last - first)
         n_b = np.interp(bearing, self.bearing, self.beam)
@@ -169,9 +169,9 @@ class SonarView:
     def outline(self, surface: MosaicSurface) -> Array:
         """Cast rays all over the aperture, and end them at the largest range."""
         rays = self.fan.rays(bearings=9, elevations=13) @ self.pose.rotation.as_matrix()[0].T
-        gone = surface.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
-        gone = np.where(np.isfinite(gone), np.minimum(gone, self.fan.range_m[-1]), np.nan)
-        return np.asarray(self.center + gone[:, None] * rays)
+        hit_m = surface.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
+        end_m = np.where(np.isfinite(hit_m), np.minimum(hit_m, self.fan.range_m[-1]), np.nan)
+        return np.asarray(self.center + end_m[:, None] * rays)
 
     @property
     def size(self) -> tuple[int, int]:

@@ -191,6 +191,7 @@ def _correction(samples: LightSamples, residual: Array, camera: int) -> Array:
 
 
 def _resized(level: Array) -> Array:
+    """Reduce log intensities (h, w, channels) of an image to the cells of the field."""
     import cv2
 
     small = cv2.resize(level.astype(np.float32), FIELD[::-1], interpolation=cv2.INTER_AREA)

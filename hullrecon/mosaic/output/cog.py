@@ -273,6 +273,7 @@ class _Format:
         last
             Whether no directory follows.
         """
+        # Formats of an offset and of the number of entries, and bytes of an entry
         word, count, entry = ("<Q", "<Q", 20) if self.big else ("<I", "<H", 12)
         size = struct.calcsize(word)
         head = struct.calcsize(count) + entry * len(tags) + size

@@ -140,6 +140,7 @@ def reduced_picture(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _rgba(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Convert gray and alpha (h, w, 2) to RGBA. RGBA stays as it is."""
     return (
         np.concatenate([np.repeat(picture[..., :1], 3, axis=2), picture[..., 1:]], axis=2)
         if picture.shape[2] == 2
@@ -148,6 +149,7 @@ def _rgba(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _frame_numbers(axis: Any, spacing_m: float) -> None:
+    """Number the ship's frames along the top of the picture. spacing_m: between two frames."""
     upper = axis.secondary_xaxis(
         "top", functions=(lambda x: x / spacing_m, lambda f: f * spacing_m)
     )
