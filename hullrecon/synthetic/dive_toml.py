@@ -51,10 +51,10 @@ def initial_guess(dive: Dive) -> Poses:
     middle = dive.hull.skin.middle
     shift = sign[:3] * [spec.guess.along_m, spec.guess.across_m, 0.6 * spec.guess.across_m]
     turn = np.radians(spec.guess.turn_deg) * np.array([0.3, 0.2, sign[3]])
-    slip = Poses(Rotation.from_rotvec(turn).as_quat()[None], np.zeros((1, 3)))
+    rotation = Poses(Rotation.from_rotvec(turn).as_quat()[None], np.zeros((1, 3)))
     # The hull turns about the survey's middle, which itself moves by the shift
-    about = Poses(slip.quaternion, middle + shift - slip.apply(middle[None]))
-    return dive.motion.global_from_hull @ about
+    error = Poses(rotation.quaternion, middle + shift - rotation.apply(middle[None]))
+    return dive.motion.global_from_hull @ error
 
 
 def dive_toml(dive: Dive) -> str:

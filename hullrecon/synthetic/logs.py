@@ -289,11 +289,13 @@ def _joints(streams: Streams, k: int, ns: int) -> RosMessage:
 
 
 def _position(streams: Streams, k: int, ns: int) -> RosMessage:
+    """Make the message of position k."""
     place = vector(streams.positions.value[k], "geometry_msgs/msg/Point")
     return make("geometry_msgs/msg/PointStamped", header=header(ns, "usbl"), point=place)
 
 
 def _camera(name: str, jpeg: bytes, ns: int) -> RosMessage:
+    """Make the message of an image of the camera `name`."""
     data = np.frombuffer(jpeg, np.uint8)
     return make(
         "sensor_msgs/msg/CompressedImage", header=header(ns, name), format="jpeg", data=data

@@ -34,7 +34,7 @@ class Scene:
 
     block: Block  # of the hull around the vehicle
     atlas: Albedo  # its colours
-    absorption: float  # of green light, per metre of water
+    absorption: float  # per metre of water, to be multiplied by ABSORPTION for each colour
 
 
 @dataclass(frozen=True)

@@ -220,8 +220,8 @@ def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
         np.arcsin(np.clip(facing[:, 2], -0.98, 0.98)), SETTLE_S / STEP_S, mode="nearest"
     )
     # Where the tray's axis is to be, then the vehicle that carries it
-    sensor = on_hull + spec.survey.standoff_m * facing + wobble[:, :3]
-    position = sensor - Rotation.from_euler("xyz", attitude).apply(TRAY_ORIGIN)
+    axis = on_hull + spec.survey.standoff_m * facing + wobble[:, :3]
+    position = axis - Rotation.from_euler("xyz", attitude).apply(TRAY_ORIGIN)
     smooth = gaussian_filter1d(position, 0.5 / STEP_S, axis=0, mode="nearest")
     global_from_level = _global_from_level(smooth[0], float(attitude[0, 2]), spec.ship.draught_m)
     encoder = elevation + wobble[:, 6]
@@ -280,7 +280,7 @@ def _global_from_level(position: Array, yaw: float, draught_m: float) -> Poses:
 def _draw_wobble(spec: DiveSpec, t: Array) -> Array:
     """Draw the motion (n, 7) that the controller does not suppress.
 
-    Sums of sine waves of position (3), m, attitude (3) and tray angle, rad.
+    It is a sum of sine waves, for position (3), m, attitude (3) and tray angle, rad.
     """
     random = spec.random("wobble")
     size = np.array([0.012, 0.012, 0.012, *np.radians([0.9, 0.9, 1.0, 0.7])])

@@ -149,7 +149,7 @@ def _rgba(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _frame_numbers(axis: Any, spacing_m: float) -> None:
-    """Number the ship's frames along the top of the picture. spacing_m: between two frames."""
+    """Draw the numbers of the ship's frames along the top. spacing_m: between two frames."""
     upper = axis.secondary_xaxis(
         "top", functions=(lambda x: x / spacing_m, lambda f: f * spacing_m)
     )
