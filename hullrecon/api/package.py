@@ -160,6 +160,7 @@ def summarise(path: Path | str, *, allow_outside: bool = False) -> LogSummary:
 
 
 def _find_logs(path: Path, allow_outside: bool) -> list[Path]:
+    """Find the logs of a path. Raises InputError for special files, and those outside of it."""
     logs = find_logs(path)
     for log in logs if path.is_dir() else ():
         check_log(log, path, allow_outside=allow_outside)

@@ -75,6 +75,7 @@ def plain(value: object) -> Json:
 
 
 def _convert_numpy(value: object) -> object:
+    """Convert NumPy's values to Python's. Raises TypeError for any other type."""
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     raise TypeError(f"a {type(value).__name__} cannot be written as JSON")

@@ -110,6 +110,7 @@ class Processes(Executor):
     def _map_once(
         self, function: Callable[[Item], Result], items: Sequence[Item]
     ) -> Iterator[Result]:
+        """Map over all items, in chunks that leave each worker several."""
         pool = self._start_pool()
         chunk = len(items) // (self._jobs * _CHUNKS_PER_WORKER)
         chunk = min(max(1, chunk), _LARGEST_CHUNK)
@@ -133,6 +134,7 @@ class Processes(Executor):
         return self._pool
 
     def _make_pool(self, context: BaseContext) -> ProcessPoolExecutor:
+        """Make the pool. Its workers compute with one thread each."""
         with one_thread_each():
             environment = dict(os.environ)
         return ProcessPoolExecutor(
@@ -237,6 +239,7 @@ def _refuse_address(address: str) -> None:
 
 
 def _connect(address: str) -> Any:
+    """Connect to a Dask scheduler. Raises UsageError where none answers."""
     from distributed import Client
 
     try:

@@ -149,6 +149,7 @@ class HashCache:
             self._changed = False
 
     def _note(self, path: Path, status: os.stat_result, record: FileRecord) -> None:
+        """Remember the hash of a file that was just read."""
         self._read_here[str(path)] = status.st_ctime_ns
         entry = [*_mark(status), record.sha256]
         if self._known.get(str(path)) != entry:

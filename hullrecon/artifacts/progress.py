@@ -45,11 +45,13 @@ def raise_if_requested() -> None:
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
+    """Remember that a signal came, and interrupt the run."""
     _requested.append(number)
     raise KeyboardInterrupt
 
 
 def _interrupt_once(number: int, frame: FrameType | None) -> None:
+    """Interrupt the run at the first signal, and ignore all others."""
     if not _requested:
         _interrupt(number, frame)
 

@@ -197,12 +197,14 @@ def _changed(before: Mapping[str, object], after: Mapping[str, object]) -> list[
 
 
 def _is_same(one: object, other: object) -> bool:
+    """Tell whether two values of a recipe are equal, and of one type."""
     if isinstance(one, list | dict) and isinstance(other, list | dict):
         return encode(one) == encode(other)
     return type(one) is type(other) and one == other
 
 
 def _as_text(value: object) -> str:
+    """Write a value of a recipe for a reason. Sections are not written out."""
     if value is None:
         return "none"
     return "a section" if isinstance(value, dict) else json.dumps(value, ensure_ascii=False)
@@ -243,12 +245,14 @@ class SourceWatch:
         self._refuse(sorted(changed))
 
     def _is_still(self, name: str, record: FileRecord) -> bool:
+        """Tell whether a file of the package is as it was recorded."""
         try:
             return self._hashes.record(self._package / name) == record
         except OSError:
             return False
 
     def _refuse(self, changed: list[str]) -> None:
+        """Raise InputError for files that changed during the run. Nothing where none did."""
         if changed:
             more = f" and {len(changed) - _LISTED} more" if len(changed) > _LISTED else ""
             what = f"{', '.join(changed[:_LISTED])}{more} changed during the run"

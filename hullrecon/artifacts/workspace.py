@@ -75,6 +75,7 @@ class Workspace:
 
     @property
     def delivery(self) -> DeliveredFolder:
+        """The folder of the deliverables."""
         return DeliveredFolder(
             self.root / PUBLISHED, self.root / PRIVATE, self.build_folder(PUBLISHED)
         )
@@ -123,6 +124,7 @@ class Workspace:
             return last if all(os.path.isfile(last / name) for name in files) else None
 
     def remember_package(self, package: Path) -> None:
+        """Note in the workspace of which package it holds the results."""
         if self.package != package.resolve():
             noted = seal({"package": str(package.resolve())})
             write_file(self.root / PRIVATE / "workspace.json", noted)
@@ -195,6 +197,7 @@ class Workspace:
 
 
 def _list_changes(changed: dict[str, str]) -> str:
+    """Write which delivered files changed and how, the first ones by name."""
     listed = [f"{PUBLISHED}/{name} {what}" for name, what in list(changed.items())[:_LISTED]]
     more = len(changed) - len(listed)
     return "; ".join(listed) + (f"; and {more} more" if more else "")

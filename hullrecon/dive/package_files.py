@@ -184,6 +184,7 @@ def _is_stored(name: str) -> bool:
 
 
 def _is_folder(path: Path) -> bool:
+    """Tell whether a path is a folder. A name that no file can have is none."""
     try:
         return path.is_dir()
     except (OSError, ValueError):
@@ -191,6 +192,7 @@ def _is_folder(path: Path) -> bool:
 
 
 def _is_plain(folder: Path, package: Path) -> bool:
+    """Tell whether a folder is a log of tables."""
     try:
         return isinstance(open_log(folder, package), PlainLog)
     except InputError:  # no log: said when it is read

@@ -206,5 +206,6 @@ def _earlier_dive(context: Context[EarlierDive]) -> FinishedRun:
 
 
 def _this_dive(context: Context[EarlierDive]) -> FinishedRun:
+    """Read the results of this dive as of a finished run."""
     spacing = context.settings.read_optional("hull.frame_spacing", float)
     return read_survey(context.inputs, context.settings.read("dive.name", str), spacing)

@@ -100,6 +100,7 @@ def blend_pings(
 
 
 def _pings(artifacts: InputArtifacts) -> SonarPings:
+    """Take the pings that were read. Raises StageError without any."""
     pings = artifacts.ingest.sonar
     if pings is None:
         raise StageError("the log holds no sonar ping", where="mosaic-sonar")

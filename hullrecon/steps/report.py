@@ -248,6 +248,7 @@ def _read_mosaic(folder: Path) -> Mosaic | None:
 
 
 def _change(artifacts: InputArtifacts) -> EarlierComparison | None:
+    """Collect the chapter on change since the earlier dive. None without one."""
     found = artifacts.change
     if found is None:
         return None

@@ -229,6 +229,7 @@ def _read_numbers(
 
 
 def _whole(data: Mapping[str, object], key: str, where: str) -> int:
+    """Read a number of pixels, at least one. Raises InputError for anything else."""
     value = data.get(key)
     if not isinstance(value, int) or isinstance(value, bool) or not 0 < value < 100_000:
         raise InputError(f"{key} is {show_value(value)}, not a number of pixels", where=where)

@@ -116,6 +116,7 @@ def pose_in_top(data: Mapping[str, object], top: str, bottom: str) -> tuple[floa
 
 
 def _entry(data: Mapping[str, object], name: str) -> Mapping[str, object]:
+    """Look up what the chain states of a camera. Empty where that is no table."""
     entry = data[name]
     return entry if isinstance(entry, Mapping) else {}
 

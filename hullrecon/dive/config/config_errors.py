@@ -107,6 +107,7 @@ def refuse_deep(raw: object, file: str) -> None:
 
 
 def _members(table: object) -> Iterable[object]:
+    """List the values in a table or list. Empty for anything else."""
     return (
         table.values() if isinstance(table, Mapping) else table if isinstance(table, list) else ()
     )
@@ -134,6 +135,7 @@ def _values_of(kind: type, path: Sequence[str]) -> str:
 
 
 def _struct_of(kind: object) -> type:
+    """Take the first struct in a type, else one without keys."""
     return next(_structs_in(kind), Struct)
 
 
@@ -197,6 +199,7 @@ def _same_last_name(key: str, known: Sequence[str]) -> list[str]:
 
 
 def _join(parts: Sequence[str]) -> str:
+    """Join names to a dotted key. The place in a list, such as [0], follows without a dot."""
     return re.sub(r"\.(?=\[)", "", ".".join(part for part in parts if part and part != "$"))
 
 

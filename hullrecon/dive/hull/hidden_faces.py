@@ -125,9 +125,9 @@ def _are_seen(mesh: Mesh, whole: Mesh, rows: Ints, rays: int, enough: int) -> Ma
     for start in range(0, len(rows), block):
         part = rows[start : start + block]
         normal = face_normals(Mesh(mesh.vertices, mesh.faces[part]))
-        for way in (1.0, -1.0):
+        for side in (1.0, -1.0):
             left = np.flatnonzero(~out[start : start + block])
-            origin, direction = _spread_rays(mesh, part[left], way * normal[left], rays)
+            origin, direction = _spread_rays(mesh, part[left], side * normal[left], rays)
             free = whole.index.cast(origin, direction).face < 0
             out[start + left] = free.reshape(-1, rays).sum(axis=1) >= enough
     return out
@@ -170,5 +170,5 @@ def _find_close_faces(mesh: Mesh) -> Ints:
     """
     middle, normal = mesh.vertices[mesh.faces].mean(axis=1), face_normals(mesh)
     lift = LIFT * float(np.ptp(mesh.vertices, axis=0).max()) * normal
-    hits = [mesh.index.cast(middle + way * lift, way * normal) for way in (1.0, -1.0)]
+    hits = [mesh.index.cast(middle + side * lift, side * normal) for side in (1.0, -1.0)]
     return np.stack([np.where(hit.range < THICKEST_M, hit.face, -1) for hit in hits], axis=1)

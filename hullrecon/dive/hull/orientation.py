@@ -174,12 +174,12 @@ def sample_faces(mesh: Mesh, piece: Ints32, wanted: Ints) -> Ints:
     return np.concatenate(out)
 
 
-def _share_escaping(whole: Mesh, picked: Ints, way: float) -> Array:
+def _share_escaping(whole: Mesh, picked: Ints, side: float) -> Array:
     """Measure the share of rays from each picked face that hit nothing of the hull.
 
-    way: 1 for the faces' front, -1 for their back.
+    side: 1 for the faces' front, -1 for their back.
     """
-    normal = way * face_normals(Mesh(whole.vertices, whole.faces[picked]))
+    normal = side * face_normals(Mesh(whole.vertices, whole.faces[picked]))
     lift = LIFT * float(np.ptp(whole.vertices, axis=0).max())
     origin = np.repeat(
         whole.vertices[whole.faces[picked]].mean(axis=1) + lift * normal, RAYS, axis=0

@@ -249,6 +249,7 @@ def _pair(encoded: bytes, at: int, width: int, order: Literal["big", "little"]) 
 
 
 def _decode(encoded: bytes, flags: int) -> NDArray[np.integer] | None:
+    """Decode an image by OpenCV, as stored. None where it cannot be. flags: cv2.IMREAD_*."""
     import cv2
 
     try:

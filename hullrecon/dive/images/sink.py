@@ -156,6 +156,7 @@ class ImageSink:
         return listed
 
     def _bytes(self, sample: ImageSample) -> bytes:
+        """Read the bytes of an image. Empty where its file cannot be read."""
         if not sample.file:
             return sample.encoded
         try:
@@ -164,6 +165,7 @@ class ImageSink:
             return b""  # counted among those that do not decode
 
     def _keep(self, encoded: bytes) -> int:
+        """Append an image to the file of kept bytes. Returns the byte at which it begins."""
         if self._file is None:
             self._file = self._open_file()
         self._file.write(encoded)

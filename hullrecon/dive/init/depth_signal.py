@@ -86,6 +86,7 @@ class DepthSignal:
         return float(scale * (high - low))
 
     def _known(self) -> Array:
+        """Select the finite readings (n,), as logged."""
         values = np.array(self.values, float)
         return np.asarray(values[np.isfinite(values)])
 

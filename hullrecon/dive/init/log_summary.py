@@ -336,14 +336,17 @@ def _guess_cameras(topics: Sequence[str]) -> dict[str, str]:
 
 
 def _with_part(topics: Sequence[str], parts: Sequence[str]) -> list[str]:
+    """List the topics whose name holds one of the parts, in the order of the parts."""
     return [topic for part in parts for topic in topics if part in topic.lower()]
 
 
 def _fits(note: TopicNote, types: Mapping[str, object]) -> bool:
+    """Tell whether a topic's messages can be decoded and are of one of the types."""
     return note.channel.encoding in ENCODINGS and type_name(note.channel) in types
 
 
 def _decode(channel: Channel, data: bytes) -> list[Fields]:
+    """Decode a message. Empty where it cannot be."""
     try:
         return [decode(channel, data)]
     except DamagedError:

@@ -267,6 +267,7 @@ def _topic_lines(summary: LogSummary, guessed: dict[str, str]) -> str:
 
 
 def _cad_model(folder: Path) -> str | None:
+    """Find a CAD model in a folder by the endings of files. None without one."""
     found = sorted(
         p for form in FORMATS for p in (*folder.glob(f"*.{form}"), *folder.glob(f"*.{form}.gz"))
     )
@@ -284,6 +285,7 @@ def _printable(text: str) -> str:
 
 
 def _comment_out(section: str) -> str:
+    """Turn the lines of a section into comments."""
     return "".join(
         f"# {line}" if line.strip() else line for line in section.splitlines(keepends=True)
     )

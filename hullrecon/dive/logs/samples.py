@@ -177,6 +177,7 @@ def are_written_twice(samples: Sequence[Sample]) -> bool:
 
 
 def _is_same(one: Sample, other: Sample) -> bool:
+    """Tell whether two samples are equal in every field, NaN to NaN."""
     names = [field.name for field in fields(one)]
     return type(one) is type(other) and all(
         repr(getattr(one, name)) == repr(getattr(other, name)) for name in names

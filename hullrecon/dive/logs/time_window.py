@@ -75,6 +75,7 @@ def time_window(start: Instant, end: Instant, logs: Sequence[Log]) -> TimeWindow
 
 
 def _limit_ns(limit: Instant, origin_ns: int) -> int | None:
+    """Convert a limit of the window to ns since 1970. None where it is not given."""
     if limit is None:
         return None
     if isinstance(limit, datetime):

@@ -135,6 +135,7 @@ def _number(number: int | None) -> str:
 
 
 def _millimetres(value: float, sigma: float) -> str:
+    """Write metres as millimetres with their sigma, a dash where unknown."""
     if not np.isfinite(value):
         return "–"
     known = f" ± {1000 * sigma:.0f}" if np.isfinite(sigma) else ""

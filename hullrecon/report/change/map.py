@@ -145,6 +145,7 @@ def _draw_scale(axis: Axes) -> None:
 
 
 def _outline(ring: Array, kind: str) -> Polygon:
+    """Make the patch of an outline, ring (n, 2) on the map, in the style of its kind."""
     from matplotlib.patches import Polygon
 
     style = OUTLINES[kind]

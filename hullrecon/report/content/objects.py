@@ -326,6 +326,7 @@ def _number(value: float | None, sigma: float | None, unit: str) -> ObjectCell:
 
 
 def _extents(found: ReportedObject) -> list[str]:
+    """Write the extents of an object, along the hull and in girth, with their sigmas."""
     sigmas = found.extent_sigma or (None, None)
     return [with_sigma(size, sigma, "m") for size, sigma in zip(found.extent, sigmas, strict=True)]
 

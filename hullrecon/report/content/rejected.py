@@ -85,6 +85,7 @@ def _flatten(values: Mapping[str, object], above: str = "") -> list[tuple[str, o
 
 
 def _value(value: object) -> str:
+    """Write a value, or a list or table of values, in plain words."""
     if isinstance(value, Mapping):
         return " ".join(f"{key} {_value(member)}" for key, member in value.items())
     if isinstance(value, list | tuple):

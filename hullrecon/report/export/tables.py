@@ -97,6 +97,7 @@ def csv_text(table: Mapping[str, Sequence[object]]) -> str:
 
 
 def _cell(value: object) -> str:
+    """Write a cell of a CSV, quoted where it has to be."""
     text = "" if value is None else str(value)
     return '"' + text.replace('"', '""') + '"' if any(c in text for c in ',"\n\r') else text
 

@@ -75,6 +75,7 @@ def label_counts(axis: Axis) -> None:
 def finish_plot(
     figure: Figure, name: str, title: str, alt: str, table: Mapping[str, Sequence[object]]
 ) -> Plot:
+    """Encode a figure as PNG, and join it with its words and its numbers."""
     return Plot(name=name, title=title, alt=alt, png=png_bytes(figure), table=table)
 
 

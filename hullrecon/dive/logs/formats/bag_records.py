@@ -186,5 +186,6 @@ def _chunk(head: Head, data: bytes) -> BagChunk:
 
 
 def _time(value: bytes) -> int:
+    """Convert a stamp of a record to ns."""
     seconds, nanoseconds = fields("<II", value)
     return seconds * 1_000_000_000 + nanoseconds

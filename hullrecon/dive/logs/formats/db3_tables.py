@@ -142,6 +142,7 @@ class Database:
         return low if isinstance(low, int) else HIGHEST
 
     def _pages(self) -> int:
+        """Count the pages of the database. 0 where that cannot be read."""
         try:
             return int(self.connection.execute("PRAGMA page_count").fetchone()[0])
         except READ_ERRORS:
@@ -152,6 +153,7 @@ class Database:
         return any(hidden for *_, hidden in self.connection.execute(f"PRAGMA table_xinfo({table})"))
 
     def _step(self) -> bool:
+        """Count SQLite's steps. True ends the query: a file of its size takes fewer."""
         self._steps += HANDLER_STEPS
         return self._steps > FREE_STEPS + STEPS_A_BYTE * self._size
 

@@ -113,6 +113,7 @@ def _footer(stream: BinaryIO, size: int) -> tuple[int, int] | None:
 
 
 def _is_summary(stream: BinaryIO, at: int, foot: int) -> bool:
+    """Tell whether only records of a summary lie between two bytes of a file."""
     try:
         opcodes = {opcode for opcode, _, _ in _heads(stream, at, foot)}
     except DamagedError:

@@ -216,6 +216,7 @@ def _clock(variable: bytes) -> int:
 
 
 def _beam_angle(system: int, fixed: bytes) -> float:
+    """Read the angle of the beams off the axis, degrees. Raises DamagedError for odd ones."""
     code = system >> 8 & 3
     angle = BEAM_ANGLES[code] if code in BEAM_ANGLES else float(fields("<B", fixed, 58)[0])
     if not MIN_BEAM_ANGLE <= angle <= MAX_BEAM_ANGLE:
@@ -236,5 +237,6 @@ def _ranges(bottom: bytes | None) -> Array:
 
 
 def _velocities(data: bytes, offset: int, rows: int) -> Array:
+    """Read velocities (rows, 4), m/s, NaN where lost."""
     millimetres = np.array(fields(f"<{4 * rows}h", data, offset), float).reshape(rows, 4)
     return np.where(millimetres == LOST, np.nan, millimetres / 1000)

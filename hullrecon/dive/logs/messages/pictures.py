@@ -72,6 +72,7 @@ def decoded_mosaic(form: str, encoded: bytes) -> bytes:
 
 
 def _png(pixels: NDArray[np.integer]) -> bytes:
+    """Encode pixels as PNG, with little effort for its size."""
     import cv2
 
     ok, png = cv2.imencode(".png", pixels, [cv2.IMWRITE_PNG_COMPRESSION, QUICK])

@@ -67,6 +67,7 @@ def pose_with_covariance(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def _geographic(point: Fields, t_ns: int, sigma_m: float) -> PositionSample:
+    """Convert latitude, longitude and altitude to a position."""
     return PositionSample(
         t_ns, np.array([point.latitude, point.longitude, point.altitude], float), sigma_m, True
     )

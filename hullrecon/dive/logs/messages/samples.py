@@ -19,6 +19,7 @@ def stamp_ns(header: Fields) -> int:
 
 
 def joint_state(message: Fields, t_ns: int, role: str) -> list[Sample]:
+    """Translate a joint message to an angle for each joint that it names."""
     return [
         JointSample(t_ns, printable(str(name)), float(angle))
         for name, angle in zip(message.name, message.position, strict=False)

@@ -168,6 +168,7 @@ class McapLog(FileLog):
         return [] if message is None else [message]
 
     def _open(self, chunk: Chunk) -> list[Message]:
+        """List the messages of a chunk. That one has no checksum is noted."""
         if not chunk.crc:
             self._seen.chunks = True
         return messages_of(chunk, self._definitions, self._budget)

@@ -243,6 +243,7 @@ def _peek(path: Path) -> bytes:
 
 
 def _start(path: Path) -> bytes:
+    """Read the first bytes of a file, by which its kind is told."""
     require_regular_file(path)
     with path.open("rb") as stream:
         return stream.read(START_BYTES)

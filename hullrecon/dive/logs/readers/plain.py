@@ -252,6 +252,7 @@ class PlainLog:
         return video.jpeg(int(row["frame"]))
 
     def _in_package(self, path: Path) -> Path:
+        """Name a file relative to the package, or by its whole path if it lies elsewhere."""
         return (
             path.relative_to(self.package) if path.is_relative_to(self.package) else path.absolute()
         )
@@ -300,11 +301,13 @@ class _BadLines:
         self._first: list[int] = []
 
     def add(self, line: int) -> None:
+        """Count a line that cannot be read."""
         self.count += 1
         if len(self._first) < LISTED_LINES:
             self._first.append(line)
 
     def listed(self) -> str:
+        """Name the first of these lines, such as "lines 3, 5, ..."."""
         noun = "line" if self.count == 1 else "lines"
         return f"{noun} {', '.join(map(str, self._first))}" + (
             ", ..." if self.count > LISTED_LINES else ""
@@ -328,6 +331,8 @@ def is_file(path: Path) -> bool:
 
 
 class _LateStampError(ValueError):
+    """Raised for a stamp that is too large to be seconds since 1970."""
+
     def __init__(self, seconds: float) -> None:
         super().__init__()
         self.seconds = seconds

@@ -134,12 +134,15 @@ def _zstd(data: bytes, size: int) -> bytes:
 
 
 def _lz4(data: bytes, size: int) -> bytes:
+    """Unpack LZ4 to the size that the file claims."""
     import lz4.frame  # type: ignore[import-untyped]
 
     return _to_the_end(lz4.frame.LZ4FrameDecompressor(), data, size)
 
 
 class _Decompressor(Protocol):
+    """An unpacker of bz2, LZ4 or the like, as in Python's own modules."""
+
     @property
     def eof(self) -> bool: ...
 

@@ -66,6 +66,7 @@ def number_of(report: Report, key: str) -> float:
 
 
 def _parse(line: bytes) -> Report | None:
+    """Parse a line as a JSON object. None for anything else."""
     try:
         found = json.loads(line)
     except (ValueError, RecursionError):
