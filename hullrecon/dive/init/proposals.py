@@ -64,8 +64,8 @@ def has_attitude_of_dvl(summary: LogSummary) -> bool:
 def imu_frame(summary: LogSummary) -> tuple[str, str]:
     """Guess the convention of the logged attitude, "enu" or "ned", and say why.
 
-    Where the acceleration was logged, it tells: an accelerometer at rest feels -g, so turned by the
-    orientation it points along +z in "enu" and along -z in "ned".
+    Where the acceleration was logged, it tells: an accelerometer at rest measures -g, so turned by
+    the orientation it points along +z in "enu" and along -z in "ned".
     """
     note = _note_of(summary, "imu")
     first = None if note is None else note.first

@@ -116,7 +116,7 @@ def _false_readings(t_ns: Ints, velocity: Array) -> tuple[Mask, Mask]:
     starts = np.flatnonzero(np.r_[True, step > 0])
     ends = np.r_[starts[1:], len(known)]
     is_zero = (measured[starts] == 0).all(axis=1)
-    usual = LONG_RUN * float(np.median(ends - starts))
+    longest_usual = LONG_RUN * float(np.median(ends - starts))
     noisy = _is_noisy(measured[starts][~is_zero])
     for start, end, zero in zip(starts, ends, is_zero, strict=True):
         borders = sudden[[row for row in (start - 1, end - 1) if 0 <= row < len(sudden)]]
@@ -124,7 +124,7 @@ def _false_readings(t_ns: Ints, velocity: Array) -> tuple[Mask, Mask]:
             zeros[known[start:end]] = len(starts) > 1 and (
                 borders.any() or (noisy and end - start > 1)
             )
-        elif noisy and end - start > usual and t_s[end - 1] - t_s[start] > LONGEST_HOLD_S:
+        elif noisy and end - start > longest_usual and t_s[end - 1] - t_s[start] > LONGEST_HOLD_S:
             repeats[known[start + 1 : end]] = True
     return zeros, repeats
 

@@ -120,6 +120,7 @@ class Database:
                 bad, at = at, min(at + (1 << max(0, min(misses - NEIGHBOURS, 62))), HIGHEST)
 
     def _probe(self, at: int) -> None:
+        """Read the first row from `at` on. Raises one of READ_ERRORS where that fails."""
         self.connection.execute(f"{ROWS} LIMIT 1", (at,)).fetchall()
 
     def _first_readable(self, bad: int, good: int) -> int:

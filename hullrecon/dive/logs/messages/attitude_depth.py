@@ -66,6 +66,7 @@ def attitude_of_pose_with_covariance(message: Fields, t_ns: int, role: str) -> l
 
 
 def _attitude(q: Fields, t_ns: int) -> ImuSample:
+    """Convert a quaternion to an attitude without rates and acceleration."""
     return ImuSample(t_ns, np.array([q.x, q.y, q.z, q.w], float), LOST, LOST)
 
 
