@@ -39,6 +39,8 @@ _PIPE_BYTES = 1 << 16  # read from the pipe at a time
 
 @dataclass(frozen=True)
 class _LoopBegun:
+    """A loop over items has begun."""
+
     number: int
     label: str
     total: int | None
@@ -47,12 +49,16 @@ class _LoopBegun:
 
 @dataclass(frozen=True)
 class _LoopGoesOn:
+    """Items of a loop have passed."""
+
     number: int
     passed: int  # items since the last message
 
 
 @dataclass(frozen=True)
 class _LoopEnded:
+    """A loop has ended, by itself or by an error."""
+
     number: int
 
 

@@ -47,6 +47,8 @@ class Ended:
 
 @dataclass(frozen=True, kw_only=True)
 class _Running(Generic[Key]):
+    """A process that has not ended, with the files that take what it prints."""
+
     key: Key
     process: subprocess.Popen[bytes]
     output: IO[bytes]

@@ -86,18 +86,24 @@ def frame_wkt(frame: str, up: Sequence[float] | Array = (0.0, 0.0, 1.0)) -> str:
     frame: M or g. up: (3,) the axis of M that points up. WKT needs names of compass directions: in
     M a level axis is called east, and the other by its direction relative to that.
     """
-    name, datum, ways = "hull frame of the ship (M)", "the ship", _ways(np.asarray(up, float))
+    name, datum, directions = (
+        "hull frame of the ship (M)",
+        "the ship",
+        _directions(np.asarray(up, float)),
+    )
     if frame != "M":
-        name, datum, ways = (
+        name, datum, directions = (
             "local level frame (g), z down",
             "start of the dive",
             ("EAST", "NORTH", "DOWN"),
         )
-    axes = ",".join(f'AXIS["{axis}",{way}]' for axis, way in zip("xyz", ways, strict=True))
+    axes = ",".join(
+        f'AXIS["{axis}",{direction}]' for axis, direction in zip("xyz", directions, strict=True)
+    )
     return f'LOCAL_CS["{name}",LOCAL_DATUM["{datum}",32767],UNIT["metre",1],{axes}]'
 
 
-def _ways(up: Array) -> tuple[str, ...]:
+def _directions(up: Array) -> tuple[str, ...]:
     """Name the directions of x, y, z of a right-handed frame, taking a level axis as east."""
     turn = gltf_from(up)[:3, :3]  # rows east, up, south
     names = (("EAST", "WEST"), ("UP", "DOWN"), ("SOUTH", "NORTH"))
