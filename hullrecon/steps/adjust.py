@@ -38,6 +38,7 @@ Options = TypeVar("Options", bound=AdjustOptions)
 
 
 def run(context: Context[AdjustOptions]) -> None:
+    """Adjust the dive by the strategy of the product."""
     run_adjustment(context, PRODUCT)
 
 
@@ -151,25 +152,25 @@ def _cad_model(
     )
 
 
-def _write_colmap(context: Context[Options], m: Measurements, adjusted: Adjusted) -> None:
+def _write_colmap(context: Context[Options], measured: Measurements, adjusted: Adjusted) -> None:
     """Write the adjusted dive as a COLMAP model, for other photogrammetry software.
 
     Poses and points are in the hull's frame, or in g without a hull. Nothing is written without a
     camera.
     """
     state = adjusted.state
-    if m.tracks is None or m.rig.top is None or state.mounts.tray_from_top is None:
+    if measured.tracks is None or measured.rig.top is None or state.mounts.tray_from_top is None:
         return
-    top, _ = camera_poses(m.rig, state)
+    top, _ = camera_poses(measured.rig, state)
     to_hull = state.hull.global_from_hull.inverse() if state.hull is not None else poses.identity()
     model = SparseModel(
-        tracks=m.tracks,
+        tracks=measured.tracks,
         top=adjusted.chosen.top,
         bottom=adjusted.chosen.bottom,
         hull_from_top=to_hull @ top,
         top_from_bottom=state.mounts.top_from_bottom,
-        cameras=(m.rig.top, m.rig.bottom),
-        stamps=_image_stamps(InputArtifacts(context.inputs).ingest, m.trajectory.image),
+        cameras=(measured.rig.top, measured.rig.bottom),
+        stamps=_image_stamps(InputArtifacts(context.inputs).ingest, measured.trajectory.image),
         position=to_hull.apply(state.landmark),
     )
     with tempfile.TemporaryDirectory() as folder:
