@@ -110,6 +110,7 @@ def adjust(
     solver = RoundSolver(
         calibrated=measured.rig, options=options, strategy=strategy, report=report, keep=keep
     )
+    # `once` solves a phase, or returns what an interrupted run has kept of it.
     settled = solver.once(lambda: solve_path_and_place(measured, solver), "path and place")
 
     # Then labels and ranges: all landmarks, with the CAD model if it is accepted.
@@ -162,7 +163,8 @@ def solve_path(measured: Measurements, solver: RoundSolver) -> Phase:
     # Contradicted priors of navigation and mounts are widened.
     corrected = corrected.then(widen_exceeded_priors(corrected, solver))
 
-    # Corrections stop at what is believable, and where a faulty sensor explains more.
+    # Corrections stop at what is believable, and where a faulty sensor explains more. A path that
+    # nothing corrected (`then` returned it unchanged) and nothing contradicts is taken as it is.
     if corrected is path and not contradicts_priors(path) and not is_sheared(path, solver):
         return path
     return hold_within_belief(path, corrected, solver)

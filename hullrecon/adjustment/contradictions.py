@@ -110,7 +110,7 @@ def is_sheared(path: Phase, solver: RoundSolver) -> bool:
     """
     if path.first is None:
         return False
-    problem, by_row = _suspected(path.first)
+    problem, by_row = _prepare_trials(path.first)
     return least_readout_gain(problem, solver.settings, by_row) > SHEARED
 
 
@@ -158,15 +158,18 @@ def doubt_tray(path: Phase, placed: Phase) -> Phase:
     measured, state, placement = path.estimate.measured, path.estimate.state, placed.placement
     if measured.returns is None or placement is None or placement.segments is not None:
         return placed
-    rig, lies = state.mounted(measured.rig), placement.registration
-    off = find_tray_offset(rig, state.path, measured.odometry, measured.returns, lies)
-    if off is None:
+    rig, found = state.mounted(measured.rig), placement.registration
+    offset = find_tray_offset(rig, state.path, measured.odometry, measured.returns, found)
+    if offset is None:
         return placed
-    return replace(placed, placement=replace(placement, tray_offset=off[0]))
+    return replace(placed, placement=replace(placement, tray_offset=offset[0]))
 
 
 def _is_beyond_chance(trial: Trial) -> bool:
-    """Tell whether chi-square falls by more than leaving out rows without error explains."""
+    """Tell whether chi-square falls by more than leaving out rows without error explains.
+
+    `gain` is the fall less the number of rows. Their sum is compared with the chi-square limit.
+    """
     return bool(trial.gain + trial.rows > chdtri(trial.rows, CHANCE))
 
 
@@ -200,13 +203,14 @@ def _refuse_misread_ranges(solved: Estimate, placed: Phase) -> None:
     if measured.tracks is not None:
         return
     tray = find_fitting_tray(rig, state.path, measured.odometry, returns, cad_model)
-    off = None
+    offset = None
     if placed.placement is not None:
-        lies = placed.placement.registration
-        off = find_tray_offset(rig, state.path, measured.odometry, returns, lies)
-    if off is not None and (tray is None or off[1] < tray[2]):
-        off_deg = float(np.degrees(off[0]))
-        values = {"offset_deg": off_deg, "add_deg": -off_deg, "after_mm": 1e3 * off[1]}
+        found = placed.placement.registration
+        offset = find_tray_offset(rig, state.path, measured.odometry, returns, found)
+    # Of the two explanations, that which leaves the smaller RMS distance from the CAD model
+    if offset is not None and (tray is None or offset[1] < tray[2]):
+        offset_deg = float(np.degrees(offset[0]))
+        values = {"offset_deg": offset_deg, "add_deg": -offset_deg, "after_mm": 1e3 * offset[1]}
         raise ContradictionError(Finding("tray-offset", values).sentence)
     if tray is not None:
         convention, before_m, after_m = tray
@@ -217,12 +221,12 @@ def _refuse_misread_ranges(solved: Estimate, placed: Phase) -> None:
 def _try_all(path: Phase, solver: RoundSolver) -> tuple[Trial, ...]:
     """Solve the first round of a path without each suspect in turn."""
     assert path.first is not None
-    problem, by_row = _suspected(path.first)
+    problem, by_row = _prepare_trials(path.first)
     return try_suspects(problem, solver.settings, by_row)
 
 
-def _suspected(first: RoundResult) -> tuple[native.Problem, RowMotion]:
-    """Prepare a round for trials: its problem, and how its features move with a readout time."""
+def _prepare_trials(first: RoundResult) -> tuple[native.Problem, RowMotion]:
+    """Prepare the trials of suspects: the round's problem, and how features move with readout."""
     measured, state = first.after.measured, first.after.state
     return _with_stated_sigmas(first), motion_by_row(first.problem, measured, state)
 
@@ -252,10 +256,10 @@ def _with_stated_sigmas(solved: RoundResult) -> native.Problem:
 
 
 def _refuse(trials: Sequence[Trial], beyond: Sequence[str], solver: RoundSolver) -> None:
-    """Raise ContradictionError where corrections are beyond belief, or do not explain the trials.
+    """Raise ContradictionError where a correction is beyond belief, or a fault explains more.
 
-    They do not where the best trial contradicts the rest grossly, and none of the best is a
-    correction of believable size.
+    A fault explains more where chi-square falls grossly in the best trial, and none of the trials
+    that explain as much is a correction of believable size.
 
     Parameters
     ----------
@@ -301,7 +305,10 @@ def _is_believable(trial: Trial, focal_px: float) -> bool:
 
 
 def _is_gross(trial: Trial, focal_px: float) -> bool:
-    """Tell whether a suspect contradicts the rest by more than small errors explain."""
+    """Tell whether a suspect contradicts the rest by more than an error of believable size does.
+
+    focal_px: focal length of the top camera.
+    """
     return not _is_believable(trial, focal_px) and trial.gain > GROSS * trial.rows
 
 
@@ -320,8 +327,8 @@ def _beyond_belief(stated: Rig, corrected: Phase) -> Iterator[str]:
     state, stereo = corrected.estimate.state, corrected.verdict.stereo
     found = np.abs(state.navigation[: len(LARGEST_ERRORS)])
     allowed = MANY_SIGMAS * stated.priors.navigation_sigma[: len(LARGEST_ERRORS)]
-    for place in np.flatnonzero(found > np.maximum(LARGEST_ERRORS, allowed)):
-        yield f"{found[place] / allowed[place] * MANY_SIGMAS:.0f} times {ERRORS[place]}"
+    for row in np.flatnonzero(found > np.maximum(LARGEST_ERRORS, allowed)):
+        yield f"{found[row] / allowed[row] * MANY_SIGMAS:.0f} times {ERRORS[row]}"
     for name in MOUNTS:
         nominal, rows, mount = (getattr(of, name) for of in (stated, stated.priors, state.mounts))
         if nominal is None or rows is None or mount is None:

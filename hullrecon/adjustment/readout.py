@@ -73,7 +73,7 @@ def motion_by_row(problem: native.Problem, measured: Measurements, state: State)
     tray = rig.poses_along(state.path, "tray")
     twist = _twists(seconds(t_ns, int(t_ns[0])), tray)
 
-    def moved(camera: Camera, node: Ints32, landmark: Ints32, pixel: Array) -> Array:
+    def shifts(camera: Camera, node: Ints32, landmark: Ints32, pixel: Array) -> Array:
         """Compute the shift (n, 2) of features to their node's time, px/s of readout time.
 
         The node's time is that of the first row. A feature in the last row was exposed the whole
@@ -90,15 +90,15 @@ def motion_by_row(problem: native.Problem, measured: Measurements, state: State)
 
     stereo, mono = problem.stereo, problem.mono
     sides = [
-        moved(camera, stereo.node, stereo.landmark, stereo.pixel[:, place])
-        for camera, place in zip(Camera, (slice(0, 2), slice(2, 4)), strict=True)
+        shifts(camera, stereo.node, stereo.landmark, stereo.pixel[:, columns])
+        for camera, columns in zip(Camera, (slice(0, 2), slice(2, 4)), strict=True)
         if len(stereo.node)
     ]
     of_one = np.zeros((len(mono.node), 2))
     for camera in Camera:
         rows = mono.camera == camera.column
         if rows.any():
-            of_one[rows] = moved(camera, mono.node[rows], mono.landmark[rows], mono.pixel[rows])
+            of_one[rows] = shifts(camera, mono.node[rows], mono.landmark[rows], mono.pixel[rows])
     return RowMotion(stereo=np.hstack(sides) if sides else np.zeros((0, 4)), mono=of_one)
 
 

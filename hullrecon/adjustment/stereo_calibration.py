@@ -101,7 +101,7 @@ def compare_rigs(calibrated: Poses, found: Poses, covariance: Array) -> StereoCo
     """
     shift = (found.translation - calibrated.translation)[0]
     turn = (calibrated.rotation.inv() * found.rotation).as_rotvec()[0]
-    axes, length_m = _axes(calibrated)
+    axes, length_m = _baseline_axes(calibrated)
     # What images determine: the baseline's direction, as two shifts across it, and the rotation
     to_five = np.zeros((5, 6))
     to_five[:2, :3], to_five[2:, 3:] = axes[1:], np.eye(3)
@@ -155,7 +155,7 @@ def stereo_warning(
     covariance
         (6, 6) of `adjusted`, translation in the top camera's axes first.
     """
-    axes, length_m = _axes(calibrated)
+    axes, length_m = _baseline_axes(calibrated)
     sigma = float(np.sqrt(axes[0] @ covariance[:3, :3] @ axes[0])) / length_m
     known = f"lengths are known to {100 * sigma:.2g} % (one sigma)"
     if not found.by_images:
@@ -201,7 +201,7 @@ def _longer(share: float) -> str:
     return "longer" if share > 0 else "shorter"
 
 
-def _axes(rig: Poses) -> tuple[Array, float]:
+def _baseline_axes(rig: Poses) -> tuple[Array, float]:
     """Compute the axes of a baseline (3, 3) and its length, m.
 
     The rows are unit vectors in the top camera's axes: along the baseline, then two across it.
@@ -222,7 +222,7 @@ def _sqrt_information(calibrated: Poses, sigma: Array) -> Array:
     """
     rows = np.zeros((6, 6))
     # From the bottom camera's axes to the top camera's, then to those of the baseline
-    rows[:3, :3] = _axes(calibrated)[0] @ calibrated.rotation.as_matrix()[0]
+    rows[:3, :3] = _baseline_axes(calibrated)[0] @ calibrated.rotation.as_matrix()[0]
     rows[3:, 3:] = np.eye(3)
     return np.asarray(rows / sigma[:, None])
 
@@ -268,7 +268,7 @@ def _free_contradicted(after: Estimate, calibrated: Rig, found: StereoContradict
     """
     mount, length_m = calibrated.top_from_bottom, calibrated.baseline_m
     assert mount is not None
-    covariance, axes = _prior_covariance(calibrated), _axes(mount)[0]
+    covariance, axes = _prior_covariance(calibrated), _baseline_axes(mount)[0]
     # The package's sigmas along and across the baseline and of the rotation, below which none goes
     along = np.diag(axes @ covariance[:3, :3] @ axes.T)
     least = np.maximum(np.sqrt(np.r_[along, np.diag(covariance[3:, 3:])]), HELD)

@@ -379,8 +379,8 @@ def _free_navigation(
 
     def free(problem: native.Problem) -> native.Problem:
         wide = problem.priors.navigation_sigma.copy()
-        for place, value in sigma.items():
-            wide[place] = max(wide[place], value)
+        for index, value in sigma.items():
+            wide[index] = max(wide[index], value)
         return replace(problem, priors=replace(problem.priors, navigation_sigma=wide))
 
     return free
@@ -412,13 +412,13 @@ def _free_stereo_rig(problem: native.Problem) -> native.Problem:
 
 
 def _free_intrinsics(
-    places: slice, cameras: Sequence[str]
+    entries: slice, cameras: Sequence[str]
 ) -> Callable[[native.Problem], native.Problem]:
     """Make a function that makes some intrinsics of cameras unknowns, and holds the others.
 
     Parameters
     ----------
-    places
+    entries
         FOCAL, CENTER or RADIAL. The others are held by very small prior sigmas.
     cameras
         Blocks of the problem, as "intrinsics_top".
@@ -426,8 +426,8 @@ def _free_intrinsics(
 
     def free(problem: native.Problem) -> native.Problem:
         sigma = np.r_[np.full(4, HELD_PX), np.full(5, HELD)]
-        pixels = places != RADIAL
-        sigma[places] = FREE_SHARE * (problem.unknowns.intrinsics_top[FOCAL] if pixels else 1.0)
+        pixels = entries != RADIAL
+        sigma[entries] = FREE_SHARE * (problem.unknowns.intrinsics_top[FOCAL] if pixels else 1.0)
         priors = replace(problem.priors, intrinsics_sigma=sigma)
         return replace(problem, priors=priors).free(*cameras)
 

@@ -133,7 +133,7 @@ def test_a_segment_is_not_laid_onto_a_face_from_within():
     """Half a beam away lies the other side of the hull, which has the same form."""
     dive = interrupted((0.3, 0.2), camera=False)
     path, found = found_segments(dive)
-    far = replace(found, step=found.step * 25)
+    far = replace(found, step_covariance=found.step_covariance * 25)
     laid = register(path.estimate, dive.measured.cad_model, solver(dive), far)
     truth, at = dive.global_from_vehicle[:, :3, 3], laid.estimate.state.nodes.translation
     assert np.abs(moved(aligning(at, truth), at) - truth).max() < 0.3

@@ -131,14 +131,15 @@ def find_outliers(factor: CholeskyFactor, distance: Array) -> Mask:
     inverse = cho_solve(factor, np.eye(len(distance)))
     # A leave-one-out residual in its sigma is (C^-1 d)_i / sqrt((C^-1)_ii). To remove a point is a
     # rank-one update of the inverse.
-    right, gone = inverse @ distance, np.zeros(len(distance), bool)
-    while not gone.all():
-        sigmas = np.where(gone, 0.0, np.abs(right)) / np.sqrt(np.where(gone, 1.0, np.diag(inverse)))
+    weighted, removed = inverse @ distance, np.zeros(len(distance), bool)
+    while not removed.all():
+        variance = np.where(removed, 1.0, np.diag(inverse))
+        sigmas = np.where(removed, 0.0, np.abs(weighted)) / np.sqrt(variance)
         worst = int(np.argmax(sigmas))
         if sigmas[worst] <= OUTLIER_SIGMAS:
             break
         column = inverse[:, worst] / inverse[worst, worst]
-        right = right - column * right[worst]
+        weighted = weighted - column * weighted[worst]
         inverse -= np.outer(column, inverse[worst])
-        gone[worst] = True
-    return gone
+        removed[worst] = True
+    return removed

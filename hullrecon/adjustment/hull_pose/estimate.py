@@ -38,7 +38,7 @@ class LoosePoints:
     segment: Ints  # (n,) of each point
     # (s, 6, 6) covariance of each segment's pose relative to the reference segment, (translation,
     # rotation) in g
-    step: Array
+    covariance: Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,8 +79,8 @@ class HullPoseEvidence:
         # As for `perturb_pose`, translations stay in g and rotations are turned into M
         to_hull = np.eye(6)
         to_hull[3:, 3:] = pose.rotation.inv().as_matrix()[0]
-        out = np.zeros((len(self.points), len(self.loose.step), 6))
-        for k, covariance in enumerate(self.loose.step):
+        out = np.zeros((len(self.points), len(self.loose.covariance), 6))
+        for k, covariance in enumerate(self.loose.covariance):
             own = self.loose.segment == k
             if own.any() and covariance.any():
                 at = self.points[own]
@@ -149,7 +149,7 @@ def collect_hull_points(
         by_range=thinned[:, 3:],
         loose=LoosePoints(
             segment=np.repeat(np.arange(len(segments)), [len(own) for own in by_segment]),
-            step=np.stack([segments.from_reference(k) for k in range(len(segments))]),
+            covariance=np.stack([segments.from_reference(k) for k in range(len(segments))]),
         ),
     )
 
@@ -189,6 +189,11 @@ def thin_over_surface(
         The surface, to which the points' distances are measured.
     most
         Cells grow until at most so many points are left.
+
+    Returns
+    -------
+    Array
+        (c, 3 + k) m in g, c <= most: one row for each cell.
     """
     nearest = cad_model.mesh.index.closest(pose.inverse().apply(points[:, :3]))
     foot, cell_m = (
@@ -389,11 +394,11 @@ def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
 
 
 def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid) -> Array:
-    """Compute the combinations (6, size) of a deviation field that the fit takes for a motion.
+    """Compute the combinations of a deviation field's nodes that the fit takes for a motion.
 
-    They are sums over the field's nodes, one for each of six directions in which such a field pulls
-    the fit. They move the fitted hull pose, and are part of that pose's covariance already. The
-    field without them is the hull's shape.
+    A row says how strongly each node, per metre, pulls the fitted hull pose along one of the six
+    steps of `perturb_pose`. These parts of the field are in that pose's covariance already, and are
+    held so that they do not count twice (`hold_combinations`). What remains is the hull's shape.
 
     Parameters
     ----------
@@ -403,6 +408,11 @@ def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid
         global_from_hull, fitted.
     grid
         The grid on which the field stands.
+
+    Returns
+    -------
+    Array
+        (6, size).
     """
     by_motion = registration.signed_distances(
         evidence.points, pose, evidence.center, evidence.cad_model.mesh

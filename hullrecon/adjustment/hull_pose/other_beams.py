@@ -53,19 +53,19 @@ def find_fitting_beams(
         distance from the CAD model, m, with the beams as logged and in that order. None where no
         other order fits far better, or where the number of beams is not 2 to MOST_BEAMS.
     """
-    _, at, beam = np.unique(returns.beam, axis=0, return_index=True, return_inverse=True)
-    if not 2 <= len(at) <= MOST_BEAMS:
+    distinct, beam = np.unique(returns.beam, axis=0, return_inverse=True)
+    if not 2 <= len(distinct) <= MOST_BEAMS:
         return None
     # Directions in the order of the beams of one ping, and the number in it of each return's beam
-    of_ping = np.flatnonzero(returns.t_ns == returns.t_ns[_first_whole(returns, len(at))])
+    of_ping = np.flatnonzero(returns.t_ns == returns.t_ns[_first_whole(returns, len(distinct))])
     directions = returns.beam[of_ping]
-    number = np.array([np.flatnonzero(beam[of_ping] == k)[0] for k in range(len(at))])[beam]
+    number = np.array([np.flatnonzero(beam[of_ping] == k)[0] for k in range(len(distinct))])[beam]
     found: dict[tuple[int, ...], Registration] = {}
-    for order in itertools.permutations(range(len(at))):
+    for order in itertools.permutations(range(len(distinct))):
         other = replace(returns, beam=directions[list(order)][number])
         points = thin_points(ends(other), CELL_M, POINTS)
         found[order] = register_near(points, cad_model, range_sigma_m)
-    as_is = found.pop(tuple(range(len(at))))
+    as_is = found.pop(tuple(range(len(distinct))))
     best = fits_far_better(as_is, found)
     if best is None:
         return None

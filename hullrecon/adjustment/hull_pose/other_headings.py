@@ -32,7 +32,10 @@ AIR_M, NEAR_AIR_M = 10.1, 0.7  # the air's pressure in metres of sea water, and 
 
 
 def stated_model(found: Registration) -> CadModel:
-    """Return the registered CAD model with the guess's sigmas as the package states them."""
+    """Return the registered CAD model with the guess's sigmas as the package states them.
+
+    The registration has widened them by `sigmas_off`, where it contradicts the guess.
+    """
     return replace(found.cad_model, guess_sigma=found.cad_model.guess_sigma / found.sigmas_off)
 
 

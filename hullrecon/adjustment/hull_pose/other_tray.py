@@ -120,8 +120,8 @@ def with_tray(path: VehiclePath, odometry: Odometry, tray: Array) -> VehiclePath
     """
     # By how much each motion's tray angle differs, as the mean over its two nodes
     turn = 0.5 * (tray - path.tray)[np.stack([odometry.first, odometry.second])].sum(axis=0)
-    way = turned_odometry(odometry, turn).translation
-    moved = path.poses.rotation[odometry.first].apply(way)
+    measured = turned_odometry(odometry, turn).translation
+    moved = path.poses.rotation[odometry.first].apply(measured)
     start = path.poses.translation[:1]
     translation = np.vstack([start, start + np.cumsum(moved, axis=0)])
     return VehiclePath(poses=Poses(path.poses.quaternion, translation), tray=tray)

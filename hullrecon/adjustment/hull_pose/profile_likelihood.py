@@ -47,14 +47,14 @@ class Valley:
     direction: Array  # (3,) unit in M
 
 
-def profile(v: Valley, start: Poses, reach: float, count: int = 41) -> Profile:
+def profile(valley: Valley, start: Poses, reach: float, count: int = 41) -> Profile:
     """Compute the posterior of a shift along the valley.
 
     The pose at its mean is the one that is delivered, and its sigma goes into the covariance.
 
     Parameters
     ----------
-    v
+    valley
         Cost and direction.
     start
         Pose global_from_hull in the middle.
@@ -64,25 +64,25 @@ def profile(v: Valley, start: Poses, reach: float, count: int = 41) -> Profile:
         Number of steps, odd.
     """
     steps = np.linspace(-reach, reach, count)
-    fits = _fit_steps(v, start, steps)
+    fits = _fit_steps(valley, start, steps)
     cost = np.array([cost for _, cost in fits])
     weight = np.exp(-(cost - cost.min()))
     weight /= weight.sum()
     mean = float(weight @ steps)
     sigma = float(np.sqrt(weight @ (steps - mean) ** 2))
-    along = _in_global(v, start)
-    here, _ = _fit(v, _shift(v, start, mean * along), held=along)
+    along = _in_global(valley, start)
+    at_mean, _ = _fit(valley, _shift(valley, start, mean * along), held=along)
     # The tangent is a regression over all steps, weighted by the posterior: in a flat valley a
     # single fit ends a centimetre from its minimum, or at a facet's edge.
-    moved = np.array([_between(here, pose, v.cost.center) for pose, _ in fits])
-    tangent = (weight * (steps - mean)) @ moved / max(sigma**2, 1e-12)
+    moves = np.array([_step_between(at_mean, pose, valley.cost.center) for pose, _ in fits])
+    tangent = (weight * (steps - mean)) @ moves / max(sigma**2, 1e-12)
     return Profile(
-        direction=v.direction,
+        direction=valley.direction,
         step=steps,
         cost=cost - cost.min(),
         mean=mean,
         sigma=sigma,
-        global_from_hull=here,
+        global_from_hull=at_mean,
         tangent=tangent,
     )
 
@@ -124,19 +124,19 @@ def raise_to_moment(covariance: Array, moment: Array) -> Array:
     return np.asarray(covariance + beyond @ beyond.T)
 
 
-def moment_of_minima(v: Valley, pose: Poses, starts: Sequence[Poses]) -> Array:
+def moment_of_minima(valley: Valley, pose: Poses, starts: Sequence[Poses]) -> Array:
     """Compute the posterior's second moment (6, 6) about `pose` over several minima.
 
     The minima are those that fits from `pose` and from `starts` end in, each once. A minimum
     weighs by its likelihood times the volume around it (Laplace's approximation).
     """
-    found = sorted((minimise_cost(v, start) for start in (pose, *starts)), key=lambda f: f[1])
+    found = sorted((minimise_cost(valley, start) for start in (pose, *starts)), key=lambda f: f[1])
     steps: list[Array] = []
     spreads: list[Array] = []
     logs: list[float] = []
     # From the least cost on: an end near one that was taken already is the same minimum
     for at, cost in found:
-        step, spread = _between(pose, at, v.cost.center), posterior_covariance(v, at)
+        step, spread = _step_between(pose, at, valley.cost.center), posterior_covariance(valley, at)
         apart = [
             (step - other) @ np.linalg.solve(wide + spread, step - other)
             for other, wide in zip(steps, spreads, strict=True)
@@ -151,17 +151,17 @@ def moment_of_minima(v: Valley, pose: Poses, starts: Sequence[Poses]) -> Array:
     return np.asarray(np.tensordot(weight / weight.sum(), moments, axes=1))
 
 
-def minimise_cost(v: Valley, start: Poses) -> tuple[Poses, float]:
+def minimise_cost(valley: Valley, start: Poses) -> tuple[Poses, float]:
     """Find the pose of least cost over all six degrees of freedom, and that cost."""
-    return _fit(v, start)
+    return _fit(valley, start)
 
 
-def posterior_covariance(v: Valley, pose: Poses) -> Array:
+def posterior_covariance(valley: Valley, pose: Poses) -> Array:
     """Compute the covariance (6, 6) of the pose about the centre from the cost's information."""
-    return np.asarray(np.linalg.inv(v.cost.linearise(pose).information))
+    return np.asarray(np.linalg.inv(valley.cost.linearise(pose).information))
 
 
-def _fit_steps(v: Valley, start: Poses, steps: Array) -> list[tuple[Poses, float]]:
+def _fit_steps(valley: Valley, start: Poses, steps: Array) -> list[tuple[Poses, float]]:
     """Fit the pose with the hull held at each step, and return it with its cost.
 
     Fits go outwards from the middle step, each from the pose of its neighbour. The direction is
@@ -170,38 +170,38 @@ def _fit_steps(v: Valley, start: Poses, steps: Array) -> list[tuple[Poses, float
     steps (k,): shifts along the direction, m.
     """
     middle = len(steps) // 2
-    along = _in_global(v, start)
+    along = _in_global(valley, start)
     found: dict[int, tuple[Poses, float]] = {}
     for order in (range(middle, len(steps)), range(middle - 1, -1, -1)):
         for k in order:
             near = k - 1 if k > middle else k + 1
-            base, walked = (
+            base, shift_m = (
                 (found[near][0], steps[k] - steps[near]) if near in found else (start, steps[k])
             )
-            found[k] = _fit(v, _shift(v, base, walked * along), held=along)
+            found[k] = _fit(valley, _shift(valley, base, shift_m * along), held=along)
     return [found[k] for k in range(len(steps))]
 
 
-def _in_global(v: Valley, pose: Poses) -> Array:
+def _in_global(valley: Valley, pose: Poses) -> Array:
     """Compute the valley's direction (3,) in g."""
-    return np.asarray(pose.rotation.as_matrix()[0] @ v.direction)
+    return np.asarray(pose.rotation.as_matrix()[0] @ valley.direction)
 
 
-def _shift(v: Valley, global_from_hull: Poses, step: Array) -> Poses:
+def _shift(valley: Valley, global_from_hull: Poses, step: Array) -> Poses:
     """Move a hull pose by a step (3,) m in g."""
-    return perturb_pose(global_from_hull, v.cost.center, np.r_[step, np.zeros(3)])
+    return perturb_pose(global_from_hull, valley.cost.center, np.r_[step, np.zeros(3)])
 
 
-def _fit(v: Valley, start: Poses, held: Array | None = None) -> tuple[Poses, float]:
+def _fit(valley: Valley, start: Poses, held: Array | None = None) -> tuple[Poses, float]:
     """Find the pose of least cost near a start, and its cost (half the chi-square).
 
     held (3,): a direction of g along which the hull is not moved. None: all six are free.
     """
-    basis = np.eye(6) if held is None else _across(held)
+    basis = np.eye(6) if held is None else _basis_across(held)
     found = minimise_over_pose(
         start,
-        v.cost.linearise,
-        v.cost.update,
+        valley.cost.linearise,
+        valley.cost.update,
         max_iterations=MAX_ITERATIONS,
         min_decrease=MIN_DECREASE,
         free_directions=lambda _: basis,
@@ -209,7 +209,7 @@ def _fit(v: Valley, start: Poses, held: Array | None = None) -> tuple[Poses, flo
     return found.pose, found.at_minimum.cost
 
 
-def _across(direction: Array) -> Array:
+def _basis_across(direction: Array) -> Array:
     """Make a basis (6, 5) of the steps that do not move along a unit direction (3,) in g."""
     basis = np.linalg.svd(direction[None])[2][1:].T
     out = np.zeros((6, 5))
@@ -217,7 +217,7 @@ def _across(direction: Array) -> Array:
     return out
 
 
-def _between(a: Poses, b: Poses, center: Array) -> Array:
+def _step_between(a: Poses, b: Poses, center: Array) -> Array:
     """Compute the step (6,) of `perturb_pose` that takes pose a to b."""
     shift = b.apply(center[None])[0] - a.apply(center[None])[0]
     return np.asarray(np.r_[shift, (a.rotation.inv() * b.rotation).as_rotvec()[0]])

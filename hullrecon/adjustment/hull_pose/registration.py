@@ -65,7 +65,9 @@ def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int =
     """Register the CAD model to points (n, 3) in g.
 
     Starts are the package's guess and a grid around it within its sigma. Where none of them fits,
-    a coarse grid metres wide is searched for poses at which the points lie near the CAD model.
+    a coarse grid metres wide is searched for poses at which the points lie near the CAD model. Its
+    result is taken only if it fits clearly better. Where the result lies far from the guess, the
+    guess's sigmas are widened (`Registration.sigmas_off`).
 
     Parameters
     ----------
@@ -84,6 +86,7 @@ def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int =
     if found.fitness >= GOOD_FITNESS:
         return _with_wider_guess(found, kept, cad_model, sigma_range)
     starts = _distant_starts(kept, cad_model, center)
+    # DISTANT_SIGMA is along the ship's axes, the guess's sigma along M's
     in_hull = np.abs(cad_model.chart.ship_axes.T)
     distant_sigma = np.r_[in_hull @ DISTANT_SIGMA[:3], in_hull @ DISTANT_SIGMA[3:]]
     loose = replace(cad_model, guess_sigma=cad_model.guess_sigma + distant_sigma)
@@ -135,7 +138,8 @@ def _register_from(
         for pose in candidates
     ]
     costs = [
-        trimmed_cost(*found, cad_model, center) for found in zip(distances, candidates, strict=True)
+        trimmed_cost(distance, pose, cad_model, center)
+        for distance, pose in zip(distances, candidates, strict=True)
     ]
     return fit_correlated(points, candidates[int(np.argmin(costs))], cad_model, center, sigma_range)
 
@@ -185,7 +189,7 @@ def _with_wider_guess(
     off = float(np.abs(step / cad_model.guess_sigma).max())
     if off <= GUESS_SIGMAS and found.cad_model is cad_model:
         return found
-    if off <= GUESS_SIGMAS:
+    if off <= GUESS_SIGMAS:  # found with wider sigmas, but near the guess after all
         return fit_correlated(points, found.global_from_hull, cad_model, found.center, sigma_range)
     wider = replace(cad_model, guess_sigma=cad_model.guess_sigma * off, contradicted=True)
     again = fit_correlated(points, found.global_from_hull, wider, found.center, sigma_range)

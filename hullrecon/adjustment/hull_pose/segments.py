@@ -46,15 +46,15 @@ class Segments:
     reference: int  # the segment with most returns
     # (s, 6, 6) covariance (translation, rotation) in g of the pose of each segment's middle node,
     # relative to the near end of its neighbour towards the reference. Zero for the reference
-    step: Array
+    step_covariance: Array
 
     def __len__(self) -> int:
-        return len(self.step)
+        return len(self.step_covariance)
 
     @property
     def loosest_m(self) -> float:
         """Largest sigma of a segment's position relative to its neighbour, along the worst axis."""
-        return float(np.sqrt(np.linalg.eigvalsh(self.step[:, :3, :3])[:, -1].max()))
+        return float(np.sqrt(np.linalg.eigvalsh(self.step_covariance[:, :3, :3])[:, -1].max()))
 
     def towards_reference(self, segment: int) -> int:
         """Find the neighbour of a segment that is nearer to the reference."""
@@ -63,7 +63,7 @@ class Segments:
     def from_reference(self, segment: int) -> Array:
         """Sum the covariance (6, 6) of the steps between a segment and the reference, in g."""
         low, high = sorted((segment, self.reference))
-        return np.asarray(self.step[low : high + 1].sum(axis=0))
+        return np.asarray(self.step_covariance[low : high + 1].sum(axis=0))
 
     def outwards(self) -> list[int]:
         """List all segments but the reference, from its neighbours outwards."""
@@ -76,6 +76,8 @@ def find_segments(
     problem: native.Problem, settings: native.Options, odometry: Odometry, node: Ints
 ) -> Segments | None:
     """Find the segments into which outages cut a path that was solved without the CAD model.
+
+    Each of them is then registered to the CAD model by itself (`register_segments`).
 
     Parameters
     ----------
@@ -97,30 +99,29 @@ def find_segments(
         Where nothing determines the path.
     """
     # Cuts: between two nodes with returns, the sigma is large by odometry and by the solved path.
-    count = np.bincount(node, minlength=len(problem.unknowns.pose))
-    at = np.flatnonzero(count)
-    by_odometry = odometry.sigma_between(at[:-1], at[1:])
-    loose = by_odometry > LOOSE_M
-    if not loose.any():
+    count = np.bincount(node, minlength=len(problem.unknowns.pose))  # returns of each node
+    used = np.flatnonzero(count)
+    is_cut = odometry.sigma_between(used[:-1], used[1:]) > LOOSE_M
+    if not is_cut.any():
         return None
-    covariance = _relative_covariance(problem, settings, at[:-1][loose], at[1:][loose])
-    loose[loose] = np.linalg.eigvalsh(covariance[:, :3, :3])[:, -1] > LOOSE_M**2
+    covariance = _relative_covariance(problem, settings, used[:-1][is_cut], used[1:][is_cut])
+    is_cut[is_cut] = np.linalg.eigvalsh(covariance[:, :3, :3])[:, -1] > LOOSE_M**2
     # The nodes between two cuts are a segment. Segments with few returns are left out.
-    label = np.concatenate([[0], np.cumsum(loose)])
-    enough = np.bincount(label, count[at]) >= MIN_POINTS
+    stretch = np.concatenate([[0], np.cumsum(is_cut)])  # number of each used node's stretch
+    enough = np.bincount(stretch, count[used]) >= MIN_POINTS
     if enough.sum() < 2:
         return None
     of_node = np.full(len(count), -1, np.int64)
-    of_node[at] = np.where(enough, np.cumsum(enough) - 1, -1)[label]
-    size = np.bincount(of_node[at][of_node[at] >= 0], count[at][of_node[at] >= 0])
+    of_node[used] = np.where(enough, np.cumsum(enough) - 1, -1)[stretch]
+    size = np.bincount(of_node[used][of_node[used] >= 0], count[used][of_node[used] >= 0])
     found = Segments(
-        of_node=of_node, reference=int(np.argmax(size)), step=np.zeros((len(size), 6, 6))
+        of_node=of_node, reference=int(np.argmax(size)), step_covariance=np.zeros((len(size), 6, 6))
     )
-    # Steps of the others: from the end of the neighbour towards the reference to their own middle.
+    # Of the others: from the end of the neighbour towards the reference to their own middle.
     outer = np.array(found.outwards())
     ends = np.array([_end_towards(found, found.towards_reference(k), k) for k in outer])
     middle = np.array([int(np.median(np.flatnonzero(of_node == k))) for k in outer])
-    found.step[outer] = _relative_covariance(problem, settings, ends, middle)
+    found.step_covariance[outer] = _relative_covariance(problem, settings, ends, middle)
     return found
 
 
@@ -197,12 +198,13 @@ def register_segments(
     moved = [poses.identity() for _ in range(len(segments))]
     for k in segments.outwards():
         before = moved[segments.towards_reference(k)]
-        here = segments.of_node[node] == k
-        at, start = before.apply(points[here]), (before @ nodes[node[here]]).translation
-        sigma = _sigma_in_hull(segments.step[k], before.inverse() @ found.global_from_hull)
-        moved[k] = (
-            _motion_onto(at, at - start, replace(in_place, guess_sigma=sigma), sigma_range) @ before
+        own = segments.of_node[node] == k
+        ends, vehicle = before.apply(points[own]), (before @ nodes[node[own]]).translation
+        sigma = _sigma_in_hull(
+            segments.step_covariance[k], before.inverse() @ found.global_from_hull
         )
+        onto = _motion_onto(ends, ends - vehicle, replace(in_place, guess_sigma=sigma), sigma_range)
+        moved[k] = onto @ before
     # Move everything so that the first segment lies where it did.
     back = moved[0].inverse()
     after = _move(nodes, segments.of_node, [back @ motion for motion in moved])

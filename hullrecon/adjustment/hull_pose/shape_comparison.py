@@ -124,7 +124,7 @@ def compare_shape(evidence: HullPoseEvidence, pose: Poses) -> ShapeComparison:
     fitted = np.c_[
         _open_directions(jacobian, cad_model, noise), _beyond_noise(loose, noise), np.ones(len(at))
     ]
-    used = _within_structures(
+    used = _without_structures(
         distance, fitted, OUTSIDE_SIGMAS * float(np.hypot(expected.sigma, np.sqrt(noise)))
     )
     field = cad_error.matern32(
@@ -183,7 +183,7 @@ def _beyond_noise(by_sigma: Array, noise: float) -> Array:
     return np.asarray(left[:, size > np.sqrt(noise)])
 
 
-def _within_structures(distance: Array, fitted: Array, most: float) -> Mask:
+def _without_structures(distance: Array, fitted: Array, most: float) -> Mask:
     """Select points that do not stand out of the hull, as structures and growth do.
 
     A linear fit to the selected distances and the selection by its residuals alternate.
@@ -199,10 +199,10 @@ def _within_structures(distance: Array, fitted: Array, most: float) -> Mask:
     """
     used = np.ones(len(distance), bool)
     for _ in range(PASSES):
-        left = distance - fitted @ np.linalg.lstsq(fitted[used], distance[used])[0]
-        if (left <= most).sum() < MIN_POINTS:
+        residual = distance - fitted @ np.linalg.lstsq(fitted[used], distance[used])[0]
+        if (residual <= most).sum() < MIN_POINTS:
             break
-        used = left <= most
+        used = residual <= most
     return used
 
 
@@ -250,6 +250,6 @@ def scale_test(deviation: Array, by_ratio: Array) -> tuple[float, tuple[float, .
     information = by_ratio.T @ by_ratio + np.eye(3) / SCALE_PRIOR**2
     gradient = by_ratio.T @ deviation
     explained = float(gradient @ np.linalg.solve(information, gradient))
-    left = max((float(deviation @ deviation) - explained) / max(len(deviation) - 3, 1), 1.0)
-    sigma = np.sqrt(np.diag(np.linalg.inv(information)) * left)
-    return explained / left, tuple(float(s) for s in sigma)
+    variance = max((float(deviation @ deviation) - explained) / max(len(deviation) - 3, 1), 1.0)
+    sigma = np.sqrt(np.diag(np.linalg.inv(information)) * variance)
+    return explained / variance, tuple(float(s) for s in sigma)

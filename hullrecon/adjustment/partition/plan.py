@@ -81,14 +81,14 @@ def plan_parts(problem: native.Problem, state: State, wanted: Wanted) -> Plan:
     return plan_along(problem, *_positions_to_cut(state), wanted)
 
 
-def plan_along(problem: native.Problem, place_m: Array, axis: str, wanted: Wanted) -> Plan:
+def plan_along(problem: native.Problem, position_m: Array, axis: str, wanted: Wanted) -> Plan:
     """Divide the poses, in the order of their positions, into stripes of about equal memory.
 
     Parameters
     ----------
     problem
         The whole problem, of whose tables the memory follows.
-    place_m
+    position_m
         Positions (n,) m of the poses along the axis that is cut.
     axis
         Name of that axis, for the plan.
@@ -107,17 +107,17 @@ def plan_along(problem: native.Problem, place_m: Array, axis: str, wanted: Wante
         reason = f"the solver takes about {whole_mb:.0f} MB in one part"
     else:
         count, reason = wanted, f"adjust.parts asks for {wanted}"
-    order = np.argsort(place_m, kind="stable")
+    order = np.argsort(position_m, kind="stable")
     # Memory of all poses before each one, to its own middle: equal parts of it are the stripes
     share = np.cumsum(bytes_of_pose[order]) - 0.5 * bytes_of_pose[order]
     stripe = np.empty(len(order), np.int64)
     stripe[order] = count * share / bytes_of_pose.sum()
     _, owner = np.unique(stripe, return_inverse=True)  # numbers the stripes that have a pose
     mb = AT_REST * whole_mb + (1 - AT_REST) * np.bincount(owner, bytes_of_pose) / 1e6
-    first = [float(place_m[owner == k].min()) for k in range(1, len(mb))]
+    begin_m = [float(position_m[owner == k].min()) for k in range(1, len(mb))]
     return Plan(
         owner=owner,
-        cuts_m=np.array(first),
+        cuts_m=np.array(begin_m),
         axis=axis,
         predicted_mb=np.asarray(mb, float),
         reason=reason,

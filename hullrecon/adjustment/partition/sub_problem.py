@@ -196,8 +196,8 @@ class SubProblems:
             table, rows = getattr(self.problem, name), self.row_owner[name] == k
             planes += [getattr(table, column)[rows] for column in PLANES.get(name, ())]
             poses += [getattr(table, column)[rows] for column in NODES[name]]
-        met = np.unique(np.concatenate(planes))
-        return np.unique(np.concatenate([*poses, anchor[met]])), met
+        met_planes = np.unique(np.concatenate(planes))
+        return np.unique(np.concatenate([*poses, anchor[met_planes]])), met_planes
 
     def _nodes(self, k: int) -> Ints:
         """List the nodes of the deviation field that part k owns or that its rows meet."""
@@ -251,9 +251,9 @@ class SubProblems:
         prior = self.problem.priors.deviation
         if len(prior.start) < 2:
             return prior
-        long = np.diff(prior.start)
-        entries = np.repeat(self.field_row_owner == k, long)
-        start = np.cumsum(np.r_[0, long[self.field_row_owner == k]])
+        entries_of_row = np.diff(prior.start)
+        entries = np.repeat(self.field_row_owner == k, entries_of_row)
+        start = np.cumsum(np.r_[0, entries_of_row[self.field_row_owner == k]])
         return native.SparseRows(
             start=start.astype(np.int32),
             index=number[prior.index[entries]],

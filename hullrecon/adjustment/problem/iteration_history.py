@@ -46,13 +46,14 @@ def columns(rounds: Sequence[Round]) -> dict[str, NDArray[Any]]:
 
     Names and meaning are in docs/formats.md.
     """
-    long = [len(r.record.cost) for r in rounds]
+    iterations = [len(r.record.cost) for r in rounds]
     found: dict[str, NDArray[Any]] = {
-        "round": np.repeat(np.arange(1, len(rounds) + 1), long),
-        "iteration": np.concatenate([np.arange(n) for n in long]),
-        "landmarks": np.repeat([r.landmarks for r in rounds], long),
+        "round": np.repeat(np.arange(1, len(rounds) + 1), iterations),
+        "iteration": np.concatenate([np.arange(n) for n in iterations]),
+        "landmarks": np.repeat([r.landmarks for r in rounds], iterations),
         **{
-            name: np.repeat([_sigmas(r)[name] for r in rounds], long) for name in _sigmas(rounds[0])
+            name: np.repeat([_sigmas(r)[name] for r in rounds], iterations)
+            for name in _sigmas(rounds[0])
         },
     }
     for name in (*STEP, *COUNTS):

@@ -47,14 +47,14 @@ def displacement(pixels: Array, camera: CameraModel, lens: Array) -> Array:
     # Over the image -1 to 1. The first pixel's centre is at 0, its edge at -0.5
     at = (2 * pixels + 1) / [camera.width, camera.height] - 1
     degrees = native.LENS_DEGREE + 1
-    number = np.zeros((2, degrees, degrees))
+    amplitude = np.zeros((2, degrees, degrees))
     along_u, along_v = np.array(_DEGREES).T
-    number[:, along_u, along_v] = lens.reshape(2, native.LENS_MODES)
+    amplitude[:, along_u, along_v] = lens.reshape(2, native.LENS_MODES)
     # With this factor a Legendre polynomial has rms 1 over the image, so amplitudes are px rms
     rms = np.sqrt(2 * np.arange(degrees) + 1)
     u, v = _legendre_polynomials(at[:, 0]), _legendre_polynomials(at[:, 1])
-    of_axes = [((rms[:, None] * by * rms).T @ u * v).sum(axis=0) for by in number]
-    return np.stack(of_axes, axis=1)
+    along_axes = [((rms[:, None] * by * rms).T @ u * v).sum(axis=0) for by in amplitude]
+    return np.stack(along_axes, axis=1)
 
 
 def _legendre_polynomials(at: Array) -> Array:

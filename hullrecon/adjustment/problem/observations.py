@@ -48,7 +48,7 @@ def landmark_count(m: Measurements) -> int:
 
 
 def map_blocks(
-    m: Measurements, work: Callable[[Block], Result], of: Mask | None = None
+    m: Measurements, work: Callable[[Block], Result], wanted: Mask | None = None
 ) -> Iterator[Result]:
     """Yield what `work` computes from each block of whole landmarks, in threads.
 
@@ -60,7 +60,7 @@ def map_blocks(
         With the tracks, which may be mapped from a file, and the displacements found so far.
     work
         Computes from one block alone.
-    of
+    wanted
         (L,) landmarks whose observations are read. None: all.
     """
     tracks = m.tracks
@@ -68,34 +68,36 @@ def map_blocks(
         return
 
     def make(rows: slice) -> list[Result]:
-        return [work(replace(b, tracks=_moved(m, b.tracks))) for b in _read_block(tracks, rows, of)]
+        return [
+            work(replace(b, tracks=_moved(m, b.tracks))) for b in _read_block(tracks, rows, wanted)
+        ]
 
     every = [rows for rows, _ in _whole_landmarks(tracks.landmark)]
     for made in in_threads(make, every, most=BLOCKS_AT_A_TIME):
         yield from made
 
 
-def read_blocks(m: Measurements, of: Mask | None = None) -> Iterator[Block]:
+def read_blocks(m: Measurements, wanted: Mask | None = None) -> Iterator[Block]:
     """Read observations in blocks of whole landmarks, with the lenses' displacements applied."""
-    return map_blocks(m, lambda block: block, of)
+    return map_blocks(m, lambda block: block, wanted)
 
 
-def read_tracks(tracks: Tracks | None, of: Mask | None = None) -> Iterator[Block]:
+def read_tracks(tracks: Tracks | None, wanted: Mask | None = None) -> Iterator[Block]:
     """Read tracks in blocks as `read_blocks` does, but with the pixels as they were detected."""
     if tracks is not None:
         for rows, _ in _whole_landmarks(tracks.landmark):
-            yield from _read_block(tracks, rows, of)
+            yield from _read_block(tracks, rows, wanted)
 
 
-def _read_block(tracks: Tracks, rows: slice, of: Mask | None) -> list[Block]:
+def _read_block(tracks: Tracks, rows: slice, wanted: Mask | None) -> list[Block]:
     """Read rows of tracks as a block. Empty where no row is of a wanted landmark.
 
-    of (L,): landmarks that are wanted. None: all.
+    wanted (L,): landmarks whose rows are read. None: all.
     """
     landmark = read_rows(tracks.landmark, rows)
-    if of is None:
+    if wanted is None:
         return [Block(rows=rows, tracks=_read(tracks, landmark, rows))]
-    kept = np.flatnonzero(of[landmark])
+    kept = np.flatnonzero(wanted[landmark])
     if not len(kept):
         return []
     return [Block(rows=rows.start + kept, tracks=_read(tracks, landmark, rows).take(kept))]

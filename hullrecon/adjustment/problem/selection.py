@@ -52,7 +52,7 @@ def find_landmarks(m: Measurements, state: State, max_px: Limit) -> tuple[State,
 
     As `select_measurements`, but the landmarks of `state` are replaced by triangulated ones.
     """
-    return _find(m, state, max_px, triangulate_first=True)
+    return _select(m, state, max_px, triangulate_first=True)
 
 
 def select_measurements(m: Measurements, state: State, max_px: Limit) -> Selection:
@@ -71,10 +71,10 @@ def select_measurements(m: Measurements, state: State, max_px: Limit) -> Selecti
         Its landmarks have at least two observations and lie near the hull (NEAR_HULL_M,
         NEAR_PATH_M). Flagged returns are left out.
     """
-    return _find(m, state, max_px, triangulate_first=False)[1]
+    return _select(m, state, max_px, triangulate_first=False)[1]
 
 
-def _find(
+def _select(
     m: Measurements, state: State, max_px: Limit, triangulate_first: bool
 ) -> tuple[State, Selection]:
     """Select measurements as `select_measurements` does, in blocks of landmarks.
@@ -93,7 +93,7 @@ def _find(
     top, bottom, used = np.zeros(rows, bool), np.zeros(rows, bool), np.zeros(count, bool)
     rays = np.zeros(count, np.int32)
 
-    def look_at(block: Block) -> None:
+    def select_in_block(block: Block) -> None:
         """Select the observations of a block of landmarks, and the landmarks. Fills the arrays."""
         own = block.landmarks
         if triangulate_first:
@@ -107,7 +107,7 @@ def _find(
         rays[own] = np.bincount(block.numbered_from_0.landmark, of_block)
         used[own] = (rays[own] >= 2) & np.isfinite(landmark[own, 0]) & is_near(landmark[own])
 
-    for _ in map_blocks(m, look_at):
+    for _ in map_blocks(m, select_in_block):
         pass
     chosen = Selection(top, bottom, returns, np.flatnonzero(used), rays)
     return replace(state, landmark=landmark), chosen

@@ -82,7 +82,8 @@ def estimate_weights(
         return weights
     by_response = estimate_pixel_sigmas(m, state, chosen, weights)
     side = estimate_sides(m.trajectory.tray - state.tray, weights.tray_direction)
-    # What backlash leaves of the tray's residuals, at nodes at which the servo was read
+    # What the backlash (`navigation[5]`) leaves of the tray's residuals, at nodes at which the
+    # servo was read
     excess = (m.trajectory.tray - state.tray - state.navigation[5] * side)[
         m.attitude.tray_sigma == 0
     ]
@@ -92,7 +93,7 @@ def estimate_weights(
         weights,
         pixel=by_response.pixel,
         by_response=by_response,
-        depth=_depth_weight(m, state),
+        depth=_depth_sigma_ratio(m, state),
         tray_direction=side,
         tray=tray,
         lens=estimate_lens_sigma(m.lenses, np.array(m.rig.priors.calibration_sigma_px)),
@@ -244,7 +245,7 @@ def depth_sigma(m: Measurements, weights: Weights) -> float:
     )
 
 
-def _depth_weight(m: Measurements, state: State) -> float:
+def _depth_sigma_ratio(m: Measurements, state: State) -> float:
     """Estimate the sigma of a pressure reading, as a share of the sigma that navigation gave it.
 
     Several nodes may share one reading, which does not make it more certain. The sigma is at least
@@ -255,12 +256,13 @@ def _depth_weight(m: Measurements, state: State) -> float:
     if not m.attitude.has_depth.any():
         return 1.0
     z = state.nodes[m.attitude.node[rows]].apply(m.rig.pressure_origin)[:, 2]
+    # Navigation inflated the sigmas of nodes that share a reading, so that it counts once
     nodes = m.attitude.nodes_per_reading[rows]
-    given = float(np.median(m.attitude.sigma[rows, 0] / np.sqrt(nodes)))
-    white = robust_sigma(z - m.attitude.depth[rows])
+    given_m = float(np.median(m.attitude.sigma[rows, 0] / np.sqrt(nodes)))
+    white_m = robust_sigma(z - m.attitude.depth[rows])
     # An error of the density scales all depths. Readings of this sigma determine a scale no better
-    by_density = m.rig.priors.density_sigma * np.sqrt((1 / nodes).sum()) * float(np.std(z))
-    return float(np.clip(max(white, by_density, 1e-3) / given, 0.0, 1.0))
+    by_density_m = m.rig.priors.density_sigma * np.sqrt((1 / nodes).sum()) * float(np.std(z))
+    return float(np.clip(max(white_m, by_density_m, 1e-3) / given_m, 0.0, 1.0))
 
 
 def _measured_depths(m: Measurements) -> Ints:

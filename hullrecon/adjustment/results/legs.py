@@ -119,10 +119,12 @@ def split_legs(positions: Array) -> Ints:
     for k in range(1, len(along)):
         low, high = (k if along[k] < along[low] else low), (k if along[k] > along[high] else high)
         if rising >= 0 and along[high] - along[k] > swing:
-            turns += [high] * abs(rising)  # where the first leg begins is no turn
+            if rising:  # where the first leg begins is no turn
+                turns.append(high)
             rising, low = -1, k
         elif rising <= 0 and along[k] - along[low] > swing:
-            turns += [low] * abs(rising)
+            if rising:
+                turns.append(low)
             rising, high = 1, k
         # On a leg only the extremum ahead counts, as the other is the turn behind
         if rising > 0:

@@ -56,9 +56,9 @@ def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covarian
     evidence = adjusted.placement.evidence if adjusted.placement is not None else None
     evidence = evidence or _evidence_of_solution(m, adjusted, hull)
     held = _with_hull_held(adjusted.problem, evidence, hull)
-    placed = join.covariance(held, adjusted.plan, adjusted.settings)
+    with_hull_held = join.covariance(held, adjusted.plan, adjusted.settings)
     return replace(
-        placed,
+        with_hull_held,
         navigation=free.navigation,
         deviation=free.deviation,
         T_g_M=estimate.hull_pose_covariance(evidence, hull.global_from_hull),

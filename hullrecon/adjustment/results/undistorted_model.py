@@ -122,10 +122,10 @@ def _undistort_observations(
         image = delivered.images[number]
         found = [p for p in image.points2D if p.has_point3D()]
         pixel = np.array([p.xy for p in found]).reshape(-1, 2) - 0.5
-        there = undistortions[image.camera_id].pixels(pixel)
-        held = undistortions[image.camera_id].holds(there)
-        point = np.array([p.point3D_id for p in found], np.int64)[held]
-        parts.append((np.full(len(point), number), point, there[held] + 0.5))
+        undistorted = undistortions[image.camera_id].pixels(pixel)
+        inside = undistortions[image.camera_id].holds(undistorted)
+        point = np.array([p.point3D_id for p in found], np.int64)[inside]
+        parts.append((np.full(len(point), number), point, undistorted[inside] + 0.5))
     image_id, point, pixel = (np.concatenate([part[k] for part in parts]) for k in range(3))
     _, which, count = np.unique(point, return_inverse=True, return_counts=True)
     kept = count[which] >= 2

@@ -78,18 +78,18 @@ def scale_warning(correction: Array, allowed: Array, covariance: Array) -> list[
     """Warn of a scale of the DVL that the dive contradicts though its prior keeps it small.
 
     With a right prior of sigma p, an estimate with posterior variance P scatters with the variance
-    p^2 - P. So an estimate may be small and still be too large for that. Scales that are large are
-    left to `navigation_warnings`, whose parameters these are. Empty where there is no such scale,
-    or where the dive says next to nothing of it (LEAST_TOLD).
+    p^2 - P. So an estimate may be small and still be too large for that. `navigation_warnings`,
+    which has the same parameters, warns of large scales. Empty where there is no such scale, or
+    where the dive says next to nothing of it (LEAST_TOLD).
     """
-    x, prior, left = correction[SCALE], allowed[SCALE] ** 2, covariance[SCALE, SCALE]
-    gained = 1 - left / prior  # share of the prior's variance that the dive takes away
+    x, prior, posterior = correction[SCALE], allowed[SCALE] ** 2, covariance[SCALE, SCALE]
+    gained = 1 - posterior / prior  # share of the prior's variance that the dive takes away
     if not np.isfinite(prior) or gained < LEAST_TOLD or abs(x) > MANY_SIGMAS * np.sqrt(prior):
         return []
     if abs(x) <= SURPRISING * np.sqrt(gained * prior):
         return []
     # The estimate without its prior, in per cent (`exceeded_priors`)
-    alone, sigma = -100 * x / gained, 100 * np.sqrt(left / gained)
+    alone, sigma = -100 * x / gained, 100 * np.sqrt(posterior / gained)
     return [
         f"All else together says that the DVL measures distances {abs(alone):.0f} ± {sigma:.0f} % "
         f"too {'long' if alone > 0 else 'short'}, which contradicts dvl.scale_sigma. By that sigma "
