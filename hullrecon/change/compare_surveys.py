@@ -45,7 +45,7 @@ def compare_surveys(
     Parameters
     ----------
     first, second
-        The surveys, each in its own hull frame M. Places are given in that of the first.
+        The surveys, each in its own hull frame M. Positions are given in that of the first.
     address
         Names a point (3,) of M in words, no finer than a sigma.
     options

@@ -74,7 +74,7 @@ def well_seen(relief: Relief, options: ChangeOptions) -> Mask:
         return (relief.views >= options.min_views) & (relief.sigma <= options.max_sigma_m)
 
 
-def _beyond(height: Array, of: Array, cells: int) -> Array:
+def _beyond(height: Array, other: Array, cells: int) -> Array:
     """Measure how far heights (a, g) lie outside the range of the other survey around them (71).
 
     An edge that lies a little beside where the other survey has it is inside that range.
@@ -83,10 +83,10 @@ def _beyond(height: Array, of: Array, cells: int) -> Array:
     ----------
     height
         Heights of one survey.
-    of
+    other
         Heights of the other one, which give the range.
     cells
-        Radius of the neighbourhood in which the range of `of` is taken.
+        Radius of the neighbourhood in which the range of `other` is taken.
 
     Returns
     -------
@@ -96,12 +96,12 @@ def _beyond(height: Array, of: Array, cells: int) -> Array:
     from scipy.ndimage import maximum_filter, minimum_filter
 
     reach = np.hypot(*np.mgrid[-cells : cells + 1, -cells : cells + 1]) <= cells + 0.5
-    known = np.isfinite(of)
+    known = np.isfinite(other)
     top = maximum_filter(
-        np.where(known, of, -np.inf), footprint=reach, mode="constant", cval=-np.inf
+        np.where(known, other, -np.inf), footprint=reach, mode="constant", cval=-np.inf
     )
     bottom = minimum_filter(
-        np.where(known, of, np.inf), footprint=reach, mode="constant", cval=np.inf
+        np.where(known, other, np.inf), footprint=reach, mode="constant", cval=np.inf
     )
     out = np.where(height > top, height - top, np.where(height < bottom, height - bottom, 0.0))
     return np.where(
@@ -144,7 +144,7 @@ def changed_regions(found: Difference, places: int, options: ChangeOptions) -> l
                 cells = np.zeros(label.shape, bool)
                 cells[window] = part
                 regions.append(
-                    measure(
+                    measure_change(
                         found, cells, _near_largest(side * found.local, cells), places, options, off
                     )
                 )
@@ -177,7 +177,7 @@ def top_of(heights: Array, cells: Mask, side: float) -> Mask:
     )
 
 
-def measure(
+def measure_change(
     found: Difference,
     cells: Mask,
     top: Mask,
@@ -251,9 +251,10 @@ def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOption
 
 
 def _window(cells: Mask, margin: int) -> tuple[slice, slice]:
-    """Choose the part of the lattice around cells with a margin of cells, all of it without any.
+    """Choose the part of the lattice around a region's cells, with a margin of `margin` cells.
 
-    Distances are computed there alone, as a lattice has millions of cells.
+    It is the whole lattice where the region has no cell. Distances are computed in that part alone,
+    as a lattice has millions of cells.
     """
     rows, columns = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
     if not len(rows):

@@ -53,7 +53,7 @@ def surface_moves(
     for region in regions:
         bare &= ~ndimage.binary_dilation(region.cells, iterations=3)
     # Test each patch, with p-values corrected for the number of patches
-    move, sigma, size = _patches(found, bare, chart, lattice, offset, options)
+    move, sigma, size = _measure_patches(found, bare, chart, lattice, offset, options)
     patches = int(np.isfinite(move).sum())
     p_value = np.ones(move.shape)
     for i, j in np.argwhere(np.isfinite(move)):
@@ -70,7 +70,7 @@ def surface_moves(
     return tuple(sorted(rows, key=lambda row: -abs(row.move)))
 
 
-def _patches(
+def _measure_patches(
     found: Difference,
     bare: Mask,
     chart: Chart,
@@ -124,7 +124,7 @@ def _join_patches(
     size
         Cells along a side of a patch.
     lattice
-        Gives the cells' place and area.
+        Gives the cells' position and area.
     """
     cells = np.kron(which, np.ones((size, size), bool))[: bare.shape[0], : bare.shape[1]] & bare
     at = lattice.points()[cells].mean(axis=0)

@@ -9,7 +9,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hullrecon.change.difference import ChangedRegion, Difference, measure, top_of, well_seen
+from hullrecon.change.difference import (
+    ChangedRegion,
+    Difference,
+    measure_change,
+    top_of,
+    well_seen,
+)
 from hullrecon.change.offset import offset_sigma
 from hullrecon.change.options import ChangeOptions
 from hullrecon.change.relief import Relief
@@ -98,11 +104,11 @@ def compare_objects(
     rows = _join_parts(rows)
     # Then the pairs and single objects at which no change was found.
     known = ({row.first_id for row in rows}, {row.second_id for row in rows})
-    left = [(a, pairs.get(a)) for a in range(len(before))] + [
+    remaining = [(a, pairs.get(a)) for a in range(len(before))] + [
         (None, b) for b in range(len(after)) if b not in pairs.values()
     ]
-    compared = len(left)
-    for a, b in left:
+    compared = len(remaining)
+    for a, b in remaining:
         old = None if a is None else before[a]
         new = None if b is None else after[b]
         if (old and old.found.id in known[0]) or (new and new.found.id in known[1]):
@@ -339,14 +345,14 @@ def _measure_top(cells: Mask, side: float, places: int, context: ObjectCompariso
     """Measure an object's change at cells that both surveys show as its top.
 
     At its edges the surveys may differ without a change. cells: (a, g) of the object. side: 1 for a
-    raised object, -1 for a recess. places: as for `measure`.
+    raised object, -1 for a recess. places: as for `measure_change`.
     """
     tops = [
         top_of(relief.height, cells, side)
         for relief in (context.difference.first, context.difference.second)
     ]
     both = tops[0] & tops[1]
-    return measure(
+    return measure_change(
         context.difference,
         cells,
         both if both.any() else tops[0] | tops[1],

@@ -243,11 +243,12 @@ def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
     with too small an overlap are left out. Raises StageError where none is left.
     """
     step = 2 * fit.lattice.step_m
+    # Structures on every second cell of both surveys
     flat = [_without_form(relief.height)[::2, ::2] for relief in reliefs]
     along, girth = (axis[0] for axis in tangents_at(fit.chart, fit.center[None]))
     sigma = np.array([np.sqrt(axis @ fit.prior[:3, :3] @ axis) for axis in (along, girth)])
     reach = np.minimum(np.ceil(GATE_SIGMAS * sigma / step).astype(int), np.array(flat[0].shape) - 1)
-    most = min(int(np.isfinite(h).sum()) for h in flat)
+    most = min(int(np.isfinite(h).sum()) for h in flat)  # cells of the smaller survey
 
     # Chi-square of each shift: of the differences in structures, by the number of independent
     # pieces of hull (as if all of it were shared, so that a small overlap has no advantage), and of

@@ -109,10 +109,10 @@ def local_median(height: Array, window: int) -> Array:
         values = values[np.isfinite(values)]
         if len(values):
             middle[i, j] = np.median(values)
-    return _between(middle, coarse, height.shape)
+    return _interpolate_blocks(middle, coarse, height.shape)
 
 
-def _between(middle: Array, coarse: int, shape: tuple[int, ...]) -> Array:
+def _interpolate_blocks(middle: Array, coarse: int, shape: tuple[int, ...]) -> Array:
     """Interpolate values of blocks (i, j), each `coarse` cells wide, linearly at every cell.
 
     Blocks without a value take those of blocks near by. NaN where there are none.

@@ -122,9 +122,9 @@ def hull_position(
 
     Errors of the landmarks of one object are nearly all common to them, so the mean of their
     covariances is taken for the object, without division by their number. The uncertainties of its
-    height and of the middle of its outline are added. The sigma of its depth comes from these two
-    and from the water surface, where the latter's sigma is known apart from the hull pose
-    (base.depth_sigma_m).
+    height and of the middle of its outline are added. The sigma of its depth is that of the
+    vertical in this covariance. Covariances in M hold the error of the hull pose, which changes no
+    depth. There (`base.depth_sigma_m`) it comes from height, outline and water surface instead.
 
     Parameters
     ----------

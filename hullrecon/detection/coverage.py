@@ -57,7 +57,7 @@ class HullPatches:
 
     @cached_property
     def cubes(self) -> _Cubes:
-        """Group the patches by place."""
+        """Group the patches by position."""
         return _group_in_cubes(self.mesh.vertices)
 
 
@@ -410,7 +410,7 @@ def find_holes(
     Parameters
     ----------
     hull
-        Place and area of each patch.
+        Position and area of each patch.
     seen
         (n,) which patches were seen.
     chart
@@ -458,22 +458,27 @@ def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
     size = np.floor(at[known & seen].max(axis=0) / CELL_M).astype(np.int64) + BRIDGE_CELLS + 1 - low
     cell = np.floor(np.where(known[:, None], at, 0.0) / CELL_M).astype(np.int64) - low
     known &= ((cell >= 0) & (cell < size)).all(axis=1)
-    image, held, unseen = (
+    is_seen, has_patch, unseen = (
         np.zeros(tuple(size), bool),
         np.zeros(tuple(size), bool),
         np.zeros(tuple(size)),
     )
-    image[tuple(cell[known & seen].T)] = True
-    held[tuple(cell[known].T)] = True
+    is_seen[tuple(cell[known & seen].T)] = True
+    has_patch[tuple(cell[known].T)] = True
     np.add.at(unseen, tuple(cell[known & ~seen].T), hull.area[known & ~seen])
-    middle = (np.argwhere(np.ones_like(image)) + low + 0.5) * CELL_M
+    middle = (np.argwhere(np.ones_like(is_seen)) + low + 0.5) * CELL_M
     # Patches are hardly smaller than cells, so a cell may hold none. It is as its nearest patch is
     distance, row = nearest(at[known], middle, 1, 0.75 * PATCH_M)
-    near = np.isfinite(distance[:, 0]) & ~held.ravel()
-    image.ravel()[near] = seen[known][row[near, 0]]
-    on_hull = np.asarray(np.isfinite(chart.from_chart(middle)[0]).all(axis=1)).reshape(image.shape)
+    near = np.isfinite(distance[:, 0]) & ~has_patch.ravel()
+    is_seen.ravel()[near] = seen[known][row[near, 0]]
+    on_hull = np.asarray(np.isfinite(chart.from_chart(middle)[0]).all(axis=1)).reshape(
+        is_seen.shape
+    )
     return _ChartCells(
-        low=low, seen=image, unseen=np.where(held | image, unseen, CELL_M**2), on_hull=on_hull
+        low=low,
+        seen=is_seen,
+        unseen=np.where(has_patch | is_seen, unseen, CELL_M**2),
+        on_hull=on_hull,
     )
 
 

@@ -134,9 +134,9 @@ def _fit_patch(
     for _ in range(3):
         scaled = columns * weight[:, None]
         solver = np.linalg.pinv(columns.T @ scaled) @ scaled.T
-        left = deviation - columns @ (solver @ deviation)
-        scale = max(MIN_SCALE_M, robust_sigma(left[weight > 0], about=0.0))
-        weight = np.where(np.abs(left) < OUTLIER_SIGMAS * scale, weight, 0.0)
+        residual = deviation - columns @ (solver @ deviation)
+        scale = max(MIN_SCALE_M, robust_sigma(residual[weight > 0], about=0.0))
+        weight = np.where(np.abs(residual) < OUTLIER_SIGMAS * scale, weight, 0.0)
     return _Fit(columns=columns, solver=solver)
 
 
@@ -149,13 +149,15 @@ def _rigid_columns(points: Array, normals: Array, weight: Array, chart: Chart) -
     middle, up = (np.average(values, axis=0, weights=weight) for values in (points, normals))
     up /= np.linalg.norm(up)
     along, _ = tangents_at(chart, points[[int(np.argmin(np.linalg.norm(points - middle, axis=1)))]])
-    east = along[0] if np.isfinite(along).all() else np.eye(3)[int(np.argmin(np.abs(up)))]
-    east = east - up * (east @ up)
-    east /= np.linalg.norm(east)
+    along_axis = along[0] if np.isfinite(along).all() else np.eye(3)[int(np.argmin(np.abs(up)))]
+    along_axis = along_axis - up * (along_axis @ up)
+    along_axis /= np.linalg.norm(along_axis)
     # (along, girth) of a chart is left-handed about the outward normal
-    north, arm = np.cross(east, up), points - middle
+    girth_axis, arm = np.cross(along_axis, up), points - middle
     level = normals @ up
     # A small rotation about the middle moves a vertex by arm.axis along `up`, and back by arm.up
     # along the axis. Counted is the part of that along the vertex's normal.
-    rises = [(arm @ axis) * level - (arm @ up) * (normals @ axis) for axis in (east, north)]
+    rises = [
+        (arm @ axis) * level - (arm @ up) * (normals @ axis) for axis in (along_axis, girth_axis)
+    ]
     return np.stack([level, *rises], axis=1)

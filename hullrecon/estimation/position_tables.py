@@ -106,9 +106,9 @@ def fit_of_positions(
     """
     if ties is None:
         return None
-    seen = problem.unknowns
+    unknowns = problem.unknowns
     alone = native.Problem(
-        unknowns=native.Unknowns(pose=seen.pose, world=seen.world),
+        unknowns=native.Unknowns(pose=unknowns.pose, world=unknowns.world),
         positions=problem.positions,
     )
     found = native.evaluate(alone, options, jacobian=False)

@@ -34,7 +34,7 @@ def score_surface(cloud: PointCloud, truth: Truth, motion: Poses, min_support: i
     """
     keep = truth.near(cloud.points, 0.25)
     for points in (cloud.points, motion.apply(cloud.points)):
-        keep &= ~truth.beyond(truth.built.closest(points).foot)
+        keep &= ~truth.on_rim(truth.built.closest(points).foot)
     if "support" in cloud.fields:
         keep &= np.asarray(cloud.fields["support"], np.int64) >= min_support
     if not keep.any():

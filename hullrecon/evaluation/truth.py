@@ -117,7 +117,7 @@ class Truth:
             self.built_mesh.vertices[np.unique(find_boundary(self.built_mesh.faces))].reshape(-1, 3)
         )
 
-    def beyond(self, feet: Array) -> Mask:
+    def on_rim(self, feet: Array) -> Mask:
         """Tell which closest points (n, 3) are on the rim of the true surface.
 
         The points whose closest points they are may lie beyond the surface.

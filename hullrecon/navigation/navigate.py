@@ -31,7 +31,7 @@ from hullrecon.rig import Rig
 UNSURE_S, UNSURE_M = 0.08, 0.01
 # Share of a stereo rig's images that DVL and IMU have to reach. With fewer, the DVL's path would
 # leave out most of the dive
-LEAST_HEARD = 0.5
+LEAST_REACHED = 0.5
 
 
 def choose_path(
@@ -70,15 +70,17 @@ def choose_path(
         )
     if dvl is None:
         return _with_remark(by_stereo(), f"no DVL: {BY_STEREO}"), "stereo"
-    share = 1.0 if stereo is None else _share_heard(dvl, imu, stereo)
-    if share >= LEAST_HEARD:
+    share = 1.0 if stereo is None else _share_reached(dvl, imu, stereo)
+    if share >= LEAST_REACHED:
         return by_dvl(), "dvl"
-    heard = f"DVL and IMU were heard together for {100 * share:.0f} % of the images"
+    reached = f"DVL and IMU were heard together for {100 * share:.0f} % of the images"
     try:
-        return _with_remark(by_stereo(), f"{heard}, and the DVL is left out: {BY_STEREO}"), "stereo"
+        return _with_remark(
+            by_stereo(), f"{reached}, and the DVL is left out: {BY_STEREO}"
+        ), "stereo"
     except StageError as error:
         remark = (
-            f"{heard}, and the stereo pairs alone give no path ({error}): the path is the DVL's "
+            f"{reached}, and the stereo pairs alone give no path ({error}): the path is the DVL's "
             "part of the dive"
         )
         return _with_remark(by_dvl(), remark), "dvl"
@@ -91,21 +93,23 @@ def _with_remark(found: Navigated, remark: str) -> Navigated:
     return replace(found, remarks=[remark, *found.remarks])
 
 
-def _share_heard(dvl: DvlPings, imu: ImuSamples | None, stereo: ImageIndex) -> float:
-    """Compute the share of the images between the first and last velocity of the DVL.
+def _share_reached(dvl: DvlPings, imu: ImuSamples | None, stereo: ImageIndex) -> float:
+    """Compute the share of the images that DVL and IMU reach: from its first velocity to the last.
 
     With a small share a path by the DVL would leave out most of the dive. Only velocities within
     the IMU's record count, and images up to REACH_S beyond them. It is 1 without a usable image.
     """
     if not stereo.usable.any():
         return 1.0
-    heard_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
+    velocity_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
     if imu is not None and len(imu.t_ns):
-        heard_ns = heard_ns[(heard_ns >= imu.t_ns.min()) & (heard_ns <= imu.t_ns.max())]
-    if not len(heard_ns):
+        velocity_ns = velocity_ns[(velocity_ns >= imu.t_ns.min()) & (velocity_ns <= imu.t_ns.max())]
+    if not len(velocity_ns):
         return 0.0
     t_ns, reach_ns = stereo.t_ns[stereo.usable], REACH_S * 1e9
-    return float(((t_ns >= heard_ns.min() - reach_ns) & (t_ns <= heard_ns.max() + reach_ns)).mean())
+    return float(
+        ((t_ns >= velocity_ns.min() - reach_ns) & (t_ns <= velocity_ns.max() + reach_ns)).mean()
+    )
 
 
 def reckon_dive(

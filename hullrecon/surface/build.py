@@ -144,7 +144,7 @@ def build_surface(
     observed
         Points of the hull. Those off the chart are left out.
     chart
-        Gives each point its place along and in girth, and the normals along which vertices move.
+        Gives each point its position along and in girth, and the normals along which vertices move.
     options
         The section [surface] of dive.toml.
     datum

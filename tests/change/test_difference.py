@@ -9,7 +9,7 @@ from hullrecon.change.difference import (
     changed_regions,
     corrected_p_value,
     difference,
-    measure,
+    measure_change,
     significant_sigmas,
     smallest_change,
     top_of,
@@ -120,7 +120,7 @@ def test_a_change_is_counted_from_the_hull_around_it() -> None:
     found = difference(relief(noise=0), relief((50, 40, 12, 0.05), noise=0), OPTIONS)
     cells = np.zeros(SHAPE, bool)
     cells[50:62, 40:52] = True
-    region = measure(found, cells, cells, 1, OPTIONS)
+    region = measure_change(found, cells, cells, 1, OPTIONS)
     assert region.change == pytest.approx(0.05, abs=1e-3)
     assert region.sigma == pytest.approx(np.hypot(0.002, 0.002), rel=0.2)
 

@@ -60,7 +60,7 @@ def detect_shapes(
 
 
 def dbscan(points: Array, reach_m: float, least: int) -> Ints:
-    """Cluster points (n, 3) by density (DBSCAN [Ester1996]): number of the cluster (n,), -1: noise.
+    """Cluster points (n, k) by density (DBSCAN [Ester1996]): number of the cluster (n,), -1: noise.
 
     Clusters are numbered in the order of their first core points. A point is one of its own
     neighbours. A point on the rim of two clusters goes to the one with the nearest core point.
@@ -88,10 +88,11 @@ def dbscan(points: Array, reach_m: float, least: int) -> Ints:
     if not len(core):
         return label
     pairs = cKDTree(points[core]).query_pairs(reach_m, output_type="ndarray")
-    links = coo_array(
+    edges = coo_array(
         (np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(core), len(core))
     )
-    number = connected_components(links, directed=False)[1]
+    number = connected_components(edges, directed=False)[1]
+    # Number the clusters in the order of their first core points
     _, first = np.unique(number, return_index=True)
     rank = np.asarray(np.argsort(np.argsort(first))[number], np.int64)
     distance, near = nearest(points[core], points, 1, reach_m * (1 + 1e-9))

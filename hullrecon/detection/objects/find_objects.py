@@ -105,7 +105,9 @@ class _Landmarks:
         on = np.isin(vertex, vertices)
         return near[on], vertex[on]
 
-    def on(self, found: HullAsFound, region: Region, vertices: Ints) -> tuple[Mask, Array, Array]:
+    def on_region(
+        self, found: HullAsFound, region: Region, vertices: Ints
+    ) -> tuple[Mask, Array, Array]:
         """Find the n landmarks that belong to vertices of a region.
 
         Returns
@@ -118,14 +120,14 @@ class _Landmarks:
             (n,) m, its own sigma.
         """
         rows, vertex = self.at(found, vertices)
-        stands = self.stand(found, region, rows, vertex)
+        stands = self.rise_like(found, region, rows, vertex)
         return (
             stands,
             self.measured.offset[rows] - found.deviation_at(vertex),
             self.measured.sigma[rows],
         )
 
-    def stand(self, found: HullAsFound, region: Region, rows: Ints, vertex: Ints) -> Mask:
+    def rise_like(self, found: HullAsFound, region: Region, rows: Ints, vertex: Ints) -> Mask:
         """Tell which landmarks (n,) rise at least half as much as the region at their vertices."""
         above = region.rise_of(self.measured.foot[rows], self.measured.offset[rows])
         return np.asarray(above > 0.5 * np.abs(region.rise(found, vertex)))
@@ -133,7 +135,7 @@ class _Landmarks:
     def covariances(self, found: HullAsFound, region: Region) -> Array:
         """Collect the covariances (n, 3, 3) of landmarks that stand off as the region does."""
         rows, vertex = self.at(found, region.core)
-        return self.measured.covariance[rows[self.stand(found, region, rows, vertex)]]
+        return self.measured.covariance[rows[self.rise_like(found, region, rows, vertex)]]
 
     def nearest_covariance(self, point: Array) -> Array:
         """Return the covariance (1, 3, 3) of the landmark nearest to a point (3,)."""
@@ -175,7 +177,7 @@ def find_objects(
     found
         The hull as found, on whose mesh regions are looked for.
     measured
-        Landmarks near the base. Those on a region must support it, and give the sigma of its place.
+        Landmarks near the base. Those on a region must support it, and give its position's sigma.
     views
         Images of the top camera, of which enough must show a region.
     base
@@ -258,7 +260,7 @@ def _collect_evidence(
     # The sigma of the height has four parts: that of the fit, the roughness of the hull, the
     # bluntness, by which a peak may be higher than was measured, and the relief between landmarks
     # that smoothing has removed.
-    stands, over, own = landmarks.on(found, region, _top_rows(found, region))
+    stands, over, own = landmarks.on_region(found, region, _top_rows(found, region))
     unresolved = unresolved_relief(over[stands], own[stands])
     sigma = float(np.sqrt(sigma**2 + rough**2 + region.bluntness**2 + unresolved**2))
     return _RegionEvidence(
@@ -342,7 +344,7 @@ def _supporting_landmarks(
     found: HullAsFound, region: Region, landmarks: _Landmarks
 ) -> tuple[int, float]:
     """Count the landmarks on a region's core that stand off as it does, and their share of all."""
-    stands, _, _ = landmarks.on(found, region, region.core)
+    stands, _, _ = landmarks.on_region(found, region, region.core)
     return int(stands.sum()), float(stands.mean()) if len(stands) else 0.0
 
 

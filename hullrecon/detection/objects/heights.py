@@ -110,9 +110,12 @@ def _heights(
     start = _median(h[:, :7])
     scale = np.clip(NORMAL_MAD * _median(np.abs(h - start[:, None])), MIN_SCALE_M, MAX_SCALE_M)
     # Refit the polynomial in the tangent plane with Tukey's weights.
-    east, north = _tangents(normal)
-    gap = feet[row] - at[:, None, :]
-    terms = _terms(np.einsum("nki,ni->nk", gap, east), np.einsum("nki,ni->nk", gap, north))
+    first_axis, second_axis = _tangents(normal)
+    from_vertex = feet[row] - at[:, None, :]
+    terms = _terms(
+        np.einsum("nki,ni->nk", from_vertex, first_axis),
+        np.einsum("nki,ni->nk", from_vertex, second_axis),
+    )
     fit = np.concatenate([np.nan_to_num(start)[:, None], np.zeros((len(at), 5))], axis=1)
     h = np.nan_to_num(h)
     for _ in range(ROUNDS):
@@ -187,9 +190,9 @@ def _solve(terms: Array, h: Array, weight: Array, before: Array) -> tuple[Array,
     normal_matrix[:, [1, 2], [1, 2]] += 1 / SLOPE_SIGMA**2
     normal_matrix[:, [3, 4, 5], [3, 4, 5]] += 1 / BEND_SIGMA**2
     normal_matrix[:, 0, 0] += 1e-6
-    right = np.einsum("nki,nk,nk->ni", terms, weight, h, optimize=True)
+    right_side = np.einsum("nki,nk,nk->ni", terms, weight, h, optimize=True)
     inverse = np.linalg.inv(normal_matrix)
-    fit = np.einsum("nij,nj->ni", inverse, right)
+    fit = np.einsum("nij,nj->ni", inverse, right_side)
     empty = weight.sum(axis=1) <= 0
     fit[empty] = before[empty]
     return fit, np.where(empty, MAX_SCALE_M**2, inverse[:, 0, 0])
@@ -212,6 +215,6 @@ def _tangents(normal: Array) -> tuple[Array, Array]:
     Any direction in the tangent plane will do.
     """
     helper = np.where(np.abs(normal[:, :1]) < 0.7, np.array([[1.0, 0, 0]]), np.array([[0, 1.0, 0]]))
-    east = np.cross(helper, normal)
-    east /= np.maximum(np.linalg.norm(east, axis=1, keepdims=True), 1e-12)
-    return east, np.cross(normal, east)
+    first_axis = np.cross(helper, normal)
+    first_axis /= np.maximum(np.linalg.norm(first_axis, axis=1, keepdims=True), 1e-12)
+    return first_axis, np.cross(normal, first_axis)

@@ -227,7 +227,7 @@ def find_regions(found: HullAsFound, options: DetectOptions) -> list[Region]:
         options=options,
     )
     regions = [
-        _region(relief, seed, foreign, side)
+        _measure_region(relief, seed, foreign, side)
         for side in (1.0, -1.0)
         for seed, foreign in _seeds(relief, side)
     ]
@@ -287,7 +287,7 @@ def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
     )
 
 
-def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region | None:
+def _measure_region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region | None:
     """Measure a structure at a seed: the bare hull around it, its height above that, its vertices.
 
     Footprint and core are the vertices near the seed above a quarter and a half of the height.

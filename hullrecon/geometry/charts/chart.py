@@ -91,7 +91,7 @@ def chart_for_points(points: ArrayLike, toward: ArrayLike) -> Chart:
     points
         Points (n, 3) m of the hull in g, whose z is down.
     toward
-        The side that the normal points to: a point (3,), or the sensors' places (n, 3).
+        The side that the normal points to: a point (3,), or the sensors' positions (n, 3).
 
     Raises
     ------

@@ -61,21 +61,21 @@ class _Profile:
         bend = np.where((beyond == 0)[:, None], self._curve(inside, 2) / speed**2, 0.0)
         return self._curve(inside) + tangent * beyond[:, None], tangent, bend
 
-    def foot(self, places: Array) -> tuple[Array, Array]:
+    def foot(self, points: Array) -> tuple[Array, Array]:
         """Project points (n, 2) onto the curve, by Newton steps from the nearest knot.
 
         Returns the arc lengths (n,) m of their feet, and their heights (n,) m to the left of it.
         """
-        arc = self.arc[nearest(self.knots, places, 1)[1][:, 0]]
+        arc = self.arc[nearest(self.knots, points, 1)[1][:, 0]]
         for _ in range(NEWTON_STEPS):
             foot, tangent, bend = self.at(arc)
-            off = places - foot
+            off = points - foot
             # Beyond the centre of curvature a point has no foot, and the divisor is not positive.
             # It is kept above LEAST_TURN, so that steps stay short there.
             turn = np.maximum(1.0 - (off * bend).sum(axis=1), LEAST_TURN)
             arc = arc + (off * tangent).sum(axis=1) / turn
         foot, tangent, _ = self.at(arc)
-        return arc, ((places - foot) * _left_of(tangent)).sum(axis=1)
+        return arc, ((points - foot) * _left_of(tangent)).sum(axis=1)
 
 
 @dataclass(frozen=True)
@@ -169,8 +169,8 @@ def unroll(points: Array, sensors: Array, plane: PlaneChart) -> CylinderChart | 
         return None
     axes, bent = _straight_and_bent(normal, plane)
     across = [bent, 2]
-    places = ((cells - plane.origin) @ axes.T)[:, across]
-    profile = _fit_profile(places, (normal @ axes.T)[:, across])
+    in_section = ((cells - plane.origin) @ axes.T)[:, across]
+    profile = _fit_profile(in_section, (normal @ axes.T)[:, across])
     chart = CylinderChart(plane.origin, axes, bent, _arc(profile), profile)
     return replace(chart, arc=chart.arc - chart.to_chart(plane.origin)[0, bent])
 
@@ -221,44 +221,44 @@ def _straight_and_bent(normal: Array, plane: PlaneChart) -> tuple[Array, int]:
     return np.stack([np.cross(outward, straight), straight, outward]), 0
 
 
-def _fit_profile(places: Array, outward: Array) -> Array:
+def _fit_profile(points: Array, outward: Array) -> Array:
     """Fit a smooth curve, knots (k, 2), to points (n, 2), with outward (n, 2) to its left.
 
     Smoothing and arc lengths depend on each other, so they are computed in turns.
     """
-    arc = _first_arc(places)
+    arc = _first_arc(points)
     for _ in range(ROUNDS):
-        knots = _smooth_curve(places, arc)
-        arc = _Profile(_arc(knots), knots).foot(places)[0]
+        knots = _smooth_curve(points, arc)
+        arc = _Profile(_arc(knots), knots).foot(points)[0]
     profile = _Profile(_arc(knots), knots)
-    left = _left_of(profile.at(profile.foot(places)[0])[1])
+    left = _left_of(profile.at(profile.foot(points)[0])[1])
     if (left * outward).sum() < 0:
         knots = knots[::-1]
     return np.ascontiguousarray(knots)
 
 
-def _first_arc(places: Array) -> Array:
+def _first_arc(points: Array) -> Array:
     """Estimate the arc length (n,) m of points (n, 2) along the curve on which they lie.
 
     It is the shortest path from one end in a graph of the points' cells. Near cells are connected,
     and gaps are bridged by the edges of the minimum spanning tree. The end is the cell farthest
     from any one.
     """
-    cells = _average_in_cells(places)
+    cells = _average_in_cells(points)
     apart = np.linalg.norm(cells[:, None] - cells[None], axis=2)
     bridges = minimum_spanning_tree(apart).toarray()
     steps = np.where((apart <= NEAR_CELLS * CELL_M) | (bridges > 0) | (bridges.T > 0), apart, 0.0)
     some = shortest_path(steps, indices=0)
     way = shortest_path(steps, indices=int(np.argmax(some)))
-    return np.asarray(way[nearest(cells, places, 1)[1][:, 0]])
+    return np.asarray(way[nearest(cells, points, 1)[1][:, 0]])
 
 
-def _smooth_curve(places: Array, arc: Array) -> Array:
+def _smooth_curve(points: Array, arc: Array) -> Array:
     """Fit a smoothing spline to points (n, 2) over arc lengths (n,): knots (k, 2) STEP_M apart."""
     # Medians of pieces STEP_M long, the spline through them, and points even in its own arc length
     bins = np.floor(arc / STEP_M)
     at = np.unique(bins)
-    middle = np.array([np.median(np.c_[arc, places][bins == b], axis=0) for b in at])
+    middle = np.array([np.median(np.c_[arc, points][bins == b], axis=0) for b in at])
     # Of points STEP_M apart, this stiffness lets bends of SMOOTH_M pass
     stiffness = SMOOTH_M**4 / STEP_M
     fine = np.linspace(middle[0, 0], middle[-1, 0], 4 * len(at) + 1)

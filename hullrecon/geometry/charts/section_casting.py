@@ -130,7 +130,7 @@ def _seen_area(mesh: Mesh, height: float) -> float:
 
     Decks have normals that point up. Areas are m2 but for a factor common to all axes.
     """
-    sections = _frame(mesh, height, stations=60, angles=91)
+    sections = _empty_sections(mesh, height, stations=60, angles=91)
     origin, inward = sections.rays(*_pairs(sections))
     hit = mesh.index.cast(origin, inward)
     met = hit.range < sections.reach
@@ -149,7 +149,7 @@ def cast_sections(mesh: Mesh, height: float) -> Sections:
     """
     size = np.ptp(mesh.vertices, axis=0)
     step = float(np.clip(size[0] / 400, size[0] / 2000, 0.3 if size[0] > 60 else 0.25))
-    empty = _frame(mesh, height, int(np.ceil(size[0] / step)) + 1, 361)
+    empty = _empty_sections(mesh, height, int(np.ceil(size[0] / step)) + 1, 361)
     origin, inward = empty.rays(*_pairs(empty))
     hit = mesh.index.cast(origin, inward)
     # Rays that go through to the axis have met no skin
@@ -165,11 +165,11 @@ def cast_sections(mesh: Mesh, height: float) -> Sections:
         angle=empty.angle,
         radius=filled,
         girth=_girth(empty, filled),
-        whole=_whole(empty, filled, mesh),
+        whole=_cells_on_skin(empty, filled, mesh),
     )
 
 
-def _frame(mesh: Mesh, height: float, stations: int, angles: int) -> Sections:
+def _empty_sections(mesh: Mesh, height: float, stations: int, angles: int) -> Sections:
     """Make a grid of stations and angles about an axis, with radius and girth still NaN.
 
     The axis is at y = 0, also for a half hull, whose mesh ends near y = 0. For any other mesh to
@@ -211,14 +211,14 @@ def _bridge_gaps(radius: Array) -> Array:
     outermost hit of each side, except between it and the keel.
     """
     out = radius.copy()
-    place = np.arange(radius.shape[1])
+    column = np.arange(radius.shape[1])
     keel = radius.shape[1] // 2
     for row in out:
         hit = np.isfinite(row)
         if hit.any():
             first, last = np.flatnonzero(hit)[[0, -1]]
-            inside = (place >= min(first, keel)) & (place <= max(last, keel))
-            row[inside] = np.interp(place[inside], place[hit], row[hit])
+            inside = (column >= min(first, keel)) & (column <= max(last, keel))
+            row[inside] = np.interp(column[inside], column[hit], row[hit])
     return out
 
 
@@ -243,7 +243,7 @@ def _girth(s: Sections, radius: Array) -> Array:
     return out
 
 
-def _whole(s: Sections, radius: Array, mesh: Mesh) -> Mask:
+def _cells_on_skin(s: Sections, radius: Array, mesh: Mesh) -> Mask:
     """Tell which cells (k - 1, m - 1) have their four sides on the skin.
 
     A cell that jumps from one part of the ship to another has not.
@@ -272,12 +272,12 @@ def _on_skin(start: Array, stop: Array, radius: Array, turn: float, mesh: Mesh) 
         The hull, near which the middle of a line must be.
     """
     length = np.linalg.norm(stop - start, axis=2)
-    good = np.asarray(length * GRAZING <= radius * turn)
-    doubtful = np.isfinite(length)
-    middle = 0.5 * (start + stop)[doubtful]
+    is_short = np.asarray(length * GRAZING <= radius * turn)
+    has_ends = np.isfinite(length)
+    middle = 0.5 * (start + stop)[has_ends]
     gap = np.abs(mesh.index.closest(middle).distance)
-    short = good[doubtful]
-    limit = np.where(short, 0.3, OFF_SKIN) * length[doubtful]
-    out = np.zeros(good.shape, bool)
-    out[doubtful] = gap <= limit
+    short = is_short[has_ends]
+    limit = np.where(short, 0.3, OFF_SKIN) * length[has_ends]
+    out = np.zeros(is_short.shape, bool)
+    out[has_ends] = gap <= limit
     return out

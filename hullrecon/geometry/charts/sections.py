@@ -45,8 +45,8 @@ class Sections:
         """
         y, z = points[:, 1] - self.axis_y, points[:, 2] - self.axis_z
         angle = np.arctan2(y, -z)
-        radius = self._blend(self.radius, points[:, 0], angle)
-        girth = self._blend(self.girth, points[:, 0], angle)
+        radius = self._interpolate(self.radius, points[:, 0], angle)
+        girth = self._interpolate(self.girth, points[:, 0], angle)
         same = np.abs(np.hypot(y, z) - radius) <= self.slack_at(points[:, 0], angle)
         return np.where(same & self._inside(points[:, 0], angle), girth, np.nan)
 
@@ -61,13 +61,13 @@ class Sections:
         low, high = np.zeros(len(row), int), np.full(len(row), len(self.angle) - 1)
         for _ in range(int(np.ceil(np.log2(len(self.angle))))):
             middle = (low + high) // 2
-            under = self._line(row, share, middle) <= np.nan_to_num(along_girth[:, 1])
+            under = self._girth_between(row, share, middle) <= np.nan_to_num(along_girth[:, 1])
             low, high = (
                 np.where(under, middle, low),
                 np.where(under, high, np.maximum(middle, low + 1)),
             )
         low = np.minimum(low, len(self.angle) - 2)
-        start, stop = self._line(row, share, low), self._line(row, share, low + 1)
+        start, stop = self._girth_between(row, share, low), self._girth_between(row, share, low + 1)
         with np.errstate(invalid="ignore"):  # beyond the sheer both ends are infinite
             part = (along_girth[:, 1] - start) / np.where(stop > start, stop - start, 1.0)
         fits = (
@@ -78,7 +78,7 @@ class Sections:
             & self._spanned(along_girth[:, 0])
         )
         angle = self.angle[low] + np.clip(part, 0, 1) * (self.angle[low + 1] - self.angle[low])
-        radius = self._blend(self.radius, along_girth[:, 0], angle)
+        radius = self._interpolate(self.radius, along_girth[:, 0], angle)
         return angle, np.where(fits, radius, np.nan)
 
     def slack_at(self, along: Array, angle: Array) -> Array:
@@ -98,7 +98,7 @@ class Sections:
                 + 0.1 * (self.station[1] - self.station[0])
             )
 
-    def _line(self, row: Ints, share: Array, column: Ints) -> Array:
+    def _girth_between(self, row: Ints, share: Array, column: Ints) -> Array:
         """Interpolate the girth (n,) between two stations, at the angle of a column.
 
         Above the sheer it is -inf or inf, so that a bisection stays below it.
@@ -113,7 +113,7 @@ class Sections:
         girth = self.girth[row, column] * (1 - share) + self.girth[row + 1, column] * share
         return np.where(np.isnan(girth), np.where(self.angle[column] < 0, -np.inf, np.inf), girth)
 
-    def _blend(self, table: Array, along: Array, angle: Array) -> Array:
+    def _interpolate(self, table: Array, along: Array, angle: Array) -> Array:
         """Interpolate a table (k, m) bilinearly at x (n,) and angles (n,)."""
         row, a = self._cell(self.station, along)
         column, b = self._cell(self.angle, angle)

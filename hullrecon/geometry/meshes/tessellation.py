@@ -121,8 +121,8 @@ def _corner_normals(mesh: Mesh, asked: Ints) -> Array:
     # Pairs of each asked corner with each corner at the same vertex
     own = vertex[asked].ravel()
     corner = np.repeat(np.arange(len(own)), count[own])
-    step = np.arange(len(corner)) - np.repeat(np.cumsum(count[own]) - count[own], count[own])
-    other = order[start[own[corner]] + step]
+    rank = np.arange(len(corner)) - np.repeat(np.cumsum(count[own]) - count[own], count[own])
+    other = order[start[own[corner]] + rank]
     beside = normal[other // 3]
     cosine = np.einsum("ni,ni->n", normal[asked[corner // 3]], beside)
     weight = np.where(cosine >= np.cos(SHARPEST_RAD), angle[other], 0.0)

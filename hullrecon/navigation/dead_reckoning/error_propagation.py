@@ -134,15 +134,15 @@ def _variance_by_direction(at: Instant, sigma_rad: Array, stretch: Ints) -> Arra
         Number (n,) of each node's stretch, ascending.
     """
     step_m = np.linalg.norm(np.diff(at.instrument, axis=0), axis=1)
-    # by how far the position is shifted along the way, one sigma: the step lengths times the sigma
-    way = np.concatenate([[0.0], np.cumsum(0.5 * (sigma_rad[1:] + sigma_rad[:-1]) * step_m)])
+    # by how far the position is shifted up to each node, one sigma: step lengths times their sigmas
+    shift_m = np.concatenate([[0.0], np.cumsum(0.5 * (sigma_rad[1:] + sigma_rad[:-1]) * step_m)])
     # row before each node's stretch: the step to its first node counts
     begin = np.maximum(np.searchsorted(stretch, stretch) - 1, 0)
     # at the first node of a stretch: the variance of the whole stretch before it
     whole = np.where(
-        np.diff(stretch, prepend=stretch[0]) > 0, np.roll(way - way[begin], 1) ** 2, 0.0
+        np.diff(stretch, prepend=stretch[0]) > 0, np.roll(shift_m - shift_m[begin], 1) ** 2, 0.0
     )
-    variance = np.cumsum(whole) + (way - way[begin]) ** 2
+    variance = np.cumsum(whole) + (shift_m - shift_m[begin]) ** 2
     return np.asarray(variance - np.interp(0.0, at.t_s, variance))  # t_s is 0 at the path's start
 
 

@@ -25,15 +25,15 @@ class Integral:
         Beyond the ends the signal holds its last value.
         """
         left = np.clip(np.searchsorted(self.t_s, t_s, side="right") - 1, 0, len(self.t_s) - 2)
-        wide = (slice(None), *[None] * (self.signal.ndim - 1))
-        step = self.t_s[left + 1] - self.t_s[left]
-        inside = np.clip(t_s - self.t_s[left], 0.0, step)
-        outside = t_s - self.t_s[left] - inside
+        # Seconds from the sample before each time: as far as the next sample, and beyond an end
+        step_s = self.t_s[left + 1] - self.t_s[left]
+        inside_s = np.clip(t_s - self.t_s[left], 0.0, step_s)
+        outside_s = t_s - self.t_s[left] - inside_s
         start, stop = self.signal[left], self.signal[left + 1]
-        within = start * inside[wide] + (stop - start) * (0.5 * inside**2 / step)[wide]
-        return np.asarray(
-            self.total[left] + within + np.where((outside > 0)[wide], stop, start) * outside[wide]
-        )
+        rows = (slice(None), *[None] * (self.signal.ndim - 1))  # (m,) broadcast over the signal
+        within = start * inside_s[rows] + (stop - start) * (0.5 * inside_s**2 / step_s)[rows]
+        beyond = np.where((outside_s > 0)[rows], stop, start) * outside_s[rows]
+        return np.asarray(self.total[left] + within + beyond)
 
 
 def integral(t_s: Array, signal: Array) -> Integral:

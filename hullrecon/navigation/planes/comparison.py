@@ -237,11 +237,11 @@ def _jacobian_by_position(position: Array, own: Array, other: Array) -> Array:
 
     own, other (m, 3): curvatures of the first and of the second patch, in the first's axes.
     """
-    by_height = 2 * np.einsum("mij,mj->mi", _matrix(own / 3 + other / 6), position)
-    return np.concatenate([by_height[:, None], _matrix(0.5 * (own + other))], axis=1)
+    by_height = 2 * np.einsum("mij,mj->mi", _curvature_matrices(own / 3 + other / 6), position)
+    return np.concatenate([by_height[:, None], _curvature_matrices(0.5 * (own + other))], axis=1)
 
 
-def _matrix(curvature: Array) -> Array:
+def _curvature_matrices(curvature: Array) -> Array:
     """Arrange (K_aa, K_ae, K_ee) (m, 3) as matrices (m, 2, 2)."""
     return np.asarray(curvature[:, [0, 1, 1, 2]].reshape(-1, 2, 2))
 
@@ -293,7 +293,8 @@ def difference_of_planes(patches: Patches, pairs: PatchPairs, noise: Array) -> P
     # from the plane to the frame's origin, along the normal
     distance = -np.sum(normal * point, axis=1)[:, None]
     difference = distance * normal - patches.plane[pairs.first]
-    # derivative by height and slopes at the second's centre: the plane is raised, or turned there
+    # derivative by height and slopes at the second's centre: the plane is raised, or turned there.
+    # `by_normal` (m, 3, 2) is that of the unit normal by the slopes, across the normal
     turned = -axes[:, :, :2]
     along = np.einsum("mij,mi->mj", turned, normal)
     by_normal = (turned - normal[:, :, None] * along[:, None, :]) / length
@@ -303,7 +304,7 @@ def difference_of_planes(patches: Patches, pairs: PatchPairs, noise: Array) -> P
     )
     by_height = -normal * in_patch[:, 2]
     by_gap = np.concatenate([by_height[:, :, None], by_slopes], axis=2)
-    whole = by_gap @ noise @ by_gap.swapaxes(1, 2)
+    covariance = by_gap @ noise @ by_gap.swapaxes(1, 2)
     # derivative by the position: height and slopes change with it, and so does the point through
     # which the plane passes
     by_position = (
@@ -312,6 +313,6 @@ def difference_of_planes(patches: Patches, pairs: PatchPairs, noise: Array) -> P
     )
     return PlaneDifference(
         difference=difference,
-        information=np.asarray(np.linalg.inv(np.linalg.cholesky(whole))),
+        information=np.asarray(np.linalg.inv(np.linalg.cholesky(covariance))),
         by_place=by_position @ axes[:, :, :2].swapaxes(1, 2),
     )

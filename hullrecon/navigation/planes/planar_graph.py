@@ -16,7 +16,7 @@ from hullrecon.navigation.planes.patches import Patches, find_patches
 from hullrecon.navigation.planes.ties import (
     is_alike,
     is_informative,
-    is_placed,
+    is_position_known,
     propose_ties,
     roughness,
     tie_planes,
@@ -145,10 +145,10 @@ class PlanarGraph:
         pairs = smooth.roughened(rough)
 
         # A tie is offered where it tells more than the path without planes does.
-        known = joint if solved is alone else _joint_covariance(alone, patches, pairs)
-        gains = is_informative(patches, pairs, path, rig, known)
-        gains &= is_placed(patches, pairs, path, rig, known)
-        pairs, joint = pairs.rows(gains), joint[gains]
+        joint_alone = joint if solved is alone else _joint_covariance(alone, patches, pairs)
+        is_offered = is_informative(patches, pairs, path, rig, joint_alone)
+        is_offered &= is_position_known(patches, pairs, path, rig, joint_alone)
+        pairs, joint = pairs.rows(is_offered), joint[is_offered]
         agreeing = pairs.rows(is_alike(patches, pairs, path, rig, joint))
         return Offer(
             patches=len(patches),

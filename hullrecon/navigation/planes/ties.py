@@ -89,10 +89,10 @@ def is_informative(
     )
 
 
-def is_placed(
+def is_position_known(
     patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array
 ) -> Mask:
-    """Tell of which pairs (m,) the path knows the relative position well enough to compare them.
+    """Tell for which pairs (m,) the path gives the position along the hull well enough to compare.
 
     Where it does not, as after minutes without a DVL, the second patch may be of another part of
     the hull with another shape. Gaps are linearised in the position. Such ties would pull the path

@@ -155,13 +155,13 @@ def attitude_history(
         )
     steps = find_heading_steps(t, _orientation_minus_rates(t, imu)[:, 2])
     imu = replace(imu, quaternion=steps.taken_off(imu.quaternion))
-    gap = _orientation_minus_rates(t, imu)
-    white, walk = _estimate_noise(t, gap)
+    difference = _orientation_minus_rates(t, imu)
+    white, walk = _estimate_noise(t, difference)
     step = period(t)
     width = float(np.clip(np.sqrt(white * step / max(walk, 1e-12)), 3 * step, 5.0))
-    slow, _ = local_line(t, gap, t, width)
-    # orientation - gap are the integrated rates, to which the smoothed difference is added
-    smooth = Rotation.from_rotvec(slow - gap) * Rotation.from_quat(imu.quaternion)
+    slow, _ = local_line(t, difference, t, width)
+    # the orientation less the difference is the integrated rates, to which the smooth part is added
+    smooth = Rotation.from_rotvec(slow - difference) * Rotation.from_quat(imu.quaternion)
     # sigma of white noise that a Gaussian of that width leaves
     smoothed = np.sqrt(2 * white * step / (2 * np.sqrt(np.pi) * width))
     sigma_rad = max(float(np.hypot(smoothed, _turn_within_jitter(t, imu))), LEAST_SIGMA_RAD)
@@ -198,7 +198,7 @@ def _orientation_minus_rates(t: Array, imu: ImuSamples) -> Array:
     return np.vstack([np.zeros(3), np.cumsum(orientation[1:].apply(growth), axis=0)])
 
 
-def _estimate_noise(t: Array, gap: Array, longest_s: float = 2.0) -> tuple[float, float]:
+def _estimate_noise(t: Array, difference: Array, longest_s: float = 2.0) -> tuple[float, float]:
     """Estimate the white variance (rad2) of the orientation and the walk (rad2/s) of the rates.
 
     The walk is the variance that integrated rates gain in each second. Both set how wide the
@@ -210,7 +210,7 @@ def _estimate_noise(t: Array, gap: Array, longest_s: float = 2.0) -> tuple[float
     ----------
     t
         (n,) s.
-    gap
+    difference
         (n, 3) rad, rotation by the orientation minus that by the rates.
     longest_s
         Largest lag.
@@ -219,7 +219,7 @@ def _estimate_noise(t: Array, gap: Array, longest_s: float = 2.0) -> tuple[float
     lags = np.unique(np.geomspace(1, max(2, longest_s / step), 12).astype(int))
     lags = lags[lags < len(t) // 2]
     spread = [
-        np.mean((NORMAL_MAD * np.median(np.abs(gap[lag:] - gap[:-lag]), axis=0)) ** 2)
+        np.mean((NORMAL_MAD * np.median(np.abs(difference[lag:] - difference[:-lag]), axis=0)) ** 2)
         for lag in lags
     ]
     design = np.stack([np.full(len(lags), 2.0), lags * step], axis=1)

@@ -71,8 +71,8 @@ def hold_to_pressure(
     t_ns, depth = pressure.t_ns[known], pressure.depth[known]
     t, at = path_seconds(path, t_ns), path_seconds(path, nodes_ns)
     # the difference to be smoothed, and that without single outliers
-    gap = depth - _reckoned_depth(path, t_ns)
-    steady = running_median(gap[:, None], 5)[:, 0]
+    difference = depth - _reckoned_depth(path, t_ns)
+    steady = running_median(difference[:, None], 5)[:, 0]
     step = float(np.median(np.diff(t)))
     widths = WIDTH_S, max(window_s, step)
     first_ns, last_ns = min(t_ns[0], nodes_ns[0]), max(t_ns[-1], nodes_ns[-1])
@@ -84,7 +84,7 @@ def hold_to_pressure(
     slow, fitted, unread = smooth[: len(at)], smooth[len(at) :], unread_s(t_ns, nodes_ns)
     # between readings far apart a line fitted to noise would lead far astray
     shift = np.where(unread > 0, np.interp(at, t, fitted), slow)
-    white = robust_sigma(gap - fitted, about=0.0)
+    white = robust_sigma(difference - fitted, about=0.0)
     sigma = np.maximum(white * np.sqrt(step) * _smoothed_noise(at, edges, widths), LEAST_SIGMA_M)
     # what the sensor alone measured at the nodes, over a shorter window
     near, _ = local_line(t, steady, at, window_s)
@@ -156,7 +156,7 @@ def _smooth_segments(
     out = np.zeros(len(at_s))
     segment, segment_at = (np.searchsorted(edges_s, times, side="right") for times in (t_s, at_s))
     for number in np.unique(segment_at):
-        inside, width = segment == number, widths_s[int(_silent(number))]
+        inside, width = segment == number, widths_s[int(_is_silent(number))]
         rows = inside if inside.sum() > 1 else np.ones(len(t_s), bool)
         out[segment_at == number] = local_line(
             t_s[rows], values[rows], at_s[segment_at == number], width
@@ -172,19 +172,19 @@ def _smoothed_noise(at_s: Array, edges_s: Array, widths_s: tuple[float, float]) 
     The arguments are those of `_smooth_segments`.
     """
     width = np.where(
-        _silent(np.searchsorted(edges_s, at_s, side="right")), widths_s[1], widths_s[0]
+        _is_silent(np.searchsorted(edges_s, at_s, side="right")), widths_s[1], widths_s[0]
     )
     # time to the nearest edge of the segment; there is none at the ends of the dive
     far = np.concatenate([[-np.inf], edges_s, [np.inf]])
     after = np.searchsorted(far, at_s)
-    gap = np.minimum(at_s - far[after - 1], far[after] - at_s)
+    to_edge_s = np.minimum(at_s - far[after - 1], far[after] - at_s)
     return np.asarray(
-        (1 + (AT_AN_EDGE - 1) * np.exp(-0.5 * (gap / width) ** 2))
+        (1 + (AT_AN_EDGE - 1) * np.exp(-0.5 * (to_edge_s / width) ** 2))
         / np.sqrt(2 * np.sqrt(np.pi) * width)
     )
 
 
-def _silent(segment: Ints) -> Mask:
+def _is_silent(segment: Ints) -> Mask:
     """Tell in which segments, by number, the DVL was silent: every second one."""
     return np.asarray(segment % 2 == 1)
 

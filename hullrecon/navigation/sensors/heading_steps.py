@@ -57,7 +57,9 @@ class HeadingSteps:
 NO_STEPS = HeadingSteps(np.zeros(0, np.int64), np.zeros(0), 0.0, np.zeros(0, np.int64), np.zeros(0))
 
 
-def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD) -> HeadingSteps:
+def find_heading_steps(
+    t_s: Array, difference: Array, least_rad: float = LEAST_STEP_RAD
+) -> HeadingSteps:
     """Find steps in the heading that the rates do not explain.
 
     The size at each reading is the median of the difference over BESIDE_S after it, minus that
@@ -69,7 +71,7 @@ def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD
     ----------
     t_s
         Times (n,) of the readings.
-    gap
+    difference
         Heading minus integrated rates (n,), rad. It is level but for noise, drift and steps.
     least_rad
         Smallest step.
@@ -77,24 +79,26 @@ def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD
     count = round(BESIDE_S / period(t_s)) if len(t_s) > 2 else 0
     if count < 3 or len(t_s) < 4 * count:
         return NO_STEPS
-    windows = np.lib.stride_tricks.sliding_window_view(gap, count)
+    windows = np.lib.stride_tricks.sliding_window_view(difference, count)
     block = max(1, MEDIAN_VALUES // count)
     level = np.concatenate(
         [np.median(windows[k : k + block], axis=-1) for k in range(0, len(windows), block)]
     )
-    size = np.zeros(len(gap))  # level after a reading minus the level before it
-    size[count : len(gap) - count + 1] = level[count:] - level[:-count]
-    sigma = robust_sigma(size[count : len(gap) - count + 1], about=0.0)
+    size = np.zeros(len(difference))  # level after a reading minus the level before it
+    size[count : len(difference) - count + 1] = level[count:] - level[:-count]
+    sigma = robust_sigma(size[count : len(difference) - count + 1], about=0.0)
     near = max(1, round(SUDDEN_S / period(t_s)))
     row: list[int] = []
     slow: list[int] = []
     peaks = np.where(np.abs(size) > max(least_rad, STEP_SIGMAS * sigma), np.abs(size), 0.0)
     while peaks.max() > 0:
         about = int(np.argmax(peaks))
-        begin, end = max(1, about - count), min(len(gap), about + count)
+        begin, end = max(1, about - count), min(len(difference), about + count)
         # the peak is flat: the step itself is where neighbouring readings differ most
-        at = begin + int(np.argmax(np.abs(np.diff(gap[begin - 1 : end]))))
-        sudden = abs(gap[min(at + near, len(gap)) - 1] - gap[max(at - near, 0)])
+        at = begin + int(np.argmax(np.abs(np.diff(difference[begin - 1 : end]))))
+        sudden = abs(
+            difference[min(at + near, len(difference)) - 1] - difference[max(at - near, 0)]
+        )
         if sudden > SUDDEN * peaks[about] and abs(size[at]) > least_rad:
             row.append(at)
         else:

@@ -44,14 +44,14 @@ def local_line(t_s: Array, values: Array, at_s: Array, width_s: float) -> tuple[
     values = values.reshape(len(t_s), -1)
     bins = _bins_near(cell)
     bin_of = np.searchsorted(bins, cell)
-    weight = [_bin(bin_of, off**power, len(bins)) for power in range(3)]
+    weight = [_sum_by_bin(bin_of, off**power, len(bins)) for power in range(3)]
     moment = [
-        np.stack([_bin(bin_of, off**power * v, len(bins)) for v in values.T], axis=1)
+        np.stack([_sum_by_bin(bin_of, off**power * v, len(bins)) for v in values.T], axis=1)
         for power in range(2)
     ]
     level, slope = _fit_lines(weight, moment, step, width_s)
     node = start + step * bins
-    return _between(node, level, at_s), _between(node, slope, at_s)
+    return _interpolate(node, level, at_s), _interpolate(node, slope, at_s)
 
 
 def running_median(values: Array, count: int) -> Array:
@@ -84,7 +84,7 @@ def _bins_near(cell: Ints) -> Ints:
     )
 
 
-def _bin(cell: Ints, weight: Array, size: int) -> Array:
+def _sum_by_bin(cell: Ints, weight: Array, size: int) -> Array:
     return np.asarray(np.bincount(cell, weight, minlength=size)[:size], float)
 
 
@@ -117,12 +117,12 @@ def _fit_lines(
     )
     y0 = _correlate(moment[0], kernel)
     y1 = _correlate(moment[0], kernel * x) + _correlate(moment[1], kernel)
-    some = s0 > 1e-6
-    s0 = np.where(some, s0, np.nan)
+    in_reach = s0 > 1e-6
+    s0 = np.where(in_reach, s0, np.nan)
     spread = s2 - s1**2 / s0
     # samples that lie too close together show no slope: the line is level there
-    tilt = np.where(spread > 1e-3 * width_s**2 * s0, 1.0, 0.0) / np.maximum(spread, 1e-12)
-    slope = (y1 - (s1 / s0)[:, None] * y0) * tilt[:, None]
+    per_spread = np.where(spread > 1e-3 * width_s**2 * s0, 1.0, 0.0) / np.maximum(spread, 1e-12)
+    slope = (y1 - (s1 / s0)[:, None] * y0) * per_spread[:, None]
     return (y0 - slope * s1[:, None]) / s0[:, None], slope
 
 
@@ -132,6 +132,6 @@ def _correlate(signal: Array, kernel: Array) -> Array:
     return np.asarray(correlate1d(signal, kernel, axis=0, mode="constant"))
 
 
-def _between(node: Array, table: Array, at_s: Array) -> Array:
+def _interpolate(node: Array, table: Array, at_s: Array) -> Array:
     known = np.isfinite(table[:, 0])
     return np.stack([np.interp(at_s, node[known], column[known]) for column in table.T], axis=1)

@@ -113,7 +113,7 @@ def stereo_navigate(
     tray = servo(aids.tray, int(t_ns[0]))
     angle = tray.angle_at(t_ns)
     vehicle_from_camera = tray_poses(rig.tray_origin, angle) @ rig.tray_from(Camera.TOP)
-    history = _history(aids.imu, sigmas.tilt_rad)
+    history = _smooth_attitude(aids.imu, sigmas.tilt_rad)
     guess = _prepare_guess(t_ns, history, vehicle_from_camera)
     chain = follow([(int(a), int(b)) for a, b in image], motion, guess, progress)
     if 2 * len(chain.lost) > len(chain.step):
@@ -151,7 +151,7 @@ def stereo_navigate(
     )
 
 
-def _history(imu: ImuSamples | None, sigma_tilt_rad: float) -> AttitudeHistory | None:
+def _smooth_attitude(imu: ImuSamples | None, sigma_tilt_rad: float) -> AttitudeHistory | None:
     """Smooth the attitude. None where no IMU was logged, or one without orientations."""
     if imu is None or np.isfinite(imu.quaternion).all(axis=1).sum() < 2:
         return None

@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stereo visual odometry: the path of a dive without a DVL, pair by pair.
 
+Here a pair is a stereo pair, the images of both cameras at one time, and a step is the motion from
+one pair to the next.
+
 The path begins at the first pair. Attitude and depth there are those of IMU and pressure sensor.
 Without these the vehicle is taken to be level and at the surface, and a remark says so.
 """
@@ -71,7 +74,7 @@ class StepGuess:
         longer_s = max(float(duration_s[k] - np.median(duration_s)), 0.0)
         before = steps[-1].pose if steps else identity()
         # the previous step, stretched to the duration of this one
-        going_on = before.translation * (duration_s[k] / duration_s[k - 1] if steps else 1.0)
+        translation = before.translation * (duration_s[k] / duration_s[k - 1] if steps else 1.0)
         sigma_rad = min(LOST_SIGMA_RAD + LOST_RAD_S * longer_s, MOST_LOST_RAD)
         quaternion = before.quaternion
         if self.camera is not None and self.turn_variance is not None:
@@ -81,7 +84,7 @@ class StepGuess:
         none = CalibrationEffect(
             by_error=np.zeros((6, 0)), information=np.zeros((0, 0)), gradient=np.zeros(0)
         )
-        pose = Poses(quaternion, going_on)
+        pose = Poses(quaternion, translation)
         return StereoMotion(pose=pose, covariance=np.diag(sigma**2), inliers=0, calibration=none)
 
 
@@ -114,7 +117,7 @@ def follow(
     for j in progress(range(len(images))):
         new = motion.frame(*images[j])
         if recent:
-            found = _from_recent(recent, new, steps, motion)
+            found = _measure_from_recent(recent, new, steps, motion)
             if found is None:
                 lost.append(j - 1)
                 found = guess.motion(j - 1, steps)
@@ -133,7 +136,7 @@ def follow(
     )
 
 
-def _from_recent(
+def _measure_from_recent(
     recent: Sequence[Frame], new: Frame, steps: Sequence[StereoMotion], motion: PairMotion[Frame]
 ) -> StereoMotion | None:
     """Measure the step from the last pair to the new one.

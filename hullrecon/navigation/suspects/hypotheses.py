@@ -244,9 +244,9 @@ def _imu_faults(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]
         mended = replace(records, imu=body)
         yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=mended)
     # The accelerations alone.
-    felt = {("sign", ""): -imu.acceleration}
-    felt |= {("axes", name): imu.acceleration @ turn.T for name, turn in signed_axes()}
-    for (fault, value), acceleration in felt.items():
+    accelerations = {("sign", ""): -imu.acceleration}
+    accelerations |= {("axes", name): imu.acceleration @ turn.T for name, turn in signed_axes()}
+    for (fault, value), acceleration in accelerations.items():
         mended = replace(records, imu=replace(imu, acceleration=acceleration))
         yield Hypothesis(
             sensor=Sensor.ACCELERATION, fault=fault, value=value, mended=mended, exact=True
