@@ -127,7 +127,10 @@ class Phase:
         verdict: Verdict = ACCEPTED,
         placement: Placement | None = None,
     ) -> Phase:
-        """Make a phase from its rounds, of which there may be none."""
+        """Make a phase from its rounds, in their order. There may be none.
+
+        estimate: what the phase found, from which the next phase starts.
+        """
         first, last = (rounds[0], rounds[-1]) if rounds else (None, None)
         return Phase(
             history=tuple(done.history for done in rounds),
@@ -321,7 +324,10 @@ class RoundSolver:
         chosen: Selection,
         began_s: float,
     ) -> iteration_history.Round:
-        """Add the round to the history, and its table to the log (`--verbose`)."""
+        """Record a solve: add it to the history, and its table to the log (`--verbose`).
+
+        began_s: start of the solve, seconds since the start of the adjustment.
+        """
         done = iteration_history.Round(
             record=result.iterations,
             pixel_sigma_px=weights.pixel,

@@ -318,7 +318,10 @@ def _chi2(problem: native.Problem, settings: native.Options) -> float:
 
 
 def _suspects(problem: native.Problem) -> list[_Suspect]:
-    """List the suspects of a problem: those whose measurements it holds."""
+    """List the suspects of a problem: sensors whose measurements it holds, and their errors.
+
+    Depths and readout times are tried by functions of their own (`try_suspects`).
+    """
     has_images = len(problem.stereo.node) + len(problem.mono.node) > 0
     steps = len(problem.odometry.first)
     found = [

@@ -167,7 +167,7 @@ def _near_largest(values: Array, cells: Mask) -> Mask:
 
 
 def top_of(heights: Array, cells: Mask, side: float) -> Mask:
-    """Select the top of a structure, raised (side 1) or sunken (-1), where its height is measured.
+    """Select the top of a structure, raised (side 1) or sunken (-1), on which its height is taken.
 
     heights: (a, g) m. cells: (a, g) those of the structure.
     """

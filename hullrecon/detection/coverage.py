@@ -154,7 +154,8 @@ def locate_hole(center: Array, base: BaseSurface, track: VehicleTrack) -> Facts:
     """Compute the position of a hole's middle (3,), as members of coverage.json.
 
     Nothing was measured in a hole. So its covariance is that of the nearest pose of the path, with
-    the sigma of a cell of the chart added.
+    the sigma of a cell of the chart added. Its normal points to that pose. center: m, in the frame
+    of the base.
     """
     near = int(np.argmin(np.linalg.norm(track.poses.translation - center, axis=1)))
     toward = track.poses.translation[near] - center

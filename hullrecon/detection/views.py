@@ -133,8 +133,8 @@ def find_visibility_by_cell(
 ) -> Visibility:
     """Find visibility for one point in each cell, and give it to all points of the cell.
 
-    It is many times faster than `find_visibility`, as neighbours are mostly seen alike.
-    cell_m (n,): side of the cell at each point, in m.
+    It is many times faster than `find_visibility`, whose parameters it has, as neighbours are
+    mostly seen alike. cell_m (n,): side of the cell at each point, in m.
     """
     # The side is part of the key: cells of different sides are not the same cell
     key = np.column_stack([np.floor(points / cell_m[:, None]), cell_m])

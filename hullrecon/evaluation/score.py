@@ -78,7 +78,10 @@ class _DeliveryReader:
     """
 
     def __init__(self, deliver: Path, truth: Truth) -> None:
-        """Find the motion from g to M where the deliverables are in g."""
+        """Read in which frame the deliverables are, and find the motion from g to M if it is g.
+
+        Without a delivered path that motion is the true hull pose.
+        """
         summary = deliver / "summary.json"
         frame = (
             msgspec.json.decode(summary.read_bytes(), type=_SummaryFile).frame

@@ -39,7 +39,10 @@ GLOBALS = (
 
 
 def solve(problem: native.Problem, plan: Plan, options: native.Options) -> native.Result:
-    """Solve a problem by the parts of a plan. The result is that of `native.solve`, to rounding."""
+    """Solve a problem by the parts of a plan. The result is that of `native.solve`, to rounding.
+
+    A long dive's tables and factors do not fit into memory at once, those of one part do.
+    """
     if plan.parts == 1:
         return native.solve(problem, options)
     parts = SubProblems(problem, plan.owner)

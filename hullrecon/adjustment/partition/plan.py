@@ -139,7 +139,8 @@ def whole(problem: native.Problem, reason: str) -> Plan:
 def _positions_to_cut(state: State) -> tuple[Array, str]:
     """Compute the positions (n,) m of the poses along the axis that is cut, and its name.
 
-    It is the longer axis of the survey on the chart, or of the path where there is no chart.
+    It is the longer axis of the survey on the chart ("along" or "girth"), or of the path ("path")
+    where there is no chart. Cut across it, stripes have the shortest borders.
     """
     if state.hull is not None:
         at = state.hull.to_chart(state.nodes.translation)

@@ -135,7 +135,10 @@ def _is_chosen(m: Measurements, chosen: Selection) -> Mask:
 
 
 def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selection) -> State:
-    """Update the state from the unknowns of a solve. Landmarks that did not enter become NaN."""
+    """Update the state from the unknowns of a solve. Landmarks that did not enter become NaN.
+
+    chosen: which landmarks entered, in the order of the unknowns.
+    """
     pose, mounts = unknowns.pose, state.mounts
     landmark = np.full_like(state.landmark, np.nan)
     landmark[chosen.landmarks] = unknowns.landmark
@@ -166,9 +169,10 @@ def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selecti
 
 
 def _unknowns(m: Measurements, state: State, chosen: Selection) -> native.Unknowns:
-    """Collect the start values of all unknowns.
+    """Collect the start values of all unknowns from the state.
 
     Unknowns of sensors that the vehicle does not carry keep the defaults of `native.Unknowns`.
+    Cameras start from their calibration in `m`, and only the landmarks `chosen` are unknowns.
     """
     unknowns = native.Unknowns(
         pose=np.hstack([state.nodes.vectors(), state.tray[:, None]]),
@@ -256,6 +260,8 @@ def _image_tables(
 
     An observation of a landmark by both cameras at a node is a stereo row, one by a single camera
     is a mono row. Observations are read in blocks twice: to count the rows, and to fill them in.
+
+    weights: the sigma of each observation, by the detector's response. chosen: which ones enter.
     """
     known = _is_chosen(m, chosen)
     number = np.cumsum(known, dtype=np.int32) - 1  # of a landmark within the problem

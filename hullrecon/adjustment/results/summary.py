@@ -140,7 +140,7 @@ def _covariance_in_hull(marginals: native.Covariance, hull: HullState) -> tuple[
 def _stereo_sentence(
     m: Measurements, adjusted: Adjusted, marginals: native.Covariance
 ) -> str | None:
-    """Warn of a stereo calibration that the dive contradicts.
+    """Write the warning of a stereo calibration that the dive contradicts.
 
     None without a contradiction, where it is too small to matter, or without a second camera.
     """
@@ -284,7 +284,10 @@ def _navigation_sigma(marginals: native.Covariance) -> dict[str, float]:
 
 
 def _registration(adjusted: Adjusted) -> dict[str, object]:
-    """Collect the figures of the CAD model's registration for adjust.json. Empty without one."""
+    """Collect how well the CAD model was registered, and its shape compared, for adjust.json.
+
+    Empty without a CAD model.
+    """
     placement = adjusted.placement
     if placement is None:
         return {}

@@ -135,7 +135,10 @@ def _undistort_observations(
 def _add_images(
     reconstruction: Reconstruction, delivered: Reconstruction, seen: _Observations
 ) -> list[ImageNames]:
-    """Add the delivered frames and images with their keypoints, and list the images' names."""
+    """Add the delivered frames and images with their keypoints, and list the images' names.
+
+    A frame is what both cameras took at one node. Its pose is that of the delivered model.
+    """
     import pycolmap
 
     names = []
@@ -175,7 +178,7 @@ def _add_images(
 def _add_points(
     reconstruction: Reconstruction, delivered: Reconstruction, seen: _Observations
 ) -> None:
-    """Add the points with their tracks.
+    """Add the delivered points, with tracks of the observations that were kept.
 
     Keypoints are numbered within their image, in the order in which `_add_images` adds them.
     """

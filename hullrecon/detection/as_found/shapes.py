@@ -181,7 +181,7 @@ def count_shapes(
 ) -> Ints:
     """Count the views (n,) whose ray to each vertex meets a shape [Ozog2016 Algorithm 5].
 
-    An object must be shown by enough views.
+    An object must be shown by enough views. Parameters are those of `find_shape_hits`.
     """
     count = np.zeros(len(vertices), np.int64)
     for rows, _ in find_shape_hits(views, features, deviation, vertices, options):

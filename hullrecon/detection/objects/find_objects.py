@@ -215,6 +215,8 @@ def _unreported(
     """Describe a region that is not reported as an object, with its position and the reason.
 
     Without a landmark that stands off as it does, its position has the covariance of the nearest.
+
+    area: of the vertices of the base (n,) m2. reason: why it is not reported.
     """
     region, center = evidence.region, found.mesh.vertices[evidence.center]
     covariances = landmarks.covariances(found, region)

@@ -278,7 +278,8 @@ def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
 def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
     """Tell whether a part of a cluster is a peak: no speck, and its top twice as high as the level.
 
-    level: m, height above which all vertices of the part lie.
+    rows: vertices of the part. side: +1 raised, -1 sunken. level: m, height above which all of them
+    lie.
     """
     area = relief.area[rows]
     wide = area.sum() >= SPECK * relief.options.min_area_m2

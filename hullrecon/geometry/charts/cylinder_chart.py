@@ -254,7 +254,10 @@ def _first_arc(points: Array) -> Array:
 
 
 def _smooth_curve(points: Array, arc: Array) -> Array:
-    """Fit a smoothing spline to points (n, 2) over arc lengths (n,): knots (k, 2) STEP_M apart."""
+    """Fit a smoothing spline to points (n, 2) over arc lengths (n,): knots (k, 2) STEP_M apart.
+
+    Structures on the hull and noise of the points must not bend the chart.
+    """
     # Medians of pieces STEP_M long, the spline through them, and points even in its own arc length
     bins = np.floor(arc / STEP_M)
     at = np.unique(bins)

@@ -140,7 +140,9 @@ def velocity_variance(path: Reckoning, start_ns: Ints, stop_ns: Ints) -> Array:
     """Compute the variance (m,), m2, each axis, of steps by the velocity's noise and by outages.
 
     The noise of a velocity is constant until the next ping, so the variance is the integral of
-    sigma^2 over the interval times the period of the pings.
+    sigma^2 over the interval times the period of the pings. Outages add `bridged_variance`.
+
+    start_ns, stop_ns (m,): the intervals of the steps.
     """
     v = path.velocities
     period = float(np.median(np.diff(v.t_ns))) * 1e-9

@@ -66,7 +66,10 @@ def remarks_of(
 
 
 def _motion_remarks(path: Reckoning, nodes_ns: Ints, returns: Returns) -> Iterator[str]:
-    """Describe what was wrong with DVL and IMU."""
+    """Describe what was wrong with DVL and IMU: outages, outliers, steps of the heading.
+
+    Sentences are empty where nothing was wrong. nodes_ns: stamps of the nodes.
+    """
     v, attitude = path.velocities, path.attitude
     holes, turned = attitude.holes, attitude.steps
     yield _describe_outages(v)

@@ -26,8 +26,16 @@ def describe_unplaced(
     These are velocities without an attitude, ranges before or after the path, and readings of an
     IMU that ran on without a velocity. Small shares are not mentioned, so the list may be empty.
 
-    pressure: tells when the vehicle was under water. velocities: those that the path uses. returns:
-    the ranges that were attached to nodes.
+    Parameters
+    ----------
+    dvl, imu
+        All that was logged.
+    pressure
+        Tells when the vehicle was under water. None without one.
+    velocities, returns
+        Velocities that the path uses, and ranges that were attached to nodes.
+    nodes_ns
+        Stamps of the nodes, from the first of which to the last the pose is known.
     """
     given_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
     used_ns = np.concatenate([velocities.t_ns, velocities.outliers])

@@ -130,7 +130,7 @@ def gap_by_poses(
     """Compute the Jacobian (m, 3, 14) of the gaps by both anchors' poses and trays.
 
     Through it the path's covariance predicts how large gaps may be. Of each anchor there are
-    (translation in g, rotation on the right, tray angle).
+    (translation in g, rotation on the right, tray angle). tray_origin (3,): m, in the vehicle.
     """
     return position_and_gap_by_poses(patches, pairs, path, tray_origin)[:, 2:]
 
@@ -140,8 +140,9 @@ def position_and_gap_by_poses(
 ) -> Array:
     """Compute the Jacobian (m, 5, 14) of positions and gaps by both anchors' poses and trays.
 
-    Of each anchor there are (translation in g, rotation on the right, tray angle). Derivatives are
-    central differences.
+    Rows are the two of `PatchPairs.position` and the three of `PatchPairs.gap`. Columns are of each
+    anchor (translation in g, rotation on the right, tray angle). Derivatives are central
+    differences. tray_origin (3,): m, in the vehicle.
     """
     anchors = [patches.anchor[pairs.first], patches.anchor[pairs.second]]
     out = np.zeros((len(pairs), 5, 14))
@@ -222,9 +223,10 @@ def _extrapolate_and_compare(
 def _jacobian_by_curvature(position: Array) -> tuple[Array, Array]:
     """Compute the Jacobians of x' K x (m, 3) and of K x (m, 2, 3) by (K_aa, K_ae, K_ee).
 
-    These give the height and the slopes of a curved patch away from its centre.
+    At x from its centre a patch of constant curvature K stands 0.5 x' K x over its tangent plane,
+    and has the slopes K x.
 
-    position (m, 2): x.
+    position (m, 2): x, m, in azimuth and elevation.
     """
     a, e = position.T
     zero = np.zeros_like(a)

@@ -346,7 +346,7 @@ class GraphErrors:
     def _chain(self) -> tuple[Array, Array, Array]:
         """R_g_v (n, 3, 3), R_v_s (n, 3, 3) and T_s_c (n, 4, 4) of the leading camera.
 
-        From the global frame over vehicle and tray to the camera, at every node.
+        The chain from the global frame over vehicle and tray to the camera, at every node.
         """
         pose = self.problem.unknowns.pose
         vehicle = Poses(pose[:, 3:7], pose[:, :3]).rotation.as_matrix()

@@ -167,9 +167,9 @@ def _smooth_segments(
 def _smoothed_noise(at_s: Array, edges_s: Array, widths_s: tuple[float, float]) -> Array:
     """Compute the sigma (n,), 1/sqrt(s), that smoothing leaves of noise of density 1.
 
-    Times the sigma of a reading and the square root of the readings' period it is the sigma of the
-    smoothed value. It is larger at the edges of a segment, which have readings on one side only.
-    The arguments are those of `_smooth_segments`.
+    Multiplied by the sigma of a reading and the square root of the readings' period it is the sigma
+    of the smoothed value. It is larger at the edges of a segment, which have readings on one side
+    only. at_s, edges_s, widths_s: as for `_smooth_segments`.
     """
     width = np.where(
         _is_silent(np.searchsorted(edges_s, at_s, side="right")), widths_s[1], widths_s[0]

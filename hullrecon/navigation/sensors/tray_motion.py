@@ -24,6 +24,8 @@ def tray_motion(
 
     The stereo rig is checked with it before there is a path: a delay of one camera shows as the
     motion within that time. NaN where DVL or IMU were not read within NEAR_S on both sides.
+
+    tray: the servo's readings, None where it stands at zero. t_ns (n,): times of the result.
     """
     half_ns = round(0.5e9 * SPAN_S)
     joint = servo(tray, int(dvl.t_ns[0]))

@@ -341,7 +341,10 @@ def _remarks(
 
 
 def _facts(chain: StereoChain, step: Poses, t_ns: Ints) -> dict[str, object]:
-    """Collect numbers for navigation.json."""
+    """Collect numbers for navigation.json: inliers, guessed steps, and the path's length.
+
+    step: motions of the vehicle. t_ns (n,): stamps of the pairs.
+    """
     return {
         "start_ns": int(t_ns[0]),
         "inliers": chain.inliers.tolist(),

@@ -192,7 +192,10 @@ def _rate_faults(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
 
 
 def _imu_faults(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
-    """Yield faults of the IMU: conventions of orientation and acceleration, mount, clock."""
+    """Yield faults of the IMU: conventions of orientation and acceleration, mount, clock.
+
+    Wrong are the orientation alone, the axes of the whole instrument, or the accelerations alone.
+    """
     # The orientation alone: written in another order, in other frames, with other signs or axes.
     attitude = Rotation.from_quat(imu.quaternion)
     angles = attitude.as_euler("ZYX")
