@@ -86,14 +86,18 @@ def curvature_information(
     floor_m
         Sigma of causes other than curvature (frames, weld seams, the fit of the patches).
     """
-    h = 1e-4
+    step_m = 1e-4
 
-    def along(axis: int, sign: float) -> Array:
+    def shifted(axis: int, sign: float) -> Array:
         return curvature_difference(
-            plane, moved + sign * h * np.eye(3)[axis], radius_azimuth, radius_elevation
+            plane, moved + sign * step_m * np.eye(3)[axis], radius_azimuth, radius_elevation
         )
 
-    by_moved = np.stack([(along(k, 1) - along(k, -1)) / (2 * h) for k in range(3)], axis=-1)
+    by_moved = np.stack(
+        [(shifted(k, 1) - shifted(k, -1)) / (2 * step_m) for k in range(3)], axis=-1
+    )
+    # Derivative of `moved`, R1' (t2 - t1), by translation in g, rotation on the right and tray of
+    # both poses
     by_poses = np.zeros((len(plane), 3, 14))
     to_vehicle = np.swapaxes(rotation, 1, 2)
     by_poses[:, :, 0:3], by_poses[:, :, 7:10] = -to_vehicle, to_vehicle

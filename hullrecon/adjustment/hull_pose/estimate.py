@@ -390,7 +390,9 @@ def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
         valley = _valley(evidence, pose, ship_axes[2])
         moment = profile_likelihood.moment_of_minima(valley, pose, heights)
         out = profile_likelihood.raise_to_moment(out, moment)
-    return np.asarray(out + _by_range_scale(evidence, pose) + _contradiction(evidence, pose))
+    return np.asarray(
+        out + _range_scale_covariance(evidence, pose) + _contradiction_covariance(evidence, pose)
+    )
 
 
 def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid) -> Array:
@@ -424,7 +426,7 @@ def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid
     return np.asarray(by_motion.T @ cho_solve(_factor(evidence, pose), by_node))
 
 
-def _by_range_scale(evidence: HullPoseEvidence, pose: Poses) -> Array:
+def _range_scale_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
     """Compute the covariance (6, 6) of the hull pose due to an unknown scale of all ranges.
 
     The scale is not estimated, as a path that is bent by centimetres would pass for one. So the
@@ -441,7 +443,7 @@ def _by_range_scale(evidence: HullPoseEvidence, pose: Poses) -> Array:
     return np.outer(step, step)
 
 
-def _contradiction(evidence: HullPoseEvidence, pose: Poses) -> Array:
+def _contradiction_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
     """Compute the covariance (6, 6) that a contradicted guess or CAD model adds. Otherwise zero.
 
     Guess or fit may be wrong, so one sigma reaches from the fit to the guess (docs/methods.md 20).

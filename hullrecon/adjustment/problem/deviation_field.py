@@ -170,6 +170,7 @@ def _interior_sigma(step: Array) -> float:
     """
     shape = tuple(int(2 * np.ceil(8.0 / h)) + 1 for h in step)
     a = _operator((shape[0], shape[1]), step)
+    # The field is a^-1 noise: the sigma of its middle node is the length of that row of a^-1
     unit = np.zeros(shape[0] * shape[1])
     unit[len(unit) // 2] = 1.0
     return float(np.linalg.norm(splu(sparse.csc_array(a.T)).solve(unit)))

@@ -142,7 +142,8 @@ def hidden_extent(
 ) -> Array:
     """Compute the sigma (2,) m of a region's extent due to the part beyond its open edge.
 
-    What is added to the extent is taken as uniform between nothing and all of that part.
+    What is added to the extent is taken as uniform between nothing and all of that part. normal,
+    chart: as for `measure_size`.
     """
     seen, at = (
         found.base.vertices[region.foot],

@@ -240,17 +240,18 @@ def _fit_profile(points: Array, outward: Array) -> Array:
 def _first_arc(points: Array) -> Array:
     """Estimate the arc length (n,) m of points (n, 2) along the curve on which they lie.
 
-    It is the shortest path from one end in a graph of the points' cells. Near cells are connected,
-    and gaps are bridged by the edges of the minimum spanning tree. The end is the cell farthest
-    from any one.
+    The fit of the profile starts from it. On a hull that turns by more than a right angle, no
+    straight axis would order the points. It is the shortest path from one end of the curve in a
+    graph of the points' cells. Near cells are connected, and gaps are bridged by the edges of the
+    minimum spanning tree. The cell farthest from an arbitrary cell is an end.
     """
     cells = _average_in_cells(points)
     apart = np.linalg.norm(cells[:, None] - cells[None], axis=2)
     bridges = minimum_spanning_tree(apart).toarray()
     steps = np.where((apart <= NEAR_CELLS * CELL_M) | (bridges > 0) | (bridges.T > 0), apart, 0.0)
-    some = shortest_path(steps, indices=0)
-    way = shortest_path(steps, indices=int(np.argmax(some)))
-    return np.asarray(way[nearest(cells, points, 1)[1][:, 0]])
+    from_any = shortest_path(steps, indices=0)
+    from_end = shortest_path(steps, indices=int(np.argmax(from_any)))
+    return np.asarray(from_end[nearest(cells, points, 1)[1][:, 0]])
 
 
 def _smooth_curve(points: Array, arc: Array) -> Array:

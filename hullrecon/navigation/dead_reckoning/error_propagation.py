@@ -111,6 +111,7 @@ def _covariance_by_unread_attitude(path: Reckoning, at: Instant, poses: Poses) -
     # a turn w about the position p between two nodes is the twist (p x w, w)
     about = 0.5 * (poses.translation[1:] + poses.translation[:-1])
     by_turn = np.concatenate([cross_matrix(about), np.tile(np.eye(3), (len(about), 1, 1))], axis=1)
+    # about the axes of g (n - 1, 3): unread turns about all alike, steps of the heading about z
     variance = np.diff(turned)[:, None] + np.diff(stepped)[:, None] * UP_DOWN**2
     steps = (by_turn * variance[:, None]) @ np.swapaxes(by_turn, 1, 2)
     walk = np.concatenate([np.zeros((1, 6, 6)), np.cumsum(steps, axis=0)])
@@ -159,8 +160,8 @@ def trajectory_covariance(model: TrajectoryErrorModel, poses: Poses) -> Array:
     """Compute the covariance (n, 6, 6) of each pose global_from_vehicle alone.
 
     It is what a reader of one pose needs. The error model itself also tells how the errors of two
-    poses go together. Errors are (translation in the global frame, rotation perturbed on the right
-    in the vehicle's).
+    poses are correlated. Errors are (translation in the global frame, rotation perturbed on the
+    right in the vehicle's).
     """
     persistent = model.by_error @ model.error_covariance @ np.swapaxes(model.by_error, 1, 2)
     from_twist = np.linalg.inv(twist_by_pose_error(poses))

@@ -146,17 +146,19 @@ def velocity_variance(path: Reckoning, start_ns: Ints, stop_ns: Ints) -> Array:
     """
     v = path.velocities
     period = float(np.median(np.diff(v.t_ns))) * 1e-9
-    heard_s = (v.t_ns - path.start_ns) * 1e-9
+    velocity_s = (v.t_ns - path.start_ns) * 1e-9
     integrated = np.concatenate(
-        [[0.0], np.cumsum(0.5 * (v.sigma[1:] ** 2 + v.sigma[:-1] ** 2) * np.diff(heard_s))]
+        [[0.0], np.cumsum(0.5 * (v.sigma[1:] ** 2 + v.sigma[:-1] ** 2) * np.diff(velocity_s))]
     )
 
     def integrated_until(t_ns: Ints) -> Array:
         """Integrate sigma^2 from the first velocity on, holding sigma constant beyond the ends."""
         t_s = (t_ns - path.start_ns) * 1e-9
-        early, late = np.minimum(t_s - heard_s[0], 0), np.maximum(t_s - heard_s[-1], 0)
+        early, late = np.minimum(t_s - velocity_s[0], 0), np.maximum(t_s - velocity_s[-1], 0)
         return np.asarray(
-            np.interp(t_s, heard_s, integrated) + v.sigma[0] ** 2 * early + v.sigma[-1] ** 2 * late
+            np.interp(t_s, velocity_s, integrated)
+            + v.sigma[0] ** 2 * early
+            + v.sigma[-1] ** 2 * late
         )
 
     return np.asarray(

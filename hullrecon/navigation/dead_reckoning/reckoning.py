@@ -143,6 +143,7 @@ def reckon(
     by_tray = np.einsum("nij,nj->ni", global_from_vehicle, np.cross(TILT_AXIS, v_v))
     by_backlash = by_tray * servo.direction_at(t_ns)[:, None]
     by_tilt = -global_from_vehicle @ cross_matrix(v_v)
+    # In the order of the columns PATH to TILT
     columns = [
         v_g[..., None],
         (v_g * t[:, None])[..., None],

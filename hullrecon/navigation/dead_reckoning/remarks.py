@@ -283,14 +283,14 @@ def _silent_dvl(velocities: Velocities, nodes_ns: Ints) -> str:
 
     "" where the path does not reach so far.
     """
-    heard_ns, ends_ns = velocities.t_ns[[0, -1]], nodes_ns[[0, -1]]
-    # of the path's start to the first velocity, and of the last velocity to the path's end
+    velocities_ns, ends_ns = velocities.t_ns[[0, -1]], nodes_ns[[0, -1]]
+    # of the way from the path's start to the first velocity, and from the last one to its end
     sigma_m = np.sqrt(
         velocities.bridged_variance(
-            ends_ns.clip(max=heard_ns[1]), ends_ns.clip(min=heard_ns[0])
+            ends_ns.clip(max=velocities_ns[1]), ends_ns.clip(min=velocities_ns[0])
         ).max()
     )
-    ends = _silent_ends(heard_ns, ends_ns)
+    ends = _silent_ends(velocities_ns, ends_ns)
     return ends and (
         f"DVL: silent over {ends} of the path, which each image carries on from the one "
         "before; navigation alone knows the way"
@@ -313,12 +313,12 @@ def _silent_imu(attitude: AttitudeHistory, nodes_ns: Ints) -> str:
     )
 
 
-def _silent_ends(heard_ns: Ints, ends_ns: Ints) -> str:
+def _silent_ends(read_ns: Ints, ends_ns: Ints) -> str:
     """Describe how long nothing was read at the ends (2,) of the path.
 
-    heard_ns (2,): the first and the last reading.
+    read_ns (2,): the first and the last reading.
     """
-    lasts_s = np.array([heard_ns[0] - ends_ns[0], ends_ns[1] - heard_ns[1]]) * 1e-9
+    lasts_s = np.array([read_ns[0] - ends_ns[0], ends_ns[1] - read_ns[1]]) * 1e-9
     return " and ".join(
         f"the {name} {s:.1f} s"
         for name, s in zip(("first", "last"), lasts_s, strict=True)

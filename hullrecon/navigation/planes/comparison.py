@@ -118,6 +118,7 @@ def _covariance_by_roughness(position: Array, change: Array) -> Array:
     minus the first.
     """
     distance = np.maximum(np.linalg.norm(position, axis=1), MIN_DISTANCE_M)
+    # Change of the curvature that tilts in azimuth (K_aa, K_ae) and in elevation (K_ee, K_ae)
     of_axes = np.sqrt(change[:, [0, 2]] ** 2 + change[:, [1]] ** 2)
     height = HEIGHT_OFF * distance**2 * np.linalg.norm(change, axis=1)
     sigma = np.column_stack([height, TILT_M2 / distance[:, None] * of_axes])

@@ -45,8 +45,8 @@ def propose_ties(patches: Patches, path: VehiclePath) -> tuple[Ints, Ints]:
     """Propose pairs (m,) of patches of different passes that are near each other on the hull.
 
     Of each patch at most MOST_TIES to earlier ones are proposed. Whether they agree is not looked
-    at yet. Returns rows of the earlier and of the later patches, empty where no place was passed
-    again.
+    at yet. Returns rows of the earlier and of the later patches, empty where no part of the hull
+    was passed again.
     """
     if len(patches) < 2:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)

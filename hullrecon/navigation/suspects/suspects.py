@@ -198,8 +198,8 @@ def _rank_by_usualness(one: Hypothesis) -> int:
 def _possible_units(best: Sequence[Hypothesis]) -> list[list[object]]:
     """List the units of a pressure that explain a contradiction equally well.
 
-    Interpretations with the same depths count once. Where a unit fits both as absolute and as gauge
-    pressure, only the absolute one is listed.
+    With more than one, the user is asked which it is. Interpretations with the same depths count
+    once. Where a unit fits both as absolute and as gauge pressure, only the absolute one is listed.
 
     Returns
     -------

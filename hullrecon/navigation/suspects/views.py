@@ -30,30 +30,32 @@ HUBER = 2.0  # sigmas of a residual beyond which its weight falls
 def fit_turns(
     motion: Poses, first: Sequence[Array], second: Sequence[Array]
 ) -> tuple[Array, Array]:
-    """Fit the turns that pairs of images show beyond known motions.
+    """Fit the turns that pairs of images show beyond the motions that DVL and IMU measured.
+
+    Right sensors leave none. A wrong distortion makes them grow with the way across the view.
 
     Parameters
     ----------
     motion
-        second_from_first (n) of the camera.
+        second_from_first (n) of the camera by DVL and IMU.
     first, second
         Features (m, 2) of each pair, ideal coordinates.
 
     Returns
     -------
     turn, sigma
-        (n, 3) rad, in the second camera's axes.
+        (n, 3) rad each, in the second camera's axes.
     """
     a, b = (_rays(features) for features in (first, second))
-    way, rotation = motion.translation, motion.rotation.as_matrix()
-    length = np.linalg.norm(way, axis=1)[:, None, None]
-    across = length * np.linalg.svd(way[:, None])[2][:, 1:]
+    translation, rotation = motion.translation, motion.rotation.as_matrix()
+    length = np.linalg.norm(translation, axis=1)[:, None, None]
+    across = length * np.linalg.svd(translation[:, None])[2][:, 1:]
     # By pair: a turn (3), and a turn of the direction of motion (2), rad, with a weak prior. They
     # are fitted by Gauss-Newton to distances from epipolar lines, with Huber's weights.
-    unknowns, information = np.zeros((len(way), 5)), np.zeros((len(way), 5, 5))
+    unknowns, information = np.zeros((len(translation), 5)), np.zeros((len(translation), 5, 5))
     for _ in range(STEPS):
         turned = Rotation.from_rotvec(unknowns[:, :3]).as_matrix() @ rotation
-        moved = cross_matrix(way + np.einsum("nk,nkx->nx", unknowns[:, 3:], across))
+        moved = cross_matrix(translation + np.einsum("nk,nkx->nx", unknowns[:, 3:], across))
         essential = moved @ turned
         # derivatives of the essential matrix
         by_turn = moved[:, None] @ cross_matrix(np.eye(3)) @ turned[:, None]
