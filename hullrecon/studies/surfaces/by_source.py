@@ -119,7 +119,7 @@ def measure(surface: Surface, chart: Chart, truth: Truth) -> Deviation:
 
 def _known(surface: Surface, truth: Truth) -> Mask:
     known = truth.near(surface.vertices, 0.25) & (surface.support >= 1)
-    known &= ~truth.beyond(truth.built.closest(surface.vertices).foot)
+    known &= ~truth.on_rim(truth.built.closest(surface.vertices).foot)
     return np.asarray(known & np.isfinite(surface.deviation))
 
 
