@@ -100,6 +100,7 @@ def find_tray_offset(
     axis = path.poses.rotation.apply([0.0, 1.0, 0.0]).mean(axis=0)
     turn = (found.global_from_hull.rotation * stated.guess.rotation.inv()).as_rotvec()[0]
     offset = float(turn @ axis / np.linalg.norm(axis))
+    # A return's angle is relative to that of its node, so the returns stay as they are
     again = _register(rig, with_tray(path, odometry, path.tray - offset), returns, stated)
     step = prior_step(again.global_from_hull, stated, again.center) / stated.guess_sigma
     fits = again.fitness >= GOOD_FITNESS and np.abs(step).max() <= GUESS_SIGMAS

@@ -197,7 +197,10 @@ def _with_wider_guess(
 
 
 def thin_points(points: Array, voxel: float, most: int) -> Array:
-    """Average points (n, 3) in voxels, whose side (m) grows until at most `most` points remain."""
+    """Average points (n, 3) in voxels, whose side (m) grows until at most `most` points remain.
+
+    Then legs with more points count no more, and a fit with a dense covariance takes little time.
+    """
     while True:
         cell = np.floor(points / voxel).astype(np.int64)
         _, owner = np.unique(cell, axis=0, return_inverse=True)

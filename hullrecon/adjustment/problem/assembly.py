@@ -404,6 +404,8 @@ def share_weight_by_cell(
 ) -> Array:
     """Compute weights (L,) of surface factors, so that those in one chart cell count as one.
 
+    What the deviation field cannot follow within a cell moves all its landmarks alike.
+
     Parameters
     ----------
     hull

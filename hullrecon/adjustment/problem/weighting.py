@@ -294,6 +294,7 @@ def estimate_sides(excess: Array, prior_direction: Array) -> Array:
     if high - low < 3 * sigma or len(excess) < 10:
         return prior_direction
     fit = np.stack([(excess - low) ** 2, (excess - high) ** 2], axis=1) / (2 * sigma**2)
+    # A node's cost is bounded, so that a single outlier costs less than the two flips around it
     path = _viterbi(np.minimum(fit, 1.5 * FLIP_COST), FLIP_COST)
     return np.where(path == 1, 1.0, -1.0)
 

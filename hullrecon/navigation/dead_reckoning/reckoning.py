@@ -58,7 +58,7 @@ class Reckoning:
         rotation = self.attitude.rotation(t_ns)
         mounted = tray_poses(self.rig.tray_origin, theta)
         lever = mounted.apply(self.rig.tray_from_dvl.translation)
-        by_tilt = np.cross(TILT_AXIS, lever - self.rig.tray_origin)
+        lever_by_tray = np.cross(TILT_AXIS, lever - self.rig.tray_origin)
         return Instant(
             t_ns=t_ns,
             t_s=seconds(t_ns, self.start_ns),
@@ -67,7 +67,7 @@ class Reckoning:
             tray=theta,
             direction=self.servo.direction_at(t_ns),
             lever=lever,
-            lever_by_tray=by_tilt,
+            lever_by_tray=lever_by_tray,
         )
 
     def path_by_delay(self, t_ns: Ints) -> Array:

@@ -179,7 +179,8 @@ def _joint_covariance(solved: GraphSolution, patches: Patches, pairs: PatchPairs
     """Compute the covariance (m, 14, 14) of the poses and trays of both anchors of each pair.
 
     It tells how well the path predicts the gap between the pair's patches. An anchor is the node in
-    whose vehicle frame a patch was fitted.
+    whose vehicle frame a patch was fitted. Of each there are translation in g, rotation on the
+    right, and the tray's angle.
     """
     if not len(pairs):
         return np.zeros((0, 14, 14))
