@@ -18,9 +18,9 @@ struct Projection {
   Eigen::Matrix<double, 2, 3> by_point = Eigen::Matrix<double, 2, 3>::Zero();
 };
 
-// Of a point in the camera frame. A point behind the camera gives `in_front` false: its residual is then kBehindPixels on
-// each row without derivative. So a step that carries a point behind the camera costs more than it can gain and is refused,
-// while an observation that starts there is a constant and poisons nothing else.
+// The pixel of a point in the camera frame, and its derivative by the point. False for a point behind the camera: its residual
+// is then kBehindPixels on each row without derivative. So a step that carries a point behind the camera costs more than it can
+// gain and is refused, while an observation that starts there is a constant and poisons nothing else.
 inline bool project(const double* k, const Vec3& p, bool derive, Projection& out) {
   if (!(p[2] > kInFront)) return false;
   const double x = p[0] / p[2], y = p[1] / p[2], r2 = x * x + y * y;
@@ -39,7 +39,7 @@ inline bool project(const double* k, const Vec3& p, bool derive, Projection& out
   return true;
 }
 
-// Of the pixel, by the nine numbers; of a point that is in front.
+// The derivative of the pixel by the nine numbers, for a point that is in front.
 inline Eigen::Matrix<double, 2, 9> by_intrinsics(const double* k, const Vec3& p) {
   const double x = p[0] / p[2], y = p[1] / p[2], r2 = x * x + y * y, r4 = r2 * r2, r6 = r4 * r2;
   const double radial = 1 + r2 * (k[4] + r2 * (k[5] + r2 * k[8]));

@@ -118,7 +118,7 @@ inline Eigen::Matrix<double, 3, 2> bearing_basis(const Vec3& direction) {
   return basis;
 }
 
-// A link without length: of one camera, five degrees of freedom [KimEustice2009 II-B].
+// A link whose length is unknown, as a single camera measures it: five degrees of freedom [KimEustice2009 II-B].
 // Rows: 5, rad: the predicted direction to the second camera about the measured one (angle times the tangent towards it, in the
 // axes of bearing_basis), then rotation as ScaledLink. Sign: predicted - measured. Sigma: full square root of the information.
 // Cameras in one place have no direction, opposite ones no tangent: both rows are then pi, without derivative, as of a point

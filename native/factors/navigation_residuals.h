@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Residuals of priors, depth and attitude, tray and odometry [Ozog2016 4.8-4.11], and of positions from outside.
+// Residuals of priors, depth and attitude, tray and odometry [Ozog2016 4.8-4.11], and of position fixes (USBL, GNSS).
 #pragma once
 
 #include <array>
@@ -155,7 +155,7 @@ struct Velocity {
   }
 };
 
-// A position from outside, of USBL or GPS.
+// A position fix of USBL or GNSS.
 // Rows: 2, m, north and east. Blocks: pose, world = north and east of the origin of g (m), heading of its x axis (rad). Frame:
 // world, level, z down as in g, so that a heading turns from north to east. Sign: predicted - measured. Sigma: one a row, under
 // Huber's loss.

@@ -26,7 +26,7 @@ FeaturePairs pairs_in_regions(std::span<const SearchRegion> regions, std::span<c
 void descriptor_distances(const float* a, const float* b, int64_t width, std::span<const int64_t> first,
                           std::span<const int64_t> second, std::span<float> distance);
 
-// Of each key the row of its least distance, the first of equals (-1: none), and its second least distance (inf: none).
+// For each key the row of its least distance, the first of equals (-1: none), and its second least distance (inf: none).
 // Keys are in [0, best.size()).
 void best_and_next(std::span<const int64_t> key, std::span<const float> distance, std::span<int64_t> best,
                    std::span<float> next);

@@ -52,7 +52,7 @@ Vector2d at(std::span<const double, 8> seen, int camera) {
 
 const Transform kSame{Eigen::Matrix3d::Identity(), Vector3d::Zero()};
 
-// Its point in the leading camera of each node.
+// A point of the first node's leading camera, there and in the second node's.
 std::array<Vector3d, 2> in_nodes(const StereoCameras& cameras, const Vector3d& point) {
   return {point, cameras.motion.turn * point + cameras.motion.shift};
 }
@@ -87,6 +87,8 @@ void add_reprojections(const Transform& motion, const SeenPoints& seen, std::spa
     rows.middleCols<3>(3) =
         seen.backward ? Matrix23(-point_cross_rows(moved, image.by_point)) : point_cross_rows(point, by_point);
     rows.col(6) = image.xy - xy;
+    // by_depth, d: how far one unit of error in the images that triangulated the point moves this image. The rows are
+    // whitened by the covariance I + d d', of which I - (1 - 1 / sqrt(1 + d'd)) d d' / d'd is the inverse square root.
     const Vector2d by_depth = by_point * point * (std::sqrt(2.0) / seen.baseline_m * point.z());
     const double square = std::max(by_depth.squaredNorm(), kLeastSquare);
     rows -= by_depth * ((1 - 1 / std::sqrt(1 + square)) / square * (by_depth.transpose() * rows));

@@ -60,13 +60,14 @@ struct StereoRows {
 using CalibrationRows = Eigen::Matrix<double, kStereoRows, kCalibration, Eigen::RowMajor>;
 
 StereoRows linearise_stereo(const StereoCameras& cameras, const Eigen::Vector3d& point, std::span<const double, 8> seen);
-// Derivatives by the calibration. field, ideal units: the disparity's error is 1, x, y, x2, xy, y2 of the place in the leading
-// image in units of it.
+// Derivatives of the residuals of StereoRows by the calibration. The disparity's error is a polynomial of 1, x, y, x2, xy, y2,
+// (x, y) the feature in the leading image divided by `field`, ideal units.
 CalibrationRows linearise_calibration(const StereoCameras& cameras, double field, const Eigen::Vector3d& point,
                                       std::span<const double, 8> seen);
 
-// The same with the point eliminated. freedom: rows that were seen, less three; cost: of the best point; what a step s of the
-// motion moves the point by is -point_inverse (point_gradient + point_by_motion' s).
+// The normal equations of the motion with the point eliminated. freedom: the feature's redundancy, rows that were seen less
+// the point's three numbers; cost: that of the point which suits the motion best. A step s of the motion moves this point by
+// -point_inverse (point_gradient + point_by_motion' s).
 struct ReducedFeature {
   Eigen::Matrix<double, 6, 6> information;
   Eigen::Matrix<double, 6, 1> gradient;

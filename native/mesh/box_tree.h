@@ -26,7 +26,7 @@ inline void keep_greater(Four& a, const Four& b) {
   a = a > b ? a : b;
 }
 
-// Of four children, axis by axis. An empty child is inside out.
+// The boxes of four children, axis by axis. That of an empty child is inside out: nothing is near it.
 struct Boxes {
   std::array<std::array<double, 4>, 3> low, high;
 };

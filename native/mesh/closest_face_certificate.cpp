@@ -140,7 +140,7 @@ void MeshIndex::Neighbourhood::look(int32_t other, const Triangle& t) {
   }
 }
 
-// Of a face that touches ours. Beyond the shared corner or edge ours stays on one side of each line tried; the other face, on
+// k of a face that touches ours. Beyond the shared corner or edge ours stays on one side of each line tried; the other face, on
 // its far side, is at least as far from ours as from that line. Infinite: it may stand over ours.
 double MeshIndex::Neighbourhood::slope_of(const std::array<Vec3, 3>& corner, const Vec3& height,
                                           const std::array<int, 3>& shared) const {
@@ -169,8 +169,8 @@ double MeshIndex::Neighbourhood::slope_of(const std::array<Vec3, 3>& corner, con
   return edges == 2 ? std::min(least, steepest(between.normalized())) : least;
 }
 
-// Of a face that does not: the smallest ball. Two triangles are apart by what a plane between them leaves, through an edge of
-// one or the other.
+// The least radius r that (1) allows a face that does not touch ours. Two triangles are at least as far apart as both are from
+// a plane between them that goes through an edge of one or the other.
 double MeshIndex::Neighbourhood::ball_of(int32_t other, const Triangle& t, const Vec3& height) const {
   const auto apart = [](const FaceFrame& frame, const Triangle& x) {
     double most = 0;

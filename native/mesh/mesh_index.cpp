@@ -22,7 +22,7 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kOnSurface = 1e-9;  // m; nearer than this the direction to the closest point is rounding noise
 
-// Squared distance of the point.
+// Squared distance of the point to each of four boxes.
 auto distance_bound(const Vec3& p) {
   return [p](const Boxes& b, Four& out) { squared_gaps(b, p, p, out); };
 }
@@ -75,7 +75,7 @@ MeshIndex::MeshIndex(std::vector<Vec3> vertices, std::vector<std::array<int32_t,
   tree_ = std::make_unique<BoxTree>(std::move(triangles));
 }
 
-// Of equal vertices the first.
+// Faces name, for a vertex, the first that has its coordinates: so neighbours share the numbers of their corners.
 void MeshIndex::weld() {
   std::vector<int32_t> order(vertices_.size()), to(vertices_.size());
   std::iota(order.begin(), order.end(), 0);
@@ -176,7 +176,8 @@ Closest MeshIndex::closest(const Vec3& point, int32_t hint) const {
   return answer(point, best);
 }
 
-// Whether the face is farther for certain: by its height and by its edges, with more to spare than both are rounded.
+// Whether the face is farther than `squared` (a squared distance) for certain: by the point's height over its plane and by how
+// far it is beyond an edge, with more to spare than both are rounded.
 bool MeshIndex::farther(int32_t face, const Vec3& point, double squared) const {
   const FaceFrame& frame = frames_[face];
   const double height = frame.normal.dot(point) - frame.level;

@@ -32,7 +32,8 @@ class MeshIndex {
   // Corners at equal coordinates are one (an STL repeats them): pseudonormals need the neighbours. Throws InputError.
   MeshIndex(std::vector<Vec3> vertices, std::vector<std::array<int32_t, 3>> faces);
 
-  // Of faces at equal distances the first. hint: a face likely to be close (-1: none). It saves time and changes no answer.
+  // The closest point of the mesh; of faces at equal distances the first is taken. hint: a face likely to be close (-1: none).
+  // It saves time and changes no answer.
   Closest closest(const Vec3& point, int32_t hint = -1) const;
   Hit cast(const Vec3& origin, const Vec3& unit_direction) const;
   // Whether no face crosses the straight line between two points, the end itself left out.
@@ -52,7 +53,8 @@ class MeshIndex {
     double level;  // of the face along it
     Vec3 unit;     // the pseudonormal inside
   };
-  // Safe side of what holds, m and ratio (closest_face_certificate.cpp); per_clearance < 0: not computed yet.
+  // Lower bounds of the two limits on the height up to which a face is the closest (closest_face_certificate.cpp): a ratio to
+  // the foot's clearance, and m. per_clearance < 0: not computed yet.
   struct Certificate {
     std::atomic<float> per_clearance{-1}, reach{0};
   };

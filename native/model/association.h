@@ -38,7 +38,7 @@ class Association {
   // How many beams miss at the present point, missed at the last accepted one, and are in the table.
   struct Beams {
     int64_t missed = 0, accepted_misses = 0, count = 0;
-    // Whether so many are lost that the point is refused.
+    // Whether so many more beams miss than at the last accepted point that this point is refused.
     bool loses_too_many() const { return missed - accepted_misses > std::max<int64_t>(4, (count - accepted_misses) / 5); }
   };
   Beams beams() const { return {missed_, accepted_misses_, static_cast<int64_t>(range_.size())}; }

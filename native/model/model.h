@@ -120,7 +120,7 @@ class Model {
   std::span<const int32_t> surface_nodes(int64_t row) const { return surface_nodes_.nodes(row); }
   FieldAt surface_field(int64_t row) const { return surface_nodes_.at(row); }
 
-  // Of each surface row at the last refresh: by the mixture, or as the method or the hold has it.
+  // 1 on the hull, 0 off it, for each surface row at the last refresh: by the mixture, or as the method or the hold has it.
   std::vector<int32_t> labels() const;
 
   // Robustified cost by kind at the present unknowns and tables; the same number for any number of threads.

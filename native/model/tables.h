@@ -72,7 +72,7 @@ struct Tables {
   }
   double mono_sigma_px(int64_t row) const { return sigma_px * (mono_sigma_ratio.rows() ? mono_sigma_ratio.data[row] : 1.0); }
 
-  // Whether the world's place is an unknown: where no position was measured nothing depends on it.
+  // Whether the block `world` is an unknown: without position fixes no factor depends on it.
   bool places_world() const { return position_node.rows() > 0 && !held("world"); }
 
   // Whether lenses have a displacement, free or held.
@@ -86,7 +86,7 @@ struct Tables {
   }
 };
 
-// Of a row of links, in link_kernel.
+// What a number in link_kernel means: the kernel of that row of links.
 enum LinkKernel : int32_t { kNoKernel, kScaling, kSwitch, kLinkKernels };
 
 struct Options {

@@ -54,7 +54,7 @@ OcclusionHorizon::OcclusionHorizon(std::span<const double> points, std::span<con
 double OcclusionHorizon::least_tangent(std::span<const double> points, std::span<const double> normals) const {
   constexpr double kRounding = 1e-4;  // m, of places in single precision within hundreds of metres
   const Bounds block = bounds_of(points, normals);
-  const double across = std::sqrt(2.0) * limits_.cell;  // of a cell
+  const double across = std::sqrt(2.0) * limits_.cell;  // a cell's diagonal
   const double slack = block.radius + limits_.cell + across;
   const Eigen::Vector3f up = block.normal.cast<float>();
   const auto low =

@@ -9,7 +9,7 @@
 //     X_ij = [i = j] E_i' H_i E_i - E_i' H_i K H_j E_j,                                                   (9)
 // and the reduced system of poses and mount is  S = [P Q]' X [P Q]  (10).
 //
-// Of a part of a problem (docs/schur.md, *Parts*) the interior is eliminated as well, and what is left on its interface and the
+// In a part of a problem (docs/schur.md, *Parts*) the interior is eliminated as well, and what is left on its interface and the
 // border is joined with that of the other parts (solve/joined_problem.h).
 //
 // Each row of X is summed by one thread in a fixed order, sums over all rows by fixed chunks: the bytes do not depend on the

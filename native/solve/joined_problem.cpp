@@ -139,7 +139,8 @@ void JoinedProblem::place(Part& part) {
   for (int column : part.border) part.to_top.push_back(top_->offset(shared_) + column);
 }
 
-// Of what several parts hold the first counts the length. Held unknowns count, as they do in a problem held whole.
+// A block that several parts hold counts in lengths once, in the first of them. Held unknowns count, as in a problem held
+// whole.
 void JoinedProblem::count_once() {
   std::vector<char> shared(shared_, 0), global(kGlobals, 0);
   each([&](Part& part) {

@@ -57,7 +57,7 @@ class JoinedProblem final : public LeastSquares {
  private:
   struct Part;
   template <class Work>
-  void each(const Work& work);  // work(part) of each in turn, at rest before and then
+  void each(const Work& work);  // work(part) for one part after the other; only this one's tables are in memory meanwhile
   void number_shared(const std::vector<ProblemPart>& parts);
   void place(Part& part);
   void count_once();

@@ -16,8 +16,8 @@ struct PairCovariance {
   std::vector<double> mount;       // (6, 6)
 };
 
-// Of pairs that need no factor between them, from the information at the model's unknowns. Throws StageError naming what is
-// not determined.
+// Joint covariances of pairs of poses that need no factor between them, at the model's unknowns. Throws StageError naming what
+// is not determined.
 PairCovariance pair_covariance(Model& model, const std::vector<std::array<int32_t, 2>>& pairs);
 
 }  // namespace hullrecon

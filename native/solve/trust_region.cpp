@@ -166,7 +166,7 @@ void TrustRegion::finish(IterationRow row) {
     converge("Gradient tolerance reached. Gradient max norm: " + number(row.gradient_norm) +
              " <= " + number(options_.gradient_tolerance));
   } else if (radius_ <= kLeastRadius) {
-    converge("Minimum certificate region radius reached. Certificate region radius: " + number(radius_));
+    converge("Minimum trust region radius reached. Trust region radius: " + number(radius_));
   }
 }
 

@@ -138,7 +138,7 @@ void FrontTree::find_children() {
   for (size_t f = 0; f + 1 < fronts_.size(); ++f) child_[next[fronts_[f].parent]++] = static_cast<int32_t>(f);
 }
 
-// Of two children that goes first which needs more memory beyond what it leaves; this is the order of least memory [Liu1992].
+// The child that needs more memory beyond what it leaves goes first; this is the order of least memory [Liu1992].
 void FrontTree::find_order() {
   std::vector<double> most(fronts_.size());  // numbers that wait at a time in the subtree, what the front leaves counted in
   const auto leaves = [&](int f) { return double(fronts_[f].below()) * fronts_[f].below(); };

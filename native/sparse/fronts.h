@@ -26,13 +26,13 @@ class Fronts {
 
   const FrontTree& tree() const { return tree_; }
   void clear();
-  // Of scalar (row, column) in a front's panel, rows from its top.
+  // Where scalar (row, column) of a front's panel stands, both counted from the panel's top left.
   double* at(int front, int row, int column) {
     const Front& f = tree_.fronts()[front];
     return value_.data() + f.value + int64_t{column} * f.height + row;
   }
   bool factor();  // the lower half becomes the factor's; false: not positive definite
-  // Of a factor: its least pivot, as a share of the matrix's own diagonal there: one less the squared multiple correlation.
+  // The least pivot of the factor, as a share of the matrix's own diagonal there: one less the squared multiple correlation.
   double least_pivot() const { return *std::min_element(least_pivot_.begin(), least_pivot_.end()); }
   // x := inverse(L) x, then x := inverse(L') x. A kept root has the right side that belongs to it after the first, and must
   // have its solution before the second.

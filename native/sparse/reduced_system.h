@@ -53,7 +53,7 @@ class ReducedSystem {
   double least_pivot() const { return fronts_->least_pivot(); }
   void solve(Eigen::VectorXd& x) { forward(x), backward(x); }
 
-  // Of a part: its solution in halves, between which the interface's is put into x (fronts.h).
+  // The two halves of solve() for a part of a problem: between them the interface's solution is put into x (fronts.h).
   void forward(Eigen::VectorXd& x) { fronts_->forward(x); }
   void backward(Eigen::VectorXd& x) { fronts_->backward(x); }
   int interior() const { return tree().offset(tree().fronts().back().first); }  // scalars before interface and border
@@ -63,10 +63,10 @@ class ReducedSystem {
     return {fronts_->at(static_cast<int>(tree().fronts().size()) - 1, 0, 0), size, size};
   }
 
-  // Of a factor: its matrix's inverse, read by block. Of a part condensed() has to hold that of interface and border.
+  // After factor(): the inverse of the matrix, read by block. In a part condensed() must hold that of interface and border.
   void invert() { fronts_->invert(); }
   Eigen::MatrixXd block(int a, int b) const;  // (width of a, width of b), where the factor has an entry
-  // The same where it stands: rows of that of both which is_later(); of a block with itself the lower half counts.
+  // The same without a copy: its rows are those of the later of the two blocks; of a block with itself the lower half counts.
   Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>> lower(int a, int b) const;
   bool is_later(int a, int b) const { return position_[a] > position_[b]; }
 

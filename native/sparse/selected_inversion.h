@@ -14,7 +14,7 @@ class SelectedInverse {
  public:
   explicit SelectedInverse(const Lower& a);  // throws Singular
 
-  // Of entries on the pattern of the factor; others throw std::out_of_range.
+  // An entry of the inverse, if it is on the pattern of the factor; others throw std::out_of_range.
   double operator()(int row, int column) const;
 
  private:
