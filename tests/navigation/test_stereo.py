@@ -25,7 +25,7 @@ from hullrecon.navigation.stereo_odometry.visual_odometry import (
     StepGuess,
     chain_errors,
     compose,
-    follow,
+    measure_steps,
 )
 from hullrecon.records.sensors import ImuSamples, PressureSamples
 from hullrecon.vision.pairs.camera_track import NavigationErrors
@@ -72,7 +72,7 @@ def images(count: int) -> list[tuple[int, int]]:
 
 def test_each_pair_is_read_once_and_in_order() -> None:
     motion = KnownMotion()
-    chain = follow(images(6), motion, EVERY_SECOND, list)
+    chain = measure_steps(images(6), motion, EVERY_SECOND, list)
     assert motion.read == list(range(6))
     assert len(chain.step) == 5
     assert chain.inliers.tolist() == [200] * 5
@@ -83,7 +83,7 @@ def test_a_blind_pair_is_bridged_by_the_one_before_it() -> None:
     """The step into it is repeated; the step out of it takes up what is left of the motion from the
     pair before.
     """
-    chain = follow(images(6), KnownMotion(blind=(3,)), EVERY_SECOND, list)
+    chain = measure_steps(images(6), KnownMotion(blind=(3,)), EVERY_SECOND, list)
     assert chain.lost.tolist() == [2]
     np.testing.assert_array_equal(chain.step.translation[2], chain.step.translation[1])
     both = chain.step[[2]] @ chain.step[[3]]
@@ -95,7 +95,7 @@ def test_a_blind_pair_is_bridged_by_the_one_before_it() -> None:
 
 
 def test_the_first_step_of_all_is_guessed_as_none() -> None:
-    chain = follow(images(4), KnownMotion(blind=(1,)), EVERY_SECOND, list)
+    chain = measure_steps(images(4), KnownMotion(blind=(1,)), EVERY_SECOND, list)
     assert chain.lost.tolist() == [0]
     np.testing.assert_array_equal(chain.step.translation[0], 0)
 
@@ -112,7 +112,7 @@ def test_step_across_a_minute_without_images_has_wide_sigma() -> None:
     """The vehicle may have gone on, stood still or turned back: the step before, repeated once, was
     known to half a metre.
     """
-    chain = follow(
+    chain = measure_steps(
         images(6), TwoStretches(), StepGuess(t_s=np.array([0, 1, 2, 52, 53, 54.0])), list
     )
     assert chain.lost.tolist() == [2]
@@ -125,7 +125,7 @@ def test_step_across_a_minute_without_images_has_wide_sigma() -> None:
 def test_across_a_blank_the_turn_is_the_imus() -> None:
     camera = Rotation.from_euler("z", [[0.0], [0.1], [0.2], [1.7], [1.8], [1.9]])
     times = np.array([0, 1, 2, 52, 53, 54.0])
-    chain = follow(
+    chain = measure_steps(
         images(6),
         TwoStretches(),
         StepGuess(t_s=times, camera=camera, turn_variance=np.full(5, 1e-4)),

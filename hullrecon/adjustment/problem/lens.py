@@ -140,7 +140,8 @@ def estimate_lens_sigma(found: Array, calibration_sigma_px: Array) -> Array:
 def summarise_lenses(rig: Rig, found: Array, marginals: native.Covariance) -> dict[str, Any]:
     """Tabulate by camera: estimated displacement, its sigma and the calibration's sigma, px rms.
 
-    Lenses that were held have no variance, and are left out.
+    found: estimated modes (2, 2 LENS_MODES) px of top and bottom lens. marginals: gives their
+    covariances. Lenses that were held have no variance, and are left out.
     """
     out: dict[str, Any] = {}
     for camera in rig.camera_models:

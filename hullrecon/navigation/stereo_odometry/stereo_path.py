@@ -27,8 +27,8 @@ from hullrecon.navigation.stereo_odometry.visual_odometry import (
     StereoChain,
     chain_errors,
     compose,
-    follow,
     in_vehicle,
+    measure_steps,
 )
 from hullrecon.records.clock import describe_silence, seconds, unread_s
 from hullrecon.records.sensors import ImuSamples, JointSamples, PressureSamples
@@ -115,7 +115,7 @@ def stereo_navigate(
     vehicle_from_camera = tray_poses(rig.tray_origin, angle) @ rig.tray_from(Camera.TOP)
     history = _smooth_attitude(aids.imu, sigmas.tilt_rad)
     guess = _prepare_guess(t_ns, history, vehicle_from_camera)
-    chain = follow([(int(a), int(b)) for a, b in image], motion, guess, progress)
+    chain = measure_steps([(int(a), int(b)) for a, b in image], motion, guess, progress)
     if 2 * len(chain.lost) > len(chain.step):
         where = (
             f"{len(chain.lost)} of {len(chain.step)} steps have fewer than "

@@ -71,12 +71,14 @@ class StepGuess:
         steps: the motions between all pairs before.
         """
         duration_s = np.diff(self.t_s)
+        # The longer the images show nothing, the less the camera keeps its motion: the sigmas grow
+        # with the time beyond the usual step.
         longer_s = max(float(duration_s[k] - np.median(duration_s)), 0.0)
         before = steps[-1].pose if steps else identity()
         # the previous step, stretched to the duration of this one
         translation = before.translation * (duration_s[k] / duration_s[k - 1] if steps else 1.0)
         sigma_rad = min(LOST_SIGMA_RAD + LOST_RAD_S * longer_s, MOST_LOST_RAD)
-        quaternion = before.quaternion
+        quaternion = before.quaternion  # of the previous step, or the turn that the IMU measured
         if self.camera is not None and self.turn_variance is not None:
             quaternion = (self.camera[k].inv() * self.camera[k + 1]).as_quat()[None]
             sigma_rad = min(float(np.sqrt(self.turn_variance[k])), sigma_rad)
@@ -88,7 +90,7 @@ class StepGuess:
         return StereoMotion(pose=pose, covariance=np.diag(sigma**2), inliers=0, calibration=none)
 
 
-def follow(
+def measure_steps(
     images: Sequence[tuple[int, int]],
     motion: PairMotion[Frame],
     guess: StepGuess,
