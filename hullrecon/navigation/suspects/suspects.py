@@ -119,11 +119,13 @@ def judge(
         wrong = [c for c in base if c.accuses]
         if not wrong:
             break
-        found = _try_all(motions, atmosphere_m, base)
+        found = _try_all(motions, atmosphere_m, base)  # those that explain most first
         tried += [one for _, one in found[:SHOWN]]
         best = explain_best(found)
         sensors = list(dict.fromkeys(h.sensor for h, _ in best))
         late = [h for h, _ in best if h.fault == "clock"]
+        # What can be told of the fault: a clock, a drift, several sensors, several units of a
+        # pressure, a fault that is corrected (then the next one is sought), or one that is not.
         if late:  # a swell repeats itself, so of offsets that fit as well the smallest is told
             least = min(late, key=lambda h: abs(h.late_s))
             values = {"sensor": str(least.sensor), "seconds": least.late_s}
@@ -239,24 +241,24 @@ def _try_all(
     suspects = frozenset().union(*(c.sensors for c in wrong))
     before = sum(c.chi2 for c in base)
     # with a lower bound of chi-square
-    solved: list[tuple[float, Hypothesis, _Repeated]] = []
+    solved: list[tuple[float, Hypothesis, _RepeatedComparisons]] = []
     # with the growth of the chi-square of a contradiction that remains
-    unsolved: list[tuple[float, Hypothesis, _Repeated]] = []
+    unsolved: list[tuple[float, Hypothesis, _RepeatedComparisons]] = []
     records, flows, camera = motions.records, motions.flows, motions.rig.top
     for one in hypotheses(records, suspects, atmosphere_m, flows, camera):
         own = [c for c in wrong if one.sensor in c.sensors]
         is_constant = one.fault == "constant"
         if not own or (is_constant and not all(c.stands_still for c in own if c.second.any())):
             continue
-        repeated = _Repeated(one, motions)
+        repeated = _RepeatedComparisons(one, motions)
         remaining = None if is_constant else next((c for c in own if not repeated.solves(c)), None)
         if remaining is None:
             # the chi-square of comparisons that are not repeated yet falls to zero at best
-            gain = sum(c.chi2 - _chi2_under(c, repeated.made(c.kind)) for c in own)
+            gain = sum(c.chi2 - _chi2_under(c, repeated.comparison(c.kind)) for c in own)
             gain += sum(c.chi2 for c in base if one.sensor in c.sensors and not c.accuses)
             solved.append((before - gain, one, repeated))
         else:
-            worse = _chi2_under(remaining, repeated.made(remaining.kind)) - remaining.chi2
+            worse = _chi2_under(remaining, repeated.comparison(remaining.kind)) - remaining.chi2
             unsolved = sorted([*unsolved, (worse, one, repeated)], key=lambda row: row[0])[:SHOWN]
     # Repeat all comparisons of hypotheses that may still be the best, and of some that failed.
     tried: list[tuple[Hypothesis, Tried]] = []
@@ -270,7 +272,7 @@ def _try_all(
     return sorted(tried, key=lambda pair: (not pair[1].explains, pair[1].chi2))
 
 
-class _Repeated:
+class _RepeatedComparisons:
     """Comparisons under a hypothesis, each made when it is asked for.
 
     before: motions as the dive was logged, of which unchanged parts are used again.
@@ -281,7 +283,7 @@ class _Repeated:
         self._motions = Motions(one.mended, before.rig, flows, before)
         self._made: dict[str, Comparison | None] = {}
 
-    def made(self, kind: str) -> Comparison | None:
+    def comparison(self, kind: str) -> Comparison | None:
         """Make a comparison of one kind, once. None without enough readings or motion."""
         if kind not in self._made:
             found = compare(self._motions, {kind})
@@ -293,13 +295,15 @@ class _Repeated:
 
         before: the comparison as the dive was logged.
         """
-        after = self.made(before.kind)
+        after = self.comparison(before.kind)
         if after is None or len(after.residual) < KEPT * len(before.residual):
             return False
         return after.misfit < EXPLAINED or (before.is_reversed and not after.is_contradiction)
 
 
-def _weigh_hypothesis(one: Hypothesis, base: Sequence[Comparison], repeated: _Repeated) -> Tried:
+def _weigh_hypothesis(
+    one: Hypothesis, base: Sequence[Comparison], repeated: _RepeatedComparisons
+) -> Tried:
     """Tell whether a hypothesis explains the contradictions, by all comparisons of its sensor.
 
     It has to solve all contradictions of its sensor and cause no new one. It also has to lower
@@ -308,10 +312,14 @@ def _weigh_hypothesis(one: Hypothesis, base: Sequence[Comparison], repeated: _Re
     own = [c for c in base if c.accuses and one.sensor in c.sensors]
     before = sum(c.chi2 for c in base)
     chi2 = before + sum(
-        _chi2_under(c, repeated.made(c.kind)) - c.chi2 for c in base if one.sensor in c.sensors
+        _chi2_under(c, repeated.comparison(c.kind)) - c.chi2
+        for c in base
+        if one.sensor in c.sensors
     )
     solved = one.fault == "constant" or all(repeated.solves(c) for c in own)
-    after = [repeated.made(kind) for kind, sensors in DEPENDS_ON.items() if one.sensor in sensors]
+    after = [
+        repeated.comparison(kind) for kind, sensors in DEPENDS_ON.items() if one.sensor in sensors
+    ]
     sound = not any(c.accuses for c in after if c is not None)
     gains = chi2 < before - GAIN or any(c.is_reversed for c in own)
     return Tried(
