@@ -102,7 +102,7 @@ def _line(coefficients: object, grown: float) -> float:
 def fit_line(grown: Sequence[float], measured: Sequence[float]) -> NDArray[np.float64]:
     """Fit the line of a cost, fixed part and slope, both non-negative.
 
-    By least squares of relative errors. From one measurement, only a slope is fitted.
+    Relative errors are minimised by least squares. From one measurement, only a slope is fitted.
 
     Parameters
     ----------

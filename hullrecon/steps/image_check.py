@@ -45,8 +45,8 @@ def check_images(index: Mapping[Camera, ImageIndex], read: ReadImage) -> list[Fi
 def _check_pictures(pictures: Sequence[Pixels], camera: str) -> list[Finding]:
     """Find out whether some or all of a camera's pictures show nothing or are the same picture.
 
-    At most two findings. Blank pictures are equal too: where some are blank, equal ones are not
-    reported.
+    There are at most two findings. Blank pictures are equal too: where some are blank, equal ones
+    are not reported.
     """
     count = len(pictures)
     blank = sum(len(extract(picture, FEATURES)) == 0 for picture in pictures)

@@ -182,17 +182,23 @@ def render_index(rows: Sequence[IndexRow]) -> str:
 
 
 class _Dive(msgspec.Struct, frozen=True):
+    """What the page takes of the member `dive` of summary.json."""
+
     vessel: str | None = None
     date: str | None = None
 
 
 class _Summary(msgspec.Struct, frozen=True):
+    """What the page takes of summary.json."""
+
     dive: _Dive = _Dive()
     absent: Mapping[str, str] = {}
     lost: tuple[str, ...] = ()
 
 
 class _Object(msgspec.Struct, frozen=True):
+    """What the page takes of an object of objects.json."""
+
     id: int
     height: float
     height_sigma: float | None = None
@@ -200,16 +206,22 @@ class _Object(msgspec.Struct, frozen=True):
 
 
 class _Objects(msgspec.Struct, frozen=True):
+    """What the page takes of objects.json."""
+
     objects: tuple[_Object, ...] = ()
 
 
 class _WeakDirection(msgspec.Struct, frozen=True):
+    """What the page takes of a weak direction of alignment.json."""
+
     kind: str = ""
     sigma: float = 0.0
     sentence: str = ""
 
 
 class _Alignment(msgspec.Struct, frozen=True):
+    """What the page takes of alignment.json."""
+
     weak_directions: tuple[_WeakDirection, ...] = ()
 
 

@@ -171,7 +171,7 @@ class ContrastStretch:
 
     @classmethod
     def of(cls, bands: Pixels, seen: Pixels) -> ContrastStretch:
-        """Choose the stretch by what was seen of a picture (3, h, w)."""
+        """Choose the stretch by what was seen of a picture (3, h, w). seen: (h, w), else 0."""
         sums = np.zeros(3 * 255 + 1, np.int64)  # histogram of red + green + blue
         for row, alpha in enumerate(seen):
             total = bands[:, row].sum(axis=0, dtype=np.int64)
@@ -185,7 +185,7 @@ class ContrastStretch:
     def apply(self, bands: Pixels, seen: Pixels) -> Pixels:
         """Stretch a picture (3, h, w) to RGBA (h, w, 4).
 
-        Row by row, as a picture of floats would take 100 MB and more.
+        It works row by row, as a picture of floats would take 100 MB and more.
         """
         rgba = np.empty((*seen.shape, 4), np.uint8)
         rgba[..., 3] = seen

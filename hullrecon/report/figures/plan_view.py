@@ -59,10 +59,12 @@ class Plan:
         return self.extent.size[1] * self.scale
 
     def x(self, along: float) -> float:
+        """Convert a distance along the hull, m, to x in the drawing."""
         share = along - self.extent.along[0]
         return LEFT + (self.extent.size[0] - share if self.extent.flips[0] else share) * self.scale
 
     def y(self, girth: float) -> float:
+        """Convert a girth, m, to y in the drawing, which grows downwards."""
         share = (girth - self.extent.girth[0]) * self.scale
         return TOP + (share if self.extent.flips[1] else self.height - share)
 

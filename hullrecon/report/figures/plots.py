@@ -155,7 +155,7 @@ def labels(iterations: Arrays) -> Plot:
 def _reached(iterations: Arrays) -> Array:
     """Select the cost (k,) of the last accepted solution at each iteration.
 
-    Costs as recorded if the record does not say which steps were accepted.
+    Where the record does not say which steps were accepted, it is the cost as recorded.
     """
     cost = np.asarray(iterations["cost"], float)
     if "accepted" not in iterations:
@@ -373,6 +373,7 @@ def deviation_histogram(
 
 
 def _form_words(form: Array, weight: Array, split: DeviationSplit) -> str:
+    """Write how far the form spreads, with its sigma, for readers who do not see the plot."""
     low, high = 1000 * weighted_percentiles(form, weight, (5, 95))
     sigma = 1000 * float(np.nanmedian(split.form_sigma))
     spread = f"5th to 95th percentile {signed_range(low, high, 1)} mm"
