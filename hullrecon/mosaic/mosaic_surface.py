@@ -90,8 +90,8 @@ def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> S
     good = np.isfinite(start[:, 0] + start[:, 1] + start[:, 2]) & inside.ravel()
     distance, face = np.full(len(start), np.inf), np.full(len(start), -1, np.int32)
     distance[good], face[good] = surface.scene.hit(start[good], direction[good])
-    off = distance > 2 * surface.reach_m
-    distance[off], face[off] = np.nan, -1
+    too_far = distance > 2 * surface.reach_m
+    distance[too_far], face[too_far] = np.nan, -1
     point = (start + distance[:, None] * direction).reshape(shape)
     # Without a horizon, zero: any texel may be occluded
     if surface.horizon is None:

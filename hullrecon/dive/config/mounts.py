@@ -132,11 +132,11 @@ def parted_on_tray(sensors: Mapping[str, FixedSensor]) -> tuple[FixedSensor, Fix
         for sensor, origin in ON_SERVO.values()
         if origin == "tray.origin" and sensor in sensors
     ]
-    on, fixed = (
+    turning, fixed = (
         [s for s in both if (s.on_servo or s.servo_origin is not None) == turns]
         for turns in (True, False)
     )
-    return (on[0], fixed[0]) if on and fixed else None
+    return (turning[0], fixed[0]) if turning and fixed else None
 
 
 def refuse_mounts(

@@ -182,9 +182,9 @@ class PairMatcher:
         """Match descriptors of the allowed pairs of features, or of all `rows` with all `among`."""
         if allowed is not None:
             return self.strategy.match_descriptors(first, second, allowed)
-        here = FeatureSet(descriptor=first.descriptor[rows], place=first.place[rows])
-        there = FeatureSet(descriptor=second.descriptor[among], place=second.place[among])
-        return self.strategy.match_descriptors(here, there, None)
+        of_first = FeatureSet(descriptor=first.descriptor[rows], place=first.place[rows])
+        of_second = FeatureSet(descriptor=second.descriptor[among], place=second.place[among])
+        return self.strategy.match_descriptors(of_first, of_second, None)
 
     def _within_ellipses(
         self, first: NodeView, second: NodeView, motion: Motion, rows: Ints, among: Ints
@@ -260,11 +260,13 @@ class PairMatcher:
         have a stereo point or agree, the motion is unchanged and there is no such evidence.
         """
         matched = matched.take(slice(None, None, max(1, len(matched) // ADJUSTED)))
-        here, there = (
+        of_first, of_second = (
             NodeObservations(lead=view.xy[rows], other=view.other[rows], point=view.point[rows])
             for view, rows in ((first, matched.first), (second, matched.second))
         )
-        found = adjust_stereo_motion(motion.second_from_first, here, there, self.bottom_from_top)
+        found = adjust_stereo_motion(
+            motion.second_from_first, of_first, of_second, self.bottom_from_top
+        )
         if found is None:
             return motion, None
         return Motion(found.second_from_first, found.covariance), found.calibration
