@@ -83,4 +83,5 @@ def write_private_file(folder: Path, kind: str, text: str) -> Path:
 
 
 def _is_of_kind(name: str, kind: str) -> bool:
+    """Tell whether a file's name is one that `write_private_file` gives to a kind."""
     return name.startswith(f"{kind}-") and name.endswith(".txt")

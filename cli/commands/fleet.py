@@ -82,5 +82,6 @@ def _emit(result: FleetResult, lines: list[str]) -> None:
 
 
 def _print_failure(dive: FleetDive) -> None:
+    """Print a dive's failure, with --quiet only the first time."""
     if not (dive.known and state_of().quiet):
         click.echo(dive.line(), err=True)

@@ -195,6 +195,7 @@ def _document(dive: dive_run.DiveRun, plan: Sequence[StepStatus]) -> dict[str, o
 
 
 def _status_line(step: StepStatus) -> str:
+    """Say in a line whether a step is up to date, and why not."""
     return f"{step.stage.name:16}{step.state}" + (
         f": {'; '.join(step.reasons)}" if step.reasons else ""
     )

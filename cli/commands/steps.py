@@ -115,6 +115,7 @@ def unwrap_type(kind: types.Type) -> tuple[types.Type, str]:
 
 
 def _bounds(kind: types.Type) -> str:
+    """Write the bounds of a number's type for the help. Empty without any."""
     limits = ((word, getattr(kind, name, None)) for name, word in _BOUNDS.items())
     return ", ".join(f"{word} {limit:g}" for word, limit in limits if limit is not None)
 

@@ -55,7 +55,7 @@ class Executor:
     def fork_workers(self) -> None:
         """Start the workers, if this executor has any, as copies of this process.
 
-        To be called before the process has threads or data.
+        It is to be called before the process has threads or data.
         """
 
     def close(self) -> None: ...

@@ -143,7 +143,7 @@ class HashCache:
         self._note(path, path.stat(), record)
 
     def save(self) -> None:
-        """Write the store if it changed. Only the holder of the lock may."""
+        """Write the store if it changed. Only the holder of the workspace's lock may call this."""
         if self._changed and self._store is not None:
             write_file(self._store, seal(self._known))
             self._changed = False

@@ -75,7 +75,7 @@ def why_no_pdf() -> str | None:
 def render_pdf(context: Mapping[str, object]) -> bytes:
     """Render the report as PDF, tagged for screen readers, from the variables of page_context.
 
-    Same context, same bytes. Raises OSError if Pango is missing.
+    The same context gives the same bytes. Raises OSError if Pango is missing.
     """
     import weasyprint
 

@@ -319,4 +319,5 @@ def _finite_rows(points: Array) -> Array:
 
 
 def _rounded(values: Array) -> list[object]:
+    """Round to 0.1 mm, for JSON."""
     return list(np.round(np.asarray(values, float), 4).tolist())

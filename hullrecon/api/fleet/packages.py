@@ -167,6 +167,7 @@ def _mark(status: os.stat_result) -> bytes:
 
 
 def _identity(status: os.stat_result) -> tuple[int, int]:
+    """Tell one file or folder from all others by device and inode."""
     return status.st_dev, status.st_ino
 
 

@@ -60,7 +60,7 @@ def add_motion(
 def _with_offset_by_motion(
     finding: Finding, records: SensorRecords, level: Level | None
 ) -> Finding:
-    """Replace a finding's offset by what the motion tells. Unchanged where it tells nothing.
+    """Replace a finding's offset by what the motion tells. It is kept where that tells nothing.
 
     An offset near the hours that the finding suspects is that of a time zone: the hours are then
     taken as exact.

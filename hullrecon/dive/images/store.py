@@ -25,7 +25,7 @@ LARGEST_BYTES = 4 * LARGEST_PIXELS  # of one image in a file, unpacked pixels wi
 
 @dataclass(frozen=True)
 class ImageStore:
-    """The images of one camera. Opens nothing until read. Pickled as its paths."""
+    """The images of one camera. It opens nothing until it is read, and is pickled as its paths."""
 
     ingest: Path  # the ingest artifact
     package: Path | None  # its folder, needed where images are plain files

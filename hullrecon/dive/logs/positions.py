@@ -135,7 +135,7 @@ def _is_position(sample: PositionSample) -> bool:
 def _under_water(samples: Sequence[PositionSample], pressure: PressureSamples | None) -> Mask:
     """Find the satellite fixes (n,) of a vehicle under water, where its antenna receives nothing.
 
-    Judged by the depth interpolated at the fix. Fixes without a depth within NEAR_DEPTH_S are not
+    It is judged by the depth interpolated at the fix. Fixes without one within NEAR_DEPTH_S are not
     marked.
     """
     t_ns = np.array([s.t_ns for s in samples], np.int64)

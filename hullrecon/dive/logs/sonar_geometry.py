@@ -114,6 +114,7 @@ def _select_common_fan(samples: Sequence[SonarSample], rows: Sequence[int]) -> l
 
 
 def _is_one_fan(directions: Array | None, other: Array | None) -> bool:
+    """Tell whether beams (beams, 3) point the same ways, within SAME_FAN."""
     if directions is None or other is None:
         return directions is other
     # vectors of length 0, of beams that were never filled in, are like themselves only
@@ -126,7 +127,7 @@ def image_in_ranges(sample: SonarSample, range_m: Array) -> NDArray[np.generic]:
     """Resample a ping's image (beams, ranges) to other ranges, m, by the nearest sample.
 
     With it pings of slightly different windows fit into one array. 0 beyond its own ranges.
-    Returned unchanged where its own ranges do not grow.
+    The image is returned unchanged where its own ranges do not grow.
     """
     own = sample.range_m
     if np.array_equal(own, range_m) or len(own) < 2 or not (np.diff(own) > 0).all():

@@ -274,6 +274,7 @@ def _columns(points: Array, local: LocalFrame) -> dict[str, NDArray[np.generic]]
 
 
 def _as_found(surface: Surface, t_ns: int, local: LocalFrame) -> Message:
+    """Make the cloud of the hull as found, of the vertices that were seen."""
     seen = surface.support > 0
     values = {"deviation": surface.deviation, "sigma": surface.sigma}
     more = {name: value[seen].astype(np.float32) for name, value in values.items()}
@@ -282,6 +283,7 @@ def _as_found(surface: Surface, t_ns: int, local: LocalFrame) -> Message:
 
 
 def _cad_model(mesh: Mesh, t_ns: int, local: LocalFrame) -> Message:
+    """Make the entity of the CAD model."""
     model = messages.model(ship_glb(Mesh(mesh.vertices - local.origin, mesh.faces)))
     return messages.scene_update([messages.entity(t_ns, local.name, "cad_model", models=[model])])
 

@@ -35,7 +35,7 @@ class LossTracker:
         return message
 
     def add_loss(self, why: str, start_ns: int, end_ns: int, topics: Collection[str] = ()) -> None:
-        """Add the loss of a part with a known span. Without topics, of every topic seen so far.
+        """Add the loss of a part with a known span, of every topic seen so far if none is given.
 
         Beyond MOST_LOSSES it is only counted.
         """

@@ -203,5 +203,6 @@ def _ranges(transducers: object) -> Array:
 
 
 def _mounting_offset(report: Report) -> float | None:
+    """Read the mounting rotation offset, deg, of a configuration. None without one."""
     result = report.get("result")
     return number_of(result, "mounting_rotation_offset") if isinstance(result, dict) else None

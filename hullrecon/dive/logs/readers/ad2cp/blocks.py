@@ -92,7 +92,7 @@ def checksum(data: bytes) -> int:
 
 
 def _odd(data: bytes) -> int:
-    """Correct a sum over an odd number of bytes: the last is the high half of a word."""
+    """Compute what a sum lacks over an odd number of bytes: the last is the high half of a word."""
     return 255 * data[-1] if len(data) % 2 else 0
 
 

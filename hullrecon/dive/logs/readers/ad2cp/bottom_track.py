@@ -151,6 +151,7 @@ def _parse_df21(data: bytes, start: int) -> BottomTrack:
 
 
 def _has_angles(config: int) -> bool:
+    """Tell whether a configuration states heading, pitch and roll."""
     return bool(config & HAS_COMPASS and config & HAS_TILT)
 
 

@@ -58,7 +58,7 @@ def directions(beams: Mapping[int, Array], numbers: Sequence[int]) -> Array | No
 def velocity_from_beams(closing: Array, units: Array) -> Array:
     """Solve for the velocity (3,) m/s from the velocities along the beams, by least squares.
 
-    For files that hold velocities along the beams alone. NaN where fewer than three beams are
+    Files that hold velocities along the beams alone need it. NaN where fewer than three beams are
     known, or where they leave a direction unobserved.
 
     Parameters
