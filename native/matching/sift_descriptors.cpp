@@ -11,6 +11,8 @@
 #include <numbers>
 #include <vector>
 
+#include "common/wide.h"
+
 namespace hullrecon {
 namespace {
 
@@ -22,7 +24,6 @@ constexpr float kLength = 512.0f;
 constexpr float kHalf = 0.5f * (kCells + 1);  // cells from the keypoint to where samples end
 
 // What is done eight numbers at a time is compiled for processors with AVX2, too: it takes a third of the time there.
-#define HULLRECON_WIDE __attribute__((target_clones("arch=x86-64-v3", "default")))
 #define HULLRECON_INLINE inline __attribute__((always_inline))
 
 constexpr int kLanes = 8;

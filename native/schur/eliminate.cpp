@@ -5,17 +5,21 @@
 #include <utility>
 
 #include "common/parallel.h"
+#include "common/wide.h"
 #include "schur/schur.h"
+
+extern "C" {
+void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k, const double* alpha,
+            const double* a, const int* lda, const double* b, const int* ldb, const double* beta, double* c, const int* ldc);
+}
 
 namespace hullrecon {
 namespace {
 
 // Adds E'(own - H K C) of a view, 6 by width, to a pose's row: own and C are what the view and all views say of the landmark's
-// displacement with the intrinsics, 3 by width, both row by row as the sum is. Four columns at a time on processors with AVX2,
-// with the same bytes, as no product is fused with a sum.
-__attribute__((target_clones("avx2", "default"))) void add_with_intrinsics(const double* own, const double* of_landmark,
-                                                                           const Mat3& hk, const Vec3& q, int width,
-                                                                           double* __restrict sum) {
+// displacement with the intrinsics, 3 by width, both row by row as the sum is. Four columns at a time on processors with AVX2.
+HULLRECON_WIDE void add_with_intrinsics(const double* own, const double* of_landmark, const Mat3& hk, const Vec3& q, int width,
+                                        double* __restrict sum) {
   const double *c0 = of_landmark, *c1 = c0 + width, *c2 = c1 + width, *o0 = own, *o1 = o0 + width, *o2 = o1 + width;
   const Mat3 m = hk;
   const double x = q[0], y = q[1], z = q[2];
@@ -44,6 +48,14 @@ void Schur::eliminate() {
         }
       },
       8);
+  if (intrinsics_ > 0) {
+    for_slabs(
+        images_.stretches(), threads_,
+        [&](int64_t begin, int64_t end) {
+          for (int64_t k = begin; k < end; ++k) eliminate_intrinsics(k);
+        },
+        1);
+  }
   rhs_ = gradient_.reduced;
   Border sum = chunked(layout_.poses(), kPoses, [&](int64_t i, Border& b) {
     images_.sees(i) ? reduce_row(static_cast<int>(i), b) : reduce_other(static_cast<int>(i));
@@ -66,7 +78,7 @@ void Schur::eliminate() {
   rhs_.segment(offset(border), layout_.border()) += sum.rhs + of_landmarks.rhs + of_intrinsics.rhs;
 }
 
-// Row i of X (9), and of what it shares with nodes, hull and intrinsics (11). place: of each block, -1 between calls.
+// Row i of X (9), and of what it shares with nodes and hull (11). place: of each block, -1 between calls.
 void Schur::eliminate_row(int i, std::vector<int64_t>& place) {
   const auto row = pattern_.row(i);
   const int64_t end = row.back().place + (row.back().block < layout_.poses() ? 36 : 6);
@@ -75,9 +87,6 @@ void Schur::eliminate_row(int i, std::vector<int64_t>& place) {
   const Vec3 origin = images_.chains()[i].origin;
   Twist eliminated = Twist::Zero();
   Mat6 with_hull = Mat6::Zero();
-  Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor> with_intrinsics(6, intrinsics_);
-  with_intrinsics.setZero();
-  WithIntrinsics cross(3, intrinsics_);
   for (int32_t v : images_.views_of_pose(i)) {
     const View& view = images_.view(v);
     const int32_t rank = view.landmark;
@@ -100,15 +109,30 @@ void Schur::eliminate_row(int i, std::vector<int64_t>& place) {
         Eigen::Map<Twist>(&x_[place[layout_.node(nodes[k])]]) -= (s.by_field * weights[k]) * along;
       }
     }
-    if (intrinsics_ == 0) continue;
-    cross.setZero();
-    images_.add_intrinsics(v, cross);
-    add_with_intrinsics(cross.data(), intrinsics_of(rank).data(), h * inverse(rank), q, intrinsics_, with_intrinsics.data());
   }
   Eigen::Map<Mat6>(&x_[place[i]]) += own_[i];
   eliminated_.col(i) = eliminated, with_hull_[i] = with_hull;
-  this->with_intrinsics(i) = with_intrinsics;
   for (const auto& entry : row) place[entry.block] = -1;
+}
+
+// What the poses of a stretch share with the intrinsics (11). They mostly see the same landmarks, so C of a landmark is fetched
+// from memory once for all of them.
+void Schur::eliminate_intrinsics(int64_t stretch) {
+  const int64_t first = stretch * ImageTerms::kStretch;
+  using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
+  std::vector<Rows> sums(ImageTerms::kStretch, Rows::Zero(6, intrinsics_));
+  WithIntrinsics cross(3, intrinsics_);
+  for (int32_t v : images_.views_of_stretch(stretch)) {
+    const View& view = images_.view(v);
+    const int64_t rank = view.landmark;
+    cross.setZero();
+    images_.add_intrinsics(v, cross);
+    add_with_intrinsics(cross.data(), intrinsics_of(rank).data(), view.matrix() * inverse(rank),
+                        at(rank) - images_.chains()[view.pose].origin, intrinsics_, sums[view.pose - first].data());
+  }
+  for (int64_t i = first; i < std::min(first + ImageTerms::kStretch, model_.poses()); ++i) {
+    if (images_.sees(i)) with_intrinsics(static_cast<int>(i)) = sums[i - first];
+  }
 }
 
 // Row i of S = [P Q]' X [P Q] (10) and what it adds to the border, with its small factors.
@@ -228,17 +252,22 @@ void Schur::reduce_landmark_border(int64_t rank, Border& sum) const {
   }
 }
 
-// What landmarks leave of the intrinsics alone (13), as one product of a group of them.
+// What landmarks leave of the intrinsics alone (13), as one product of a group of them. Rows of C stand in a run, so a group's
+// are C' to BLAS, which is told so.
 Schur::Border Schur::reduce_intrinsics() const {
   return chunked(intrinsics_ > 0 ? groups() : 0, 1, [&](int64_t group, Border& sum) {
     const int64_t first = group * kGroup, count = std::min(kGroup, model_.landmarks() - first);
-    Eigen::MatrixXd c(3 * count, intrinsics_), kc(3 * count, intrinsics_);
-    for (int64_t i = 0; i < count; ++i) {
-      c.middleRows<3>(3 * i) = intrinsics_of(first + i);
-      kc.middleRows<3>(3 * i).noalias() = inverse(first + i) * intrinsics_of(first + i);
-    }
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const Eigen::Map<const Rows> c(intrinsics_of(first).data(), 3 * count, intrinsics_);
+    Rows kc(3 * count, intrinsics_);
+    for (int64_t i = 0; i < count; ++i) kc.middleRows<3>(3 * i).noalias() = inverse(first + i) * c.middleRows<3>(3 * i);
+    Eigen::MatrixXd own(intrinsics_, intrinsics_);
+    const int rows = static_cast<int>(3 * count);
+    const double minus = -1, nothing = 0;
+    dgemm_("N", "T", &intrinsics_, &intrinsics_, &rows, &minus, c.data(), &intrinsics_, kc.data(), &intrinsics_, &nothing,
+           own.data(), &intrinsics_);
     const Eigen::Map<const Eigen::VectorXd> gain(gain_.col(first).data(), 3 * count);
-    add_intrinsics_to_border(-kc.transpose() * c, -c.transpose() * gain, sum);
+    add_intrinsics_to_border(own, -c.transpose() * gain, sum);
   });
 }
 

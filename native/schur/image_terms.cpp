@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "common/parallel.h"
+#include "common/wide.h"
 #include "factors/camera.h"
 
 namespace hullrecon {
@@ -37,6 +38,22 @@ bool image(const OneCamera& camera, const Vec3& point, const Mat3& camera_from_g
   out.r.segment<2>(row) = inverse_sigma * (p.pixel - Eigen::Map<const Eigen::Vector2d>(measured));
   if (kDerive) out.by.middleRows<2>(row).noalias() = inverse_sigma * (p.by_point * camera_from_global);
   return true;
+}
+
+// square += left right', column by column.
+HULLRECON_WIDE void add_square(const double* left, const double* right, double* __restrict square) {
+  for (int column = 0; column < kLensModes; ++column) {
+    for (int row = 0; row < kLensModes; ++row) square[column * kLensModes + row] += left[row] * right[column];
+  }
+}
+
+// Adds the modes of a lens, times each of the three numbers of a row, to three runs that begin `stride` after one another.
+HULLRECON_WIDE void add_modes(const double* row, const double* modes, int64_t stride, double* __restrict sum) {
+  for (int k = 0; k < 3; ++k) {
+    const double factor = row[k];
+    double* const run = sum + k * stride;
+    for (int mode = 0; mode < kLensModes; ++mode) run[mode] += factor * modes[mode];
+  }
 }
 
 }  // namespace
@@ -127,6 +144,7 @@ ImageTerms::ImageTerms(const Model& model, std::pmr::memory_resource* pages)
       observation_(pages),
       view_(pages),
       of_pose_(pages),
+      of_stretch_(pages),
       chain_(model.landmarks() > 0 ? model.poses() : 0) {
   observation_.resize(model.tables().stereo_node.rows() + model.tables().mono_node.rows());
   sort_landmarks();
@@ -180,11 +198,16 @@ void ImageTerms::sort_views() {
     view_start_.push_back(static_cast<int32_t>(view_.size()));
   }
   view_.push_back({{}, Vec3::Zero(), -1, -1, count});
-  of_pose_start_.assign(model_.poses() + 1, 0), of_pose_.resize(views());
-  for (int64_t v = 0; v < views(); ++v) ++of_pose_start_[view_[v].pose + 1];
-  std::partial_sum(of_pose_start_.begin(), of_pose_start_.end(), of_pose_start_.begin());
-  next.assign(of_pose_start_.begin(), of_pose_start_.end());
-  for (int64_t v = 0; v < views(); ++v) of_pose_[next[view_[v].pose]++] = static_cast<int32_t>(v);
+  group_views(1, of_pose_start_, of_pose_);
+  if (intrinsics_.width() > 0) group_views(kStretch, of_stretch_start_, of_stretch_);
+}
+
+void ImageTerms::group_views(int64_t poses, std::vector<int32_t>& start, std::pmr::vector<int32_t>& grouped) const {
+  start.assign((model_.poses() + poses - 1) / poses + 1, 0), grouped.resize(views());
+  for (int64_t v = 0; v < views(); ++v) ++start[view_[v].pose / poses + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<int32_t> next(start);
+  for (int64_t v = 0; v < views(); ++v) grouped[next[view_[v].pose / poses]++] = static_cast<int32_t>(v);
 }
 
 void ImageTerms::place_cameras() {
@@ -260,13 +283,13 @@ void ImageTerms::linearise() {
   for_slabs(views(), model_.options().threads, work);
 }
 
-void ImageTerms::linearise_with_intrinsics(int64_t v, WithIntrinsics& cross, OfIntrinsics& alone) {
+HULLRECON_WIDE_ALL void ImageTerms::linearise_with_intrinsics(int64_t v, WithIntrinsics& cross, OfIntrinsics& alone) {
   View& view = view_[v];
   view.information.fill(0), view.gradient.setZero();
   add_intrinsics(v, cross, &alone, [&](const Observation& s, double slope) { add(view, s, slope); });
 }
 
-void ImageTerms::add_intrinsics(int64_t v, WithIntrinsics& cross) const {
+HULLRECON_WIDE_ALL void ImageTerms::add_intrinsics(int64_t v, WithIntrinsics& cross) const {
   add_intrinsics(v, cross, nullptr, [](const Observation&, double) {});
 }
 
@@ -300,10 +323,11 @@ void ImageTerms::add_intrinsics(int64_t v, WithIntrinsics& cross, OfIntrinsics* 
       if (first < 0 || !(camera == 0 ? above : below)) continue;
       // Either row of an image meets the modes of its own axis alone, and both by the same numbers.
       const LensModes by = -inverse_sigma * s.modes[camera], weighted = slope * by;
-      if (alone) alone->modes[camera].noalias() += weighted * by.transpose();
+      if (alone) add_square(weighted.data(), by.data(), alone->modes[camera].data());
       for (int axis = 0; axis < 2; ++axis) {
         const int at = first + axis * kLensModes;
-        cross.middleCols<kLensModes>(at).noalias() += s.by.row(row + axis).transpose() * weighted.transpose();
+        const Vec3 by_displacement = s.by.row(row + axis);
+        add_modes(by_displacement.data(), weighted.data(), cross.cols(), cross.data() + at);
         if (!alone) continue;
         alone->own.block(at, 0, kLensModes, width).noalias() += weighted * J.row(row + axis);
         alone->gradient.segment<kLensModes>(at) += s.r[row + axis] * weighted;

@@ -77,10 +77,16 @@ class ImageTerms {
   std::span<const int32_t> views_of_pose(int64_t pose) const {
     return {of_pose_.data() + of_pose_start_[pose], static_cast<size_t>(of_pose_start_[pose + 1] - of_pose_start_[pose])};
   }
+  // Views of kStretch poses that follow each other, landmark by landmark. None are kept where no intrinsics are free.
+  static constexpr int64_t kStretch = 8;
+  int64_t stretches() const { return static_cast<int64_t>(of_stretch_start_.size()) - 1; }
+  std::span<const int32_t> views_of_stretch(int64_t k) const {
+    return {of_stretch_.data() + of_stretch_start_[k], static_cast<size_t>(of_stretch_start_[k + 1] - of_stretch_start_[k])};
+  }
   bool sees(int64_t pose) const { return of_pose_start_[pose + 1] > of_pose_start_[pose]; }
   const std::vector<CameraChain>& chains() const { return chain_; }  // of each pose; none where there are no landmarks
   const FreeIntrinsics& intrinsics() const { return intrinsics_; }
-  void shelve(Shelf& shelf) { shelf.add(of_pose_start_, chain_); }
+  void shelve(Shelf& shelf) { shelf.add(of_pose_start_, of_stretch_start_, chain_); }
 
   void place_cameras();  // at the model's unknowns
   // Refreshes cameras at the model's unknowns, and views unless intrinsics are free: then linearise_with_intrinsics() does.
@@ -111,6 +117,8 @@ class ImageTerms {
   void add_intrinsics(int64_t view, WithIntrinsics& cross, OfIntrinsics* alone, const Each& each) const;
   void sort_landmarks();
   void sort_views();
+  // Views by groups of so many poses, in their order, and where each group's begin.
+  void group_views(int64_t poses, std::vector<int32_t>& start, std::pmr::vector<int32_t>& grouped) const;
   int64_t views() const { return static_cast<int64_t>(view_.size()) - 1; }
   // An observation is a row of stereo, or rows of stereo + a row of mono.
   int32_t pose_of(int32_t observation) const;
@@ -120,8 +128,8 @@ class ImageTerms {
   FreeIntrinsics intrinsics_;
   std::pmr::vector<int32_t> order_, rank_, view_start_, observation_;
   std::pmr::vector<View> view_;  // and one more, where the observations of the last one end
-  std::vector<int32_t> of_pose_start_;
-  std::pmr::vector<int32_t> of_pose_;
+  std::vector<int32_t> of_pose_start_, of_stretch_start_;
+  std::pmr::vector<int32_t> of_pose_, of_stretch_;
   std::vector<CameraChain> chain_;
   std::shared_ptr<const Cameras> cameras_;  // where the poses' chains were placed
 };

@@ -113,6 +113,7 @@ class Schur {
   bool invert(const StepVector& damping);
   void eliminate();
   void eliminate_row(int pose, std::vector<int64_t>& place);
+  void eliminate_intrinsics(int64_t stretch);
   void reduce_row(int pose, Border& sum);
   void reduce_node(int node, std::vector<double>& row);
   void reduce_other(int block);
