@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import logging
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from typing import BinaryIO
@@ -13,6 +14,7 @@ from hullrecon.artifacts.stage import Context
 from hullrecon.errors import HullreconError
 from hullrecon.geometry.charts.outside_map import OutsideMap, outside_map
 from hullrecon.geometry.frames import Frame
+from hullrecon.memory import return_free_memory
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, build_mosaic_surface
 from hullrecon.mosaic.options import OpticalOptions, SonarOptions
 from hullrecon.mosaic.output.cog import Picture
@@ -106,8 +108,6 @@ def write_mosaic(
     """
     frame = Frame(inputs.track.frame)
     layout = RasterLayout(grid=store.grid, size=store.size, outside=inputs.outside)
-    pictures = _write_mosaic_rasters(context, layout, store, title, scratch)
-    _write_surface_rasters(context, layout, inputs, scratch)
     presentation = Presentation(
         title=title,
         frame=frame,
@@ -116,9 +116,15 @@ def write_mosaic(
         max_faces=context.parameters.max_faces,
         facts={**facts, "surface": inputs.surface_name},
     )
-    made = context.once(
-        lambda: make_deliverables(inputs.surface, store, presentation), "textured mesh"
-    )
+    # Preview and textured mesh take one core, and the rasters what is left of the others.
+    return_free_memory()  # theirs would come on top of what the allocator keeps of the tiles'
+    with ThreadPoolExecutor(1) as beside:
+        written = beside.submit(_write_mosaic_rasters, context, layout, store, title, scratch)
+        made = context.once(
+            lambda: make_deliverables(inputs.surface, store, presentation), "textured mesh"
+        )
+        _write_surface_rasters(context, layout, inputs, scratch)
+        pictures = written.result()
     context.out.bytes("ortho.png", made.preview)
     if made.textured_mesh is not None:
         context.out.bytes("mosaic.glb", made.textured_mesh)
