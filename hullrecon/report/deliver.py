@@ -8,16 +8,17 @@ import hashlib
 import json
 import shutil
 import traceback
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 from hullrecon.errors import HullreconError
-from hullrecon.report.deliverables import Delivery, writing_order
+from hullrecon.report.deliverables import DELIVERABLES, Deliverable, Delivery
 from hullrecon.report.export.summary import FileEntry, summary_document
-from hullrecon.report.figures.map_tiles import Stream
+from hullrecon.report.stream import Stream, one_by_one
 from hullrecon.report.survey import Survey
 
 FOLDER = "deliver"
@@ -77,15 +78,11 @@ class DeliveryFailure:
     traceback: str
 
 
-def _one_by_one(function: Callable[[Any], Any], items: Sequence[Any], _label: str) -> Iterator[Any]:
-    return map(function, items)
-
-
 def deliver(
     survey: Survey,
     out: FileWriter,
     only: Collection[str] | None = None,
-    stream: Stream = _one_by_one,
+    stream: Stream = one_by_one,
 ) -> list[DeliveryFailure]:
     """Write the deliverables of a survey, the report last, then summary.json, which lists them.
 
@@ -111,21 +108,48 @@ def deliver(
         Faults of the input, the memory or the disk: they concern all deliverables.
     """
     delivery = Delivery(survey, DeliverableWriter(out), stream)
-    failures: list[DeliveryFailure] = []
-    for entry in writing_order():
-        if entry.name in survey.provenance.missing or not (only is None or entry.name in only):
-            continue
-        try:
-            if not entry.why_absent(survey):
-                entry.write(delivery)
-        except Exception as error:
-            if _concerns_all(error):
-                raise
-            failures.append(_failure(entry.name, error))
-            delivery.failed[entry.name] = failures[-1].reason
+
+    wanted = [
+        entry
+        for entry in DELIVERABLES
+        if entry.name not in survey.provenance.missing and (only is None or entry.name in only)
+    ]
+    failures = [
+        failure
+        for about_others in (False, True)
+        for failure in _write(
+            [entry for entry in wanted if entry.is_about_others == about_others], delivery
+        )
+    ]
     document = summary_document(survey, delivery.out.entries, delivery.failed)
     out.json(f"{FOLDER}/summary.json", document)
     return failures
+
+
+def _write(entries: Sequence[Deliverable], delivery: Delivery) -> Iterator[DeliveryFailure]:
+    """Write deliverables in their order, and yield those that could not be written.
+
+    What some of them are made of begins to be made beside the first ones.
+    """
+    with ThreadPoolExecutor(1) as beside:
+        begun = {
+            entry.name: beside.submit(entry.begin, delivery)
+            for entry in entries
+            if entry.begin is not None and not entry.why_absent(delivery.survey)
+        }
+        for entry in entries:
+            try:
+                if entry.why_absent(delivery.survey):
+                    continue
+                if entry.name in begun:
+                    begun[entry.name].result()
+                entry.write(delivery)
+            except Exception as error:
+                if _concerns_all(error):
+                    raise
+                failure = _failure(entry.name, error)
+                delivery.failed[entry.name] = failure.reason
+                yield failure
 
 
 def _concerns_all(error: Exception) -> bool:

@@ -44,11 +44,12 @@ from hullrecon.report.export.tables import (
     trajectory_tum,
 )
 from hullrecon.report.figures.map_tiles import FOLDER as TILES
-from hullrecon.report.figures.map_tiles import Stream, stream_tiles
+from hullrecon.report.figures.map_tiles import stream_tiles
 from hullrecon.report.figures.plots import draw_all_plots
 from hullrecon.report.figures.style import Plot
 from hullrecon.report.foxglove.dive_result import dive_result_mcap
 from hullrecon.report.render import render_page, render_pdf, why_no_pdf
+from hullrecon.report.stream import Stream
 from hullrecon.report.survey import Survey
 
 SCHEMAS = "schemas"
@@ -121,7 +122,7 @@ class Delivery:
 
     @cached_property
     def plots(self) -> Sequence[Plot]:
-        return draw_all_plots(self.survey)
+        return draw_all_plots(self.survey, self.stream)
 
     @cached_property
     def chart_mesh(self) -> ChartMesh:
@@ -160,11 +161,8 @@ class Deliverable:
     write: Callable[[Delivery], None]
     # describes the other files (schemas, page, PDF), so written after all of them
     is_about_others: bool = False
-
-
-def writing_order() -> list[Deliverable]:
-    """List the deliverables in the order to write them: those about others last."""
-    return sorted(DELIVERABLES, key=lambda entry: entry.is_about_others)
+    # makes what the Delivery keeps for `write`, in a thread beside those that are written before
+    begin: Callable[[Delivery], object] | None = None
 
 
 def missing_deliverables(survey: Survey) -> dict[str, str]:
@@ -466,7 +464,9 @@ DELIVERABLES: tuple[Deliverable, ...] = (
     ),
     _copied("change/", _why_not_copied("change/", "change")),
     _written("dive_result.mcap", _never_absent, lambda d: dive_result_mcap(d.survey)),
-    Deliverable(name="plots/", why_absent=_never_absent, write=_write_plots),
+    Deliverable(
+        name="plots/", why_absent=_never_absent, write=_write_plots, begin=lambda d: d.plots
+    ),
     Deliverable(name=f"{TILES}/", why_absent=_never_absent, write=_write_tiles),
     Deliverable(
         name=f"{SCHEMAS}/", why_absent=_never_absent, write=_write_schemas, is_about_others=True

@@ -9,11 +9,10 @@ is finer than the picture in the page. Tiles of which nothing was seen are left 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -24,15 +23,13 @@ from hullrecon.report.figures.map_pictures import (
     read_mosaic,
     webp_bytes,
 )
+from hullrecon.report.stream import Stream
 from hullrecon.report.survey import Survey
 
 FOLDER = "report/tiles"  # below deliver/
 TILE_PX = 512
 AT_ONCE = 8  # tiles that are read together: 8 MB of pixels
 _FILE = re.compile(rf"{FOLDER}/(\w+)/(\d+)/(\d+)_(\d+)\.webp")
-
-# applies a function to items and yields the results in order, as Context.stream does
-Stream = Callable[[Callable[[Any], Any], Sequence[Any], str], Iterator[Any]]
 
 
 @dataclass(frozen=True, kw_only=True)
