@@ -16,7 +16,7 @@ import numpy as np
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.frames import Camera
 from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames
-from hullrecon.navigation.suspects.comparisons import LEAST_WINDOWS
+from hullrecon.navigation.suspects.comparisons.comparison import LEAST_WINDOWS
 from hullrecon.records.sensors import ImageIndex
 from hullrecon.typing import Pixels
 from hullrecon.vision.features.extraction import extract

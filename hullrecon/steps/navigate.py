@@ -36,7 +36,7 @@ from hullrecon.navigation.stereo_odometry.stereo_path import (
     Frames,
     stereo_navigate,
 )
-from hullrecon.navigation.suspects.comparisons import Flow
+from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.suspects import Judged
 from hullrecon.records.sensors import SensorRecords
 from hullrecon.records.serialisation import to_arrays

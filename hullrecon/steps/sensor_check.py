@@ -19,7 +19,8 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames
 from hullrecon.navigation.sensors.servo import doubtful_angles, frozen_readings
-from hullrecon.navigation.suspects.comparisons import Flow, Sensor
+from hullrecon.navigation.suspects.comparisons.comparison import Sensor
+from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.depth_steps import depth_steps
 from hullrecon.navigation.suspects.remedies import Conventions
 from hullrecon.navigation.suspects.suspects import Judged, judge

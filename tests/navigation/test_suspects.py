@@ -15,7 +15,8 @@ from hullrecon.dive.logs.streams import FRD_FROM_FLU, NED_FROM_ENU, imu_samples
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_mount
-from hullrecon.navigation.suspects.comparisons import Flow, Sensor
+from hullrecon.navigation.suspects.comparisons.comparison import Sensor
+from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.hypotheses import Hypothesis
 from hullrecon.navigation.suspects.suspects import Tried, explain_best, judge
 from hullrecon.records.sensors import (

@@ -16,7 +16,8 @@ import numpy as np
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.navigation.sensors.smoothing import running_median
-from hullrecon.navigation.suspects.comparisons import LONGEST_GAP_S, track_of
+from hullrecon.navigation.suspects.comparisons.comparison import LONGEST_GAP_S
+from hullrecon.navigation.suspects.comparisons.dvl_track import track_of
 from hullrecon.records.clock import NS, format_time, seconds
 from hullrecon.records.sensors import PressureSamples, SensorRecords
 from hullrecon.rig import Rig

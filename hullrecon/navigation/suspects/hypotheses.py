@@ -19,7 +19,8 @@ from scipy.spatial.transform import Rotation
 from hullrecon.dive.logs.streams import FRD_FROM_FLU, METRES, NED_FROM_ENU, PASCALS
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.rotations import mount_angles_deg
-from hullrecon.navigation.suspects.comparisons import Flow, Sensor
+from hullrecon.navigation.suspects.comparisons.comparison import Sensor
+from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.records.clock import NS
 from hullrecon.records.sensors import (
     DvlPings,

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import mount_angles_deg
-from hullrecon.navigation.suspects.comparisons import Sensor
+from hullrecon.navigation.suspects.comparisons.comparison import Sensor
 from hullrecon.navigation.suspects.hypotheses import signed_axes
 
 # the other of two conventions

@@ -19,16 +19,10 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.heading import heading_by_rates
 from hullrecon.findings.finding import Finding
-from hullrecon.navigation.suspects.comparisons import (
-    DEPENDS_ON,
-    GAIN,
-    Comparison,
-    Flow,
-    Motions,
-    Sensor,
-    compare,
-    compare_rates,
-)
+from hullrecon.navigation.suspects.comparisons.comparison import GAIN, Comparison, Sensor
+from hullrecon.navigation.suspects.comparisons.images import Flow
+from hullrecon.navigation.suspects.comparisons.imu import compare_rates
+from hullrecon.navigation.suspects.comparisons.motions import DEPENDS_ON, Motions, compare
 from hullrecon.navigation.suspects.hypotheses import Hypothesis, hypotheses
 from hullrecon.navigation.suspects.remedies import Conventions, find_remedy
 from hullrecon.records.sensors import ImuSamples, SensorRecords
