@@ -29,7 +29,8 @@ from hullrecon.dive.init.log_summary import summarise_logs
 from hullrecon.dive.init.template import fill_template
 from hullrecon.dive.logs.ping_spool import PingStorage
 from hullrecon.dive.logs.readers.open import find_logs, open_log
-from hullrecon.dive.logs.streams import PressureModel, keep_in_memory
+from hullrecon.dive.logs.streams.pressure import PressureModel
+from hullrecon.dive.logs.streams.sonar import keep_in_memory
 from hullrecon.findings.finding import Finding, sentences
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.steps.chain import stages

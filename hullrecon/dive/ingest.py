@@ -20,7 +20,6 @@ from hullrecon.dive.config.calibration import read_camera, read_pose_in_top
 from hullrecon.dive.hull.load import read_hull
 from hullrecon.dive.images.logged_calibrations import LoggedCalibrations
 from hullrecon.dive.images.sink import ImageSink
-from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.fixed_frames import RIG, FixedSensor, FrameListener, is_static
 from hullrecon.dive.logs.ping_spool import KeepImages, PingSpool, PingStorage, SpooledPing
 from hullrecon.dive.logs.positions import is_acoustic, position_fixes
@@ -41,6 +40,11 @@ from hullrecon.dive.logs.samples import (
     find_copies,
     is_of_dvl,
 )
+from hullrecon.dive.logs.streams.dvl import dvl_pings
+from hullrecon.dive.logs.streams.imu import imu_samples
+from hullrecon.dive.logs.streams.joints import joint_samples
+from hullrecon.dive.logs.streams.pressure import PressureModel, pressure_samples
+from hullrecon.dive.logs.streams.sonar import leave_black, sonar_pings
 from hullrecon.dive.logs.time_bases import BagStamps, join_time_bases
 from hullrecon.dive.logs.time_window import Instant, TimeWindow, time_window
 from hullrecon.dive.logs.timeline import put_in_order
@@ -73,6 +77,15 @@ Kind = TypeVar("Kind", bound=Sample)
 DEPTHS: tuple[type[PressureSample | DepthSample], ...] = (PressureSample, DepthSample)
 
 
+@dataclass(frozen=True)
+class LogUnits:
+    """The units of what was logged, as dive.toml gives them."""
+
+    rates: str = "rad/s"
+    velocity: str = "m/s"
+    joints: Mapping[str, str] = field(default_factory=dict)  # by record ("tray", "sonar_tray")
+
+
 @dataclass(frozen=True, kw_only=True)
 class IngestRequest:
     """What ingest needs of dive.toml."""
@@ -85,7 +98,7 @@ class IngestRequest:
     imu_frame: str  # "ned" or "enu"
     imu_mount_deg: tuple[float, float, float] | None = None  # roll, pitch, yaw in the vehicle
     imu_heading: str = "orientation"  # or "rates"
-    pressure: streams.PressureModel
+    pressure: PressureModel
     beams: Array | None  # (b, 3) of the DVL, for messages without
     sigma_velocity: float  # m/s, where a message has none
     calibration: Mapping[str, str]  # file by camera ("camera_top", "camera_bottom")
@@ -96,7 +109,7 @@ class IngestRequest:
     start: Instant = None  # of the part of the logs that is used
     end: Instant = None
     sonar_azimuth_deg: Array | None = None  # (beams,), for logs that do not say
-    log_units: streams.LogUnits = field(default_factory=streams.LogUnits)
+    log_units: LogUnits = field(default_factory=LogUnits)
     position_source: str | None = None  # "satellite", "acoustic"; None: by type and topic
     position_frame: str = "enu"  # or "ned", of local positions
     sigma_position: float = 2.0  # m, where a message has none
@@ -205,7 +218,7 @@ def ingest(
     out.sensors = frames.sensors(request.joints) | _rig_of_camchain(package, request, out.cameras)
     out.notes += [*found.notes, *calibrations.notes(out.cameras)]
     _describe_contents(out, found, {*topics.values(), *calibrations.topics.values()})
-    keep_images = streams.leave_black if pings is None else pings.keep
+    keep_images = leave_black if pings is None else pings.keep
     source = _Source(request, found, out.notes, spool, keep_images)
     out.records = _build_records(source, problems)
     out.attitude_is_dvls = source.attitude_is_dvls
@@ -494,7 +507,7 @@ def _build_dvl(source: _Source) -> DvlPings | None:
     if not samples:
         return None
     unit = request.log_units.velocity
-    return streams.dvl_pings(samples, request.beams, request.sigma_velocity, source.notes, unit)
+    return dvl_pings(samples, request.beams, request.sigma_velocity, source.notes, unit)
 
 
 def _build_imu(source: _Source) -> ImuSamples | None:
@@ -503,7 +516,7 @@ def _build_imu(source: _Source) -> ImuSamples | None:
     if not samples:
         return None
     source.attitude_is_dvls = all(sample.of_dvl for sample in samples)
-    return streams.imu_samples(
+    return imu_samples(
         samples,
         request.imu_frame,
         source.notes,
@@ -518,9 +531,7 @@ def _build_pressure(source: _Source) -> PressureSamples | None:
     samples = source.samples("pressure", DEPTHS)
     if not samples:
         return None
-    return streams.pressure_samples(
-        samples, source.request.pressure, source.notes, _tells_depth(source)
-    )
+    return pressure_samples(samples, source.request.pressure, source.notes, _tells_depth(source))
 
 
 def _tells_depth(source: _Source) -> bool:
@@ -538,7 +549,7 @@ def _tells_depth(source: _Source) -> bool:
 
 def _build_sonar(source: _Source) -> SonarPings | None:
     request, samples = source.request, source.samples("sonar", SpooledPing)
-    return streams.sonar_pings(
+    return sonar_pings(
         samples, source.notes, request.sonar_azimuth_deg, source.keep_images, source.spool.load
     )
 
@@ -564,7 +575,7 @@ def _build_joint(record: str, source: _Source) -> JointSamples | None:
     unit = source.request.log_units.joints.get(record, "rad")
     if not samples:
         return None
-    servo = streams.joint_samples(samples, record, joint, source.notes, unit)
+    servo = joint_samples(samples, record, joint, source.notes, unit)
     return servo if servo is None or record != "tray" else _upwards(servo, source.request)
 
 

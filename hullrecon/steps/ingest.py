@@ -16,10 +16,10 @@ import numpy as np
 from hullrecon.artifacts.stage import Context, StageSettings
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.schema import Logs, Topics
-from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest, whole_ns
+from hullrecon.dive.ingest import IngestRequest, IngestResult, LogUnits, ingest, whole_ns
 from hullrecon.dive.logs.dvl_beams import tilted_beams
 from hullrecon.dive.logs.ping_spool import Images, PingStorage
-from hullrecon.dive.logs.streams import LogUnits, PressureModel
+from hullrecon.dive.logs.streams.pressure import PressureModel
 from hullrecon.dive.logs.time_window import Instant
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import SonarPings

@@ -12,7 +12,7 @@ import pytest
 
 from benchmarks.fuzz.seed_ad2cp import dvl_file
 from hullrecon.dive.ingest import IngestRequest, ingest, whole_ns
-from hullrecon.dive.logs.streams import PressureModel
+from hullrecon.dive.logs.streams.pressure import PressureModel
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import sentences
 from tests.dive.readers.test_pd0 import ensemble_bytes

@@ -204,23 +204,23 @@ FOLLOWED = {
     "test_angles_that_do_not_fit_the_beams_are_refused",
     "dive/logs/sonar_geometry.py::ask_for_azimuths": "dive/logs/test_sonar_geometry.py::"
     "test_beams_that_nothing_describes_are_asked_for",
-    "dive/logs/streams.py::_refuse_far": "dive/logs/test_streams.py::"
+    "dive/logs/streams/dvl.py::_refuse_far": "dive/logs/test_streams.py::"
     "test_ranges_in_millimetres_are_refused",
-    "dive/logs/streams.py::_refuse_coarse": "dive/logs/test_streams.py::"
+    "dive/logs/streams/dvl.py::_refuse_coarse": "dive/logs/test_streams.py::"
     "test_velocities_rounded_to_tenths_are_refused_until_they_have_more_digits",
-    "dive/logs/streams.py::_refuse_fast": "dive/logs/test_streams.py::"
+    "dive/logs/streams/dvl.py::_refuse_fast": "dive/logs/test_streams.py::"
     "test_velocities_of_another_unit_are_refused_until_it_is_given",
-    "dive/logs/streams.py::_no_attitude": "dive/logs/test_streams.py::"
+    "dive/logs/streams/imu.py::_no_attitude": "dive/logs/test_streams.py::"
     "test_an_imu_without_any_attitude_is_refused",
-    "dive/logs/streams.py::_refuse_unfilled": "dive/logs/test_streams.py::"
+    "dive/logs/streams/imu.py::_refuse_unfilled": "dive/logs/test_streams.py::"
     "test_an_orientation_that_is_never_filled_in_is_refused",
-    "dive/logs/streams.py::_require_mount_of_dvl": "dive/logs/test_attitude_depth.py::"
+    "dive/logs/streams/imu.py::_require_mount_of_dvl": "dive/logs/test_attitude_depth.py::"
     "test_dvl_attitude_needs_its_mount_and_is_noted",
-    "dive/logs/streams.py::_above_water": "dive/logs/test_streams.py::"
+    "dive/logs/streams/pressure.py::_above_water": "dive/logs/test_streams.py::"
     "test_a_pressure_of_another_unit_is_refused_with_one_that_heals",
-    "dive/logs/streams.py::_refuse_unclear_numbers": "dive/logs/test_streams.py::"
+    "dive/logs/streams/pressure.py::_refuse_unclear_numbers": "dive/logs/test_streams.py::"
     "test_hectopascals_logged_as_depths_are_asked_for",
-    "dive/logs/streams.py::joint_samples": "dive/logs/test_streams.py::"
+    "dive/logs/streams/joints.py::joint_samples": "dive/logs/test_streams.py::"
     "test_joint_angles_in_degrees_are_refused_until_their_unit_is_given",
     "dive/logs/time_window.py::time_window": "dive/test_ingest.py::"
     "test_a_window_that_ends_before_it_begins_is_an_input_error",

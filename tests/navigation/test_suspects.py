@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.dive.logs.dvl_beams import tilted_beams
 from hullrecon.dive.logs.heading import heading_by_rates
 from hullrecon.dive.logs.samples import ImuSample
-from hullrecon.dive.logs.streams import FRD_FROM_FLU, NED_FROM_ENU, imu_samples
+from hullrecon.dive.logs.streams.imu import FRD_FROM_FLU, NED_FROM_ENU, imu_samples
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_mount

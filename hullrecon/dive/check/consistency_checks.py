@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.dive.check.time_overlap import clock_gaps, shifted_streams
 from hullrecon.dive.config.mounts import numbers_of
 from hullrecon.dive.config.schema import DiveConfig
-from hullrecon.dive.logs.streams import LEAST_FELT_M_S2
+from hullrecon.dive.logs.streams.imu import LEAST_FELT_M_S2
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.poses import from_mount
 from hullrecon.records.clock import NS, nearest

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hullrecon.dive.logs.samples import DepthSample, PressureSample, Sample
-from hullrecon.dive.logs.streams import DEEPEST_HULL_M, PASCALS, STILL_M
+from hullrecon.dive.logs.streams.pressure import DEEPEST_HULL_M, PASCALS, STILL_M
 from hullrecon.records.clock import NS
 from hullrecon.typing import Array
 

@@ -22,7 +22,7 @@ from hullrecon.dive.logs.messages.samples import COMMON_TYPES, IMAGE_TYPES, TYPE
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
 from hullrecon.dive.logs.samples import DepthSample, ImuSample
-from hullrecon.dive.logs.streams import LEAST_ATTITUDES, UNIT_QUATERNION
+from hullrecon.dive.logs.streams.imu import LEAST_ATTITUDES, UNIT_QUATERNION
 from hullrecon.findings.finding import Finding, sentences
 from hullrecon.findings.logs import count_noun
 from hullrecon.records.clock import NS, format_time

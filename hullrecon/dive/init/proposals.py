@@ -28,7 +28,7 @@ from hullrecon.dive.logs.messages.descriptions import (
 from hullrecon.dive.logs.messages.samples import TYPES, WITHOUT_HEADER
 from hullrecon.dive.logs.samples import DvlSample, ImuSample, SonarSample
 from hullrecon.dive.logs.sonar_geometry import ask_for_azimuths
-from hullrecon.dive.logs.streams import LEAST_FELT_M_S2, UNIT_QUATERNION
+from hullrecon.dive.logs.streams.imu import LEAST_FELT_M_S2, UNIT_QUATERNION
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.frames import Camera

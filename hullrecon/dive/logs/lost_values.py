@@ -236,3 +236,10 @@ def drop_ranges_at_limit(ranges: Array, notes: list[Finding]) -> Array:
     values = {"count": int(at_limit.sum()), "limit_m": float(limit), "next_m": float(others[-1])}
     notes.append(Finding("ranges-at-limit", values, "dvl"))
     return np.where(at_limit, np.nan, ranges)
+
+
+def describe_lost(name: str, good: Mask) -> list[Finding]:
+    """Report how many readings of a stream are not finite. good (n,): those that are."""
+    lost = int(np.count_nonzero(~good))
+    values = {"lost": lost, "count": len(good)}
+    return [Finding("readings-not-finite", values, name)] if lost else []

@@ -14,7 +14,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.typing import Array
+from hullrecon.typing import Array, Ints
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,6 +151,11 @@ Sample = (
 def is_of_dvl(sample: object) -> bool:
     """Tell whether a sample is an attitude or a depth by sensors inside the DVL."""
     return isinstance(sample, ImuSample | DepthSample) and sample.of_dvl
+
+
+def stamps(samples: Sequence[Sample]) -> Ints:
+    """List the stamps (n,), ns, of samples."""
+    return np.array([sample.t_ns for sample in samples], np.int64)
 
 
 def find_copies(samples: Sequence[Sample], log: Sequence[int]) -> list[int]:

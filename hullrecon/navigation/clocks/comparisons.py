@@ -25,7 +25,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.logs.streams import GRAVITY_M_S2, LEAST_FELT_M_S2
+from hullrecon.dive.logs.streams.imu import GRAVITY_M_S2, LEAST_FELT_M_S2
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses, tray_poses
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral

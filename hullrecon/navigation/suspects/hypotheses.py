@@ -16,7 +16,8 @@ from typing import TypeVar
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.logs.streams import FRD_FROM_FLU, METRES, NED_FROM_ENU, PASCALS
+from hullrecon.dive.logs.streams.imu import FRD_FROM_FLU, NED_FROM_ENU
+from hullrecon.dive.logs.streams.pressure import METRES, PASCALS
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.rotations import mount_angles_deg
 from hullrecon.navigation.suspects.comparisons.comparison import Sensor

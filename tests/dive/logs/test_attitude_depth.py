@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.messages.decode import decode
 from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.read_streams import read_streams
@@ -18,18 +17,20 @@ from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.protocol import Channel
 from hullrecon.dive.logs.readers.unpack import DamagedError
 from hullrecon.dive.logs.samples import DepthSample, ImuSample
+from hullrecon.dive.logs.streams.imu import imu_samples
+from hullrecon.dive.logs.streams.pressure import PressureModel, pressure_samples
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import sentences
 
 T = 1_777_887_000_123_456_789
 LOST = np.full(3, np.nan)
-MODEL = streams.PressureModel(1025.0, 9.81, 101325.0)
-UP = streams.PressureModel(1025.0, 9.81, 101325.0, "up")
+MODEL = PressureModel(1025.0, 9.81, 101325.0)
+UP = PressureModel(1025.0, 9.81, 101325.0, "up")
 
 
 def depth_of(sensor_type, message, model=MODEL, notes=None):
     samples = TYPES["pressure"][sensor_type](message, T, "pressure")
-    return streams.pressure_samples(samples, model, [] if notes is None else notes).depth.tolist()
+    return pressure_samples(samples, model, [] if notes is None else notes).depth.tolist()
 
 
 def pose(kit, z=-3.5, quaternion=(0.0, 0.0, 0.0, 1.0)):
@@ -131,7 +132,7 @@ def test_imu_mount_turns_attitude_into_the_vehicles():
     truth = Rotation.from_euler("ZYX", [30, 10, 5], degrees=True)
     # yaw 90, roll 180: upside down, its x to starboard
     mount = Rotation.from_euler("ZYX", [90, 0, 180], degrees=True)
-    found = streams.imu_samples([attitude(truth * mount)], "ned", [], (180.0, 0.0, 90.0))
+    found = imu_samples([attitude(truth * mount)], "ned", [], (180.0, 0.0, 90.0))
     assert (Rotation.from_quat(found.quaternion[0]).inv() * truth).magnitude() < 1e-9
     np.testing.assert_allclose(found.acceleration[0], mount.apply([0, 0, -9.81]), atol=1e-12)
 
@@ -142,19 +143,17 @@ def test_dvl_attitude_needs_its_mount_and_is_noted():
     with pytest.raises(
         InputError, match="the only attitude is that of the DVL's own sensors"
     ) as caught:
-        streams.imu_samples([attitude(truth * ahead, of_dvl=True)], "ned", [])
+        imu_samples([attitude(truth * ahead, of_dvl=True)], "ned", [])
     assert caught.value.where == "imu.mount_deg"
     notes = []
-    found = streams.imu_samples(
-        [attitude(truth * ahead, of_dvl=True)], "enu", notes, (0.0, 90.0, 0.0)
-    )
+    found = imu_samples([attitude(truth * ahead, of_dvl=True)], "enu", notes, (0.0, 90.0, 0.0))
     assert (Rotation.from_quat(found.quaternion[0]).inv() * truth).magnitude() < 1e-9
     assert "compass near a steel hull" in notes[0].sentence
 
 
 def test_a_depth_by_the_dvl_s_own_sensor_is_said_to_be_one():
     notes = []
-    assert streams.pressure_samples(
+    assert pressure_samples(
         [DepthSample(T, 9.0, is_up=False, of_dvl=True)], MODEL, notes
     ).depth.tolist() == [9.0]
     assert "the DVL's own sensor" in notes[-1].sentence

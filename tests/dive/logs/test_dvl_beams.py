@@ -18,7 +18,7 @@ from hullrecon.dive.logs.dvl_beams import (
 )
 from hullrecon.dive.logs.messages.samples import DVL_TYPES
 from hullrecon.dive.logs.samples import DvlSample
-from hullrecon.dive.logs.streams import dvl_pings
+from hullrecon.dive.logs.streams.dvl import dvl_pings
 from hullrecon.errors import InputError, UsageError
 from hullrecon.findings.finding import sentences
 from hullrecon.steps.ingest import ingest_settings, request_of

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.samples import ImuSample
+from hullrecon.dive.logs.streams.imu import imu_samples
 from hullrecon.errors import InputError
 
 HZ, SECONDS = 10, 600
@@ -29,7 +29,7 @@ def read(heading: str, bias: float = BIAS_RAD_S, notes=None):
         ImuSample(round(t * 1e9), quaternion, rate, np.full(3, np.nan))
         for t, quaternion, rate in zip(T_S, swung.as_quat(), rates, strict=True)
     ]
-    return streams.imu_samples(samples, "ned", [] if notes is None else notes, heading=heading)
+    return imu_samples(samples, "ned", [] if notes is None else notes, heading=heading)
 
 
 def heading_error(imu) -> np.ndarray:

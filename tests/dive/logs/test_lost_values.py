@@ -16,7 +16,7 @@ from hullrecon.dive.logs.lost_values import (
 from hullrecon.dive.logs.messages.covariance import sigma_of
 from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.samples import PressureSample
-from hullrecon.dive.logs.streams import PressureModel, pressure_samples
+from hullrecon.dive.logs.streams.pressure import PressureModel, pressure_samples
 from hullrecon.findings.finding import sentences
 from hullrecon.records.clock import NS
 

@@ -6,9 +6,9 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.ping_spool import PingSpool
 from hullrecon.dive.logs.samples import SonarSample
+from hullrecon.dive.logs.streams.sonar import leave_black, sonar_pings
 
 RANGES = np.linspace(1.0, 5.0, 64)
 DIRECTIONS = np.tile([0.0, 0.0, 1.0], (96, 1))
@@ -51,10 +51,8 @@ def test_without_spool_file_notes_stay_and_images_are_black():
     samples = [ping(t, "<u2") for t in range(3)]
     spool = PingSpool(None)
     told, heard = [], []
-    whole = streams.sonar_pings(samples, told)
-    black = streams.sonar_pings(
-        [spool.keep(s) for s in samples], heard, keep=streams.leave_black, load=spool.load
-    )
+    whole = sonar_pings(samples, told)
+    black = sonar_pings([spool.keep(s) for s in samples], heard, keep=leave_black, load=spool.load)
     assert told == heard
     assert len(told) == 1
     assert black.image.shape == whole.image.shape
@@ -71,15 +69,15 @@ def test_equal_beams_and_ranges_are_kept_once():
 
 def take_one_by_one(shape, images):
     assert sum(image.shape == shape[1:] for image in images) == shape[0]
-    return streams.leave_black(shape, images)
+    return leave_black(shape, images)
 
 
 def test_the_record_is_that_of_pings_in_memory():
     samples = [ping(0, "<u2"), ping(1, "<u2"), ping(2, "<u2", RANGES * 1.004)]
     with tempfile.TemporaryFile() as file:
         spool = PingSpool(file)
-        spooled = streams.sonar_pings([spool.keep(s) for s in samples], [], load=spool.load)
-    np.testing.assert_array_equal(spooled.image, streams.sonar_pings(samples, []).image)
+        spooled = sonar_pings([spool.keep(s) for s in samples], [], load=spool.load)
+    np.testing.assert_array_equal(spooled.image, sonar_pings(samples, []).image)
     assert spooled.image.max() == 255
 
 
@@ -89,7 +87,7 @@ def test_memory_does_not_grow_with_the_pings():
         spool = PingSpool(file)
         tracemalloc.start()
         kept = [spool.keep(ping(t)) for t in range(500)]
-        pings = streams.sonar_pings(kept, [], keep=take_one_by_one, load=spool.load)
+        pings = sonar_pings(kept, [], keep=take_one_by_one, load=spool.load)
         peak = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
     assert pings.image.shape == (500, 96, 64)

@@ -5,10 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.messages.sonar import in_fan
 from hullrecon.dive.logs.samples import SonarSample
 from hullrecon.dive.logs.sonar_geometry import image_in_ranges, pings_of_one_window
+from hullrecon.dive.logs.streams.sonar import sonar_pings
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding, sentences
 
@@ -25,7 +25,7 @@ def ping(t, last=5.0, bins=50, first=None, *, known=True):
 
 def test_pings_of_other_sound_speeds_are_put_on_same_ranges():
     notes: list[Finding] = []
-    found = streams.sonar_pings([ping(0), ping(1), ping(2, 5.02), ping(3, 4.98)], notes)
+    found = sonar_pings([ping(0), ping(1), ping(2, 5.02), ping(3, 4.98)], notes)
     np.testing.assert_array_equal(found.range_m, ping(0).range_m)
     np.testing.assert_array_equal(found.image[1, 0], np.arange(50))
     for row, last in ((2, 5.02), (3, 4.98)):
@@ -68,7 +68,7 @@ def test_pings_of_another_mode_s_fan_are_left_out_and_counted():
     ]
     nearly = dataclasses.replace(ping(5), directions=in_fan(np.radians(AZIMUTH_DEG + 0.1)))
     notes: list[Finding] = []
-    found = streams.sonar_pings([wide[0], ping(1), wide[1], ping(3), ping(4), nearly], notes)
+    found = sonar_pings([wide[0], ping(1), wide[1], ping(3), ping(4), nearly], notes)
     assert found.t_ns.tolist() == [1, 3, 4, 5]
     np.testing.assert_allclose(found.directions, ping(1).directions)
     assert sentences(notes) == [
@@ -101,21 +101,21 @@ def test_ranges_that_do_not_grow_are_not_interpolated():
 
 def test_beams_that_nothing_describes_are_asked_for():
     with pytest.raises(InputError, match="nothing says where the sonar's 3 beams point") as caught:
-        streams.sonar_pings([ping(0, known=False)], [])
+        sonar_pings([ping(0, known=False)], [])
     assert caught.value.where == "sonar.beam_azimuth_deg"
     assert "growing from port to starboard" in caught.value.remedy
     growing = np.array([-1.0, 0.0, 1.0])
-    assert streams.sonar_pings([ping(0, known=False)], [], growing) is not None
+    assert sonar_pings([ping(0, known=False)], [], growing) is not None
 
 
 def test_beams_of_dive_toml_serve_where_the_log_has_none():
-    found = streams.sonar_pings([ping(0, known=False)], [], AZIMUTH_DEG)
+    found = sonar_pings([ping(0, known=False)], [], AZIMUTH_DEG)
     np.testing.assert_allclose(found.directions, in_fan(np.radians(AZIMUTH_DEG)))
 
 
 def test_beams_of_the_log_come_before_those_of_dive_toml():
     notes: list[Finding] = []
-    found = streams.sonar_pings([ping(0)], notes, AZIMUTH_DEG + 1)
+    found = sonar_pings([ping(0)], notes, AZIMUTH_DEG + 1)
     np.testing.assert_allclose(found.directions, in_fan(np.radians(AZIMUTH_DEG)))
     assert sentences(notes) == [
         "sonar: the log says where the beams point; sonar.beam_azimuth_deg was not used"
@@ -125,6 +125,6 @@ def test_beams_of_the_log_come_before_those_of_dive_toml():
 @pytest.mark.parametrize("azimuth", [[-1.0, 1.0], [-1.0, 1.0, 0.0]])
 def test_angles_that_do_not_fit_the_beams_are_refused(azimuth):
     with pytest.raises(InputError, match="for 3 beams, or they do not grow"):
-        streams.sonar_pings([ping(0, known=False)], [], np.array(azimuth))
+        sonar_pings([ping(0, known=False)], [], np.array(azimuth))
     growing = np.array([-1.0, 0.0, 1.0])
-    assert streams.sonar_pings([ping(0, known=False)], [], growing) is not None
+    assert sonar_pings([ping(0, known=False)], [], growing) is not None

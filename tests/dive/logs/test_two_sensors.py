@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 
 from hullrecon.dive.logs.samples import DepthSample, DvlSample, ImuSample, JointSample
-from hullrecon.dive.logs.streams import (
-    PressureModel,
-    dvl_pings,
-    imu_samples,
-    joint_samples,
-    pressure_samples,
-)
+from hullrecon.dive.logs.streams.dvl import dvl_pings
+from hullrecon.dive.logs.streams.imu import imu_samples
+from hullrecon.dive.logs.streams.joints import joint_samples
+from hullrecon.dive.logs.streams.pressure import PressureModel, pressure_samples
 from hullrecon.errors import InputError
 
 COUNT = 400

@@ -23,7 +23,6 @@ from benchmarks.fuzz.seed_ad2cp import (
     signature_record,
     word_sum,
 )
-from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.readers.ad2cp import blocks as ad2cp_blocks
 from hullrecon.dive.logs.readers.ad2cp import bottom_track
 from hullrecon.dive.logs.readers.ad2cp.blocks import Block, blocks, checksum
@@ -31,6 +30,7 @@ from hullrecon.dive.logs.readers.ad2cp.bottom_track import parse
 from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog, read_beams, velocity_from_beams
 from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.logs.readers.unpack import DamagedError
+from hullrecon.dive.logs.streams.dvl import dvl_pings
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import sentences
 
@@ -77,7 +77,7 @@ def test_a_dvl_s_record_reads_back_in_the_instruments_own_axes(tmp_path):
 
 def test_distances_along_z_become_ranges_along_the_beams(tmp_path):
     pings, _, _ = read(tmp_path / "x.ad2cp", dvl_file())
-    assert streams.dvl_pings(pings, None, 0.003, []).ranges[0] == pytest.approx(
+    assert dvl_pings(pings, None, 0.003, []).ranges[0] == pytest.approx(
         np.array([3.0, 3.1, 3.2, 3.3]) / COS
     )
 
@@ -86,9 +86,9 @@ def test_undescribed_beams_are_asked_for_and_can_be_configured(tmp_path):
     pings, _, _ = read(tmp_path / "x.ad2cp", block(DF21, dvl_record()))
     assert pings[0].beams is None
     with pytest.raises(InputError, match="nothing says where the DVL's 4 beams point"):
-        streams.dvl_pings(pings, None, 0.003, [])
+        dvl_pings(pings, None, 0.003, [])
     tilted = np.array([[0.6, 0, 0.8], [0, -0.6, 0.8], [-0.6, 0, 0.8], [0, 1.0, 0.0]])
-    ranges = streams.dvl_pings(pings, tilted, 0.003, []).ranges[0]
+    ranges = dvl_pings(pings, tilted, 0.003, []).ranges[0]
     # the fourth never comes down
     np.testing.assert_allclose(ranges, [3.0 / 0.8, 3.1 / 0.8, 3.2 / 0.8, np.nan], rtol=1e-6)
 

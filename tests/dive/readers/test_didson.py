@@ -6,12 +6,12 @@ import pytest
 from benchmarks.fuzz.seed_aris import aris_file, didson_file
 from hullrecon.dive.init.log_summary import summarise_log
 from hullrecon.dive.init.proposals import questions
-from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.formats.sonar_file import read_ping
 from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.readers.plain import PlainLog
 from hullrecon.dive.logs.readers.sound_metrics.didson_frames import read_frame
 from hullrecon.dive.logs.readers.unpack import DamagedError
+from hullrecon.dive.logs.streams.sonar import sonar_pings
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import sentences
 
@@ -42,7 +42,7 @@ def test_rows_give_stamp_and_window_and_dive_toml_the_beams(tmp_path):
     assert pings[0].directions is None
     assert pings[0].range_m[[0, -1]] == pytest.approx([1 + 5 / 1024, 6 - 5 / 1024])
     azimuth = np.linspace(-14, 14, 48)
-    assert streams.sonar_pings(pings, [], azimuth).directions[0] == pytest.approx(
+    assert sonar_pings(pings, [], azimuth).directions[0] == pytest.approx(
         [0, np.sin(np.radians(-14)), np.cos(np.radians(14))]
     )
     assert (

@@ -11,11 +11,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.dvl_beams import A50_ANGLE_DEG, A50_AZIMUTH_DEG, a50_beams, tilted_beams
 from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.logs.readers.water_linked import LONGEST_LINE, WaterLinkedLog
 from hullrecon.dive.logs.samples import DvlSample, ImuSample
+from hullrecon.dive.logs.streams.dvl import dvl_pings
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import sentences
 
@@ -206,9 +206,9 @@ def test_log_is_known_by_first_report_and_asks_for_beams(tmp_path):
     samples, _ = read(tmp_path / "x.log", *(velocity(i) for i in range(12)))
     assert isinstance(open_log(tmp_path / "x.log"), WaterLinkedLog)
     with pytest.raises(InputError, match="nothing says where the DVL's 4 beams point") as caught:
-        streams.dvl_pings(samples, None, 0.01, [])
+        dvl_pings(samples, None, 0.01, [])
     assert "beam_angle_deg = 22.5" in caught.value.remedy
     notes = []
-    found = streams.dvl_pings(samples, a50_beams(), 0.01, notes)
+    found = dvl_pings(samples, a50_beams(), 0.01, notes)
     np.testing.assert_allclose(found.beams, a50_beams())
     assert sentences(notes) == []

@@ -13,12 +13,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.logs.streams import GRAVITY_M_S2
+from hullrecon.dive.logs.streams.imu import GRAVITY_M_S2
 from hullrecon.geometry.robust import robust_sigma
-from hullrecon.navigation.clocks.comparisons import (
-    felt_in_global,
-    is_still,
-)
+from hullrecon.navigation.clocks.comparisons import felt_in_global, is_still
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral
 from hullrecon.navigation.sensors.smoothing import local_line
 from hullrecon.navigation.suspects.comparisons.comparison import (
