@@ -24,7 +24,8 @@ from hullrecon.dive.config.calibration import read_camera
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.hull.load import read_hull
 from hullrecon.dive.images.encoded import check_image, decode
-from hullrecon.dive.ingest import IngestRequest, ingest
+from hullrecon.dive.ingest.ingest import ingest
+from hullrecon.dive.ingest.request import IngestRequest
 from hullrecon.dive.init.log_summary import summarise_logs
 from hullrecon.dive.init.template import fill_template
 from hullrecon.dive.logs.ping_spool import PingStorage

@@ -16,7 +16,9 @@ import numpy as np
 from hullrecon.artifacts.stage import Context, StageSettings
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.schema import Logs, Topics
-from hullrecon.dive.ingest import IngestRequest, IngestResult, LogUnits, ingest, whole_ns
+from hullrecon.dive.ingest.ingest import ingest
+from hullrecon.dive.ingest.request import IngestRequest, LogUnits, whole_ns
+from hullrecon.dive.ingest.result import IngestResult
 from hullrecon.dive.logs.dvl_beams import tilted_beams
 from hullrecon.dive.logs.ping_spool import Images, PingStorage
 from hullrecon.dive.logs.streams.pressure import PressureModel

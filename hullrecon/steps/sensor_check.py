@@ -13,7 +13,7 @@ from hullrecon.dive.check.motion_offset import level_of, mend_shifted, motions_a
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.schema import Topics
 from hullrecon.dive.images.sink import SampledImages
-from hullrecon.dive.ingest import IngestResult
+from hullrecon.dive.ingest.result import IngestResult
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera

@@ -14,7 +14,7 @@ from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.schema import RIG_KEYS
 from hullrecon.dive.images.encoded import decode
 from hullrecon.dive.images.sink import SampledImages
-from hullrecon.dive.ingest import IngestResult
+from hullrecon.dive.ingest.result import IngestResult
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.frames import Camera
 from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from benchmarks.fuzz.seed_ad2cp import dvl_file
-from hullrecon.dive.ingest import IngestRequest, ingest, whole_ns
+from hullrecon.dive.ingest.ingest import ingest
+from hullrecon.dive.ingest.request import IngestRequest, whole_ns
 from hullrecon.dive.logs.streams.pressure import PressureModel
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import sentences

@@ -26,12 +26,7 @@ from hullrecon.dive.check.hull_checks import (
     refuse_far_hull,
 )
 from hullrecon.dive.check.motion_offset import add_motion
-from hullrecon.dive.check.requirements import (
-    configured_sensors,
-    missing,
-    needs,
-    to_fill_in,
-)
+from hullrecon.dive.check.requirements import configured_sensors, missing, needs, to_fill_in
 from hullrecon.dive.check.time_overlap import Stream
 from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.config.load import LoadedConfig
@@ -45,7 +40,9 @@ from hullrecon.dive.config.mounts import (
 )
 from hullrecon.dive.config.schema import DEFAULT_MOUNTS, DiveConfig, Hull
 from hullrecon.dive.images.sink import SampledImages
-from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest
+from hullrecon.dive.ingest.ingest import ingest
+from hullrecon.dive.ingest.request import IngestRequest
+from hullrecon.dive.ingest.result import IngestResult
 from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.read_streams import Watch
 from hullrecon.dive.package_files import earlier_dive_of, logo_of
