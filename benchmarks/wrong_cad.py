@@ -31,7 +31,7 @@ from hullrecon.adjustment.bundle_adjustment import (
     solve_all_landmarks,
     solve_path,
 )
-from hullrecon.adjustment.cad_acceptance import place_cad_model
+from hullrecon.adjustment.cad_placement import place_cad_model
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.results.summary import summarise_adjustment

@@ -15,12 +15,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hullrecon import native
-from hullrecon.adjustment.cad_acceptance import (
-    Placement,
-    lying_side,
-    place_cad_model,
-    sunk,
-)
+from hullrecon.adjustment.cad_acceptance import lying_side, sunk
+from hullrecon.adjustment.cad_placement import Placement, place_cad_model
 from hullrecon.adjustment.contradictions import (
     doubt_tray,
     explain_refusal,

@@ -28,7 +28,7 @@ from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
 if TYPE_CHECKING:
-    from hullrecon.adjustment.cad_acceptance import Placement
+    from hullrecon.adjustment.cad_placement import Placement
     from hullrecon.adjustment.stereo_calibration import StereoContradiction
     from hullrecon.adjustment.suspects import Trial
 

@@ -24,11 +24,13 @@ from dive.hull.shapes import barge
 from hullrecon import native
 from hullrecon.adjustment import cad_acceptance
 from hullrecon.adjustment.bundle_adjustment import adjust
-from hullrecon.adjustment.cad_acceptance import MAX_GROWTH, accept, register, residual_growth
+from hullrecon.adjustment.cad_acceptance import accept_round
+from hullrecon.adjustment.cad_placement import register
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions
 from hullrecon.adjustment.problem import weighting
 from hullrecon.adjustment.problem.observations import landmark_count
 from hullrecon.adjustment.problem.state import State
+from hullrecon.adjustment.residual_growth import MAX_GROWTH, residual_growth
 from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.adjustment.rounds import Estimate, RoundSolver, Verdict
 from hullrecon.errors import StageError
@@ -196,19 +198,20 @@ def round_with(hit, on_hull, problem=None, stated_over_found=1.0):
 
 def test_round_whose_beams_miss_model_is_refused():
     assert (
-        accept(round_with(hit=75, on_hull=90), SOLVER).reason == "25 % of the DVL's beams miss it"
+        accept_round(round_with(hit=75, on_hull=90), SOLVER).reason
+        == "25 % of the DVL's beams miss it"
     )
 
 
 def test_round_with_few_landmarks_on_model_is_refused():
     assert (
-        accept(round_with(hit=100, on_hull=10), SOLVER).reason
+        accept_round(round_with(hit=100, on_hull=10), SOLVER).reason
         == "only 10 % of the landmarks lie on its surface"
     )
 
 
 def test_round_on_good_model_is_accepted():
-    assert accept(round_with(hit=100, on_hull=90), SOLVER) == Verdict()
+    assert accept_round(round_with(hit=100, on_hull=90), SOLVER) == Verdict()
     growth = residual_growth(solved().adjusted.problem, native.Options())
     # of a dive without positions from outside
     assert set(growth) == set(MAX_GROWTH) - {"positions"}
@@ -264,7 +267,7 @@ def test_attitude_may_grow_within_stated_sigmas(stated_over_found, believed, mon
         "residual_growth",
         lambda *_: {"images": 1.0, "odometry": 1.0, "attitude": 1.3},
     )
-    reason = accept(round_with(100, 90, stated_over_found=stated_over_found), SOLVER).reason
+    reason = accept_round(round_with(100, 90, stated_over_found=stated_over_found), SOLVER).reason
     assert reason == (None if believed else "with it, the residuals grow: attitude by 30 %")
 
 
@@ -288,7 +291,7 @@ def test_round_bent_by_shifted_model_is_refused():
     )
     growth = residual_growth(bent, native.Options())
     assert any(growth[name] > limit for name, limit in MAX_GROWTH.items())
-    assert "with it, the residuals grow: " in accept(round_with(100, 90, bent), SOLVER).reason
+    assert "with it, the residuals grow: " in accept_round(round_with(100, 90, bent), SOLVER).reason
 
 
 def test_refused_model_leaves_path_without_it():

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from adjustment.scenes import ERROR, TRUTH, cad_model, side, survey
 
-from hullrecon.adjustment.cad_acceptance import _add_fitting_unit_and_heading
+from hullrecon.adjustment.cad_acceptance import add_fitting_unit_and_heading
 from hullrecon.adjustment.hull_pose.other_units import find_fitting_unit
 from hullrecon.adjustment.hull_pose.registration import register
 from hullrecon.adjustment.rounds import Verdict
@@ -34,7 +34,7 @@ def test_the_unit_in_which_the_survey_fits_is_named():
     assert found.fitness > 0.95
     refused = Verdict(accepted=False, reason="it fits badly")
     badly = register(POINTS, model, 0.01)
-    assert _add_fitting_unit_and_heading(refused, badly, POINTS, 0.01).reason == (
+    assert add_fitting_unit_and_heading(refused, badly, POINTS, 0.01).reason == (
         "it fits badly; read in feet it fits 100 % of the points where hull.pose says "
         '(hull.units = "ft")'
     )

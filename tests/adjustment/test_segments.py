@@ -12,7 +12,7 @@ import pytest
 from adjustment.simulated_dive import aligning, moved, records_poses, simulate
 
 from hullrecon.adjustment.bundle_adjustment import adjust, solve_path
-from hullrecon.adjustment.cad_acceptance import register, segments_of_path
+from hullrecon.adjustment.cad_placement import register, segments_of_path
 from hullrecon.adjustment.hull_pose import segments
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions
 from hullrecon.adjustment.results.summary import summarise_adjustment

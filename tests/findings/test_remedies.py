@@ -96,7 +96,7 @@ APPLIED = {
 
 # By the function that raises the error
 FOLLOWED = {
-    "adjustment/cad_acceptance.py::_points_to_register": "adjustment/test_bundle_inputs.py::"
+    "adjustment/cad_placement.py::_points_to_register": "adjustment/test_bundle_inputs.py::"
     "test_nothing_to_register_is_refused_and_the_remedy_heals",
     "adjustment/rounds.py::_choose": "adjustment/test_bundle_inputs.py::"
     "test_too_few_landmarks_are_refused_and_the_remedy_heals",
@@ -163,12 +163,13 @@ FOLLOWED = {
     "test_images_unlike_calibration_are_refused_early_with_sizes",
     "dive/images/store.py::_bytes": "dive/images/test_images.py::"
     "test_an_image_file_that_is_gone_is_an_input_error",
-    "dive/ingest.py::_nothing_read": "dive/test_ingest.py::test_nothing_readable_is_an_input_error",
-    "dive/ingest.py::_check_silence": "dive/check/test_package_check.py::"
+    "dive/ingest/refusals.py::_nothing_read": "dive/test_ingest.py::"
+    "test_nothing_readable_is_an_input_error",
+    "dive/ingest/refusals.py::_check_silence": "dive/check/test_package_check.py::"
     "test_several_dives_are_refused_until_one_is_given",
-    "dive/ingest.py::_check_topics": "dive/test_ingest.py::"
+    "dive/ingest/refusals.py::check_topics": "dive/test_ingest.py::"
     "test_absent_topic_is_refused_with_a_list_of_topics",
-    "dive/ingest.py::_check_joints": "dive/test_ingest.py::"
+    "dive/ingest/refusals.py::check_joints": "dive/test_ingest.py::"
     "test_unknown_joint_is_refused_with_all_joints_and_remedy",
     "dive/logs/dvl_beams.py::ask_for_beams": "dive/logs/test_dvl_beams.py::"
     "test_configured_beams_are_used_for_messages_without_beams",

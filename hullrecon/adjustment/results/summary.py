@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hullrecon import native
 from hullrecon.adjustment.bundle_adjustment import Adjusted
-from hullrecon.adjustment.cad_acceptance import Placement
+from hullrecon.adjustment.cad_placement import Placement
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
 from hullrecon.adjustment.hull_pose.other_headings import describe_turn, turn_from_guess
 from hullrecon.adjustment.options import AdjustOptions
