@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 
 from hullrecon.errors import StageError
-from hullrecon.navigation.clocks.comparisons import ClockedSensor
+from hullrecon.navigation.clocks.comparisons.comparison import ClockedSensor
 from hullrecon.navigation.clocks.synchronise import MeasureMotion, synchronise
 from hullrecon.navigation.dead_reckoning.dead_reckon import (
     REACH_S,

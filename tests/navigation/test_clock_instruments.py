@@ -13,18 +13,16 @@ from navigation.instruments import RIG
 from navigation.wall_dive import AlongWall, late, logs_along_wall
 
 from hullrecon.geometry.poses import Poses
-from hullrecon.navigation.clocks.comparisons import (
-    ClockComparison,
-    ClockedSensor,
+from hullrecon.navigation.clocks.comparisons.comparison import ClockComparison, ClockedSensor
+from hullrecon.navigation.clocks.comparisons.dvl import compare_depth, compare_hull_turns
+from hullrecon.navigation.clocks.comparisons.images import (
     ImageMotions,
-    compare_depth,
     compare_directions,
-    compare_hull_turns,
     compare_turns,
-    hull_normals,
 )
-from hullrecon.navigation.clocks.time_offsets import Refined, refine, weigh_comparisons
+from hullrecon.navigation.clocks.evidence import Refined, refine, weigh_comparisons
 from hullrecon.navigation.sensors.attitude import attitude_history
+from hullrecon.navigation.sensors.motion_signals import hull_normals
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import usable_velocities
 from hullrecon.records.sensors import DvlPings

@@ -15,7 +15,9 @@ from navigation.instruments import RIG, SIGMAS
 from navigation.wall_dive import STREAMS, AlongWall, late, logs_along_wall, unsteady
 
 from hullrecon.geometry import poses
-from hullrecon.navigation.clocks.comparisons import ClockComparison, ClockedSensor
+from hullrecon.navigation.clocks.comparisons.comparison import ClockComparison, ClockedSensor
+from hullrecon.navigation.clocks.evidence import weigh_comparisons
+from hullrecon.navigation.clocks.remaining_offsets import UNCHECKED_S
 from hullrecon.navigation.clocks.synchronise import (
     Synchronised,
     _longest_pauses,
@@ -24,13 +26,8 @@ from hullrecon.navigation.clocks.synchronise import (
     describe_offsets,
     synchronise,
 )
-from hullrecon.navigation.clocks.time_offsets import (
-    UNCHECKED_S,
-    TimeOffset,
-    find_wrong_clocks,
-    segments,
-    weigh_comparisons,
-)
+from hullrecon.navigation.clocks.time_offsets import TimeOffset, segments
+from hullrecon.navigation.clocks.wrong_clocks import find_wrong_clocks
 from hullrecon.navigation.dead_reckoning.dead_reckon import NavigationLogs
 from hullrecon.navigation.navigate import reckon_dive
 

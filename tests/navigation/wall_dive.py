@@ -10,7 +10,7 @@ import numpy as np
 from navigation.conftest import JANUS, START_NS, SimulatedPath
 
 from hullrecon.geometry import poses
-from hullrecon.navigation.clocks.comparisons import ClockedSensor
+from hullrecon.navigation.clocks.comparisons.comparison import ClockedSensor
 from hullrecon.navigation.dead_reckoning.dead_reckon import NavigationLogs
 
 WALL_M = 1.4

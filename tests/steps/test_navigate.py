@@ -18,7 +18,7 @@ from hullrecon.artifacts.stage import load_arrays, settings_for
 from hullrecon.dive.config import schema
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import CameraModel
-from hullrecon.navigation.clocks.comparisons import ClockedSensor
+from hullrecon.navigation.clocks.comparisons.comparison import ClockedSensor
 from hullrecon.navigation.sigmas import sigmas_from_settings
 from hullrecon.records.sensors import (
     DvlPings,

@@ -16,29 +16,27 @@ import numpy as np
 
 from hullrecon.dive.logs.timeline import JUMP_S
 from hullrecon.geometry.poses import from_matrix
-from hullrecon.navigation.clocks.comparisons import (
-    LEAST_MOTIONS,
-    ClockComparison,
-    ClockedSensor,
-    ImageMotions,
-    Span,
+from hullrecon.navigation.clocks.comparisons.comparison import ClockComparison, ClockedSensor, Span
+from hullrecon.navigation.clocks.comparisons.dvl import (
     compare_accelerations,
     compare_depth,
-    compare_directions,
     compare_hull_turns,
+)
+from hullrecon.navigation.clocks.comparisons.images import (
+    LEAST_MOTIONS,
+    ImageMotions,
+    compare_directions,
     compare_turns,
 )
+from hullrecon.navigation.clocks.evidence import FAR_S, Evidence, weigh_comparisons
+from hullrecon.navigation.clocks.remaining_offsets import remaining_offset_sigmas
 from hullrecon.navigation.clocks.time_offsets import (
-    FAR_S,
     TimeOffset,
-    WrongClocks,
     choose_by_segment,
-    find_wrong_clocks,
-    remaining_offset_sigmas,
     segments,
     time_offsets,
-    weigh_comparisons,
 )
+from hullrecon.navigation.clocks.wrong_clocks import WrongClocks, find_wrong_clocks
 from hullrecon.navigation.dead_reckoning.dead_reckon import (
     Heard,
     NavigationLogs,
@@ -108,43 +106,26 @@ def synchronise(
         Measures the motion between two images, None without a camera.
     """
     # Segments between pauses of any sensor, at which its clock may have jumped.
-    frames = usable_frames(logs.top)
-    stamps = [logs.dvl.t_ns, logs.imu.t_ns]
-    if logs.pressure is not None:
-        stamps.append(logs.pressure.t_ns)
-    if measure is not None and len(frames[0]):
-        stamps.append(frames[0])
-    span = min(int(t_ns[0]) for t_ns in stamps), max(int(t_ns[-1]) for t_ns in stamps)
-    spans = segments((t for t_ns in stamps for t in _longest_pauses(t_ns)), span)
+    frames = usable_frames(None if measure is None else logs.top)
+    spans = _segments_between_pauses(logs, frames[0])
 
+    # Compare the clocks of two sensors each, by the motion that both measured.
     heard, motions = hear(logs, tilt_rad), None
     if measure is not None and len(frames[0]):
         motions = _measure_motions(frames, spans, measure, heard.velocities, heard.attitude)
         motions = motions if len(motions) >= LEAST_MOTIONS else None
     known = _compare_clocks(logs, heard, rig, motions)
 
-    # Explain the dive as a whole and each segment (`parts`: its evidence), then choose for each
-    # segment among all explanations. The first is that all clocks are right.
-    evidence = weigh_comparisons(known)
-    hypotheses, unknown = [find_wrong_clocks([])[0]], []
-    parts = (
-        [weigh_comparisons([c.within(part) for c in known]) for part in spans]
-        if len(spans) > 1
-        else []
-    )
-    # each explanation that is known counts once, ambiguous ones become remarks
-    for own in [evidence, *parts]:
-        found = find_wrong_clocks(own)
-        if len(found) > 1:
-            unknown.append(_describe_unknown(found))
-        elif not any(_are_same(found[0], other) for other in hypotheses):
-            hypotheses.append(found[0])
-    chosen = [
-        hypotheses[k]
-        for k in choose_by_segment(evidence, spans, [h.corrections() for h in hypotheses])
-    ]
+    # Explain the dive as a whole and each segment, then choose for each segment among all
+    # explanations.
+    evidence, parts = weigh_comparisons(known), []
+    if len(spans) > 1:
+        parts = [weigh_comparisons([c.within(part) for c in known]) for part in spans]
+    hypotheses, unknown = _explain_clocks([evidence, *parts])
+    states = [hypothesis.corrections() for hypothesis in hypotheses]
+    chosen = [hypotheses[k] for k in choose_by_segment(evidence, spans, states)]
 
-    # Without images, offsets too small to be seen may remain.
+    # Without images, offsets too small to be seen may remain. The longest segment tells.
     late_sigma_s = {}
     if motions is None:
         k = int(np.argmax([end - begin for begin, end in spans]))
@@ -163,6 +144,38 @@ def synchronise(
         remarks=remarks,
         late_sigma_s=late_sigma_s,
     )
+
+
+def _segments_between_pauses(logs: NavigationLogs, frames_ns: Ints) -> list[Span]:
+    """Cut the dive where a sensor pauses. frames_ns: stamps of the images that are compared."""
+    stamps = [logs.dvl.t_ns, logs.imu.t_ns]
+    if logs.pressure is not None:
+        stamps.append(logs.pressure.t_ns)
+    if len(frames_ns):
+        stamps.append(frames_ns)
+    span = min(int(t_ns[0]) for t_ns in stamps), max(int(t_ns[-1]) for t_ns in stamps)
+    return segments((t for t_ns in stamps for t in _longest_pauses(t_ns)), span)
+
+
+def _explain_clocks(
+    by_part: Sequence[Sequence[Evidence]],
+) -> tuple[list[WrongClocks], list[str]]:
+    """Find whose clocks are wrong by the evidence of the dive and of each segment.
+
+    Returns
+    -------
+    tuple
+        The hypotheses, each once, of which the first is that all clocks are right. In words, clocks
+        that disagree where it is not known which of them is wrong.
+    """
+    hypotheses, unknown = [find_wrong_clocks([])[0]], []
+    for own in by_part:
+        found = find_wrong_clocks(own)
+        if len(found) > 1:
+            unknown.append(_describe_unknown(found))
+        elif not any(_are_same(found[0], other) for other in hypotheses):
+            hypotheses.append(found[0])
+    return hypotheses, unknown
 
 
 def _compare_clocks(

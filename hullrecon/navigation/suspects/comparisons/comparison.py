@@ -16,9 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from hullrecon.navigation.clocks.comparisons import (
-    is_still,
-)
+from hullrecon.navigation.sensors.motion_signals import is_still
 from hullrecon.records.clock import NS
 from hullrecon.typing import Array, Ints
 

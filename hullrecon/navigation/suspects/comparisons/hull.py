@@ -11,10 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.navigation.clocks.comparisons import (
-    hull_normals,
-)
 from hullrecon.navigation.dead_reckoning.integral import integral
+from hullrecon.navigation.sensors.motion_signals import hull_normals
 from hullrecon.navigation.sensors.smoothing import local_line
 from hullrecon.navigation.suspects.comparisons.comparison import (
     LEAST_WINDOWS,

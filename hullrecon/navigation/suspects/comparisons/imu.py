@@ -15,8 +15,8 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.streams.imu import GRAVITY_M_S2
 from hullrecon.geometry.robust import robust_sigma
-from hullrecon.navigation.clocks.comparisons import felt_in_global, is_still
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral
+from hullrecon.navigation.sensors.motion_signals import felt_in_global, is_still
 from hullrecon.navigation.sensors.smoothing import local_line
 from hullrecon.navigation.suspects.comparisons.comparison import (
     LATE_S,

@@ -12,10 +12,8 @@ from functools import cached_property
 
 import numpy as np
 
-from hullrecon.navigation.clocks.comparisons import (
-    velocity_felt,
-)
 from hullrecon.navigation.dead_reckoning.integral import Integral
+from hullrecon.navigation.sensors.motion_signals import velocity_felt
 from hullrecon.navigation.suspects.comparisons.comparison import Comparison, Sensor
 from hullrecon.navigation.suspects.comparisons.depth import (
     SmoothedDepth,
