@@ -36,9 +36,9 @@ from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
-# Sigmas of the systematic error of each comparison's offset, s. The largest found on 56
-# simulated dives with right clocks are 0.16 s of pressure and DVL and 0.21 s of attitude and DVL, and
-# on seven dives 0.06 s of accelerations and DVL.
+# Sigmas of the systematic error of each comparison's offset, s. The largest offsets found on 56
+# simulated dives with right clocks are 0.16 s of pressure and DVL and 0.21 of attitude and DVL, and
+# on seven dives 0.06 of accelerations and DVL.
 DEPTH_S, HULL_S, ACCELERATION_S = 0.05, 0.04, 0.04
 LEAST_DEPTH_BLOCKS = 4  # so few tell a sigma badly, but most of the sigma is DEPTH_S
 TURNED_S = 1.0  # between three normals of the hull, whose second difference is the residual
