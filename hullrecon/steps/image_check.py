@@ -21,7 +21,7 @@ from hullrecon.records.sensors import ImageIndex
 from hullrecon.typing import Pixels
 from hullrecon.vision.features.extraction import extract
 from hullrecon.vision.options import FeatureOptions
-from hullrecon.vision.stereo.rig_check import ReadImage
+from hullrecon.vision.stereo.image_matcher import ReadImage
 
 LOOKED_AT = 12  # images of a camera that are checked, spread over the dive
 FEATURES = FeatureOptions(max_features=50)

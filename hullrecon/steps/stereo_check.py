@@ -23,15 +23,10 @@ from hullrecon.navigation.sensors.tray_motion import tray_motion
 from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples
 from hullrecon.rig import Rig, rig_from_settings
 from hullrecon.typing import Pixels
+from hullrecon.vision.stereo.baseline_check import check_baseline, compare_ways
 from hullrecon.vision.stereo.delay import Delay
-from hullrecon.vision.stereo.rig_check import (
-    ReadImage,
-    RigCheck,
-    StereoFrames,
-    check_baseline,
-    check_stereo_rig,
-    compare_ways,
-)
+from hullrecon.vision.stereo.image_matcher import ReadImage, StereoFrames
+from hullrecon.vision.stereo.rig_check import RigCheck, check_stereo_rig
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -251,13 +251,13 @@ FOLLOWED = {
     "test_too_few_landmarks_are_refused_and_the_remedy_heals",
     "vision/stereo/pose_conventions.py::_conventions": "vision/stereo/test_pose_conventions.py::"
     "test_pose_of_another_convention_is_read_as_meant",
-    "vision/stereo/rig_check.py::check_baseline": "vision/stereo/test_rig_check.py::"
+    "vision/stereo/baseline_check.py::check_baseline": "vision/stereo/test_rig_check.py::"
     "test_baseline_of_another_length_is_named_and_corrected",
-    "vision/stereo/rig_check.py::_find_shift": "vision/stereo/test_rig_check.py::"
+    "vision/stereo/rig_causes.py::find_shift": "vision/stereo/test_rig_check.py::"
     "test_offset_that_is_advised_heals_stamps",
-    "vision/stereo/rig_check.py::_find_wrong_part": "vision/stereo/test_rig_check.py::"
+    "vision/stereo/rig_causes.py::find_wrong_part": "vision/stereo/test_rig_check.py::"
     "test_pairs_that_are_wrong_for_a_part_of_the_dive_are_told_from_a_wrong_rig",
-    "vision/stereo/rig_check.py::_contradiction": "vision/stereo/test_pose_conventions.py::"
+    "vision/stereo/rig_causes.py::_contradiction": "vision/stereo/test_pose_conventions.py::"
     "test_pose_of_another_convention_is_read_as_meant",
 }
 

@@ -15,13 +15,10 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning.nodes import pair_frames
 from hullrecon.records.sensors import DvlPings
 from hullrecon.vision.features.extraction import no_features
-from hullrecon.vision.stereo import rig_check
-from hullrecon.vision.stereo.rig_check import (
-    StereoFrames,
-    check_baseline,
-    check_stereo_rig,
-    compare_ways,
-)
+from hullrecon.vision.stereo import image_matcher
+from hullrecon.vision.stereo.baseline_check import check_baseline, compare_ways
+from hullrecon.vision.stereo.image_matcher import StereoFrames
+from hullrecon.vision.stereo.rig_check import check_stereo_rig
 
 COUNT = 12
 PERIOD_NS = 500_000_000
@@ -43,7 +40,7 @@ def move_past(look, monkeypatch, noise_px=0.2):
         camera, row = image
         return getattr(nodes[row], camera.value)
 
-    monkeypatch.setattr(rig_check, "extract", features)
+    monkeypatch.setattr(image_matcher, "extract", features)
 
 
 def check(rig, bottom_from=0, swap=False, sigma_rad=0.0):
@@ -178,7 +175,7 @@ def test_stamps_off_by_frames_are_named_with_offset_to_add(rig, dive, places):
 
 
 def test_too_few_features_say_nothing(rig, monkeypatch):
-    monkeypatch.setattr(rig_check, "extract", lambda image, options: no_features())
+    monkeypatch.setattr(image_matcher, "extract", lambda image, options: no_features())
     assert check(rig) is None
 
 
