@@ -38,7 +38,7 @@ from hullrecon.vision.appearance.recognition import Recognition, learn_words, re
 from hullrecon.vision.appearance.vocabulary import invert
 from hullrecon.vision.compared_pairs import Item, LinkedScene, Result
 from hullrecon.vision.pairs.camera_track import CameraTrack
-from hullrecon.vision.pairs.selection import footprint_overlap
+from hullrecon.vision.pairs.footprints import footprint_overlap
 
 RANKS = (1, 5, 20)
 FALSE_M = 0.4  # between the relative position of a link and the true one

@@ -51,14 +51,10 @@ from hullrecon.vision.pairs.camera_track import (
     leading_cameras,
     track_cameras,
 )
+from hullrecon.vision.pairs.footprints import footprint_overlap
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.pairs.match_worker import (
-    MatchNode,
-    MatchWorker,
-    NodePair,
-)
+from hullrecon.vision.pairs.match_worker import MatchNode, MatchWorker, NodePair
 from hullrecon.vision.pairs.pair_match import PairMatch, Reason
-from hullrecon.vision.pairs.selection import footprint_overlap
 from hullrecon.vision.stereo.matching import no_matches
 
 APART_M = 4.0  # between the cameras of two images that share nothing

@@ -46,7 +46,7 @@ from hullrecon.synthetic.package import write_package, write_parts
 from hullrecon.synthetic.recorder import InTurn, record
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.pairs.camera_track import CameraTrack
-from hullrecon.vision.pairs.selection import footprint_overlap
+from hullrecon.vision.pairs.footprints import footprint_overlap
 
 OVERLAPPING = 0.3  # a pair of images that share that much of their footprints
 OTHER_LEG_M = 4.0  # path between two images of different legs, at least

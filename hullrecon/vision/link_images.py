@@ -31,10 +31,10 @@ from hullrecon.vision.pairs.camera_track import (
     track_cameras,
 )
 from hullrecon.vision.pairs.cycles import contradicted_links
+from hullrecon.vision.pairs.expected_overlap import COVARIANCE_BLOCK
 from hullrecon.vision.pairs.match_worker import MatchNode, MatchWorker
 from hullrecon.vision.pairs.pair_match import FeatureSpool, Reason
 from hullrecon.vision.pairs.selection import (
-    COVARIANCE_BLOCK,
     MOST_GAIN,
     Proposal,
     Revisits,

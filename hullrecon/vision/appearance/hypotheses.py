@@ -19,7 +19,7 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.appearance.vocabulary import InvertedFile
 from hullrecon.vision.pairs.camera_track import CameraTrack
-from hullrecon.vision.pairs.selection import scene_in_target
+from hullrecon.vision.pairs.expected_overlap import scene_in_target
 
 # Sigma of the offset of two scenes, in footprints, above which the search by overlap finds no pair
 # probable enough to compare

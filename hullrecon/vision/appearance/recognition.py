@@ -30,17 +30,13 @@ from hullrecon.vision.appearance.hypotheses import (
     open_places,
     scene_offsets,
 )
-from hullrecon.vision.appearance.vocabulary import (
-    Descriptors,
-    Vocabulary,
-    invert,
-    learn_vocabulary,
-)
+from hullrecon.vision.appearance.vocabulary import Descriptors, Vocabulary, invert, learn_vocabulary
 from hullrecon.vision.compared_pairs import ComparedPairs, LinkedScene
 from hullrecon.vision.pairs.camera_track import CameraTrack
+from hullrecon.vision.pairs.footprints import footprint_overlap
 from hullrecon.vision.pairs.match_worker import MatchNode, MatchWorker
 from hullrecon.vision.pairs.pair_match import PairMatch, agrees
-from hullrecon.vision.pairs.selection import Proposal, footprint_overlap
+from hullrecon.vision.pairs.selection import Proposal
 
 SAMPLE = 100_000  # descriptors that a vocabulary is learnt from: 13 MB
 STRONGEST = 1000  # features of an image that become words

@@ -9,10 +9,10 @@ from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs import selection
 from hullrecon.vision.pairs.camera_track import CameraTrack, NavigationErrors
+from hullrecon.vision.pairs.expected_overlap import expect_overlap
+from hullrecon.vision.pairs.footprints import footprint_overlap
 from hullrecon.vision.pairs.selection import (
     choose_informative,
-    expect_overlap,
-    footprint_overlap,
     propose_neighbours,
     propose_revisits,
     select_keyframes,
