@@ -67,10 +67,10 @@ def period(t_s: Array) -> float:
     median step would be far too short if a serial adapter delivers readings in bursts.
     """
     step, few = np.diff(t_s), min(BURST, max(1, len(t_s) // 4))
-    usual = step <= longest_step(float(np.median(t_s[few:] - t_s[:-few])) / few)
+    is_short = step <= longest_step(float(np.median(t_s[few:] - t_s[:-few])) / few)
     for _ in range(ROUNDS):
-        usual = step <= longest_step(float(step[usual].mean()))
-    return float(step[usual].mean())
+        is_short = step <= longest_step(float(step[is_short].mean()))
+    return float(step[is_short].mean())
 
 
 def rate_hz(t_ns: Ints) -> float:

@@ -267,8 +267,8 @@ def _of_objects(count: int, largest: _Object) -> str:
     sigma = "" if largest.height_sigma is None else f" ± {largest.height_sigma:.3f}"
     kind = "height" if largest.height >= 0 else "depth"
     where = f", {largest.address}" if largest.address else ""
-    of = "One object" if count == 1 else f"{count} objects, the largest no. {largest.id}"
-    return f"{of}: {kind} {abs(largest.height):.3f}{sigma} m{where}."
+    subject = "One object" if count == 1 else f"{count} objects, the largest no. {largest.id}"
+    return f"{subject}: {kind} {abs(largest.height):.3f}{sigma} m{where}."
 
 
 def _read(path: Path, kind: type[Kind]) -> Kind | None:

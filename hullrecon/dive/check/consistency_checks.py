@@ -115,8 +115,8 @@ def seconds_beyond(t_ns: Ints, pressure: PressureSamples | None, span_ns: tuple[
     wet = np.ones(len(t_ns), bool)
     if pressure is not None and len(pressure.t_ns):
         wet = np.interp(t_ns, pressure.t_ns, pressure.depth) > UNDER_WATER_M
-    away = (t_ns[:-1] < span_ns[0]) | (t_ns[1:] > span_ns[1])
-    return float(np.diff(t_ns)[away & wet[:-1] & wet[1:]].sum()) / NS
+    is_outside = (t_ns[:-1] < span_ns[0]) | (t_ns[1:] > span_ns[1])
+    return float(np.diff(t_ns)[is_outside & wet[:-1] & wet[1:]].sum()) / NS
 
 
 def _check_gravity(imu: ImuSamples, frame: str) -> list[Finding]:

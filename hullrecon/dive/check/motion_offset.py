@@ -73,8 +73,8 @@ def _with_offset_by_motion(
     assert isinstance(hours, float | None)
     of_zone = hours is not None and abs(early_s - hours * HOUR_S) < SAME_S
     whole_s = given_s + (hours * HOUR_S if hours is not None and of_zone else round(early_s, 2))
-    told = {"offset_s": whole_s, "hours": hours if of_zone else None, "by_motion": True}
-    return replace(finding, values={**finding.values, **told})
+    new_values = {"offset_s": whole_s, "hours": hours if of_zone else None, "by_motion": True}
+    return replace(finding, values={**finding.values, **new_values})
 
 
 def motions_apart(records: SensorRecords, level: Level | None) -> list[Finding]:

@@ -104,5 +104,5 @@ def _is_usual(lens: Array, size: Array, square: float, middle: float) -> bool:
     middle : largest distance of the principal point from the middle, as a share of the size
     """
     fx, fy, *centre = lens
-    off = np.abs(np.array(centre) / size - 0.5)
-    return bool(fx > 0 and fy > 0 and abs(np.log(fx / fy)) < square and (off < middle).all())
+    off_middle = np.abs(np.array(centre) / size - 0.5)
+    return bool(fx > 0 and fy > 0 and abs(np.log(fx / fy)) < square and (off_middle < middle).all())

@@ -282,14 +282,14 @@ def _refuse_stray(corners: Array, length: float, path: Path) -> None:
     """
     low, high = np.percentile(corners, [STRAY_PERCENT, 100 - STRAY_PERCENT], axis=0)
     size = float((high - low).max())
-    away = ((corners < low - size) | (corners > high + size)).any(axis=1).reshape(-1, 3)
-    if not away.any() or not SHORTEST_M <= size <= LONGEST_M:
+    is_stray = ((corners < low - size) | (corners > high + size)).any(axis=1).reshape(-1, 3)
+    if not is_stray.any() or not SHORTEST_M <= size <= LONGEST_M:
         return
-    place = ", ".join(f"{value:.1f}" for value in corners[int(np.argmax(away.ravel()))])
+    place = ", ".join(f"{value:.1f}" for value in corners[int(np.argmax(is_stray.ravel()))])
     raise InputError(
-        f"{int(away.any(axis=1).sum())} of {len(away)} faces of {path.name} lie or reach far from "
-        f"all others, which are {size:.0f} m long: with them it is {length:.4g} m long (one has a "
-        f"corner at {place})",
+        f"{int(is_stray.any(axis=1).sum())} of {len(is_stray)} faces of {path.name} lie or reach "
+        f"far from all others, which are {size:.0f} m long: with them it is {length:.4g} m long "
+        f"(one has a corner at {place})",
         where="hull.mesh",
         remedy="remove from it what is no hull, as a plane of water or a mark at the origin",
     )

@@ -69,11 +69,11 @@ def _burst_starts(t_ns: Ints) -> Ints | None:
         return None
     step = np.diff(t_ns)
     starts = np.flatnonzero(np.r_[True, step >= CLOSE * step.mean()])
-    sizes, apart = np.diff(np.r_[starts, len(t_ns)]), np.diff(t_ns[starts])
+    sizes, interval = np.diff(np.r_[starts, len(t_ns)]), np.diff(t_ns[starts])
     if len(starts) < LEAST_BURSTS or np.median(sizes) < LEAST_SIZE:
         return None
-    usual = float(np.median(apart))
-    is_even = np.percentile(apart, 90) < UNEVEN * usual <= UNEVEN * LONGEST_S * NS
+    median_interval = float(np.median(interval))
+    is_even = np.percentile(interval, 90) < UNEVEN * median_interval <= UNEVEN * LONGEST_S * NS
     return starts if is_even else None
 
 
@@ -97,10 +97,10 @@ def _spread_evenly(t_ns: Ints, starts: Ints) -> tuple[Ints, float]:
     is_coarse = bool((t_ns[ends - 1] == t_ns[starts]).mean() > 0.5)
     # the time that stands for each burst: where its readings began, or where they ended
     at = t_ns[starts] if is_coarse else t_ns[ends - 1]
-    apart = np.diff(at)
-    usual = int(np.median(apart))
-    # a pause is no time in which readings gathered
-    lasts = np.minimum(np.r_[apart, usual] if is_coarse else np.r_[usual, apart], 2 * usual)
+    interval = np.diff(at)
+    median_interval = int(np.median(interval))
+    lasts = np.r_[interval, median_interval] if is_coarse else np.r_[median_interval, interval]
+    lasts = np.minimum(lasts, 2 * median_interval)  # a pause is no time in which readings gathered
     begin = at if is_coarse else at - lasts
     burst = np.repeat(np.arange(len(starts)), ends - starts)
     # readings lie in the middle of equal parts of the time in which the burst gathered

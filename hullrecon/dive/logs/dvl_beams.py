@@ -156,11 +156,11 @@ def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[Finding]:
     if not len(beams):
         return []
     out = []
-    off = np.degrees(np.arccos(np.clip(beams[:, 2], -1, 1)))
+    off_axis_deg = np.degrees(np.arccos(np.clip(beams[:, 2], -1, 1)))
     middle = beams.mean(axis=0)
     leaning = float(np.degrees(np.arctan2(np.linalg.norm(middle[:2]), middle[2])))
-    if off.max() > FAR_OFF_DEG:
-        out.append(Finding("beams-off-axis", {"degrees": float(off.max())}, "dvl"))
+    if off_axis_deg.max() > FAR_OFF_DEG:
+        out.append(Finding("beams-off-axis", {"degrees": float(off_axis_deg.max())}, "dvl"))
     elif leaning > LEANING_DEG:
         out.append(Finding("beams-leaning", {"degrees": leaning}, "dvl"))
     ratio = _reach_over_altitude(beams, ranges, altitude)
@@ -196,8 +196,8 @@ def range_scale_sigma(
         return 0.0, []
     ratio = _reach_over_altitude(beams, ranges, altitude)
     if np.isfinite(ratio):
-        off = abs(ratio - 1)
-        return off if off > SAME_ALTITUDE else 0.0, []
+        contradiction = abs(ratio - 1)
+        return contradiction if contradiction > SAME_ALTITUDE else 0.0, []
     if not by_hand:
         return 0.0, []
     sigma = float(1 / beams[:, 2].mean() - 1) / ALONG_AXIS_SIGMAS

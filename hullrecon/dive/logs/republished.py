@@ -87,10 +87,12 @@ def is_even(again: Mask) -> bool:
     LEAST_MEASURED runs.
     """
     starts = np.flatnonzero(~again)
-    length = np.diff(np.r_[starts, len(again)])
-    usual = float(np.median(length)) if len(length) else 0.0
-    even = (length >= EVEN[0] * usual) & (length <= EVEN[1] * usual)
-    return len(starts) >= LEAST_MEASURED and usual >= 2 and bool(even.mean() >= 0.9)
+    lengths = np.diff(np.r_[starts, len(again)])
+    median_length = float(np.median(lengths)) if len(lengths) else 0.0
+    is_near_median = (lengths >= EVEN[0] * median_length) & (lengths <= EVEN[1] * median_length)
+    return (
+        len(starts) >= LEAST_MEASURED and median_length >= 2 and bool(is_near_median.mean() >= 0.9)
+    )
 
 
 def _chance_of_alike(values: Array) -> float:

@@ -99,16 +99,18 @@ class CameraView:
         It is r / R of a ball's centre, less how far from it in the image a point of the ball may
         be. inf where the image shows no point of the ball. center, radius: (n, 3) and (n,) m.
         """
-        x, y, z = self._inside(center)
+        x, y, z = self._in_camera_axes(center)
         nearest = np.maximum(z - radius, 1e-9)
         middle = np.stack([x, y], axis=1) / np.maximum(z, 1e-9)[:, None]
-        axis = np.linalg.norm(middle, axis=1)
+        off_axis = np.linalg.norm(middle, axis=1)
         # With m = x / z of a ball's centre, a point at an offset d from the centre has x / z off m
         # by (d_xy - m d_z) / z
-        spread = radius * np.sqrt(1 + axis**2) / nearest
+        spread = radius * np.sqrt(1 + off_axis**2) / nearest
         width, height = self.camera.width, self.camera.height
-        away = self.camera.distort(middle) - [(width - 1) / 2, (height - 1) / 2]
-        least = np.linalg.norm(away, axis=1) - spread * self.camera.largest_slope(axis + spread)
+        from_middle = self.camera.distort(middle) - [(width - 1) / 2, (height - 1) / 2]
+        least = np.linalg.norm(from_middle, axis=1) - spread * self.camera.largest_slope(
+            off_axis + spread
+        )
         ratio = np.maximum(least / (0.5 * np.hypot(width, height)), 0)
         ratio[z <= radius] = 0
         # inf behind the camera, or beyond the image's corners
@@ -139,10 +141,10 @@ class CameraView:
             return None
         return np.asarray(raw[part], np.float32) if self.light is None else self.light(raw, part)
 
-    def _inside(self, points: Array) -> Array:
+    def _in_camera_axes(self, points: Array) -> Array:
         """Transform points (n, 3) to the camera's axes, (3, n)."""
-        away = np.ascontiguousarray(points.T) - self.center[:, None]
-        return self._camera_from_frame @ away
+        from_center = np.ascontiguousarray(points.T) - self.center[:, None]
+        return self._camera_from_frame @ from_center
 
     @cached_property
     def _camera_from_frame(self) -> Array:

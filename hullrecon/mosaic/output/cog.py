@@ -274,20 +274,23 @@ class _Format:
             Whether no directory follows.
         """
         # Formats of an offset and of the number of entries, and bytes of an entry
-        word, count, entry = ("<Q", "<Q", 20) if self.big else ("<I", "<H", 12)
-        size = struct.calcsize(word)
-        head = struct.calcsize(count) + entry * len(tags) + size
-        entries, beyond = b"", b""
+        offset_format, count_format, entry_bytes = (
+            ("<Q", "<Q", 20) if self.big else ("<I", "<H", 12)
+        )
+        offset_bytes = struct.calcsize(offset_format)
+        head = struct.calcsize(count_format) + entry_bytes * len(tags) + offset_bytes
+        entries, values = b"", b""
         for tag, (kind, data) in sorted(tags.items()):
             length = len(data) // _BYTES_OF_TYPE[kind]
-            entries += struct.pack("<HH", tag, kind) + struct.pack(word, length)
-            if len(data) <= size:
-                entries += data.ljust(size, b"\0")
+            entries += struct.pack("<HH", tag, kind) + struct.pack(offset_format, length)
+            if len(data) <= offset_bytes:
+                entries += data.ljust(offset_bytes, b"\0")
             else:
-                entries += struct.pack(word, at + head + len(beyond))
-                beyond += data + b"\0" * (len(data) % 2)
-        following = 0 if last else at + head + len(beyond)
-        return struct.pack(count, len(tags)) + entries + struct.pack(word, following) + beyond
+                entries += struct.pack(offset_format, at + head + len(values))
+                values += data + b"\0" * (len(data) % 2)
+        following = 0 if last else at + head + len(values)
+        number, link = struct.pack(count_format, len(tags)), struct.pack(offset_format, following)
+        return number + entries + link + values
 
 
 def _assemble(

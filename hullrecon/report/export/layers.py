@@ -122,7 +122,7 @@ def _add_layer(database: sqlite3.Connection, layer: Layer, changed: str) -> None
         "INSERT INTO gpkg_geometry_columns VALUES (?, 'geom', ?, ?, 0, 0)",
         (layer.name, kind, SRS_ID),
     )
-    fields = "".join(f', "{name}" {TYPES[of]}' for name, of in layer.types.items())
+    fields = "".join(f', "{name}" {TYPES[type_name]}' for name, type_name in layer.types.items())
     key = "fid INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL"
     database.execute(f'CREATE TABLE "{layer.name}" ({key}, geom {kind}{fields})')
     marks = ", ".join("?" * (1 + len(layer.types)))

@@ -117,10 +117,10 @@ def objects_table(objects: Sequence[ReportedObject]) -> Table:
         _column(
             f"extent_{k + 1}",
             "m",
-            f"size {way} of the part above a quarter of the height",
+            f"size {direction} of the part above a quarter of the height",
             [o.extent[k] for o in objects],
         )
-        for k, way in enumerate(("along the hull", "over the girth"))
+        for k, direction in enumerate(("along the hull", "over the girth"))
     ]
     columns += [
         _column(name, unit, meaning, [getattr(o, name) for o in objects])

@@ -93,14 +93,15 @@ def _outvote(count: int, votes: Sequence[tuple[Ints32, Ints32, Mask]]) -> Mask:
     """
     out = np.zeros(count, bool)
     for step in range(ROUNDS):
-        yes, no = np.zeros(count, np.int32), np.zeros(count, np.int32)
+        confirmed, contradicted = np.zeros(count, np.int32), np.zeros(count, np.int32)
         # Link by link: the votes of a long dive together would fill the memory.
-        for a, b, good in votes:
+        for a, b, agree in votes:
             counted = ~(out[a] | out[b])
-            for tally, chosen in ((yes, counted & good), (no, counted & ~good)):
+            for tally, chosen in ((confirmed, counted & agree), (contradicted, counted & ~agree)):
                 tally[a[chosen]] += 1
                 tally[b[chosen]] += 1
-        out |= (no > 0) & ((no > 2 * yes) if step == 0 else (no >= yes))
+        outvoted = (contradicted > 2 * confirmed) if step == 0 else (contradicted >= confirmed)
+        out |= (contradicted > 0) & outvoted
     return out
 
 
