@@ -114,13 +114,9 @@ def deliver(
         for entry in DELIVERABLES
         if entry.name not in survey.provenance.missing and (only is None or entry.name in only)
     ]
-    failures = [
-        failure
-        for about_others in (False, True)
-        for failure in _write(
-            [entry for entry in wanted if entry.is_about_others == about_others], delivery
-        )
-    ]
+    own = [entry for entry in wanted if not entry.is_about_others]
+    about_others = [entry for entry in wanted if entry.is_about_others]
+    failures = [*_write(own, delivery), *_write(about_others, delivery)]
     document = summary_document(survey, delivery.out.entries, delivery.failed)
     out.json(f"{FOLDER}/summary.json", document)
     return failures

@@ -157,8 +157,11 @@ MOUNTS = {  # the lines of mounts that no log tells
 
 def _depth_lines(unit: str | None, grows_up: bool) -> str:
     """Write the keys of [pressure] for values in another unit than Pa, or that grow upwards."""
-    lines = [] if unit is None else [f"{f'unit = {_quote(unit)}'.ljust(33)}{BY_VALUES}\n"]
-    lines += ['z_axis = "up"'.ljust(33) + BY_SIGN + "\n"] if grows_up else []
+    lines = []
+    if unit is not None:
+        lines.append(f"unit = {_quote(unit)}".ljust(33) + BY_VALUES + "\n")
+    if grows_up:
+        lines.append('z_axis = "up"'.ljust(33) + BY_SIGN + "\n")
     return "".join(lines)
 
 

@@ -261,11 +261,8 @@ def footprint_windows(
     spans = []
     for at in footprints.at:
         good = at[np.isfinite(at).all(axis=1)]
-        spans.append(
-            grid.window_of(
-                at, margin_share * float(np.ptp(good, axis=0).max()) if len(good) else 0.0
-            )
-        )
+        margin = margin_share * float(np.ptp(good, axis=0).max()) if len(good) else 0.0
+        spans.append(grid.window_of(at, margin))
     return spans
 
 

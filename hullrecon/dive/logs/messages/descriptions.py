@@ -55,11 +55,11 @@ def frame_doubts(messages: Iterable[Fields]) -> dict[str, str]:
         if first_parent != parent:
             doubts[child] = f"tf_static gives {child} two parents, {first_parent} and {parent}"
         elif np.linalg.norm(apart.translation) > SAME_M or apart.rotation.magnitude() > SAME_RAD:
-            both = " and ".join(
-                f"[{', '.join(f'{value:g}' for value in mount_of(one))}]"
-                for one in (first_pose, pose)
-            )
-            doubts[child] = f"tf_static gives {child} two places in {parent}, {both}"
+            mounts = [
+                ", ".join(f"{value:g}" for value in mount_of(one)) for one in (first_pose, pose)
+            ]
+            places = " and ".join(f"[{mount}]" for mount in mounts)
+            doubts[child] = f"tf_static gives {child} two places in {parent}, {places}"
     return doubts
 
 
