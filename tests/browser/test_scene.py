@@ -141,3 +141,29 @@ def test_a_small_screen_has_the_panel_below_the_view(chromium: Browser, report: 
             scene.locator(".scene-panel").evaluate("one => one.scrollHeight - one.clientHeight")
             <= 0
         )
+
+
+def optical_close_up(seen: Visit) -> Picture:
+    """Lay the camera mosaic on the hull, come close, and return the view."""
+    canvas = seen.show_scene().locator("canvas")
+    seen.page.select_option("#scene-picture", "optical")
+    for _ in range(12):
+        canvas.press("+")
+    seen.page.wait_for_timeout(1000)  # until the view has rested and its tiles are there
+    return picture_at_rest(canvas)
+
+
+def test_a_mosaic_on_the_hull_sharpens_when_one_comes_closer(
+    chromium: Browser, tiled: Path, tmp_path: Path
+) -> None:
+    with visit(chromium, tiled) as seen:
+        sharp = optical_close_up(seen)
+        assert seen.page.locator("#scene canvas").get_attribute("data-level") == "0"
+        assert seen.messages == []
+    # handed on without its folder, the page shows what it holds itself
+    alone = tmp_path / "index.html"
+    alone.write_bytes(tiled.read_bytes())
+    with visit(chromium, alone) as seen:
+        blurred = optical_close_up(seen)
+        assert seen.page.locator("#scene canvas").get_attribute("data-level") == "-1"
+    assert share_changed(sharp, blurred) > 0.05

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from base64 import b64decode
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
@@ -60,7 +61,11 @@ def tiles_of(survey: Survey) -> dict[str, bytes]:
     return dict(stream_tiles(survey, lambda function, items, _: map(function, items)))
 
 
-def pixels(webp: bytes) -> np.ndarray:
+def pixels(script: bytes) -> np.ndarray:
+    start, end = b'hullreconTile("data:image/webp;base64,', b'")\n'
+    assert script.startswith(start)
+    assert script.endswith(end)
+    webp = b64decode(script[len(start) : -len(end)], validate=True)
     with Image.open(BytesIO(webp)) as picture:
         return np.asarray(picture.convert("RGBA")).astype(int)
 
@@ -72,10 +77,10 @@ def test_tiles_put_together_are_the_mosaic_as_the_page_shows_it(tiled: Survey) -
     for level, factor in enumerate((1, 2)):
         expected = stretch.apply(*read_mosaic(ortho, factor)).astype(int)
         together = np.zeros_like(expected)
-        for name, webp in files.items():
+        for name, script in files.items():
             if name.startswith(f"report/tiles/optical/{level}/"):
                 column, row = (TILE_PX * int(number) for number in Path(name).stem.split("_"))
-                tile = pixels(webp)
+                tile = pixels(script)
                 together[row : row + tile.shape[0], column : column + tile.shape[1]] = tile
         seen = expected[..., 3] > 0
         np.testing.assert_array_equal(together[..., 3], expected[..., 3])

@@ -1,14 +1,18 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tiles of a mosaic for the page's map, where its picture in the page is reduced.
+"""Tiles of a mosaic for the page's map and 3-D view, where its picture in the page is reduced.
 
 Level 0 has the mosaic's own pixels, each further level half as many a side, down to the last that
 is finer than the picture in the page. Tiles of which nothing was seen are left out.
+
+A tile is a script that hands a WebP picture to the page: when a page is opened from disk, a browser
+lets it draw no picture file beside it in 3-D.
 """
 
 from __future__ import annotations
 
 import re
+from base64 import b64encode
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -29,7 +33,7 @@ from hullrecon.report.survey import Survey
 FOLDER = "report/tiles"  # below deliver/
 TILE_PX = 512
 AT_ONCE = 8  # tiles that are read together: 8 MB of pixels
-_FILE = re.compile(rf"{FOLDER}/(\w+)/(\d+)/(\d+)_(\d+)\.webp")
+_FILE = re.compile(rf"{FOLDER}/(\w+)/(\d+)/(\d+)_(\d+)\.js")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +55,7 @@ class TileIndex:
 
 
 def stream_tiles(survey: Survey, stream: Stream) -> Iterator[tuple[str, bytes]]:
-    """Make the tiles of all mosaics that the page shows reduced. Yields name and WebP of each."""
+    """Make the tiles of all mosaics that the page shows reduced. Yields name and file of each."""
     for name in survey.mosaics.named():
         ortho = survey.provenance.copies.get(RASTERS[name])
         runs = [] if ortho is None else tile_runs(ortho)
@@ -61,7 +65,12 @@ def stream_tiles(survey: Survey, stream: Stream) -> Iterator[tuple[str, bytes]]:
         made = stream(partial(make_tiles, ortho, stretch), runs, f"{name} tiles of the map")
         for run, tiles in zip(runs, made, strict=True):
             for column, webp in tiles.items():
-                yield f"{FOLDER}/{name}/{run.level}/{column}_{run.row}.webp", webp
+                yield f"{FOLDER}/{name}/{run.level}/{column}_{run.row}.js", tile_script(webp)
+
+
+def tile_script(webp: bytes) -> bytes:
+    """Wrap a tile into the script by which report/web/src/tiles.js takes it."""
+    return b'hullreconTile("data:image/webp;base64,%s")\n' % b64encode(webp)
 
 
 def tile_runs(ortho: Path) -> list[TileRun]:

@@ -1,28 +1,36 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
 import * as L from "leaflet/dist/leaflet-src.esm.js";
+import { fittingLevel, loadTile, tileRange, tileSide, tilesIn } from "./tiles.js";
 
 /**
- * Shows the tiles of a layer, which lie in a folder beside the page, over its picture in the page: those in view, at the level that
- * fits the screen. Where a tile is missing, or all are because the page was handed on without them, the picture stays.
+ * Shows the tiles of a layer over its picture in the page: those in view, at the level that fits the screen. Where a tile is
+ * missing, or all are because the page was handed on without them, the picture stays.
  */
 export function makeTiles(map) {
-  const shown = new Map(); // overlays by address
+  const shown = new Map(); // overlays by layer and tile, null while a tile is loaded
   let current = null;
 
   function draw() {
-    const wanted = current ? new Map(tilesInView(map, current).map((tile) => [tile.url, tile.bounds])) : new Map();
-    for (const [url, overlay] of shown) {
-      if (wanted.has(url)) continue;
-      overlay.remove();
-      shown.delete(url);
+    const wanted = new Map(current ? tilesInView(map, current).map((tile) => [nameOf(current, tile), tile]) : []);
+    for (const [name, overlay] of shown) {
+      if (wanted.has(name)) continue;
+      overlay?.remove();
+      shown.delete(name);
     }
-    for (const [url, bounds] of wanted) {
-      if (shown.has(url)) continue;
-      const overlay = L.imageOverlay(url, bounds, { className: "map-tile", zIndex: 2 });
-      overlay.on("error", () => overlay.remove());
-      shown.set(url, overlay.addTo(map));
-    }
+    for (const [name, tile] of wanted) if (!shown.has(name)) add(current, name, tile);
+  }
+
+  function add(layer, name, tile) {
+    shown.set(name, null);
+    loadTile(layer.tiles, tile).then(
+      (uri) => {
+        if (shown.get(name) !== null) return; // out of view by now, or there already
+        const overlay = L.imageOverlay(uri, boundsOf(layer, tile), { className: "map-tile", zIndex: 2 });
+        shown.set(name, overlay.addTo(map));
+      },
+      () => {}, // the picture stays
+    );
   }
 
   map.on("moveend zoomend resize", draw);
@@ -35,24 +43,20 @@ export function makeTiles(map) {
   };
 }
 
-function tilesInView(map, { bounds: [left, bottom, right, top], tiles: { folder, step_m: step, side_px: side, levels } }) {
-  const pixelsPerMetre = 2 ** map.getZoom() * (window.devicePixelRatio || 1);
-  const level = Math.max(0, Math.floor(Math.log2(1 / (pixelsPerMetre * step)) + 0.01));
-  if (level >= levels.length) return []; // the picture in the page has as much
-  const metres = step * side * 2 ** level; // side of a tile
-  const view = map.getBounds();
-  const found = [];
-  for (let row = cell(top - view.getNorth(), metres); row <= cell(top - view.getSouth(), metres); row++) {
-    for (let column = cell(view.getWest() - left, metres); column <= cell(view.getEast() - left, metres); column++) {
-      if (levels[level][row]?.[column] !== "1") continue;
-      const [west, north] = [left + column * metres, top - row * metres];
-      const corners = [[Math.max(bottom, north - metres), west], [north, Math.min(right, west + metres)]];
-      found.push({ url: `${folder}/${level}/${column}_${row}.webp`, bounds: L.latLngBounds(corners) });
-    }
-  }
-  return found;
+function nameOf(layer, { level, column, row }) {
+  return [layer.id, level, column, row].join();
 }
 
-function cell(distance, side) {
-  return Math.max(0, Math.floor(distance / side));
+function tilesInView(map, layer) {
+  const level = fittingLevel(layer.tiles, 2 ** map.getZoom() * (window.devicePixelRatio || 1));
+  if (level >= layer.tiles.levels.length) return []; // the picture in the page has as much
+  const view = map.getBounds();
+  const rectangle = [view.getWest(), view.getSouth(), view.getEast(), view.getNorth()];
+  return tilesIn(layer, tileRange(layer, rectangle, level), level);
+}
+
+function boundsOf({ bounds: [left, bottom, right, top], tiles }, { level, column, row }) {
+  const side = tileSide(tiles, level);
+  const [west, north] = [left + column * side, top - row * side];
+  return L.latLngBounds([Math.max(bottom, north - side), west], [north, Math.min(right, west + side)]);
 }

@@ -9,6 +9,7 @@ import { makeMarks } from "./scene_marks.js";
 import { makeScenePanel } from "./scene_panel.js";
 
 const FIELD_DEG = 40;
+const REST_MS = 150; // without a new picture of the view, before finer tiles are looked for
 
 /** Shows the hull in 3-D inside an element when it is first scrolled to; data.scene is what scene_data.py wrote. */
 export function mountScene(element, data, cards) {
@@ -54,6 +55,7 @@ function show(element, data, cards) {
   scene.add(new HemisphereLight("#ffffff", "#8795a3", 1.5), head);
 
   let wanted = false;
+  let rest = 0; // timer
   const draw = () => {
     if (wanted) return;
     wanted = true;
@@ -80,6 +82,9 @@ function show(element, data, cards) {
     renderer.render(scene, camera);
     gizmo.render(renderer, camera, canvas);
     scaleBar(bar, camera, controls, canvas);
+    canvas.dataset.level = hull.detail.level();
+    clearTimeout(rest);
+    rest = setTimeout(() => hull.detail.update(renderer, camera, canvas), REST_MS);
   }
 
   new ResizeObserver(() => {

@@ -2,8 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 import { BufferAttribute, BufferGeometry, DoubleSide, Group, Mesh, MeshLambertMaterial, SRGBColorSpace, TextureLoader, Vector3 } from "three";
 import { pictureUri } from "./pictures.js";
+import { makeDetail } from "./scene_detail.js";
 
 const GREY = "#b9c2ca";
+const SHARP = `
+uniform sampler2D sharp;
+uniform vec4 sharpBox;
+float within(vec2 place) {
+  return all(greaterThanEqual(place, vec2(0.0))) && all(lessThanEqual(place, vec2(1.0))) ? 1.0 : 0.0;
+}
+`;
 
 /** The hull as found, with a picture of the map on it, and its CAD model; setShape(t, factor) goes from one to the other. */
 export function makeHull(data, draw) {
@@ -25,9 +33,11 @@ export function makeHull(data, draw) {
   cad.visible = false;
 
   const textures = new Map();
+  const detail = makeDetail(found, draw);
   function setPicture(id) {
     const layer = data.map?.layers.find((one) => one.id === id);
     const material = found.material;
+    detail.setLayer(layer);
     if (!layer) {
       Object.assign(material, { map: null, needsUpdate: true });
       return draw();
@@ -40,7 +50,7 @@ export function makeHull(data, draw) {
     }
     found.geometry.setAttribute("uv", new BufferAttribute(surveyed.uv(layer.bounds), 2));
     Object.assign(material, { map: textures.get(id), needsUpdate: true });
-    overGrey(material);
+    overGrey(material, detail.uniforms);
     return draw();
   }
 
@@ -49,6 +59,7 @@ export function makeHull(data, draw) {
     layers: { found, cad, ship },
     surveyed: surveyed.extent(),
     setPicture,
+    detail,
     /** t: 0 as the CAD model has it, 1 as found; factor: how often its relief is added; objects stay true to scale. */
     setShape(t, factor) {
       surveyed.shape(found.geometry, t, factor);
@@ -57,12 +68,21 @@ export function makeHull(data, draw) {
   };
 }
 
-/** Where the picture is transparent the hull is grey, not white. */
-function overGrey(material) {
+/** Where the picture is transparent the hull is grey, not white. The sharp texture lies over the picture. */
+function overGrey(material, uniforms) {
   material.onBeforeCompile = (shader) => {
+    Object.assign(shader.uniforms, uniforms);
+    shader.fragmentShader = SHARP + shader.fragmentShader;
     shader.fragmentShader = shader.fragmentShader.replace(
       "#include <map_fragment>",
-      "#ifdef USE_MAP\nvec4 pictured = texture2D(map, vMapUv);\nbool inside = all(greaterThanEqual(vMapUv, vec2(0.0))) && all(lessThanEqual(vMapUv, vec2(1.0)));\ndiffuseColor.rgb = mix(diffuseColor.rgb, pictured.rgb, inside ? pictured.a : 0.0);\n#endif",
+      `#ifdef USE_MAP
+      vec4 pictured = texture2D(map, vMapUv);
+      pictured = within(vMapUv) * vec4(pictured.rgb * pictured.a, pictured.a);
+      vec2 inSharp = (vMapUv - sharpBox.xy) / sharpBox.zw;
+      vec4 above = within(inSharp) * texture2D(sharp, inSharp);
+      pictured = above + (1.0 - above.a) * pictured;
+      diffuseColor.rgb = pictured.rgb + (1.0 - pictured.a) * diffuseColor.rgb;
+      #endif`,
     );
   };
 }
