@@ -392,8 +392,8 @@ def _write_plots(delivery: Delivery) -> None:
 
 
 def _write_tiles(delivery: Delivery) -> None:
-    for name, webp in stream_tiles(delivery.survey, delivery.stream):
-        delivery.out.write(name, webp)
+    for name, tile in stream_tiles(delivery.survey, delivery.stream):
+        delivery.out.write(name, tile)
 
 
 def _write_schemas(delivery: Delivery) -> None:
