@@ -10,6 +10,7 @@ the border are dropped.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,10 +77,13 @@ def extract(image: Pixels, options: FeatureOptions) -> Features:
     Those near the border are dropped, as it displaces them.
     """
     levelled, step = level_image(image, options)
-    keypoints, descriptors = find_sift(levelled, options.max_features)
-    keypoints = to_raw_pixels(keypoints, step)
-    clear = is_clear_of_border(keypoints, image.shape, options.level_window * image.shape[1])
-    return add_colors(image, keypoints[clear], descriptors[clear])
+
+    def clear(found: Floats32) -> Mask:
+        window_px = options.level_window * image.shape[1]
+        return is_clear_of_border(to_raw_pixels(found, step), image.shape, window_px)
+
+    keypoints, descriptors = find_sift(levelled, options.max_features, clear)
+    return add_colors(image, to_raw_pixels(keypoints, step), descriptors)
 
 
 def level_image(image: Pixels, options: FeatureOptions) -> tuple[Pixels, Floats32]:
@@ -101,10 +105,13 @@ def level_image(image: Pixels, options: FeatureOptions) -> tuple[Pixels, Floats3
     return _level(small, options.level_window * small.shape[1]), step
 
 
-def find_sift(levelled: Pixels, max_features: int) -> tuple[Floats32, Pixels]:
+def find_sift(
+    levelled: Pixels, max_features: int, select: Callable[[Floats32], Mask] | None = None
+) -> tuple[Floats32, Pixels]:
     """Find SIFT keypoints (n, 4) of a levelled image, in its pixels, with RootSIFT descriptors.
 
-    The strongest max_features are taken, ordered by v, u, diameter and score.
+    The strongest max_features are taken, ordered by v, u, diameter and score. Of these only those
+    that `select` chooses are described and returned, all if it is None.
     """
     import cv2
 
@@ -120,6 +127,8 @@ def find_sift(levelled: Pixels, max_features: int) -> tuple[Floats32, Pixels]:
         return np.zeros((0, 4), np.float32), np.zeros((0, WIDTH), np.uint8)
     table = np.array([(*p.pt, p.size, p.response, p.angle, p.octave) for p in found])
     table = table[np.lexsort((table[:, 3], table[:, 2], table[:, 0], table[:, 1]))]
+    if select is not None:
+        table = table[select(table[:, :4].astype(np.float32))]
     descriptors = describe_keypoints(levelled, table[:, [0, 1, 2, 4]], table[:, 5].astype(int))
     return table[:, :4].astype(np.float32), root_sift(descriptors.astype(np.float32))
 
