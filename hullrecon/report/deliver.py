@@ -116,36 +116,39 @@ def deliver(
     ]
     own = [entry for entry in wanted if not entry.is_about_others]
     about_others = [entry for entry in wanted if entry.is_about_others]
-    failures = [*_write(own, delivery), *_write(about_others, delivery)]
+    failures = [*_write_all(own, delivery), *_write_all(about_others, delivery)]
     document = summary_document(survey, delivery.out.entries, delivery.failed)
     out.json(f"{FOLDER}/summary.json", document)
     return failures
 
 
-def _write(entries: Sequence[Deliverable], delivery: Delivery) -> Iterator[DeliveryFailure]:
-    """Write deliverables in their order, and yield those that could not be written.
+def _write_all(entries: Sequence[Deliverable], delivery: Delivery) -> Iterator[DeliveryFailure]:
+    """Write deliverables, and yield those that could not be written, in their order.
 
-    What some of them are made of begins to be made beside the first ones.
+    Those that wait for workers or the disk are written in threads beside the others.
     """
-    with ThreadPoolExecutor(1) as beside:
+    with ThreadPoolExecutor() as beside:
         begun = {
-            entry.name: beside.submit(entry.begin, delivery)
-            for entry in entries
-            if entry.begin is not None and not entry.why_absent(delivery.survey)
+            entry.name: beside.submit(_write, entry, delivery) for entry in entries if entry.waits
         }
         for entry in entries:
-            try:
-                if entry.why_absent(delivery.survey):
-                    continue
-                if entry.name in begun:
-                    begun[entry.name].result()
-                entry.write(delivery)
-            except Exception as error:
-                if _concerns_all(error):
-                    raise
-                failure = _failure(entry.name, error)
-                delivery.failed[entry.name] = failure.reason
+            failure = begun[entry.name].result() if entry.name in begun else _write(entry, delivery)
+            if failure is not None:
                 yield failure
+
+
+def _write(entry: Deliverable, delivery: Delivery) -> DeliveryFailure | None:
+    """Write a deliverable that the dive can give. Returns why it could not be written."""
+    try:
+        if not entry.why_absent(delivery.survey):
+            entry.write(delivery)
+    except Exception as error:
+        if _concerns_all(error):
+            raise
+        failure = _failure(entry.name, error)
+        delivery.failed[entry.name] = failure.reason
+        return failure
+    return None
 
 
 def _concerns_all(error: Exception) -> bool:

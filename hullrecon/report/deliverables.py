@@ -122,7 +122,7 @@ class Delivery:
 
     @cached_property
     def plots(self) -> Sequence[Plot]:
-        return draw_all_plots(self.survey, self.stream)
+        return draw_all_plots(self.survey)
 
     @cached_property
     def chart_mesh(self) -> ChartMesh:
@@ -161,8 +161,7 @@ class Deliverable:
     write: Callable[[Delivery], None]
     # describes the other files (schemas, page, PDF), so written after all of them
     is_about_others: bool = False
-    # makes what the Delivery keeps for `write`, in a thread beside those that are written before
-    begin: Callable[[Delivery], object] | None = None
+    waits: bool = False  # for workers or the disk while it is written, more than it computes
 
 
 def missing_deliverables(survey: Survey) -> dict[str, str]:
@@ -336,7 +335,7 @@ def _copied(name: str, why_absent: Callable[[Survey], str]) -> Deliverable:
         for file, source in _sources(delivery.survey, name).items():
             delivery.out.copy(file, source)
 
-    return Deliverable(name=name, why_absent=why_absent, write=write)
+    return Deliverable(name=name, why_absent=why_absent, write=write, waits=True)
 
 
 def _mosaic_files(kind: str) -> tuple[Deliverable, ...]:
@@ -464,10 +463,8 @@ DELIVERABLES: tuple[Deliverable, ...] = (
     ),
     _copied("change/", _why_not_copied("change/", "change")),
     _written("dive_result.mcap", _never_absent, lambda d: dive_result_mcap(d.survey)),
-    Deliverable(
-        name="plots/", why_absent=_never_absent, write=_write_plots, begin=lambda d: d.plots
-    ),
-    Deliverable(name=f"{TILES}/", why_absent=_never_absent, write=_write_tiles),
+    Deliverable(name="plots/", why_absent=_never_absent, write=_write_plots),
+    Deliverable(name=f"{TILES}/", why_absent=_never_absent, write=_write_tiles, waits=True),
     Deliverable(
         name=f"{SCHEMAS}/", why_absent=_never_absent, write=_write_schemas, is_about_others=True
     ),

@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,7 +31,6 @@ from hullrecon.report.figures.style import (
     new_figure,
     png_bytes,
 )
-from hullrecon.report.stream import Stream, one_by_one
 from hullrecon.report.survey import FactorResiduals, Survey
 from hullrecon.typing import Array, Arrays, Ints
 
@@ -47,34 +45,31 @@ NAMES = {  # of the histogram's curves
 }
 
 
-def draw_all_plots(survey: Survey, stream: Stream = one_by_one) -> list[Plot]:
-    """Draw the plots whose numbers a survey has, in the order of the page, by `stream`."""
-    depth_m = survey.trajectory.translation[:, 2] if survey.facts.has_depth else None
-    drawings: list[Callable[[], Plot | None]] = [
-        partial(depth_and_standoff, survey.track.t_ns, depth_m, survey.facts.dvl),
-        partial(sigmas, survey.track),
-    ]
+def draw_all_plots(survey: Survey) -> list[Plot]:
+    """Draw the plots whose numbers a survey has, in the order of the page."""
+    has_depth = survey.facts.has_depth
+    depth = depth_and_standoff(
+        survey.track.t_ns,
+        survey.trajectory.translation[:, 2] if has_depth else None,
+        survey.facts.dvl,
+    )
+    found = [sigmas(survey.track)] if depth is None else [depth, sigmas(survey.track)]
     adjusted = survey.adjusted
     if adjusted is not None:
         iterations, summary = adjusted.iterations, adjusted.summary
         if len(iterations.get("cost", ())):
-            drawings.append(partial(convergence, iterations))
+            found.append(convergence(iterations))
             if {"on_surface", "label_changes"} <= set(iterations) and adjusted.has_cad_model:
-                drawings.append(partial(labels, iterations))
+                found.append(labels(iterations))
         if set(summary.residuals_before) & set(summary.residuals_after):
-            before, after = summary.residuals_before, summary.residuals_after
-            drawings.append(partial(residuals, before, after))
+            found.append(residuals(summary.residuals_before, summary.residuals_after))
+    histogram = None
     if survey.is_in_hull_frame:
         solution = adjusted.solution if adjusted is not None else None
-        surfaces = survey.surfaces
-        drawings.append(
-            partial(deviation_histogram, solution, surfaces.as_found, surfaces.deviation)
+        histogram = deviation_histogram(
+            solution, survey.surfaces.as_found, survey.surfaces.deviation
         )
-    return [plot for plot in stream(_draw, drawings, "plots") if plot is not None]
-
-
-def _draw(drawing: Callable[[], Plot | None]) -> Plot | None:
-    return drawing()
+    return [*found, histogram] if histogram else found
 
 
 def convergence(iterations: Arrays) -> Plot:
