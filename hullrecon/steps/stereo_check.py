@@ -23,7 +23,7 @@ from hullrecon.navigation.sensors.tray_motion import tray_motion
 from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples
 from hullrecon.rig import Rig, rig_from_settings
 from hullrecon.typing import Pixels
-from hullrecon.vision.stereo.baseline_check import check_baseline, compare_ways
+from hullrecon.vision.stereo.baseline_check import check_baseline, compare_distances
 from hullrecon.vision.stereo.delay import Delay
 from hullrecon.vision.stereo.image_matcher import ReadImage, StereoFrames
 from hullrecon.vision.stereo.rig_check import RigCheck, check_stereo_rig
@@ -80,7 +80,7 @@ def check_rig(
     found = check_stereo_rig(rig, frames, read, sigma_rad, motion)
     if found is None or found.problem or dvl is None or not len(dvl.t_ns):
         return found
-    problem = check_baseline(found, dvl, rig, lambda: compare_ways(rig, frames, read, dvl))
+    problem = check_baseline(found, dvl, rig, lambda: compare_distances(rig, frames, read, dvl))
     return replace(found, problem=problem)
 
 

@@ -183,6 +183,7 @@ def _image_sinks(
 def _take_image(
     sinks: Mapping[str, ImageSink], sample: ImageSample, logged_ns: int, log: int
 ) -> None:
+    """Pass an image to the sink of its camera. Cameras without a calibration have none."""
     if sample.camera in sinks:
         sinks[sample.camera].take(sample, logged_ns, log)
 

@@ -116,6 +116,7 @@ class Source:
 
 
 def _build_dvl(source: Source) -> DvlPings | None:
+    """Stack the pings of the DVL. None without any."""
     samples, request = source.samples("dvl", DvlSample), source.request
     if not samples:
         return None
@@ -161,6 +162,7 @@ def _tells_depth(source: Source) -> bool:
 
 
 def _build_sonar(source: Source) -> SonarPings | None:
+    """Stack the pings of the imaging sonar. None without any."""
     request, samples = source.request, source.samples("sonar", SpooledPing)
     return sonar_pings(
         samples, source.notes, request.sonar_azimuth_deg, source.keep_images, source.spool.load

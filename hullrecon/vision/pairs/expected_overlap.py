@@ -31,8 +31,20 @@ def expect_overlap(
     """Predict the share of the first footprint that the second covers, on an uncertain path.
 
     The scene is moved to quantiles of its position in the second camera, each as probable as the
-    others, and the share is computed at each. Parameters are those of `propose_revisits`. first,
-    second: (m,) nodes.
+    others, and the share is computed at each.
+
+    Parameters
+    ----------
+    track
+        Poses of the leading cameras, with the uncertainty of relative poses.
+    first, second
+        Nodes (m,).
+    depth_m
+        Depth (n,) of the scene by node, NaN where unknown.
+    camera
+        Model that footprints are computed with.
+    min_overlap
+        Least share that counts.
 
     Returns
     -------
@@ -49,8 +61,10 @@ def expect_overlap(
         # A pair known well enough needs no covariance of its own. With zeros, all its quantiles are
         # at the mean.
         covariance = np.zeros((len(source), 3, 3))
-        rest = ~_is_settled(track, source, target, depth, camera)
-        covariance[rest] = scene_in_target(track, source[rest], target[rest], depth[rest])[1]
+        unsettled = ~_is_settled(track, source, target, depth, camera)
+        covariance[unsettled] = scene_in_target(
+            track, source[unsettled], target[unsettled], depth[unsettled]
+        )[1]
         for k in range(0, len(source), BLOCK):
             rows = slice(k, k + BLOCK)
             share = _shares_at_quantiles(relative[rows], covariance[rows], depth[rows], camera)
@@ -83,7 +97,7 @@ def scene_middles(depth: Array) -> Array:
 def _point_by_motion(relative: Array, point: Array) -> Array:
     """Derive points (m, 3), moved by target_from_source (m, 4, 4), by that motion: (m, 3, 6).
 
-    By its translation, then its rotation perturbed on the right, as in Motion.
+    The columns are by its translation, then its rotation perturbed on the right, as in Motion.
     """
     unit = np.broadcast_to(np.eye(3), (len(point), 3, 3))
     return np.concatenate([unit, -relative[:, :3, :3] @ cross_matrix(point)], axis=2)

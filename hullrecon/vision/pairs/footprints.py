@@ -27,7 +27,7 @@ def footprint_overlap(
     """Compute the overlap (m,) of image pairs by the footprints that the track predicts.
 
     The track is taken as exact. The overlap is the share of a footprint that the other image sees,
-    the smaller of both ways. NaN where the depth is unknown. first, second: (m,) nodes. depth_m:
+    the smaller one of the two. NaN where the depth is unknown. first, second: (m,) nodes. depth_m:
     (n,) by node. grid: points of a footprint along each side.
     """
     out, block = np.zeros(len(first)), max(1, GRID_POINTS // grid**2)

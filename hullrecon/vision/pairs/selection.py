@@ -113,8 +113,8 @@ def propose_revisits(
 ) -> Revisits:
     """Find the pairs of keyframes that probably show the same hull, and were not compared yet.
 
-    Only pairs between whose nodes the vehicle left the footprint and came back [KimEustice2009].
-    Neighbours, and keyframes of unknown depth, are left out. There may be no pair.
+    These are pairs between whose nodes the vehicle left the footprint and came back
+    [KimEustice2009]. Neighbours, and keyframes of unknown depth, are left out. There may be none.
 
     Parameters
     ----------
@@ -133,10 +133,12 @@ def propose_revisits(
     compared
         Pairs (first * n + second) that were compared already.
     """
-    first, second = _near(track, keyframes, depth_m, camera, options.sequential)
+    first, second = _preselect_near(track, keyframes, depth_m, camera, options.sequential)
     overlap = footprint_overlap(track, first, second, depth_m, camera)
-    ranks = np.searchsorted(keyframes, first), np.searchsorted(keyframes, second)
-    lowest = _lowest_between(track, keyframes, *ranks, depth_m, camera, options.min_overlap)
+    among_keyframes = np.searchsorted(keyframes, first), np.searchsorted(keyframes, second)
+    lowest = _lowest_between(
+        track, keyframes, *among_keyframes, depth_m, camera, options.min_overlap
+    )
     came_back = (lowest == 0) | (overlap > lowest + RETURN)
     came_back &= ~np.isin(first * len(track) + second, compared)
     first, second, overlap = first[came_back], second[came_back], overlap[came_back]
@@ -161,10 +163,11 @@ def choose_informative(
 ) -> Ints:
     """Choose the pairs whose expected information gain is at least `least` nats.
 
-    The others would cost a comparison and hardly improve the path. Greedy, the largest expected
-    gain first. The path is solved only after all of them are compared. So a pair whose nodes were
-    chosen k - 1 times already counts as the k-th measurement of the same motion, which gains less
-    than the first [docs/methods.md (59b)]. Returns rows of the pairs, ascending. There may be none.
+    The others would cost a comparison and hardly improve the path. The pair with the largest
+    expected gain is chosen first. The path is solved only after all of them are compared. So a pair
+    whose nodes were chosen k - 1 times already counts as the k-th measurement of the same motion,
+    which gains less than the first [docs/methods.md (59b)]. Returns rows of the pairs, ascending.
+    There may be none.
 
     Parameters
     ----------
@@ -177,11 +180,11 @@ def choose_informative(
     least
         Least expected gain, probability times gain, of a chosen pair, nats.
     """
-    worth = probability * gain
-    rows = np.lexsort((second, first, -worth))
+    expected_gain = probability * gain
+    rows = np.lexsort((second, first, -expected_gain))
     taken: dict[int, int] = {}
     chosen = []
-    for row in rows[worth[rows] >= least].tolist():
+    for row in rows[expected_gain[rows] >= least].tolist():
         a, b = int(first[row]), int(second[row])
         before = taken.get(a, 0) + taken.get(b, 0)
         if probability[row] * _gain_of_next(float(gain[row]), before) >= least:
@@ -210,7 +213,7 @@ def _sequential(nodes: Ints, reach: int) -> tuple[Ints, Ints]:
     return np.concatenate([none, *first]), np.concatenate([none, *second])
 
 
-def _near(
+def _preselect_near(
     track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, reach: int
 ) -> tuple[Ints, Ints]:
     """Preselect pairs of nodes that may overlap, so that overlaps are computed of these alone.
@@ -295,7 +298,7 @@ def _lowest_between(
     nodes
         The keyframes, in order.
     first, second
-        Ranks (m,) of the pairs' nodes among them.
+        Rows (m,) of the pairs' nodes among the keyframes.
     least
         Overlap below which the vehicle has left the footprint.
     """
@@ -304,8 +307,8 @@ def _lowest_between(
     lowest, running = np.zeros(len(first)), np.ones(len(nodes))
     inside = np.flatnonzero(np.isfinite(depth_m[nodes]))
     for step in range(1, int((second - first).max(initial=0)) + 1):
-        asked = (second - first == step) & np.isin(first, inside)
-        lowest[asked] = running[first[asked]]
+        due = (second - first == step) & np.isin(first, inside)
+        lowest[due] = running[first[due]]
         inside = inside[inside + step < len(nodes)]
         overlap = footprint_overlap(track, nodes[inside], nodes[inside + step], depth_m, camera)
         running[inside] = np.fmin(running[inside], overlap)

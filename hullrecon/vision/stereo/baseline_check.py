@@ -42,8 +42,8 @@ LARGEST_SHIFT = 0.1  # of a principal point, as a share of the focal length
 # Ratio of the logarithmic errors with which two causes explain the distance travelled, from which
 # the better one is named alone
 CLEARLY_NEARER = 2.0
-LEAST_WAY_M = 0.02  # motion between two pairs of images: several times the error of stereo
-WAY_NS = 150_000_000  # before the first and after the second pair, within which pings count
+LEAST_MOTION_M = 0.02  # between two pairs of images: several times the error of stereo
+PING_MARGIN_NS = 150_000_000  # before the first and after the second pair, within which pings count
 FITS, OUTLIER_MEDIANS = 3, 3.0  # fits of a motion, and the residual of outliers over the median
 
 
@@ -89,15 +89,15 @@ def check_baseline(
 
 
 def _causes_of_depth(
-    depth: float, way: float | None, baseline_m: float, shift_share: float
+    depth_ratio: float, distance_ratio: float | None, baseline_m: float, shift_share: float
 ) -> tuple[str, str]:
-    """Say what explains depths by stereo of `depth` times the DVL's, and how to correct it.
+    """Say what explains depths by stereo of `depth_ratio` times the DVL's, and how to correct it.
 
     Parameters
     ----------
-    depth
+    depth_ratio
         Depth by stereo over that by the DVL.
-    way
+    distance_ratio
         Distance travelled by stereo over that by the DVL, None where it is not known.
     baseline_m
         Length of the baseline as calibrated, from which the one that would fit follows.
@@ -112,24 +112,31 @@ def _causes_of_depth(
     remedy
         What to do, "" where that is not known.
     """
-    baseline = f"the baseline of {baseline_m:.3f} m would have to be {baseline_m / depth:.3f} m"
-    focal = f"the focal lengths of both cameras would have to be {1 / depth:.2f} times as long"
-    if abs(np.log(depth * WATER)) < np.log1p(MEDIUM_SHARE):
+    baseline = (
+        f"the baseline of {baseline_m:.3f} m would have to be {baseline_m / depth_ratio:.3f} m"
+    )
+    focal = (
+        f"the focal lengths of both cameras would have to be {1 / depth_ratio:.2f} times as long"
+    )
+    if abs(np.log(depth_ratio * WATER)) < np.log1p(MEDIUM_SHARE):
         focal += ", as where they were calibrated in air"
-    if way is None:
+    if distance_ratio is None:
         return f"{baseline}, or as well {focal}", ""
-    # Errors with which the two causes explain the ratio of distances: `depth` and 1 are expected.
-    by_baseline, by_focal = abs(np.log(way / depth)), abs(np.log(way))
+    # Errors with which the two causes explain the ratio of distances: a wrong baseline makes it
+    # `depth_ratio`, wrong focal lengths leave it at 1.
+    by_baseline, by_focal = abs(np.log(distance_ratio / depth_ratio)), abs(np.log(distance_ratio))
     if by_baseline < by_focal / CLEARLY_NEARER:
-        if baseline_m > BASELINE_M[1] and baseline_m / depth < BASELINE_M[1]:
+        if baseline_m > BASELINE_M[1] and baseline_m / depth_ratio < BASELINE_M[1]:
             return baseline, "give x, y, z of camera.bottom.pose_in_top in metres"
         if shift_share < LARGEST_SHIFT:
             centre = "one of the principal points lies elsewhere along the baseline"
             return f"{baseline}, or as well {centre}", CALIBRATE
-        if abs(np.log(depth)) < np.log(LEAST_UNIT):
+        if abs(np.log(depth_ratio)) < np.log(LEAST_UNIT):
             return baseline, "correct camera.bottom.pose_in_top"
         return f"{baseline}, or as well the DVL measures in another unit", ""
-    unit = next((u for u, m in SMALL_UNITS.items() if abs(np.log(depth / m)) < SAME_UNIT), None)
+    unit = next(
+        (u for u, m in SMALL_UNITS.items() if abs(np.log(depth_ratio / m)) < SAME_UNIT), None
+    )
     if by_focal < by_baseline / CLEARLY_NEARER and unit is not None:
         return f"the DVL's ranges are in {unit}, not in m", ""
     if by_focal < by_baseline / CLEARLY_NEARER:
@@ -137,12 +144,14 @@ def _causes_of_depth(
     return f"{baseline}, or as well {focal}", ""
 
 
-def compare_ways(rig: Rig, frames: StereoFrames, read: ReadImage, dvl: DvlPings) -> float | None:
-    """Compute the ratio of the vehicle's motion by stereo to that by the DVL.
+def compare_distances(
+    rig: Rig, frames: StereoFrames, read: ReadImage, dvl: DvlPings
+) -> float | None:
+    """Compute the ratio of the distance travelled by stereo to that by the DVL.
 
     It tells a wrong baseline, which scales motion and depths, from wrong focal lengths, which scale
-    depths alone. The median over pairs of consecutive frames. None where the vehicle hardly moved,
-    or frames have too few features in common.
+    depths alone. It is the median over pairs of consecutive frames. None where the vehicle hardly
+    moved, or frames have too few features in common.
     """
     matcher = ImageMatcher(rig, frames, read)
     top_from_dvl = rig.tray_from(Camera.TOP).inverse() @ rig.tray_from_dvl
@@ -152,17 +161,17 @@ def compare_ways(rig: Rig, frames: StereoFrames, read: ReadImage, dvl: DvlPings)
         pair = [matcher.match(*frames.pair[row]) for row in (k, k + 1)]
         if pair[0] is None or pair[1] is None:
             continue
-        by_dvl_m = _way_of_dvl(dvl, pair[0].at_ns, pair[1].at_ns)
+        by_dvl_m = _distance_by_dvl(dvl, pair[0].at_ns, pair[1].at_ns)
         motion = _motion_between(matcher, pair[0], pair[1])
-        if motion is not None and by_dvl_m > LEAST_WAY_M:
+        if motion is not None and by_dvl_m > LEAST_MOTION_M:
             moved = top_from_dvl.inverse() @ motion @ top_from_dvl
             ratio.append(float(np.linalg.norm(moved.translation)) / by_dvl_m)
     return float(np.median(ratio)) if len(ratio) >= MIN_PAIRS else None
 
 
-def _way_of_dvl(dvl: DvlPings, from_ns: int, to_ns: int) -> float:
+def _distance_by_dvl(dvl: DvlPings, from_ns: int, to_ns: int) -> float:
     """Compute how far the DVL moved between two times, m, by its mean velocity, NaN without any."""
-    inside = (dvl.t_ns >= from_ns - WAY_NS) & (dvl.t_ns <= to_ns + WAY_NS)
+    inside = (dvl.t_ns >= from_ns - PING_MARGIN_NS) & (dvl.t_ns <= to_ns + PING_MARGIN_NS)
     velocity = dvl.velocity[inside & np.isfinite(dvl.velocity).all(axis=1)]
     if not len(velocity):
         return float("nan")
@@ -176,14 +185,14 @@ def _motion_between(matcher: ImageMatcher, first: Matched, second: Matched) -> P
     repeated. None with fewer than MIN_MATCHES inliers.
     """
     shared = best_of_all(first.descriptors, second.descriptors, RATIO, MAX_DISTANCE)
-    here, there = matcher.points(first)[shared.first], matcher.points(second)[shared.second]
-    keep = (here[:, 2] > 0) & (there[:, 2] > 0)
-    here, there = here[keep], there[keep]
+    of_first, of_second = matcher.points(first)[shared.first], matcher.points(second)[shared.second]
+    keep = (of_first[:, 2] > 0) & (of_second[:, 2] > 0)
+    of_first, of_second = of_first[keep], of_second[keep]
     for _ in range(FITS):
-        if len(here) < MIN_MATCHES:
+        if len(of_first) < MIN_MATCHES:
             return None
-        motion = fit_rigid(there, here)
-        away = np.linalg.norm(motion.apply(there) - here, axis=1)
-        near = away <= OUTLIER_MEDIANS * np.median(away)
-        here, there = here[near], there[near]
-    return fit_rigid(there, here)
+        motion = fit_rigid(of_second, of_first)
+        residual = np.linalg.norm(motion.apply(of_second) - of_first, axis=1)
+        near = residual <= OUTLIER_MEDIANS * np.median(residual)
+        of_first, of_second = of_first[near], of_second[near]
+    return fit_rigid(of_second, of_first)

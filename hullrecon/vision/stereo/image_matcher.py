@@ -112,7 +112,7 @@ class ImageMatcher:
         return np.asarray(np.sqrt(squared) * self.focal_px)
 
     def depths(self, matched: Matched) -> Array:
-        """Triangulate depths (n,) m in the top camera as calibrated. Not positive behind it."""
+        """Triangulate depths (n,) m in the top camera as calibrated. NaN or negative behind it."""
         return self.points(matched)[:, 2]
 
     def is_behind(self, pairs: Sequence[Matched]) -> bool:
@@ -137,6 +137,7 @@ class ImageMatcher:
         return top, bottom
 
     def _features(self, camera: Camera, place: int) -> Features:
+        """Extract the features of a frame, given by its position in StereoFrames, once."""
         if (camera, place) not in self._seen:
             rows = (self._frames.top if camera is Camera.TOP else self._frames.bottom)[1]
             image = self._read(camera, int(rows[place]))

@@ -26,8 +26,9 @@ from hullrecon.vision.stereo.pose_conventions import fitting_conventions
 MIN_PAIRS = 3  # informative pairs
 MAX_TURN_DEG = 0.3  # of the bottom camera; a calibration under water is good to a tenth
 TURN_SIGMAS = 5.0  # least ratio of such a turn to its sigma
-# Ratio of the median error as calibrated to that of a fitted pose from which the pose is taken to
-# be of another convention
+# Ratio of two median errors from which the larger one counts as far off: that of pairs that do not
+# fit, beside that of pairs that do; and that as calibrated, beside that of a fitted pose, from
+# which the calibrated pose is taken to be of another convention
 FAR = 4.0
 CLEARLY_BETTER = 1.2  # ratio of the median errors of two fits from which the better one is taken
 MAX_SHARE = 0.3  # of the pairs beyond MAX_ERROR_PX
@@ -136,8 +137,8 @@ def explain_images(matcher: ImageMatcher, pairs: Sequence[Matched], error_px: fl
     calibrated.
     """
     found, _, fitted_px = fit_pose(pairs, matcher.focal_px)
-    rigid = (matcher.errors_px(pairs, found) > MAX_ERROR_PX).mean() <= MAX_SHARE
-    return _contradiction(matcher, pairs, found if rigid else None, error_px, fitted_px)
+    fits_most = (matcher.errors_px(pairs, found) > MAX_ERROR_PX).mean() <= MAX_SHARE
+    return _name_cause(matcher, pairs, found if fits_most else None, error_px, fitted_px)
 
 
 def find_turn(
@@ -161,16 +162,18 @@ def find_turn(
     """
     # Images of a plane fit two motions equally well. The one nearest to the calibrated one is
     # taken, unless another is clearly better.
-    near, far = fit_pose(pairs, matcher.focal_px, matcher.given), fit_pose(pairs, matcher.focal_px)
-    found, covariance, fitted_px = near if near[2] <= CLEARLY_BETTER * far[2] else far
+    from_given = fit_pose(pairs, matcher.focal_px, matcher.given)
+    from_own = fit_pose(pairs, matcher.focal_px)
+    is_near_as_good = from_given[2] <= CLEARLY_BETTER * from_own[2]
+    found, covariance, fitted_px = from_given if is_near_as_good else from_own
     turn = _turn_rad(matcher.given, found)
     sigma = float(np.sqrt(np.linalg.eigvalsh(covariance[:3, :3]).max()))
     if turn < max(np.radians(MAX_TURN_DEG) + 3 * sigma_rad, TURN_SIGMAS * sigma):
         return None
-    return _contradiction(matcher, pairs, found, error_px, fitted_px)
+    return _name_cause(matcher, pairs, found, error_px, fitted_px)
 
 
-def _contradiction(
+def _name_cause(
     matcher: ImageMatcher,
     pairs: Sequence[Matched],
     found: Array | None,

@@ -16,7 +16,7 @@ from hullrecon.navigation.dead_reckoning.nodes import pair_frames
 from hullrecon.records.sensors import DvlPings
 from hullrecon.vision.features.extraction import no_features
 from hullrecon.vision.stereo import image_matcher
-from hullrecon.vision.stereo.baseline_check import check_baseline, compare_ways
+from hullrecon.vision.stereo.baseline_check import check_baseline, compare_distances
 from hullrecon.vision.stereo.image_matcher import StereoFrames
 from hullrecon.vision.stereo.rig_check import check_stereo_rig
 
@@ -207,7 +207,10 @@ def lengths(rig, range_m=1.3):
         pair=np.stack([rows, rows], axis=1), top=(STAMPS, rows), bottom=(STAMPS, rows)
     )
     return check_baseline(
-        check(rig), dvl, mounted, lambda: compare_ways(mounted, frames, lambda *image: image, dvl)
+        check(rig),
+        dvl,
+        mounted,
+        lambda: compare_distances(mounted, frames, lambda *image: image, dvl),
     )
 
 

@@ -172,10 +172,10 @@ def _in_m_s2(acceleration: Array, notes: list[Finding]) -> Array:
     """
     size = np.linalg.norm(acceleration, axis=1)
     known = size[np.isfinite(size)]
-    felt = float(np.median(known)) if len(known) else 0.0
+    median = float(np.median(known)) if len(known) else 0.0
     for name, scale in ACCELERATIONS.items():
-        if abs(felt * scale - GRAVITY_M_S2) < NEAR_GRAVITY * GRAVITY_M_S2:
-            notes.append(Finding("accelerations-in-unit", {"unit": name, "median": felt}, "imu"))
+        if abs(median * scale - GRAVITY_M_S2) < NEAR_GRAVITY * GRAVITY_M_S2:
+            notes.append(Finding("accelerations-in-unit", {"unit": name, "median": median}, "imu"))
             return scale * acceleration
     return acceleration
 
@@ -187,7 +187,7 @@ def _with_gravity(acceleration: Array, rotation: Rotation, notes: list[Finding])
 
     Parameters
     ----------
-    acceleration : (n, 3) m/s2, in the vehicle, as an accelerometer feels it
+    acceleration : (n, 3) m/s2, in the vehicle, as an accelerometer measures it
     rotation : (n,) from the vehicle to `global`
     notes : what was changed is added
 
@@ -195,18 +195,19 @@ def _with_gravity(acceleration: Array, rotation: Rotation, notes: list[Finding])
     -------
     acceleration (n, 3), NaN where a driver filled in zeros
     """
-    felt = rotation.apply(acceleration)  # in `global`, where gravity adds up and motion does not
-    known = np.isfinite(felt).all(axis=1)
+    # in `global`, where gravity adds up and motion does not
+    measured = rotation.apply(acceleration)
+    known = np.isfinite(measured).all(axis=1)
     if not known.any():
         return acceleration
-    if len(felt) >= LEAST_ATTITUDES and not felt[known].any():
+    if len(measured) >= LEAST_ATTITUDES and not measured[known].any():
         notes.append(Finding("accelerations-unfilled", {"count": int(known.sum())}, "imu"))
         return np.full_like(acceleration, np.nan)
-    mean = float(np.linalg.norm(np.median(felt[known], axis=0)))
+    mean = float(np.linalg.norm(np.median(measured[known], axis=0)))
     if mean >= LEAST_FELT_M_S2:
         return acceleration
     notes.append(Finding("gravity-taken-off", {"felt_m_s2": mean}, "imu"))
-    # z of `global` is down, and an accelerometer at rest feels the push upward
+    # z of `global` is down, and an accelerometer at rest measures an acceleration upward
     return np.asarray(acceleration - rotation.inv().apply([0.0, 0.0, GRAVITY_M_S2]))
 
 

@@ -76,8 +76,8 @@ def pressure_samples(
         return None
     depth = depth[good]
     cut = windows(depth)
-    away = "leave topics.pressure (or pressure.csv) away"
-    refuse_two_sensors("pressure", np.abs(cut - cut[:, :1]), "m", away)
+    leave_away = "leave topics.pressure (or pressure.csv) away"
+    refuse_two_sensors("pressure", np.abs(cut - cut[:, :1]), "m", leave_away)
     _refuse_unclear_numbers([s for s, known in zip(samples, good, strict=True) if known], model)
     if np.median(depth) < -HIGHEST_M:
         if compared and (model.unit or "Pa") in PASCALS and isinstance(samples[0], PressureSample):
@@ -103,13 +103,13 @@ def _are_spikes(t_ns: Ints, depth: Array) -> Mask:
     """
     if len(depth) < SPIKE_READINGS:
         return np.zeros(len(depth), bool)
-    off = np.abs(depth - median_filter(depth, SPIKE_READINGS, mode="mirror"))
+    difference = np.abs(depth - median_filter(depth, SPIKE_READINGS, mode="mirror"))
     rows, half = np.arange(len(depth)), SPIKE_READINGS // 2
     after, before = t_ns[np.minimum(rows + half, rows[-1])], t_ns[np.maximum(rows - half, 0)]
     # what a vehicle can sink or rise between the first and the last of them, m
-    way = FASTEST_DIVE_M_S * (after - before) / NS
+    reachable_m = FASTEST_DIVE_M_S * (after - before) / NS
     noise = float(np.median(np.abs(np.diff(depth))))
-    return np.asarray(off > np.maximum(SPIKE_M + way, 10 * noise))
+    return np.asarray(difference > np.maximum(SPIKE_M + reachable_m, 10 * noise))
 
 
 def _refuse_unclear_numbers(

@@ -36,7 +36,7 @@ def keep_in_memory(shape: tuple[int, int, int], images: Iterator[Images]) -> Ima
 def leave_black(shape: tuple[int, int, int], images: Iterator[Images]) -> Images:
     """Return black images that take no memory, in place of `keep_in_memory`.
 
-    For calls that look at no image.
+    It is for calls that look at no image.
     """
     return np.broadcast_to(np.uint8(0), shape)
 
@@ -102,6 +102,7 @@ def _scale_to_eight_bits(samples: Sequence[SonarSample], notes: list[Finding]) -
 
 
 def _eight_bits(image: NDArray[np.generic], scale: float | None) -> NDArray[np.uint8]:
+    """Scale an image to 8 bits. scale: None for one that has 8 bits already."""
     if scale is None:
         return image.astype(np.uint8)
     return np.asarray(np.clip(np.nan_to_num(image.astype(float)) * scale, 0, 255).round(), np.uint8)
