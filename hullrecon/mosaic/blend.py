@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +15,11 @@ from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.imagery.camera_views import ImageView
 from hullrecon.mosaic.imagery.radiometry import Part
 from hullrecon.mosaic.mosaic_surface import (
+    COUNTS,
     MosaicSurface,
     SurfacePatch,
     find_visible,
+    interpolate_values,
     sample_surface,
 )
 from hullrecon.native import BlendSums, insert_view
@@ -73,6 +76,8 @@ class Tile:
     value: Floats32  # (h, w, channels) 0 to 255
     variance: Floats32  # (h, w) of the blended views' intensities, squared gray levels
     views: NDArray[np.uint8]  # (h, w) number of views that were blended
+    # (h, w) values of the surface by name, of `interpolate_values`
+    of_surface: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
     def padded(self, shape: tuple[int, int]) -> Tile:
         """Add unseen rows below and unseen columns to the right, up to a shape.
@@ -84,6 +89,10 @@ class Tile:
             value=np.pad(self.value, [*more, (0, 0)]),
             variance=np.pad(self.variance, more, constant_values=np.nan),
             views=np.pad(self.views, more),
+            of_surface={
+                name: np.pad(v, more, constant_values=0 if name == COUNTS else np.nan)
+                for name, v in self.of_surface.items()
+            },
         )
 
 
@@ -107,6 +116,7 @@ def blend_tile(
     """Blend the four best views of each texel of a tile, in weighted bands.
 
     Texels without surface, or that no view sees, are left empty, as are those beyond the raster.
+    The surface's own values at the texels are in the tile, too.
 
     Parameters
     ----------
@@ -135,6 +145,7 @@ def blend_tile(
         limits,
     )
     tile = blend(patch, choice, image_views, channels)
+    tile = replace(tile, of_surface=interpolate_values(surface, patch))
     return tile.padded(window.shape)
 
 

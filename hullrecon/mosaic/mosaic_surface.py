@@ -4,13 +4,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
-from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh, corner_shares
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.occlusion_horizon import (
     OcclusionHorizon,
@@ -24,6 +28,8 @@ from hullrecon.typing import Array, Floats32, Ints, Ints32, Mask
 # 4 mm texels
 COARSE = 8
 OFF_SURFACE_M = 0.004  # rays start this far off the surface, so as not to hit it at once
+COUNTS = "support"  # name of the values of a surface that are counts. All others are metres
+QUANTUM_M = 0.0001  # step of values in metres: finer digits are noise, and compress badly
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,6 +40,8 @@ class MosaicSurface:
     scene: Scene
     chart: Chart
     reach_m: float  # largest distance of the mesh from the chart's surface, along its normal
+    # (n,) of the mesh's vertices, NaN where unknown, by the name of the raster that shows them
+    values: Mapping[str, Array] = field(default_factory=dict)
     # Tells which texels cannot be occluded. None: a ray is cast for every texel.
     horizon: OcclusionHorizon | None = None
 
@@ -44,9 +52,11 @@ class MosaicSurface:
         return replace(self, horizon=build_occlusion_horizon(self.mesh, self.chart, bounds, span_m))
 
 
-def build_mosaic_surface(mesh: Mesh, chart: Chart, reach_m: float) -> MosaicSurface:
-    """Build the surface without a horizon."""
-    return MosaicSurface(mesh=mesh, scene=Scene(mesh), chart=chart, reach_m=reach_m)
+def build_mosaic_surface(
+    mesh: Mesh, chart: Chart, reach_m: float, values: Mapping[str, Array] = MappingProxyType({})
+) -> MosaicSurface:
+    """Build the surface without a horizon. Parameters are those of `MosaicSurface`."""
+    return MosaicSurface(mesh=mesh, scene=Scene(mesh), chart=chart, reach_m=reach_m, values=values)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,6 +111,37 @@ def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> S
     return SurfacePatch(
         point=point, normal=normal, face=face.reshape(shape[:2]), hidden_from=tangent
     )
+
+
+def value_type(name: str) -> str:
+    """Name the type in which a surface's values of that name are stored."""
+    return "uint16" if name == COUNTS else "float32"
+
+
+def interpolate_values(surface: MosaicSurface, patch: SurfacePatch) -> dict[str, NDArray[Any]]:
+    """Interpolate the values of a surface at the texels (h, w) of a patch.
+
+    Metres are interpolated linearly on each face, counts are those of the nearest corner. Without
+    a value, metres are NaN and counts 0.
+    """
+    held = patch.face >= 0
+    corners = surface.mesh.faces[patch.face[held]]
+    share = corner_shares(surface.mesh.vertices[corners], patch.point[held])
+    # corner by corner: numpy is slow along an axis of three
+    (a, b, c), (of_a, of_b, of_c) = np.ascontiguousarray(corners.T), np.ascontiguousarray(share.T)
+    nearest = np.where(of_c > np.maximum(of_a, of_b), c, np.where(of_b > of_a, b, a))
+    found = {}
+    for name, value in surface.values.items():
+        found[name] = texels = np.full(
+            held.shape, 0 if name == COUNTS else np.nan, value_type(name)
+        )
+        texels[held] = (
+            np.nan_to_num(value[nearest])
+            if name == COUNTS
+            else np.rint((value[a] * of_a + value[b] * of_b + value[c] * of_c) / QUANTUM_M)
+            * QUANTUM_M
+        )
+    return found
 
 
 def _chart_at(chart: Chart, grid: TexelGrid, window: Window) -> tuple[Array, Array]:

@@ -7,7 +7,6 @@ from __future__ import annotations
 import logging
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import partial
 from typing import BinaryIO
 
 from hullrecon.artifacts.stage import Context
@@ -23,17 +22,14 @@ from hullrecon.mosaic.output.raster import (
     RasterBands,
     RasterLayout,
     surface_bands,
-    surface_tiles,
     surface_values,
     write_raster,
 )
 from hullrecon.mosaic.output.tile_store import TileStore
 from hullrecon.mosaic.output.tiles_3d import Pyramid, write_tileset
 from hullrecon.records.solution import Mounts
-from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.steps.artifacts import InputArtifacts
-from hullrecon.threads import in_threads
 
 log = logging.getLogger(__name__)
 TILES, TILESET = "tiles", "tileset.json"  # folder and head of the 3D Tiles
@@ -45,11 +41,9 @@ MosaicContext = Context[OpticalOptions] | Context[SonarOptions]
 class MosaicInputs:
     """The surface with its chart and the vehicle over it, in one frame."""
 
-    surface: MosaicSurface
+    surface: MosaicSurface  # with the values of the hull as found, if detect left one
     outside: OutsideMap  # the map that rasters are written in
-    as_found: Surface | None  # the hull as found, None if detect left none
     by_images: bool  # the hull as found was made from images, else from the DVL's returns
-    deviation: DeviationSplit | None  # of the hull as found, None without a CAD model
     track: VehicleTrack
     mounts: Mounts | None  # as adjusted, None before the adjustment
     surface_name: str  # which surface it is, for captions
@@ -67,12 +61,12 @@ def read_mosaic_inputs(inputs: InputArtifacts) -> MosaicInputs:
         inputs.navigate.trajectory.track() if solution is None else solution.track(),
         inputs.surface.chart,
     )
+    deviation = inputs.detect.deviation if inputs.detect is not None else None
+    values = {} if as_found is None else surface_values(as_found, deviation)
     return MosaicInputs(
-        surface=build_mosaic_surface(surface.mesh(), chart, REACH_M),
+        surface=build_mosaic_surface(surface.mesh(), chart, REACH_M, values),
         outside=outside_map(chart, inputs.surface.surface.vertices, track.frame),
-        as_found=as_found,
         by_images=inputs.detect is not None and inputs.detect.is_found_by_images,
-        deviation=inputs.detect.deviation if inputs.detect is not None else None,
         track=track,
         mounts=None if solution is None else solution.mounts,
         surface_name="of the survey" if as_found is None else "as found",
@@ -123,7 +117,7 @@ def write_mosaic(
         made = context.once(
             lambda: make_deliverables(inputs.surface, store, presentation), "textured mesh"
         )
-        _write_surface_rasters(context, layout, inputs, scratch)
+        _write_surface_rasters(context, layout, store, scratch, by_images=inputs.by_images)
         pictures = written.result()
     context.out.bytes("ortho.png", made.preview)
     if made.textured_mesh is not None:
@@ -195,17 +189,18 @@ def _write_mosaic_rasters(
 
 
 def _write_surface_rasters(
-    context: MosaicContext, layout: RasterLayout, inputs: MosaicInputs, scratch: BinaryIO
+    context: MosaicContext,
+    layout: RasterLayout,
+    store: TileStore,
+    scratch: BinaryIO,
+    *,
+    by_images: bool,
 ) -> None:
     """Write rasters of the hull as found on the mosaic's pixels, so that both lie over each other.
 
-    Nothing is written where detect left no hull as found.
+    Nothing is written where detect left no hull as found. by_images: as of `MosaicInputs`.
     """
-    if inputs.as_found is None:
-        return
-    values = surface_values(inputs.as_found, inputs.deviation)
-    stream = partial(context.stream, by=in_threads)
-    for name, tiles in surface_tiles(inputs.surface, values, layout, scratch, stream).items():
+    for name, tiles in store.of_surface.items():
         with context.out.path(f"{name}.tif") as path:
-            bands = surface_bands(name, by_images=inputs.by_images)
+            bands = surface_bands(name, by_images=by_images)
             write_raster(path, tiles, layout, bands, scratch)

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
@@ -13,14 +12,11 @@ from typing import BinaryIO
 import numpy as np
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
-from hullrecon.geometry.meshes.mesh import corner_shares
-from hullrecon.mosaic.grid import TexelGrid, Window
-from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface
+from hullrecon.mosaic.grid import TexelGrid
+from hullrecon.mosaic.mosaic_surface import COUNTS, value_type
 from hullrecon.mosaic.output.cog import BLOCK, Picture, write_cog
 from hullrecon.mosaic.output.tile_store import CompressedTiles
-from hullrecon.mosaic.stream import Stream
 from hullrecon.records.surface import DeviationSplit, Surface
-from hullrecon.threads import in_threads
 from hullrecon.typing import Array
 
 
@@ -155,8 +151,6 @@ def description(layout: RasterLayout, bands: RasterBands) -> dict[str, object]:
     }
 
 
-QUANTUM_M = 0.0001  # step of values in metres: finer digits are noise, and compress badly
-
 SURFACE_BANDS = {
     "deviation": "signed distance of the hull as found from its CAD model, outward positive",
     "deviation_sigma": "one sigma of the deviation, the hull's position included",
@@ -172,7 +166,7 @@ def surface_values(surface: Surface, split: DeviationSplit | None) -> dict[str, 
 
     Without a CAD model (`split` is None) there is only the support.
     """
-    values = {"support": surface.support.astype(float)}
+    values = {COUNTS: surface.support.astype(float)}
     if split is not None:
         values |= {
             "deviation": surface.deviation,
@@ -183,82 +177,16 @@ def surface_values(surface: Surface, split: DeviationSplit | None) -> dict[str, 
     return {name: np.where(surface.support > 0, v, np.nan) for name, v in values.items()}
 
 
-def surface_tiles(
-    surface: MosaicSurface,
-    values: Mapping[str, Array],
-    layout: RasterLayout,
-    scratch: BinaryIO,
-    stream: Stream = in_threads,
-) -> dict[str, CompressedTiles]:
-    """Interpolate values of the vertices at the texels of a raster.
-
-    Metres are interpolated linearly on each face, counts are those of the nearest corner. Without
-    a value, metres are NaN and counts 0.
-
-    Parameters
-    ----------
-    surface
-        Mesh and chart. Its occlusion horizon is not needed.
-    values
-        (n,) of the mesh's vertices, by name of the raster.
-    layout
-        Texels and tiles that all these rasters have.
-    scratch
-        A file that keeps the tiles.
-    stream
-        Maps work over threads.
-    """
-    shape = (layout.size, layout.size)
-    tiles = {name: CompressedTiles(shape, surface_bands(name).dtype, scratch) for name in values}
-
-    def make(window: Window) -> Mapping[str, bytes]:
-        made = _interpolate(surface, values, layout, window)
-        return {name: tiles[name].pack(tile) for name, tile in made.items()}
-
-    for made in stream(make, list(layout.grid.tiles(layout.size)), "rasters of the surface"):
-        for name, packed in made.items():
-            tiles[name].add_packed(packed)
-    return tiles
-
-
-def _interpolate(
-    surface: MosaicSurface, values: Mapping[str, Array], layout: RasterLayout, window: Window
-) -> dict[str, Array]:
-    """Interpolate values (n,) of the vertices at the texels of one tile, as `surface_tiles` says.
-
-    Texels without surface, or beyond the raster, have none.
-    """
-    part = window.meet(layout.grid.whole)
-    patch = sample_surface(surface, layout.grid, part)
-    held = patch.face >= 0
-    corners = surface.mesh.faces[patch.face[held]]
-    share = corner_shares(surface.mesh.vertices[corners], patch.point[held])
-    # corner by corner: numpy is slow along an axis of three
-    (a, b, c), (of_a, of_b, of_c) = np.ascontiguousarray(corners.T), np.ascontiguousarray(share.T)
-    nearest = np.where(of_c > np.maximum(of_a, of_b), c, np.where(of_b > of_a, b, a))
-    tiles = {}
-    for name, value in values.items():
-        counts = name == "support"
-        tiles[name] = tile = np.full(window.shape, 0.0 if counts else np.nan)
-        tile[: part.shape[0], : part.shape[1]][held] = (
-            np.nan_to_num(value[nearest])
-            if counts
-            else np.rint((value[a] * of_a + value[b] * of_b + value[c] * of_c) / QUANTUM_M)
-            * QUANTUM_M
-        )
-    return tiles
-
-
 def surface_bands(name: str, *, by_images: bool = True) -> RasterBands:
     """Describe the bands of the surface raster with a given name.
 
     `by_images`: whether the support counts images. Otherwise it counts DVL returns.
     """
-    counts = name == "support"
+    counts = name == COUNTS
     return RasterBands(
         names=(name,),
         unit="" if counts else "m",
-        dtype="uint16" if counts else "float32",
+        dtype=value_type(name),
         title=SUPPORT_BY_RETURNS if counts and not by_images else SURFACE_BANDS[name],
         nodata=0 if counts else float("nan"),
     )

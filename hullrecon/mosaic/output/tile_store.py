@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from threading import Lock
 from typing import BinaryIO
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from hullrecon.mosaic.blend import Tile, ViewLimits, blend_tile
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.imagery.camera_views import Footprints, ImageView, footprint_windows
-from hullrecon.mosaic.mosaic_surface import MosaicSurface
+from hullrecon.mosaic.mosaic_surface import MosaicSurface, value_type
 from hullrecon.mosaic.stream import Stream
 from hullrecon.typing import Floats32
 
@@ -96,6 +96,7 @@ class PackedTile:
     color: bytes  # compressed, as are variance and counts
     variance: bytes
     counts: bytes
+    of_surface: dict[str, bytes]  # compressed values of the surface, by name
     small: NDArray[np.uint8]  # its part of the small copy
     histogram: NDArray[np.int64]  # of its variances
     views: NDArray[np.int64]  # its texels by number of views blended
@@ -115,6 +116,7 @@ class TileStore:
     color: CompressedTiles  # (size, size, channels + 1) uint8, the last is alpha
     variance: CompressedTiles  # (size, size) float32, NaN where nothing was seen
     counts: CompressedTiles  # (size, size) uint8, views blended
+    of_surface: dict[str, CompressedTiles]  # (size, size) values of the surface, by name
 
     def pack(self, window: Window, tile: Tile) -> PackedTile:
         """Round and compress the tile of a window. Several threads may do it at once.
@@ -135,6 +137,7 @@ class TileStore:
             color=self.color.pack(color),
             variance=self.variance.pack(variance),
             counts=self.counts.pack(tile.views),
+            of_surface={name: self.of_surface[name].pack(v) for name, v in tile.of_surface.items()},
             small=self._reduce(color),
             histogram=np.bincount(rows, minlength=len(self.histogram)),
             views=np.bincount(inside.ravel(), minlength=len(self.views)),
@@ -148,6 +151,8 @@ class TileStore:
         self.color.add_packed(tile.color)
         self.variance.add_packed(tile.variance)
         self.counts.add_packed(tile.counts)
+        for name, packed in tile.of_surface.items():
+            self.of_surface[name].add_packed(packed)
         self.histogram += tile.histogram
         self.views += tile.views
         top, left = window.top // self.reduction, window.left // self.reduction
@@ -182,6 +187,7 @@ def make_tiles(
     make: Callable[[Window], Tile],
     stream: Stream,
     scratch: BinaryIO,
+    of_surface: Collection[str] = (),
 ) -> TileStore:
     """Make and keep every tile of a grid.
 
@@ -201,6 +207,8 @@ def make_tiles(
         Maps work over threads.
     scratch
         A file that keeps the tiles.
+    of_surface
+        Names of the surface's values that each tile has.
     """
     # The small copy: its pixels must fill a tile without a rest
     reduction = 1
@@ -220,6 +228,9 @@ def make_tiles(
         color=CompressedTiles((size, size, channels + 1), "uint8", scratch),
         variance=CompressedTiles((size, size), "float32", scratch),
         counts=CompressedTiles((size, size), "uint8", scratch),
+        of_surface={
+            name: CompressedTiles((size, size), value_type(name), scratch) for name in of_surface
+        },
     )
     windows = list(grid.tiles(size))
     packed = stream(lambda window: store.pack(window, make(window)), windows, "tiles")
@@ -267,4 +278,5 @@ def blend_tiles(
         lambda window: blend_tile(surface, grid, window, image_views, windows, limits, channels),
         stream,
         scratch,
+        surface.values.keys(),
     )
