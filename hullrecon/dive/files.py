@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import codecs
 import errno
 import gzip
 import io
@@ -23,7 +24,12 @@ KINDS = (
     (stat.S_ISBLK, "a device"),
 )
 
-
+# marks with which Windows begins a text, by its coding
+MARKS = {
+    codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
 LFS_POINTER = b"version https://git-lfs"
 LFS_WORDS = "a pointer of Git LFS: the file itself was not fetched", "fetch it with git lfs pull"
 
@@ -74,11 +80,18 @@ def read_regular(path: Path, largest_bytes: int) -> bytes:
 
 
 def read_text(path: Path, largest_bytes: int) -> str:
-    """Read a UTF-8 file, its line ends as newlines.
+    """Read a text of UTF-8 or of the coding that its mark states, its line ends as newlines.
 
     Raises OSError like read_regular, and UnicodeDecodeError.
     """
-    return read_regular(path, largest_bytes).decode().replace("\r\n", "\n").replace("\r", "\n")
+    data = read_regular(path, largest_bytes)
+    text = data.decode(marked_coding(data) or "utf-8")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def marked_coding(data: bytes) -> str:
+    """Name the coding whose mark a text begins with. "" where it begins with none."""
+    return next((coding for mark, coding in MARKS.items() if data.startswith(mark)), "")
 
 
 def too_large(path: Path, largest_bytes: int) -> OSError:

@@ -137,7 +137,7 @@ REFUSED = {
     ),
     "dive.toml is a folder": (toml_as_folder, 3, r"dive\.toml cannot be read: Is a directory"),
     "dive.toml is not UTF-8": (
-        file("dive.toml", TOML.encode("utf-16")),
+        file("dive.toml", TOML.replace("small", "sm\u00e5ll").encode("latin-1")),
         2,
         r"dive\.toml is not UTF-8",
     ),

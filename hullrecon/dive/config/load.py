@@ -28,7 +28,6 @@ from hullrecon.dive.config.schema import DiveConfig, Dvl, HullRegion, Topics
 from hullrecon.dive.files import MIB, read_text
 from hullrecon.errors import InputError, UsageError
 
-BYTE_ORDER_MARK = "\ufeff"  # with which some editors of Windows begin a file
 LEAST_AIR_PA = 50_000.0  # of the air at 5 km above the sea; weather changes it by 5,000
 FILE = "dive.toml"
 # of dive.toml; one with everything set and explained has some ten thousand
@@ -101,7 +100,7 @@ def _read_toml(package: Path) -> Table:
     """
     path = package / FILE
     try:
-        text = read_text(path, LARGEST_BYTES).removeprefix(BYTE_ORDER_MARK)
+        text = read_text(path, LARGEST_BYTES)
         if max(line.count(".") for line in text.split("\n")) > MOST_DOTS:
             raise UsageError(
                 f"{FILE} is not valid: a line with more than {MOST_DOTS} dots", where=str(path)

@@ -18,7 +18,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hullrecon.dive.config.config_errors import shorten
-from hullrecon.dive.files import LFS_POINTER, LFS_WORDS, MIB, gunzip, read_regular
+from hullrecon.dive.files import (
+    LFS_POINTER,
+    LFS_WORDS,
+    MIB,
+    gunzip,
+    marked_coding,
+    read_regular,
+)
 from hullrecon.dive.hull.hidden_faces import leave_out_hidden
 from hullrecon.dive.hull.mirrors import ends_at_a_plane, find_boundary
 from hullrecon.dive.hull.orientation import orient_outward
@@ -145,6 +152,7 @@ def _load_mesh(path: Path) -> tuple[Array, Ints32, bool]:
         raise InputError(
             f"the CAD model {path.name} cannot be read: {why}", where=str(path.parent)
         ) from None
+    data = recode(data)
     _refuse_other_kind(data, kind, path)
     vertices, faces = _parse_mesh(data, kind, path)
     if not len(faces):
@@ -159,6 +167,18 @@ def _load_mesh(path: Path) -> tuple[Array, Ints32, bool]:
         )
     is_binary_stl = kind == "stl" and not data[:5].lower().startswith(b"solid")
     return vertices, faces.astype(np.int32), is_binary_stl
+
+
+def recode(data: bytes) -> bytes:
+    """Convert a text that begins with the mark of its coding to UTF-8 without a mark.
+
+    All other bytes are returned unchanged.
+    """
+    coding = marked_coding(data)
+    try:
+        return data.decode(coding).encode() if coding else data
+    except UnicodeDecodeError:  # a binary file may begin so
+        return data
 
 
 def _refuse_other_kind(data: bytes, kind: str, path: Path) -> None:

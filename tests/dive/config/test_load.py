@@ -418,9 +418,11 @@ def test_a_folder_or_a_coding_that_is_corrected_is_read(package, tmp_path):
     assert load_config(package).config.dive.vessel == "B\u00e4r"
 
 
-@pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_a_file_of_a_windows_editor_is_read(package, end):
-    (package / "dive.toml").write_bytes(("\ufeff" + PLAIN.replace("\n", end)).encode())
+@pytest.mark.parametrize(
+    ("end", "coding"), [("\n", "utf-8-sig"), ("\r\n", "utf-8-sig"), ("\r\n", "utf-16")]
+)
+def test_a_file_of_a_windows_editor_is_read(package, end, coding):
+    (package / "dive.toml").write_bytes(PLAIN.replace("\n", end).encode(coding))
     assert load_config(package).config.dive.name == "x"
 
 

@@ -100,6 +100,13 @@ def test_a_gzipped_cad_model_is_read(tmp_path):
     )
 
 
+@pytest.mark.parametrize("coding", ["utf-16", "utf-8-sig"])
+def test_text_in_a_coding_of_windows_is_read(tmp_path, coding):
+    text = trimesh.Trimesh(tube().vertices, tube().faces).export(file_type="stl_ascii")
+    (tmp_path / "hull.stl").write_bytes(text.encode(coding))
+    assert len(read_hull(tmp_path / "hull.stl", "m", []).faces) == len(clean_mesh(tube(), []).faces)
+
+
 def test_units_are_converted(tmp_path):
     mesh = read_hull(save(tmp_path / "hull.stl", tube(), 1000), "mm", [])
     assert np.ptp(mesh.vertices[:, 0]) == pytest.approx(40, abs=1e-3)

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import codecs
 import csv
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,6 +11,7 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import TextIO
 
+from hullrecon.dive.files import marked_coding
 from hullrecon.dive.logs.readers.file_log import require_regular_file, unreadable
 from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.errors import InputError
@@ -69,7 +69,7 @@ def _encoding(path: Path) -> str:
     """Tell UTF-16, which spreadsheets write as "Unicode text", by its first bytes from UTF-8."""
     with path.open("rb") as stream:
         start = stream.read(2)
-    return "utf-16" if start in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE) else "utf-8-sig"
+    return marked_coding(start) or "utf-8-sig"
 
 
 def _find_header(
