@@ -24,6 +24,7 @@ FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a 
     ("DVL", "ranges"): "its ranges have to be multiplied by {value}",
     ("DVL", "beams"): "its ranges are those of beams {value}, in another order than its beams have",
     ("DVL", "axes"): "the axes of the velocity are {value} of those that its convention has",
+    ("DVL", "mirrored"): "velocities and beams are of left-handed axes, {value} the other way",
     ("DVL", "repeated"): "velocities that repeat one value were taken without bottom lock",
     ("IMU's rates", "unit"): "the angular velocities are in {value}, not in rad/s",
     ("IMU's rates", "axes"): "the angular velocities are about {value} of the orientation's axes",
@@ -40,6 +41,10 @@ FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a 
     ): "the IMU sits turned by roll, pitch, yaw of {value} degrees in the vehicle, beside what "
     "imu.mount_deg says",
     ("IMU's orientation", "axes"): "the orientation is of other axes than imu.frame says: {value}",
+    ("IMU's orientation", "mirrored"): "orientation, rates and accelerations are of left-handed "
+    "axes, {value} the other way",
+    ("IMU's orientation", "negated"): "orientation, rates and accelerations have {value} with the "
+    "other sign",
     ("IMU's orientation", "sign"): "the orientation has its {value} with the other sign",
     ("IMU's acceleration", "axes"): "the accelerations are along {value} of the orientation's axes",
     ("IMU's acceleration", "sign"): "the accelerations are those of gravity, with the other sign",
@@ -57,7 +62,12 @@ FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a 
 }
 # The unit that was expected, by the one that was found. For a pressure it is Pa.
 UNITS = {"cm": "m", "mm": "m", "ft": "m", "deg": "rad", "rad": "deg"}
-DONE = {"constant": "they are left out", "repeated": "they are left out"}
+DONE = {
+    "constant": "they are left out",
+    "repeated": "they are left out",
+    "order": "it was put right",
+    "sign": "it was put right",
+}
 # By what was compared, how two sensors contradict each other. `first` and `second` are what either
 # of them measured, in SI units
 EVIDENCE = {

@@ -17,7 +17,7 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_mount
 from hullrecon.navigation.suspects.comparisons.comparison import Sensor
 from hullrecon.navigation.suspects.comparisons.images import Flow
-from hullrecon.navigation.suspects.hypotheses import Hypothesis
+from hullrecon.navigation.suspects.hypotheses import Conventions, Hypothesis
 from hullrecon.navigation.suspects.suspects import Tried, explain_best, judge
 from hullrecon.records.sensors import (
     DvlPings,
@@ -424,10 +424,63 @@ def test_accelerations_tell_whose_scale_is_wrong():
 
 
 @pytest.mark.parametrize(("factors", "axes"), [([1, -1, 1], "+x -y +z"), ([1, 1, -1], "+x +y -z")])
-def test_velocity_with_one_axis_negated_is_named(factors, axes):
-    (finding,) = judged(with_velocity(dive(), factors)).findings
-    assert (finding.severity, finding.values["sensor"]) == ("error", "DVL")
-    assert finding.values["value"] == axes
+def test_velocity_with_one_axis_negated_is_put_right(factors, axes):
+    true = dive()
+    found = judged(with_velocity(true, factors))
+    (finding,) = found.findings
+    assert [finding.values[key] for key in ("sensor", "value")] == ["DVL", axes]
+    np.testing.assert_array_equal(found.records.dvl.velocity, true.dvl.velocity)
+
+
+def test_velocities_in_knots_are_converted_and_no_scale_is_taken():
+    true = dive()
+    found = judged(with_velocity(true, 1 / 0.514444))
+    assert [finding.values["value"] for finding in found.findings] == ["kn"]
+    np.testing.assert_allclose(found.records.dvl.velocity, true.dvl.velocity)
+
+
+def logged_otherwise(records: SensorRecords, turns, vectors) -> SensorRecords:
+    """The IMU with factors on the vector of its quaternion and on its rates, and accelerations."""
+    imu = records.imu
+    return with_imu(
+        records,
+        quaternion=imu.quaternion * [*turns, 1.0],
+        angular_velocity=imu.angular_velocity * turns,
+        acceleration=imu.acceleration * vectors,
+    )
+
+
+def test_left_handed_imu_is_put_right_where_images_tell_it_from_the_dvl():
+    true = dive()
+    left = logged_otherwise(true, [-1, 1, -1], [1, -1, 1])
+    found = judged(left, flows())
+    assert [finding.values["fault"] for finding in found.findings] == ["mirrored"]
+    np.testing.assert_allclose(found.records.imu.quaternion, true.imu.quaternion, atol=1e-12)
+    np.testing.assert_allclose(found.records.imu.angular_velocity, true.imu.angular_velocity)
+    (finding,) = judged(left).findings
+    assert finding.values["sensors"] == ["DVL", "IMU's orientation"]
+
+
+def test_imu_with_one_component_negated_in_all_is_put_right():
+    true = dive()
+    found = judged(logged_otherwise(true, [1, -1, 1], [1, -1, 1]))
+    assert [finding.values["fault"] for finding in found.findings] == ["negated"]
+    np.testing.assert_allclose(found.records.imu.acceleration, true.imu.acceleration)
+
+
+@pytest.mark.parametrize("given", [Conventions(), Conventions(imu_frame="enu")])
+@pytest.mark.parametrize("order", ["inverse", "w x y z"])
+def test_quaternion_of_another_order_is_put_right_in_either_frame(given, order):
+    true = dive()
+    logged = given.logged(Rotation.from_quat(true.imu.quaternion))
+    wrong = logged.inv()
+    if order == "w x y z":
+        wrong = Rotation.from_quat(logged.as_quat()[:, [3, 0, 1, 2]])
+    read = with_imu(true, quaternion=given.read(wrong).as_quat())
+    found = judge(read, RIG, AIR_M, given=given)
+    assert [finding.values["value"] for finding in found.findings] == [order]
+    mended = Rotation.from_quat(found.records.imu.quaternion)
+    assert (mended.inv() * Rotation.from_quat(true.imu.quaternion)).magnitude().max() < 1e-9
 
 
 def test_dvl_that_is_turned_about_its_axis_is_named_before_pressure_and_camera():
@@ -470,14 +523,17 @@ def test_orientation_of_a_vehicle_with_z_up_is_named_before_rates_and_dvl():
 
 
 @pytest.mark.parametrize("angle", ["yaw", "pitch", "roll"])
-def test_angle_that_grows_the_other_way_is_named(angle):
+def test_angle_that_grows_the_other_way_is_put_right_or_named(angle):
     true = dive()
     sign = np.where(np.array(["yaw", "pitch", "roll"]) == angle, -1, 1)
     angles = sign * Rotation.from_quat(true.imu.quaternion).as_euler("ZYX")
     found = judged(with_imu(true, quaternion=Rotation.from_euler("ZYX", angles).as_quat()))
     (finding,) = found.findings
-    assert finding.severity == "error"
-    assert "IMU's orientation" in finding.values.get("sensors", [finding.values.get("sensor")])
+    if finding.severity == "error":
+        assert "IMU's orientation" in finding.values.get("sensors", [finding.values.get("sensor")])
+    else:
+        mended = Rotation.from_quat(found.records.imu.quaternion)
+        assert (mended.inv() * Rotation.from_quat(true.imu.quaternion)).magnitude().max() < 1e-9
 
 
 def test_dvl_that_sits_otherwise_is_named_with_the_mount_that_heals():

@@ -77,12 +77,50 @@ class Hypothesis:
     late_s: float = 0.0
 
 
+@dataclass(frozen=True, kw_only=True)
+class Conventions:
+    """What dive.toml says of a vehicle's sensors."""
+
+    imu_frame: str = "ned"  # or "enu"
+    imu_mount_deg: tuple[float, float, float] | None = None  # roll, pitch, yaw in the vehicle
+    tray_positive: str = "up"  # or "down"
+
+    @property
+    def vehicle_from_imu(self) -> Rotation:
+        """The mount of the IMU, with its axes forward, starboard, down."""
+        angles = (self.imu_mount_deg or (0.0, 0.0, 0.0))[::-1]
+        return Rotation.from_euler("ZYX", angles, degrees=True)
+
+    @property
+    def logged_from_vehicle(self) -> Rotation:
+        """The turn from the vehicle's axes to those that the IMU logs in."""
+        turned = self.vehicle_from_imu.inv()
+        return turned if self.imu_frame == "ned" else FRD_FROM_FLU.inv() * turned
+
+    @property
+    def global_from_logged(self) -> Rotation:
+        """The turn from the global axes that the IMU logs in to those of `global`."""
+        return Rotation.identity() if self.imu_frame == "ned" else NED_FROM_ENU
+
+    def logged(self, attitude: Rotation) -> Rotation:
+        """Turn attitudes (n,) of the vehicle back into the orientations that were logged."""
+        return self.global_from_logged.inv() * attitude * self.logged_from_vehicle.inv()
+
+    def read(self, logged: Rotation) -> Rotation:
+        """Turn logged orientations (n,) into attitudes, as streams.imu_samples does."""
+        return self.global_from_logged * logged * self.logged_from_vehicle
+
+
+BY_DEFAULT = Conventions()
+
+
 def hypotheses(
     records: SensorRecords,
     sensors: Set[Sensor],
     atmosphere_m: float,
     flows: Sequence[Flow] = (),
     camera: CameraModel | None = None,
+    given: Conventions = BY_DEFAULT,
 ) -> Iterator[Hypothesis]:
     """Yield what may be wrong with some sensors of a dive, one fault at a time.
 
@@ -98,6 +136,8 @@ def hypotheses(
         Features of neighbouring images.
     camera
         Calibration of the upper camera.
+    given
+        What dive.toml says of the sensors.
     """
     dvl, imu, pressure, tray = records.dvl, records.imu, records.pressure, records.tray
     if Sensor.PRESSURE in sensors and pressure is not None:
@@ -107,7 +147,7 @@ def hypotheses(
     if Sensor.RATES in sensors and imu is not None:
         yield from _rate_faults(records, imu)
     if imu is not None and sensors & {Sensor.ATTITUDE, Sensor.ACCELERATION}:
-        yield from _imu_faults(records, imu)
+        yield from _imu_faults(records, imu, given)
     if Sensor.TRAY in sensors and tray is not None:
         yield from _tray_faults(records, tray)
     if Sensor.CAMERA in sensors:
@@ -155,7 +195,11 @@ def _dvl_faults(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
             for unit, factor in METRES_PER_SECOND.items()
         },
         **{("scale", f"{f:.2f}"): (f * dvl.velocity, False) for f in FACTORS},
-        **{("axes", name): (dvl.velocity @ turn.T, False) for name, turn in signed_axes()},
+        # turned axes are those of a DVL that sits otherwise, mirrored ones a driver's
+        **{
+            ("axes", name): (dvl.velocity @ turn.T, is_mirrored(turn))
+            for name, turn in signed_axes()
+        },
     }
     for angle in range(-175, 180, TURN_STEP_DEG):  # turns by right angles are among "axes"
         if angle % 90:
@@ -166,6 +210,11 @@ def _dvl_faults(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
     for (fault, value), (velocity, exact) in interpretations.items():
         mended = replace(records, dvl=replace(dvl, velocity=velocity))
         yield Hypothesis(sensor=Sensor.DVL, fault=fault, value=value, mended=mended, exact=exact)
+    for axis, name in enumerate("xyz"):
+        mirror = np.where(np.arange(3) == axis, -1.0, 1.0)
+        left = replace(dvl, velocity=mirror * dvl.velocity, beams=mirror * dvl.beams)
+        mended = replace(records, dvl=left)
+        yield Hypothesis(sensor=Sensor.DVL, fault="mirrored", value=name, mended=mended, exact=True)
     for value, factor in {**METRES, **{f"{f:.2f}": f for f in FACTORS}}.items():
         mended = replace(records, dvl=replace(dvl, ranges=factor * dvl.ranges))
         if factor != 1:
@@ -193,17 +242,19 @@ def _rate_faults(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
         yield Hypothesis(sensor=Sensor.RATES, fault=fault, value=value, mended=mended, exact=True)
 
 
-def _imu_faults(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
+def _imu_faults(
+    records: SensorRecords, imu: ImuSamples, given: Conventions
+) -> Iterator[Hypothesis]:
     """Yield faults of the IMU: conventions of orientation and acceleration, mount, clock.
 
     Wrong are the orientation alone, the axes of the whole instrument, or the accelerations alone.
     """
     # The orientation alone: written in another order, in other frames, with other signs or axes.
     attitude = Rotation.from_quat(imu.quaternion)
-    angles = attitude.as_euler("ZYX")
+    logged, angles = given.logged(attitude), attitude.as_euler("ZYX")
     turned = {
-        ("order", "inverse"): attitude.inv(),
-        ("order", "w x y z"): Rotation.from_quat(imu.quaternion[:, [1, 2, 3, 0]]),
+        ("order", "inverse"): given.read(logged.inv()),
+        ("order", "w x y z"): given.read(Rotation.from_quat(logged.as_quat()[:, [1, 2, 3, 0]])),
         ("order", "of roll and pitch exchanged"): Rotation.from_euler("ZYX", angles[:, [0, 2, 1]]),
         ("frame", "global axes"): NED_FROM_ENU * attitude,
         ("frame", "the orientation's axes alone"): NED_FROM_ENU * attitude * FRD_FROM_FLU,
@@ -221,7 +272,13 @@ def _imu_faults(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]
     }
     for (fault, value), quaternion in quaternions.items():
         mended = replace(records, imu=replace(imu, quaternion=quaternion))
-        yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=mended)
+        yield Hypothesis(
+            sensor=Sensor.ATTITUDE,
+            fault=fault,
+            value=value,
+            mended=mended,
+            exact=fault in ("order", "sign"),  # the others may turn the heading as well
+        )
     for clock in _clock_faults(imu.t_ns):
         yield clock.hypothesis(Sensor.ATTITUDE, replace(records, imu=clock.correct(imu)))
     # The whole instrument: in the other convention, mounted turned about the vehicle's z, or on
@@ -248,6 +305,7 @@ def _imu_faults(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]
         )
         mended = replace(records, imu=body)
         yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=mended)
+    yield from _left_handed(records, imu, given)
     # The accelerations alone.
     accelerations = {("sign", ""): -imu.acceleration}
     accelerations |= {("axes", name): imu.acceleration @ turn.T for name, turn in signed_axes()}
@@ -256,6 +314,35 @@ def _imu_faults(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]
         yield Hypothesis(
             sensor=Sensor.ACCELERATION, fault=fault, value=value, mended=mended, exact=True
         )
+
+
+def _left_handed(
+    records: SensorRecords, imu: ImuSamples, given: Conventions
+) -> Iterator[Hypothesis]:
+    """Yield an IMU that logs all in left-handed axes, and one whose driver negates an axis of all.
+
+    A mirror reverses the turns about the axes within it and keeps those about its normal. A driver
+    that negates one component of each vector does the opposite.
+    """
+    axes, logged = given.logged_from_vehicle, given.logged(Rotation.from_quat(imu.quaternion))
+    for axis, name in enumerate("xyz"):
+        mirror = np.where(np.arange(3) == axis, -1.0, 1.0)
+        for fault, turns in (("mirrored", -mirror), ("negated", mirror)):
+            right = replace(
+                imu,
+                quaternion=given.read(
+                    Rotation.from_quat(logged.as_quat() * [*turns, 1.0])
+                ).as_quat(),
+                angular_velocity=axes.inv().apply(axes.apply(imu.angular_velocity) * turns),
+                acceleration=axes.inv().apply(axes.apply(imu.acceleration) * mirror),
+            )
+            yield Hypothesis(
+                sensor=Sensor.ATTITUDE,
+                fault=fault,
+                value=name,
+                mended=replace(records, imu=right),
+                exact=True,
+            )
 
 
 def _tray_faults(records: SensorRecords, tray: JointSamples) -> Iterator[Hypothesis]:
@@ -430,6 +517,11 @@ def signed_axes() -> list[tuple[str, Array]]:
                 name = " ".join(f"{'+' if s > 0 else '-'}{'xyz'[k]}" for s, k in axes)
                 out.append((name, turn))
     return out
+
+
+def is_mirrored(axes: Array) -> bool:
+    """Tell whether axes (3, 3) are left-handed."""
+    return bool(np.linalg.det(axes) < 0)
 
 
 def repeated(velocity: Array) -> Mask:

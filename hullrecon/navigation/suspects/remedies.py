@@ -4,29 +4,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import mount_angles_deg
 from hullrecon.navigation.suspects.comparisons.comparison import Sensor
-from hullrecon.navigation.suspects.hypotheses import signed_axes
+from hullrecon.navigation.suspects.hypotheses import Conventions, is_mirrored, signed_axes
 
 # the other of two conventions
 OTHER = {"ned": "enu", "enu": "ned", "up": "down", "down": "up"}
 # between axes forward, port, up and axes forward, starboard, down
 OTHER_SIDE = Rotation.from_euler("x", 180, degrees=True)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Conventions:
-    """What dive.toml says of a vehicle's sensors."""
-
-    imu_frame: str = "ned"  # or "enu"
-    imu_mount_deg: tuple[float, float, float] | None = None  # roll, pitch, yaw in the vehicle
-    tray_positive: str = "up"  # or "down"
 
 
 def find_remedy(
@@ -53,8 +41,7 @@ def find_remedy(
         return f'give tray.positive = "{OTHER[given.tray_positive]}"{unit}'
     if sensor is not Sensor.ATTITUDE:
         return ""
-    mount_deg = given.imu_mount_deg or (0.0, 0.0, 0.0)
-    vehicle_from_imu = Rotation.from_euler("ZYX", mount_deg[::-1], degrees=True)
+    vehicle_from_imu = given.vehicle_from_imu
     frame = f'give imu.frame = "{OTHER[given.imu_frame]}"'
     # As streams.imu_samples applies frame and mount, one after the other
     if (fault, value) == ("frame", "all axes"):
@@ -83,10 +70,10 @@ def _turned_dvl(fault: str, value: str, tray_from_dvl: Poses) -> str:
     """
     if fault == "turn":
         turn = Rotation.from_euler("z", float(value), degrees=True)
-    elif np.linalg.det(axes := dict(signed_axes())[value]) > 0:
-        turn = Rotation.from_matrix(axes)
+    elif is_mirrored(axes := dict(signed_axes())[value]):
+        return ""  # no mount gives them
     else:
-        return ""  # mirrored axes, which no mount gives
+        turn = Rotation.from_matrix(axes)
     position = tray_from_dvl.translation[0].tolist()
     angles_deg = mount_angles_deg((tray_from_dvl.rotation * turn)[0])
     shown = ", ".join(f"{number:g}" for number in [*position, *angles_deg])

@@ -23,8 +23,13 @@ from hullrecon.navigation.suspects.comparisons.comparison import GAIN, Compariso
 from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.comparisons.imu import compare_rates
 from hullrecon.navigation.suspects.comparisons.motions import DEPENDS_ON, Motions, compare
-from hullrecon.navigation.suspects.hypotheses import Hypothesis, hypotheses
-from hullrecon.navigation.suspects.remedies import Conventions, find_remedy
+from hullrecon.navigation.suspects.hypotheses import (
+    BY_DEFAULT,
+    Conventions,
+    Hypothesis,
+    hypotheses,
+)
+from hullrecon.navigation.suspects.remedies import find_remedy
 from hullrecon.records.sensors import ImuSamples, SensorRecords
 from hullrecon.rig import Rig
 
@@ -39,11 +44,11 @@ UNITS = ("unit", "gauge")  # faults of a pressure that concern its unit
 USUAL = {fault: rank for rank, fault in enumerate((*UNITS, "scale", "sign", "constant"))}
 USUAL_ANGLE_DEG = 45  # mounts are usually turned by multiples of it
 # Faults by an arbitrary factor. One of the factors that are tried fits about as well as a cause
-# whose factor is known: the medium of focal lengths, a picture of half the size. The cause counts.
+# whose factor is known: the medium of focal lengths, a picture of half the size, a unit. The cause
+# counts.
 ANY_FACTOR = ("focal", "ranges", "scale")
-KNOWN_FACTOR = ("medium", "size")
+KNOWN_FACTOR = ("medium", "size", "unit")
 SAME_DEPTH_M = 0.5  # median depths by two interpretations that differ by less are the same
-BY_DEFAULT = Conventions()
 FAULTS = 3  # that are sought, one after the other
 
 
@@ -113,7 +118,7 @@ def judge(
         wrong = [c for c in base if c.accuses]
         if not wrong:
             break
-        found = _try_all(motions, atmosphere_m, base)  # those that explain most first
+        found = _try_all(motions, atmosphere_m, base, given)  # those that explain most first
         tried += [one for _, one in found[:SHOWN]]
         best = explain_best(found)
         sensors = list(dict.fromkeys(h.sensor for h, _ in best))
@@ -221,6 +226,7 @@ def _try_all(
     motions: Motions,
     atmosphere_m: float,
     base: Sequence[Comparison],
+    given: Conventions,
 ) -> list[tuple[Hypothesis, Tried]]:
     """Repeat the comparisons under each hypothesis, and sort by what it explains.
 
@@ -239,7 +245,7 @@ def _try_all(
     # with the growth of the chi-square of a contradiction that remains
     unsolved: list[tuple[float, Hypothesis, _RepeatedComparisons]] = []
     records, flows, camera = motions.records, motions.flows, motions.rig.top
-    for one in hypotheses(records, suspects, atmosphere_m, flows, camera):
+    for one in hypotheses(records, suspects, atmosphere_m, flows, camera, given):
         own = [c for c in wrong if one.sensor in c.sensors]
         is_constant = one.fault == "constant"
         if not own or (is_constant and not all(c.stands_still for c in own if c.second.any())):

@@ -186,7 +186,7 @@ def _velocity_readings(records: SensorRecords) -> Sequence[object]:
 
 
 def _range_readings(records: SensorRecords) -> Sequence[object]:
-    return () if records.dvl is None else (records.dvl.ranges,)
+    return () if records.dvl is None else (records.dvl.ranges, records.dvl.beams)
 
 
 def _depth_readings(records: SensorRecords) -> Sequence[object]:
