@@ -210,7 +210,10 @@ def _item_mask(item: Item, u: NDArray[np.float64], v: NDArray[np.float64]) -> ND
 
 
 def _digits(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Select the points of a draught mark "32" that is legible from outside on the port side."""
+    """Select the points of a draught mark "32" that is legible from outside on the port side.
+
+    u (forward), v (up): its box is -1..1 in both.
+    """
     import cv2
 
     board: Any = np.zeros((120, 200), np.uint8)

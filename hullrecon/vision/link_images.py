@@ -316,7 +316,7 @@ class _Rounds(Generic[Solved]):
     ) -> tuple[ComparedPairs, Solved, list[Recognition]]:
         """Link places recognised by appearance, then compare more legs on the path so closed.
 
-        Repeated up to `max_rounds` times, until nothing new is recognised or a recognition is
+        This is done up to `max_rounds` times, until nothing new is recognised or a recognition is
         refused. The links of a recognition are kept only if the images that they bring together
         match as well (`is_confirmed`). Otherwise all of them are rejected and the path stays as it
         was.

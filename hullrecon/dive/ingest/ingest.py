@@ -243,7 +243,7 @@ def _describe_contents(out: IngestResult, found: LogContents, chosen: set[str]) 
         channel.topic: count
         for channel, count in sorted(found.counts.items(), key=lambda c: c[0].topic)
     }
-    messages_of = [channel for channel in found.counts if channel.encoding != "sample"]
+    channels = [channel for channel in found.counts if channel.encoding != "sample"]
     frames = {c.topic for c in found.counts if out.sensors and is_static(c)}
-    out.unused = describe_unused(messages_of, chosen | frames)
-    out.unread_dvls = unread_dvls(messages_of)
+    out.unused = describe_unused(channels, chosen | frames)
+    out.unread_dvls = unread_dvls(channels)

@@ -367,16 +367,16 @@ def _logged_late(stamp: Ints, logged: Ints) -> Mask:
     never does, the sensor's clock jumped instead.
     """
     out = np.zeros(len(stamp), bool)
-    offset, row = stamp - logged, 0
+    offset, resumed = stamp - logged, 0
     drops = np.flatnonzero((np.diff(offset) <= -JUMP_S * NS) & (np.diff(stamp) >= 0))
     for last in drops.tolist():
-        if last < row:
+        if last < resumed:
             continue
         caught_up = np.flatnonzero(offset[last + 1 :] > offset[last] - JUMP_S * NS)
         if not len(caught_up):
             break
-        row = last + 1 + int(caught_up[0])
-        out[last + 1 : row] = (np.diff(stamp[last : row + 1]) >= 0).all()
+        resumed = last + 1 + int(caught_up[0])  # first row after logging has caught up
+        out[last + 1 : resumed] = (np.diff(stamp[last : resumed + 1]) >= 0).all()
     return out
 
 

@@ -179,7 +179,11 @@ class PairMatcher:
         rows: Ints,
         among: Ints,
     ) -> Putative:
-        """Match descriptors of the allowed pairs of features, or of all `rows` with all `among`."""
+        """Match descriptors of the allowed pairs of features, or of all `rows` with all `among`.
+
+        rows, among: features of the first and of the second view, which are matched where `allowed`
+        is None.
+        """
         if allowed is not None:
             return self.strategy.match_descriptors(first, second, allowed)
         of_first = FeatureSet(descriptor=first.descriptor[rows], place=first.place[rows])

@@ -178,7 +178,10 @@ class _OnInliers:
 
 
 def _fit_on_inliers(start: Array, first: Array, second: Array, prior: Motion | None) -> _OnInliers:
-    """Fit as `refine_on_inliers`, but without the covariance, which takes as long again."""
+    """Fit a motion to the matches that agree with the most likely motion, as `refine_on_inliers`.
+
+    The covariance, which takes as long again, is computed only when it is asked for.
+    """
     motion = mono_motion.fit(start, first, second)
     alone = _OnInliers(motion=motion, first=first, second=second, good=None, limit=np.inf)
     if prior is None or not is_well_known(prior) or not _is_near(motion, prior):
