@@ -82,7 +82,9 @@ def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
 def fit_both(first: Array, second: Array, tolerance: float) -> BothModels | None:
     """Fit an essential matrix and a homography to the same matches, and score both.
 
-    The one of smaller criterion explains them better. Arguments and None are those of `fit`.
+    The one of smaller criterion explains them better. None with fewer than LEAST_MATCHES, or where
+    one of them cannot be fitted. first, second: (n, 2) in ideal coordinates. tolerance: largest
+    error of an inlier.
     """
     import cv2
 
