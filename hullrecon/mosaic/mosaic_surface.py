@@ -124,23 +124,21 @@ def interpolate_values(surface: MosaicSurface, patch: SurfacePatch) -> dict[str,
     Metres are interpolated linearly on each face, counts are those of the nearest corner. Without
     a value, metres are NaN and counts 0.
     """
-    held = patch.face >= 0
-    corners = surface.mesh.faces[patch.face[held]]
-    share = corner_shares(surface.mesh.vertices[corners], patch.point[held])
-    # corner by corner: numpy is slow along an axis of three
+    on_surface = patch.face >= 0
+    corners = surface.mesh.faces[patch.face[on_surface]]
+    share = corner_shares(surface.mesh.vertices[corners], patch.point[on_surface])
+    # vertices and shares corner by corner: numpy is slow along an axis of three
     (a, b, c), (of_a, of_b, of_c) = np.ascontiguousarray(corners.T), np.ascontiguousarray(share.T)
     nearest = np.where(of_c > np.maximum(of_a, of_b), c, np.where(of_b > of_a, b, a))
     found = {}
     for name, value in surface.values.items():
-        found[name] = texels = np.full(
-            held.shape, 0 if name == COUNTS else np.nan, value_type(name)
-        )
-        texels[held] = (
-            np.nan_to_num(value[nearest])
-            if name == COUNTS
-            else np.rint((value[a] * of_a + value[b] * of_b + value[c] * of_c) / QUANTUM_M)
-            * QUANTUM_M
-        )
+        texels = np.full(on_surface.shape, 0 if name == COUNTS else np.nan, value_type(name))
+        if name == COUNTS:
+            texels[on_surface] = np.nan_to_num(value[nearest])
+        else:
+            linear = value[a] * of_a + value[b] * of_b + value[c] * of_c
+            texels[on_surface] = np.rint(linear / QUANTUM_M) * QUANTUM_M
+        found[name] = texels
     return found
 
 
