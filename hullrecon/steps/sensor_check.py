@@ -66,49 +66,58 @@ def judge_sensors(
     judged
         The records, corrected where a fault was found, the findings and the tried hypotheses.
     """
-    density, gravity, atmosphere = (_number(settings[key]) for key in WATER_KEYS)
-    topics = settings["topics"]
-    named = {
-        sensor: topic
-        for sensor, topic in {
-            Sensor.PRESSURE: getattr(topics, "pressure", None),
-            Sensor.DVL: getattr(topics, "dvl", None),
-            Sensor.RATES: getattr(topics, "imu", None),
-            Sensor.ATTITUDE: getattr(topics, "imu", None),
-            Sensor.ACCELERATION: getattr(topics, "imu", None),
-            Sensor.CAMERA: getattr(topics, "camera_top", None),
-            Sensor.TRAY: getattr(topics, "joints", None),
-        }.items()
-        if isinstance(topics, Topics) and topic
-    }
-    rig = rig_from_settings(settings, cameras)
+    rig, topics = rig_from_settings(settings, cameras), _topics_of(settings["topics"])
+
+    # Motions at other times: the records are of two dives, or shifted as a whole.
     level = level_of(records, rig.tray_origin, rig.pressure_origin, rig.tray_from_dvl)
     apart = motions_apart(records, level)
     if apart:
         return Judged(records=records, findings=apart, tried=[])
-    records, moved = mend_shifted(records, level)
+    records, mended = mend_shifted(records, level)
+
+    # Readings that the tray's driver repeats, and steps in the level of the depths.
     records, frozen = leave_out_frozen(records)
-    moved += frozen
+    mended += frozen
     stepped = depth_steps(records, rig)
     if stepped is not None:
         records = replace(records, pressure=stepped.mended)
-        moved += [stepped.finding(named.get(Sensor.PRESSURE, ""))]
+        mended += [stepped.finding(topics.get(Sensor.PRESSURE, ""))]
+
+    # Contradictions of what is left. Angles of a tray that tell nothing widen its sigma.
+    density, gravity, atmosphere = (_number(settings[key]) for key in WATER_KEYS)
     mount_deg = settings["imu.mount_deg"]
     given = Conventions(
         imu_frame=str(settings["imu.frame"]),
         imu_mount_deg=mount_deg if isinstance(mount_deg, tuple) else None,
         tray_positive=str(settings["tray.positive"]),
     )
-    judged = judge(records, rig, atmosphere / (density * gravity), named, flows, given)
-    # angles of the tray that tell nothing: its sigma is widened for them
+    judged = judge(records, rig, atmosphere / (density * gravity), topics, flows, given)
     still = doubtful_angles(
         judged.records.tray,
         str(settings["tray.joint_unit"]),
         float(np.radians(_number(settings["tray.sigma_deg"]))),
     )
-    offset_m = 0.0 if stepped is None else stepped.largest_offset_m
-    findings = [*moved, *judged.findings, *still]
-    return replace(judged, findings=findings, depth_offset_m=offset_m)
+    return replace(
+        judged,
+        findings=[*mended, *judged.findings, *still],
+        depth_offset_m=0.0 if stepped is None else stepped.largest_offset_m,
+    )
+
+
+def _topics_of(topics: object) -> dict[Sensor, str]:
+    """Name the topic of each sensor that has one, by the section [topics]."""
+    if not isinstance(topics, Topics):
+        return {}
+    named = {
+        Sensor.PRESSURE: topics.pressure,
+        Sensor.DVL: topics.dvl,
+        Sensor.RATES: topics.imu,
+        Sensor.ATTITUDE: topics.imu,
+        Sensor.ACCELERATION: topics.imu,
+        Sensor.CAMERA: topics.camera_top,
+        Sensor.TRAY: topics.joints,
+    }
+    return {sensor: topic for sensor, topic in named.items() if topic}
 
 
 def leave_out_frozen(records: SensorRecords) -> tuple[SensorRecords, list[Finding]]:

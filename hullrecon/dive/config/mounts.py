@@ -64,46 +64,25 @@ def choose_mounts(
     """
     sensors = {name: sensor for name, sensor in sensors.items() if not sensor.doubt}
     chosen: dict[str, ChosenMount] = {}
-    # the axes of the servos
+
+    # The servos' axes, and the sensors on them relative to these axes.
     for key in ("tray.origin", "sonar.origin"):
-        servo = [
-            sensors[sensor]
-            for sensor, origin in ON_SERVO.values()
-            if origin == key and sensor in sensors
-        ]
-        named = next((s for s in servo if s.servo_origin is not None), None)
-        if named is not None and named.servo_origin is not None:
-            chosen[key] = ChosenMount(
-                value=named.servo_origin, source=f"tf_static, on the way to {named.frame}"
-            )
-        elif servo and not any(s.on_servo for s in servo):
-            chosen[key] = ChosenMount(
-                value=DEFAULT_MOUNTS[key],
-                source="tf_static, which has no frame of the servo: the vehicle's origin",
-            )
-    origins = {
-        key: numbers_of(values[key])
-        for key in ("tray.origin", "sonar.origin")
-        if _is_given(values.get(key))
-    }
-    # the sensors on them, relative to these axes
+        axis = _servo_axis(key, _on_axis(key, sensors))
+        if axis is not None:
+            chosen[key] = axis
     for key, (sensor, origin) in ON_SERVO.items():
         if sensor in sensors:
-            at = origins.get(
-                origin, chosen[origin].value if origin in chosen else DEFAULT_MOUNTS[origin]
-            )
-            chosen[key] = ChosenMount(
-                value=_on_servo(sensors[sensor], at),
-                source=f"tf_static, frame {sensors[sensor].frame}",
-            )
-    # sensors fixed to the vehicle
+            at = values.get(origin)
+            if not _is_given(at):
+                at = chosen[origin].value if origin in chosen else DEFAULT_MOUNTS[origin]
+            chosen[key] = _by_frame(sensors[sensor], _on_servo(sensors[sensor], numbers_of(at)))
+
+    # The sensors fixed to the vehicle.
     for sensor in ("pressure", "position"):
         if sensor in sensors:
-            fixed = sensors[sensor]
-            chosen[f"{sensor}.origin"] = ChosenMount(
-                value=fixed.pose[:3], source=f"tf_static, frame {fixed.frame}"
-            )
-    # the stereo rig: by its calibration, else by both cameras' frames
+            chosen[f"{sensor}.origin"] = _by_frame(sensors[sensor], sensors[sensor].pose[:3])
+
+    # The stereo rig, by its calibration, else by both cameras' frames.
     top, bottom = sensors.get("camera_top"), sensors.get("camera_bottom")
     if RIG in sensors:
         chosen["camera.bottom.pose_in_top"] = ChosenMount(
@@ -111,14 +90,38 @@ def choose_mounts(
         )
     elif top is not None and bottom is not None and top.on_servo == bottom.on_servo:
         pose = from_mount(top.pose).inverse() @ from_mount(bottom.pose)
-        chosen["camera.bottom.pose_in_top"] = ChosenMount(
-            value=tuple(mount_of(pose)), source=f"tf_static, frame {bottom.frame}"
-        )
+        chosen["camera.bottom.pose_in_top"] = _by_frame(bottom, tuple(mount_of(pose)))
     return {
         key: chosen.get(key, ChosenMount(value=DEFAULT_MOUNTS[key]))
         for key in DEFAULT_MOUNTS
         if values.get(key) == FROM_LOG
     }
+
+
+def _by_frame(sensor: FixedSensor, value: Numbers) -> ChosenMount:
+    return ChosenMount(value=value, source=f"tf_static, frame {sensor.frame}")
+
+
+def _on_axis(origin: str, sensors: Mapping[str, FixedSensor]) -> list[FixedSensor]:
+    """List the sensors that one servo carries. origin: key of the servo's axis."""
+    return [
+        sensors[sensor] for sensor, key in ON_SERVO.values() if key == origin and sensor in sensors
+    ]
+
+
+def _servo_axis(key: str, carried: Sequence[FixedSensor]) -> ChosenMount | None:
+    """Choose a servo's axis by the sensors that it carries: its own frame, else the default.
+
+    None where no sensor tells.
+    """
+    for sensor in carried:
+        if sensor.servo_origin is not None:
+            source = f"tf_static, on the way to {sensor.frame}"
+            return ChosenMount(value=sensor.servo_origin, source=source)
+    if not carried or any(sensor.on_servo for sensor in carried):
+        return None
+    source = "tf_static, which has no frame of the servo: the vehicle's origin"
+    return ChosenMount(value=DEFAULT_MOUNTS[key], source=source)
 
 
 def parted_on_tray(sensors: Mapping[str, FixedSensor]) -> tuple[FixedSensor, FixedSensor] | None:
@@ -127,11 +130,7 @@ def parted_on_tray(sensors: Mapping[str, FixedSensor]) -> tuple[FixedSensor, Fix
     Returns the sensor on the servo, and the one fixed to the vehicle. None where both or neither
     are on the servo.
     """
-    both = [
-        sensors[sensor]
-        for sensor, origin in ON_SERVO.values()
-        if origin == "tray.origin" and sensor in sensors
-    ]
+    both = _on_axis("tray.origin", sensors)
     turning, fixed = (
         [s for s in both if (s.on_servo or s.servo_origin is not None) == turns]
         for turns in (True, False)

@@ -16,13 +16,7 @@ from hullrecon.dive.logs.messages.decode import ENCODINGS, decode, describe, typ
 from hullrecon.dive.logs.messages.samples import TYPES, WITHOUT_HEADER, stamp_ns
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Loss, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
-from hullrecon.dive.logs.samples import (
-    ImageSample,
-    JointSample,
-    Sample,
-    SonarSample,
-    is_of_dvl,
-)
+from hullrecon.dive.logs.samples import ImageSample, JointSample, Sample, SonarSample, is_of_dvl
 from hullrecon.dive.logs.time_window import TimeWindow
 from hullrecon.dive.logs.timeline import GAP_S
 from hullrecon.dive.problems import Problems
@@ -161,6 +155,25 @@ def read_streams(
     for topic, frames in sorted(out.frames.items()):
         with problems.collect():
             frames.refuse_two(topic)
+    _note_unusable(out, topics, problems)
+    if window is not None:
+        _carry_joints_into_window(out, window)
+        values = {"window": window.describe(), "count": out.outside}
+        out.notes.append(Finding("outside-window", values, "dive"))
+    out.notes += [
+        Finding("readings-ignored", {"count": n, "sensor": c.topic}, c.type)
+        for c, n in out.ignored.items()
+    ]
+    return out
+
+
+def _note_unusable(
+    out: LogContents, topics: Mapping[str, Sequence[str]], problems: Problems
+) -> None:
+    """Note messages that could not be decoded, and those without a stamp, by topic.
+
+    A topic of images of which none can be read is a problem. topics: as of `read_streams`.
+    """
     unread = {topic for topic, _ in out.undecoded} - {topic for topic, _ in out.used}
     for (topic, why), n in sorted(out.undecoded.items()):
         out.notes.append(Finding("messages-unusable", {"count": n, "why": why}, topic))
@@ -171,15 +184,6 @@ def read_streams(
         Finding("messages-unstamped", {"count": n}, topic)
         for topic, n in sorted(out.unstamped.items())
     ]
-    if window is not None:
-        _carry_joints_into_window(out, window)
-        values = {"window": window.describe(), "count": out.outside}
-        out.notes.append(Finding("outside-window", values, "dive"))
-    out.notes += [
-        Finding("readings-ignored", {"count": n, "sensor": c.topic}, c.type)
-        for c, n in out.ignored.items()
-    ]
-    return out
 
 
 def _sort_by_sensor(

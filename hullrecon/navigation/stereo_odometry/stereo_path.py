@@ -100,29 +100,19 @@ def stereo_navigate(
         Where there are fewer than two pairs, or where more than half of the steps cannot be
         measured.
     """
-    pair = pair_frames(frames.top[0], frames.bottom[0])
-    if len(pair) < 2:
-        where = (
-            f"{len(frames.top[0])} images of the top camera, {len(frames.bottom[0])} of the other"
-        )
-        raise StageError("fewer than two stereo pairs by their stamps", where=where)
-    t_ns, image = (
-        frames.top[0][pair[:, 0]],
-        np.stack([frames.top[1][pair[:, 0]], frames.bottom[1][pair[:, 1]]], axis=1),
-    )
+    t_ns, image = _stereo_pairs(frames)
+
+    # Motions between stereo pairs, in the camera's and then in the vehicle's axes.
     tray = servo(aids.tray, int(t_ns[0]))
     angle = tray.angle_at(t_ns)
     vehicle_from_camera = tray_poses(rig.tray_origin, angle) @ rig.tray_from(Camera.TOP)
     history = _smooth_attitude(aids.imu, sigmas.tilt_rad)
     guess = _prepare_guess(t_ns, history, vehicle_from_camera)
     chain = measure_steps([(int(a), int(b)) for a, b in image], motion, guess, progress)
-    if 2 * len(chain.lost) > len(chain.step):
-        where = (
-            f"{len(chain.lost)} of {len(chain.step)} steps have fewer than "
-            f"{INLIERS} common features"
-        )
-        raise StageError("the stereo pairs do not join", where=where)
+    _refuse_unjoined(chain)
     step, covariance, by_calibration = in_vehicle(chain, vehicle_from_camera)
+
+    # The path that they give from the first pair on, with its errors.
     depth = _measured_depth(aids.pressure, t_ns)
     path = compose(_start_pose(history, depth, t_ns, rig), step)
     calibration = calibration_moment(chain.evidence, calibration_sigma)
@@ -135,7 +125,7 @@ def stereo_navigate(
         tray=angle,
         image=image,
     )
-    unpaired = len(frames.top[0]) + len(frames.bottom[0]) - 2 * len(pair)
+    unpaired = len(frames.top[0]) + len(frames.bottom[0]) - 2 * len(image)
     return Navigated(
         trajectory=trajectory,
         error_model=errors,
@@ -149,6 +139,31 @@ def stereo_navigate(
         remarks=_remarks(chain, t_ns, unpaired, aids, depth, tray),
         facts=_facts(chain, step, t_ns),
     )
+
+
+def _stereo_pairs(frames: Frames) -> tuple[Ints, Ints]:
+    """Pair the frames of both cameras: stamps (n,), and rows (n, 2) in the cameras' indices.
+
+    Raises StageError where there are fewer than two pairs.
+    """
+    pair = pair_frames(frames.top[0], frames.bottom[0])
+    if len(pair) < 2:
+        where = (
+            f"{len(frames.top[0])} images of the top camera, {len(frames.bottom[0])} of the other"
+        )
+        raise StageError("fewer than two stereo pairs by their stamps", where=where)
+    top, bottom = pair.T
+    return frames.top[0][top], np.stack([frames.top[1][top], frames.bottom[1][bottom]], axis=1)
+
+
+def _refuse_unjoined(chain: StereoChain) -> None:
+    """Raise StageError where more than half of the steps cannot be measured."""
+    if 2 * len(chain.lost) > len(chain.step):
+        where = (
+            f"{len(chain.lost)} of {len(chain.step)} steps have fewer than "
+            f"{INLIERS} common features"
+        )
+        raise StageError("the stereo pairs do not join", where=where)
 
 
 def _smooth_attitude(imu: ImuSamples | None, sigma_tilt_rad: float) -> AttitudeHistory | None:
