@@ -7,9 +7,9 @@ from __future__ import annotations
 import logging
 import multiprocessing
 import shutil
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -209,26 +209,26 @@ def run(
     is_alone = scheduler is None and jobs == 1  # all in this process
     processes = nullcontext(begin_here) if is_alone else step_processes(PRELOAD)
     chain = dive.chain if last_step is None else dive.chain.up_to(last_step)
-    outlook = RunOutlook()
-    costs: list[StepCost] = []  # known once the package is read
+    forecast = _Forecast(
+        dive=dive, memory_gb=memory_gb, beside=() if is_alone else tuple(chain.pairs_beside())
+    )
+
+    def prepare(plan: Sequence[StepStatus]) -> None:
+        to_do = [s for s in plan if s.to_do or (from_scratch and s.state != "skipped")]
+        if to_do and not is_alone:
+            start_early(PRELOAD)
+        _check_before_run(dive, to_do, jobs)
+        forecast.outlook.plan(step.stage.name for step in to_do)
+
     with choose_executor(jobs or 1, scheduler) as executor, processes as begin_step:
         run_context = RunContext(
             dive.workspace.hashes(trusting=not read_data),
             executor,
             progress or Progress(),
-            outlook,
+            forecast.outlook,
             begin_step=begin_step,
-            fit_together=lambda steps: _fit_together(steps, costs, memory_gb),
+            fit_together=forecast.fit_together,
         )
-        beside = () if is_alone else chain.pairs_beside()
-
-        def prepare(plan: Sequence[StepStatus]) -> None:
-            to_do = [s for s in plan if s.to_do or (from_scratch and s.state != "skipped")]
-            if to_do and not is_alone:
-                start_early(PRELOAD)
-            _check_before_run(dive, to_do, jobs)
-            outlook.plan(step.stage.name for step in to_do)
-
         outcomes = run_chain(
             chain,
             dive.workspace,
@@ -236,9 +236,7 @@ def run(
             from_scratch=from_scratch,
             wait_s=wait_s,
             preflight=prepare,
-            before={
-                "navigate": lambda: costs.extend(_predict_costs(dive, outlook, memory_gb, beside))
-            },
+            before={"navigate": forecast.predict},
             keep_going=True,
         )
     result = RunResult(dive=dive, outcomes=tuple(outcomes))
@@ -294,40 +292,42 @@ def _check_before_run(dive: DiveRun, to_do: Sequence[StepStatus], jobs: int | No
     _refuse_full_disk(dive, needed, "the last run's artifacts took")
 
 
-def _predict_costs(
-    dive: DiveRun,
-    outlook: RunOutlook,
-    memory_gb: float | None,
-    beside: Iterable[tuple[str, str]],
-) -> list[StepCost]:
-    """Predict and log the costs of the steps to do, by the size of the dive.
+@dataclass(kw_only=True)
+class _Forecast:
+    """What a run is expected to take, by the size of its dive. Known once the package is read."""
 
-    Raises InputError for too little memory, as `check` would, StorageError for too little disk.
-    """
-    if not outlook.steps:
-        return []
-    from hullrecon.api.costs import findings_of, predict, size_of_run
+    dive: DiveRun
+    memory_gb: float | None  # that the run may take
+    beside: tuple[tuple[str, str], ...]  # steps that could run at the same time
+    outlook: RunOutlook = field(default_factory=RunOutlook)
+    costs: list[StepCost] = field(default_factory=list)  # of the steps to do
 
-    costs = predict(size_of_run(dive.workspace.root), outlook.steps)
-    outlook.predict({cost.step: cost.seconds for cost in costs})
-    for finding in findings_of(costs, memory_gb, beside):
-        if finding.severity == "error":
-            raise InputError(finding.sentence)
-        level = logging.WARNING if finding.severity == "warning" else logging.INFO
-        log.log(level, "%s: %s", dive.name, finding.sentence)
-    _refuse_full_disk(dive, 1e6 * sum(cost.disk_mb for cost in costs), "the artifacts take about")
-    return costs
+    def predict(self) -> None:
+        """Predict and log the costs of the steps to do, by the size of the dive.
 
+        Raises InputError for too little memory, as `check` would, StorageError for too little disk.
+        """
+        if not self.outlook.steps:
+            return
+        from hullrecon.api.costs import findings_of, predict, size_of_run
 
-def _fit_together(
-    steps: Collection[str], costs: Sequence[StepCost], memory_gb: float | None
-) -> bool:
-    """Decide whether steps may run at the same time. False before their costs are predicted."""
-    if not costs:
-        return False
-    from hullrecon.api.costs import fit_together
+        self.costs = predict(size_of_run(self.dive.workspace.root), self.outlook.steps)
+        self.outlook.predict({cost.step: cost.seconds for cost in self.costs})
+        for finding in findings_of(self.costs, self.memory_gb, self.beside):
+            if finding.severity == "error":
+                raise InputError(finding.sentence)
+            level = logging.WARNING if finding.severity == "warning" else logging.INFO
+            log.log(level, "%s: %s", self.dive.name, finding.sentence)
+        needed = 1e6 * sum(cost.disk_mb for cost in self.costs)
+        _refuse_full_disk(self.dive, needed, "the artifacts take about")
 
-    return fit_together(steps, costs, memory_gb)
+    def fit_together(self, steps: Collection[str]) -> bool:
+        """Decide whether steps may run at the same time. False before costs are predicted."""
+        if not self.costs:
+            return False
+        from hullrecon.api.costs import fit_together
+
+        return fit_together(steps, self.costs, self.memory_gb)
 
 
 def _refuse_full_disk(dive: DiveRun, needed: float, why: str) -> None:

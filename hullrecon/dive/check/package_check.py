@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Set
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -201,6 +201,7 @@ def check_package(
     logo = logo_of(loaded)
     if logo is not None and not _exists(loaded.package / logo):
         missing_files.append(_file_missing(logo, "report.logo"))
+
     # Read the package as a run does, but keep some images only, and go on after a problem.
     sampled: dict[str, SampledImages] = {}
     problems = Problems(go_on=True)
@@ -212,30 +213,17 @@ def check_package(
         problems,
     )
     loaded, mounts = _fill_mounts(loaded, found, problems)
-    # Which sensors there are: read, or at least logged.
-    streams: Mapping[str, Stream] = {**found.records.by_name(), **found.images}
-    present = {
-        "joints" if name == "tray" else name for name, stream in streams.items() if len(stream.t_ns)
-    }
-    named = {sensor for sensor, topic in request.topics.items() if topic in found.counts}
-    logged = named | (TYPES.keys() & found.counts.keys())
-    # A sensor that was logged but cannot be used counts as known: its problem is reported already.
-    known = present | logged if problems.found else present
-    known |= set() if found.is_whole else configured_sensors(loaded)
+    known, logged = _known_sensors(loaded, request, found, bool(problems.found))
     bow, wrong_pose = _check_hull_pose(loaded.config.hull, found.hull, problems)
     regions, empty_regions = describe_regions(loaded.config.hull, found.hull if bow else None)
-    # Compare the sensors with each other, then look for coarser contradictions.
+
+    # What of it contradicts something else.
     records, judged, suspects = found.records, list[Finding](), list[dict[str, object]]()
     if check_sensors is not None:
         records, judged, suspects = check_sensors(loaded, found, sampled)
-    sensor_is_wrong = any(finding.severity == "error" for finding in judged)
-    warnings = check_consistency(loaded.config, records, found.images)
-    # a sensor that is wrong causes these too, and they would blame others
-    warnings = [one for one in warnings if not (sensor_is_wrong and one.code in COARSE)]
-    warnings += [finding for finding in judged if finding.severity == "warning"]
-    if found.attitude_is_dvls:
-        warnings += check_mount_of_attitude(loaded.config, found.records.tray)
-    if check_images is not None and not sensor_is_wrong:
+    wrong_sensors = [finding for finding in judged if finding.severity == "error"]
+    warnings = _warn_of_contradictions(loaded, found, records, judged)
+    if check_images is not None and not wrong_sensors:
         warnings += check_images(loaded, replace(found, records=records), sampled)
     defaults = defaults_of(loaded, with_positions="position" in logged | known)
     return PackageCheck(
@@ -247,7 +235,7 @@ def check_package(
             *_lost_velocities(found.records.dvl, found.images),
             *_unmeasured_hull(found.records.dvl, found.images),
             *add_motion(problems.found, loaded.config, records),
-            *(finding for finding in judged if finding.severity == "error"),
+            *wrong_sensors,
         ],
         needs=[*needs(known, found.unread_dvls), *_images_not_logged(loaded.config, known)],
         missing=missing(known, hull=request.mesh is not None or loaded.config.hull is not None),
@@ -260,6 +248,48 @@ def check_package(
         defaults={key: value for key, value in defaults.items() if key not in mounts},
         suspects=suspects,
     )
+
+
+def _known_sensors(
+    loaded: LoadedConfig, request: IngestRequest, found: IngestResult, has_problems: bool
+) -> tuple[set[str], set[str]]:
+    """List the sensors that are known to be there, and those that were logged.
+
+    A sensor that was logged but cannot be used counts as known where there are problems: its own is
+    reported already. Where a log was not read to its end, so do those that dive.toml names.
+    """
+    streams: Mapping[str, Stream] = {**found.records.by_name(), **found.images}
+    known = {
+        "joints" if name == "tray" else name for name, stream in streams.items() if len(stream.t_ns)
+    }
+    named = {sensor for sensor, topic in request.topics.items() if topic in found.counts}
+    logged = named | (TYPES.keys() & found.counts.keys())
+    if has_problems:
+        known |= logged
+    if not found.is_whole:
+        known |= configured_sensors(loaded)
+    return known, logged
+
+
+def _warn_of_contradictions(
+    loaded: LoadedConfig, found: IngestResult, records: SensorRecords, judged: Sequence[Finding]
+) -> list[Finding]:
+    """Warn of sensors that contradict each other or dive.toml.
+
+    Parameters
+    ----------
+    loaded, found : the configuration, and what was read
+    records : what the sensors logged, with what was corrected
+    judged : findings of the comparison of sensors
+    """
+    warnings = check_consistency(loaded.config, records, found.images)
+    if any(finding.severity == "error" for finding in judged):
+        # a sensor that is wrong causes these too, and they would blame others
+        warnings = [one for one in warnings if one.code not in COARSE]
+    warnings += [finding for finding in judged if finding.severity == "warning"]
+    if found.attitude_is_dvls:
+        warnings += check_mount_of_attitude(loaded.config, found.records.tray)
+    return warnings
 
 
 def _fill_mounts(

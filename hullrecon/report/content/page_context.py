@@ -81,8 +81,6 @@ def page_context(
         packed = beside.submit(make_scene, survey, view)
         deviation = deviation_map(survey, view) if view else None
     layers, scene = drawn.result() if drawn else [], packed.result()
-    dive = survey.facts.dive
-    figures = deviation_figures(survey)
     data = {**page_data(survey, view, layers, tiles), "scene": scene and scene.document}
     quality, mosaics = quality_tables(survey), survey.mosaics.named()
     sections = _sections(
@@ -102,45 +100,26 @@ def page_context(
     return {
         "sections": sections,
         "number": {name: k for k, (name, _) in enumerate(sections, start=1)},
-        "frame_words": survey.frame_in_words,
-        "on_ship": survey.is_in_hull_frame,
-        "origin_words": survey.origin_in_words,
-        "deviation_rows": deviation_rows(figures),
-        "offset_words": figures.offset_words if figures is not None else "",
-        "position": position_sentence(survey),
         "survey": survey,
-        "suspects": survey.adjusted.summary.suspects if survey.adjusted is not None else (),
-        "title": f"Hull survey: {dive.name}",
-        "about": survey.facts.about,
-        "logo": png_uri(survey.facts.about.logo) if survey.facts.about.logo else None,
-        "ship": draw_ship(survey),
-        "verdict": verdict(survey),
-        "figures": key_figures(survey),
-        "quality": {table.name: table for table in quality},
-        "layers": [(image_id(layer), image_uri(layer)) for layer in layers]
-        + ([(BLOCK, scene.block)] if scene else []),
-        "table": object_rows(survey),
-        "address_of": {o.id: o.address for o in survey.findings.objects or ()},
-        "date": _date_words(dive.date) if dive.date is not None else "",
-        "lines": headline(survey),
-        "weak": weak_sentences(survey),
-        "plan": survey_plan(survey, view) if view else None,
-        "deviation_map": deviation,
-        "mosaics": [mosaic_context(name, m) for name, m in mosaics.items()],
-        "cards": [card_context(o, survey, photos.get(o.id)) for o in survey.findings.objects or ()],
-        "gaps": any(m.facts.gap_area_m2 > 0 for m in mosaics.values()),
-        **_coverage_context(survey),
-        **_change_context(survey),
-        "plots": {p.name: _plot_context(p) for p in plots},
-        "rejected": rejected_groups(survey),
-        "settings": settings_rows(survey.provenance.steps),
-        "steps": survey.provenance.steps,
-        "missing": survey.provenance.missing,
-        "deliverables": deliverables,
-        "failed": {},
         "data": script_json(data),
         "has_scene": data["scene"] is not None,
-        "version": version(),
+        "layers": [(image_id(layer), image_uri(layer)) for layer in layers]
+        + ([(BLOCK, scene.block)] if scene else []),
+        "plan": survey_plan(survey, view) if view else None,
+        **_title_context(survey),
+        **_frame_context(survey),
+        **_objects_context(survey, photos),
+        **_change_context(survey),
+        **_deviation_context(survey),
+        "deviation_map": deviation,
+        "mosaics": [mosaic_context(name, m) for name, m in mosaics.items()],
+        "gaps": any(m.facts.gap_area_m2 > 0 for m in mosaics.values()),
+        **_coverage_context(survey),
+        "quality": {table.name: table for table in quality},
+        "rejected": rejected_groups(survey),
+        "suspects": survey.adjusted.summary.suspects if survey.adjusted is not None else (),
+        **_record_context(survey, deliverables),
+        "plots": {p.name: _plot_context(p) for p in plots},
     }
 
 
@@ -152,6 +131,63 @@ def _sections(survey: Survey, contents: Mapping[str, object]) -> list[tuple[str,
         for name, title in SECTIONS
         if contents.get(name, True)
     ]
+
+
+def _title_context(survey: Survey) -> PageContext:
+    """Build the variables of the page's head: dive, ship, verdict, figures and main findings."""
+    dive, about = survey.facts.dive, survey.facts.about
+    return {
+        "title": f"Hull survey: {dive.name}",
+        "about": about,
+        "logo": png_uri(about.logo) if about.logo else None,
+        "date": _date_words(dive.date) if dive.date is not None else "",
+        "ship": draw_ship(survey),
+        "verdict": verdict(survey),
+        "figures": key_figures(survey),
+        "lines": headline(survey),
+        "weak": weak_sentences(survey),
+    }
+
+
+def _frame_context(survey: Survey) -> PageContext:
+    """Build the variables that say in which frame positions are, and how well they are known."""
+    return {
+        "frame_words": survey.frame_in_words,
+        "on_ship": survey.is_in_hull_frame,
+        "origin_words": survey.origin_in_words,
+        "position": position_sentence(survey),
+    }
+
+
+def _objects_context(survey: Survey, photos: Mapping[int, Crop]) -> PageContext:
+    """Build the variables of the chapter on objects. photos: by the object's number."""
+    objects = survey.findings.objects or ()
+    return {
+        "table": object_rows(survey),
+        "address_of": {o.id: o.address for o in objects},
+        "cards": [card_context(o, survey, photos.get(o.id)) for o in objects],
+    }
+
+
+def _deviation_context(survey: Survey) -> PageContext:
+    """Build the variables of the chapter on deviation but for its map."""
+    figures = deviation_figures(survey)
+    return {
+        "deviation_rows": deviation_rows(figures),
+        "offset_words": figures.offset_words if figures is not None else "",
+    }
+
+
+def _record_context(survey: Survey, deliverables: Mapping[str, object]) -> PageContext:
+    """Build the variables of the chapter on the record: settings, steps, files and version."""
+    return {
+        "settings": settings_rows(survey.provenance.steps),
+        "steps": survey.provenance.steps,
+        "missing": survey.provenance.missing,
+        "deliverables": deliverables,
+        "failed": {},
+        "version": version(),
+    }
 
 
 def _plot_context(plot: Plot) -> PageContext:
