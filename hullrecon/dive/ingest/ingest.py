@@ -35,6 +35,7 @@ from hullrecon.dive.problems import Problems
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
+from hullrecon.records.sensors import ImageIndex
 
 OpenFile = Callable[[str], BinaryIO]  # opens the file for the images of the camera of that name
 
@@ -118,11 +119,7 @@ def ingest(
     source = Source(request, found, out.notes, spool, keep_images)
     out.records = build_records(source, problems)
     out.attitude_is_dvls = source.attitude_is_dvls
-    for name, sink in sinks.items():
-        with problems.collect():
-            index = sink.finish(out.notes)
-            if index is not None:
-                out.images[name] = index
+    out.images = _index_images(sinks, out.notes, problems)
     check_found(out, request, window if found.outside else None, found.losses, problems)
     return out
 
@@ -186,6 +183,19 @@ def _take_image(
     """Pass an image to the sink of its camera. Cameras without a calibration have none."""
     if sample.camera in sinks:
         sinks[sample.camera].take(sample, logged_ns, log)
+
+
+def _index_images(
+    sinks: Mapping[str, ImageSink], notes: list[Finding], problems: Problems
+) -> dict[str, ImageIndex]:
+    """Index the images of each camera that has any. notes: what was found wrong is added."""
+    images = {}
+    for name, sink in sinks.items():
+        with problems.collect():
+            index = sink.finish(notes)
+            if index is not None:
+                images[name] = index
+    return images
 
 
 def _join_time_bases(

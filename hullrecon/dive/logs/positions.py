@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hullrecon.dive.logs.samples import PositionSample
+from hullrecon.dive.logs.samples import PositionSample, stamps
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.geodesy import north_east
@@ -82,7 +82,7 @@ def position_fixes(
     given = np.array([s.sigma_m for s in kept])
     place = np.array([s.place for s in kept])
     return PositionFixes(
-        t_ns=np.array([s.t_ns for s in kept], np.int64),
+        t_ns=stamps(kept),
         north_east=_in_metres(place, kept[0].geographic, frame),
         # with x and y, or latitude and longitude, in the other order: loggers exchange them
         exchanged=_in_metres(place[:, [1, 0]], kept[0].geographic, frame),
@@ -138,7 +138,7 @@ def _under_water(samples: Sequence[PositionSample], pressure: PressureSamples | 
     It is judged by the depth interpolated at the fix. Fixes without one within NEAR_DEPTH_S are not
     marked.
     """
-    t_ns = np.array([s.t_ns for s in samples], np.int64)
+    t_ns = stamps(samples)
     by_satellite = np.array([s.by_satellite for s in samples], bool)
     if pressure is None or not len(pressure.t_ns) or not len(samples):
         return np.zeros(len(samples), bool)
