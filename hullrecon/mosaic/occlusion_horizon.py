@@ -134,8 +134,8 @@ def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: 
     limits = (CELL_M, horizon.span_m, MIN_RELIEF_M)
     blocks = (_blocks(field, side) for field in (point, normal))
     bound = least_tangents(horizon.top[near], horizon.normal[near], limits, *blocks)
-    rows = -(-height // side)
-    spread = np.repeat(np.repeat(bound.reshape(rows, -1), side, axis=0), side, axis=1)
+    block_rows = -(-height // side)
+    spread = np.repeat(np.repeat(bound.reshape(block_rows, -1), side, axis=0), side, axis=1)
     return np.asarray(spread[:height, :width], np.float32)
 
 

@@ -64,15 +64,15 @@ class SonarFan:
         ahead = np.hypot(y, z)  # distance within the plane of the fan
         distance, bearing, elevation = np.hypot(ahead, x), np.arctan2(y, z), np.arctan2(x, ahead)
         first, last = self.range_m[0], self.range_m[-1]
-        n_r = (distance - first) * (len(self.range_m) - 1) / (last - first)
-        n_b = np.interp(bearing, self.bearing, self.beam)
-        held = (
+        range_bin = (distance - first) * (len(self.range_m) - 1) / (last - first)
+        beam = np.interp(bearing, self.bearing, self.beam)
+        in_fan = (
             (distance >= first) & (distance <= last)
             & (bearing >= self.bearing[0]) & (bearing <= self.bearing[-1])
             & (np.abs(elevation) <= self.half_elevation)
         )  # fmt: skip
-        return np.stack([n_r, n_b], axis=1), np.where(
-            held, self._from_best_m(distance, bearing) / self._farthest_m(), np.nan
+        return np.stack([range_bin, beam], axis=1), np.where(
+            in_fan, self._from_best_m(distance, bearing) / self._farthest_m(), np.nan
         )
 
     def rays(self, bearings: int, elevations: int) -> Array:

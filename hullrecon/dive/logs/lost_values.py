@@ -68,9 +68,9 @@ def drop_lost_velocities(
         notes.append(Finding("velocity-sigmas-useless", values, "dvl"))
         sigma, huge = np.full(len(sigma), np.nan), np.zeros(len(sigma), bool)
     zeros, repeats = _false_readings(t_ns, np.where(huge[:, None], np.nan, velocity))
-    rest = known & ~(huge | zeros | repeats)
-    unheard = rest & ~np.isfinite(ranges).any(axis=1)
-    if unheard.sum() > MOST_UNHEARD * rest.sum():  # of an instrument that gives few ranges
+    remaining = known & ~(huge | zeros | repeats)
+    unheard = remaining & ~np.isfinite(ranges).any(axis=1)
+    if unheard.sum() > MOST_UNHEARD * remaining.sum():  # of an instrument that gives few ranges
         unheard[:] = False
     lost = huge | zeros | repeats | unheard
     if lost.any():

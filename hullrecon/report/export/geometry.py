@@ -108,9 +108,9 @@ def surface_ply(survey: Survey, surface: Surface, split: DeviationSplit | None =
         "support": surface.support.astype(np.int32),
     }
     if surface is survey.surfaces.as_found:
-        lost = np.full(len(surface.vertices), np.nan, np.float32)
-        values["form"] = lost if split is None else split.form.astype(np.float32)
-        values["form_sigma"] = lost if split is None else split.form_sigma.astype(np.float32)
+        unknown = np.full(len(surface.vertices), np.nan, np.float32)
+        values["form"] = unknown if split is None else split.form.astype(np.float32)
+        values["form_sigma"] = unknown if split is None else split.form_sigma.astype(np.float32)
     return ply_bytes(
         {**columns(surface.vertices), **values}, surface.faces, header_comments(survey)
     )

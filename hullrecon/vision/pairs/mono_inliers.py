@@ -242,12 +242,15 @@ def most_likely_motion(
     of_navigation = whitening.T @ whitening
     for _ in range(ITERATIONS):
         length, unit = float(np.linalg.norm(motion[:3, 3])), _unit(motion)
-        residual, by = mono_motion.linearise(unit, first, second)
+        residual, derivative = mono_motion.linearise(unit, first, second)
         weight = _biweight(residual)
         # By translation (m), then rotation, as in Motion: a shift across the direction turns it by
         # the shift over the length.
         jacobian = np.hstack(
-            [by[:, 3:] @ mono_motion.tangent_basis(unit[:3, 3]).T / length, by[:, :3]]
+            [
+                derivative[:, 3:] @ mono_motion.tangent_basis(unit[:3, 3]).T / length,
+                derivative[:, :3],
+            ]
         )
         weighted = (jacobian * weight[:, None]).T
         normal = weighted @ jacobian + of_navigation

@@ -108,10 +108,10 @@ def with_length(motion: Array, covariance: Array, prior: Motion | None) -> Motio
     scaled = motion.copy()
     scaled[:3, 3] = length * direction
     # From (rotation, direction) to (translation, rotation), the order of Motion.
-    by = np.zeros((6, 5))
-    by[:3, 3:] = length * tangent_basis(direction)
-    by[3:, :3] = np.eye(3)
-    out = by @ covariance @ by.T
+    jacobian = np.zeros((6, 5))
+    jacobian[:3, 3:] = length * tangent_basis(direction)
+    jacobian[3:, :3] = np.eye(3)
+    out = jacobian @ covariance @ jacobian.T
     out[:3, :3] += length_variance * np.outer(direction, direction)
     return Motion(scaled, out)
 

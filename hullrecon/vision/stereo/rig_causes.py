@@ -78,9 +78,10 @@ def find_wrong_part(
         return None
     at_ns = np.array([m.at_ns for m in pairs], np.int64)
     remedy = ""
-    if good[0] and (np.diff(good.astype(np.int8)) != 0).sum() == 1:
+    changes = (np.diff(good.astype(np.int8)) != 0).sum()  # from good pairs to others, or back
+    if good[0] and changes == 1:
         remedy = f"map the part before (dive.to = {format_time(int(at_ns[good][-1]))})"
-    elif good[-1] and (np.diff(good.astype(np.int8)) != 0).sum() == 1:
+    elif good[-1] and changes == 1:
         remedy = f"map the part after (dive.from = {format_time(int(at_ns[good][0]))})"
     far = f"{float(np.median(error_px[~good])):.1f} px"
     if behind.any():
