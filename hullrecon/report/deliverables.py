@@ -10,6 +10,7 @@ CONTRIBUTING.md, *Add a deliverable*.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import resources
@@ -22,7 +23,12 @@ from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import Surface
 from hullrecon.report.content.objects import Crop, object_crops, photo_jpeg
-from hullrecon.report.content.page_context import PageContext, page_context
+from hullrecon.report.content.page_context import (
+    PageContext,
+    draw_page,
+    join_drawings,
+    print_context,
+)
 from hullrecon.report.export.geometry import (
     ChartMesh,
     alignment_document,
@@ -43,6 +49,7 @@ from hullrecon.report.export.tables import (
     trajectory_table,
     trajectory_tum,
 )
+from hullrecon.report.figures.hull_map import HullMap, hull_map
 from hullrecon.report.figures.map_tiles import FOLDER as TILES
 from hullrecon.report.figures.map_tiles import stream_tiles
 from hullrecon.report.figures.plots import draw_all_plots
@@ -134,15 +141,32 @@ class Delivery:
         return object_layers(self.objects, photos, self.chart, self.outside)
 
     @cached_property
-    def _page(self) -> PageContext:
+    def _view(self) -> HullMap | None:
+        return hull_map(self.survey)
+
+    @cached_property
+    def _printed(self) -> PageContext:
         plots = [] if "plots/" in self.failed else self.plots
         photos = {} if "objects/" in self.failed else self.photos
-        return page_context(self.survey, plots, self.out.entries, photos)
+        return print_context(self.survey, self._view, plots, self.out.entries, photos)
+
+    @cached_property
+    def drawn(self) -> Future[PageContext]:
+        """What only the page shows. It is drawn in a thread, from the first use on."""
+        beside = ThreadPoolExecutor(1)
+        drawn = beside.submit(draw_page, self.survey, self._view, self.out.entries)
+        beside.shutdown(wait=False)
+        return drawn
+
+    @property
+    def printed(self) -> PageContext:
+        """The variables of the PDF, with all that was written or failed so far."""
+        return {**self._printed, "deliverables": self.out.entries, "failed": self.failed}
 
     @property
     def page(self) -> PageContext:
-        """The variables of page and PDF, with all that was written or failed so far."""
-        return {**self._page, "deliverables": self.out.entries, "failed": self.failed}
+        """The variables of the page, with all that was written or failed so far."""
+        return join_drawings(self.printed, self.drawn.result())
 
 
 def _required(value: Required | None) -> Required:
@@ -395,6 +419,12 @@ def _write_tiles(delivery: Delivery) -> None:
         delivery.out.write(name, tile)
 
 
+def _pdf(delivery: Delivery) -> bytes:
+    """Render the PDF, while what only the page shows is drawn."""
+    _ = delivery.drawn
+    return render_pdf(delivery.printed)
+
+
 def _write_schemas(delivery: Delivery) -> None:
     """Write the schema of each document that was delivered, and of summary.json."""
     folder = resources.files("hullrecon.report") / SCHEMAS
@@ -469,7 +499,7 @@ DELIVERABLES: tuple[Deliverable, ...] = (
         name=f"{SCHEMAS}/", why_absent=_never_absent, write=_write_schemas, is_about_others=True
     ),
     replace(
-        _written("report/report.pdf", lambda _: why_no_pdf() or "", lambda d: render_pdf(d.page)),
+        _written("report/report.pdf", lambda _: why_no_pdf() or "", _pdf),
         is_about_others=True,
     ),
     replace(

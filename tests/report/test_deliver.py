@@ -228,7 +228,8 @@ def break_(monkeypatch: pytest.MonkeyPatch, function: str, error: Exception) -> 
         ("chart_mesh", {"chart.ply", "chart.json"}),
         ("object_crops", {"objects/"}),
         ("draw_all_plots", {"plots/"}),
-        ("page_context", {"report/index.html", "report/report.pdf"}),
+        ("print_context", {"report/index.html", "report/report.pdf"}),
+        ("draw_page", {"report/index.html"}),
     ],
 )
 def test_a_deliverable_that_fails_costs_only_itself(

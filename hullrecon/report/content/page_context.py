@@ -8,6 +8,7 @@ from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
+from typing import cast
 
 import numpy as np
 
@@ -75,19 +76,26 @@ def page_context(
         Pictures of objects by the object's number.
     """
     view = hull_map(survey)
-    tiles = index_tiles(survey, deliverables)
-    with ThreadPoolExecutor(2) as beside:  # what takes longest, mostly outside the interpreter
-        drawn = beside.submit(survey_layers, survey, view, tiles) if view else None
-        packed = beside.submit(make_scene, survey, view)
-        deviation = deviation_map(survey, view) if view else None
-    layers, scene = drawn.result() if drawn else [], packed.result()
-    data = {**page_data(survey, view, layers, tiles), "scene": scene and scene.document}
+    printed = print_context(survey, view, plots, deliverables, photos)
+    return join_drawings(printed, draw_page(survey, view, deliverables))
+
+
+def print_context(
+    survey: Survey,
+    view: HullMap | None,
+    plots: Sequence[Plot],
+    deliverables: Mapping[str, object],
+    photos: Mapping[int, Crop],
+) -> PageContext:
+    """Build the variables that page and PDF share.
+
+    Parameters are those of `page_context`. view: the map of the hull.
+    """
     quality, mosaics = quality_tables(survey), survey.mosaics.named()
     sections = _sections(
         survey,
         {
             "deviation": survey.is_in_hull_frame,
-            "view": data["scene"],
             "mosaics": mosaics,
             "coverage": coverage_rows(survey.findings.coverage),
             "change": survey.change,
@@ -99,19 +107,14 @@ def page_context(
     )
     return {
         "sections": sections,
-        "number": {name: k for k, (name, _) in enumerate(sections, start=1)},
         "survey": survey,
-        "data": script_json(data),
-        "has_scene": data["scene"] is not None,
-        "layers": [(image_id(layer), image_uri(layer)) for layer in layers]
-        + ([(BLOCK, scene.block)] if scene else []),
         "plan": survey_plan(survey, view) if view else None,
         **_title_context(survey),
         **_frame_context(survey),
         **_objects_context(survey, photos),
         **_change_context(survey),
         **_deviation_context(survey),
-        "deviation_map": deviation,
+        "deviation_map": deviation_map(survey, view) if view else None,
         "mosaics": [mosaic_context(name, m) for name, m in mosaics.items()],
         "gaps": any(m.facts.gap_area_m2 > 0 for m in mosaics.values()),
         **_coverage_context(survey),
@@ -121,6 +124,36 @@ def page_context(
         **_record_context(survey, deliverables),
         "plots": {p.name: _plot_context(p) for p in plots},
     }
+
+
+def draw_page(
+    survey: Survey, view: HullMap | None, deliverables: Mapping[str, object]
+) -> PageContext:
+    """Draw what only the page shows: the layers of its map, and the hull in 3-D.
+
+    Most of it runs outside the interpreter. view: the map of the hull. deliverables: as of
+    `page_context`, of which the tiles of mosaics are shown.
+    """
+    tiles = index_tiles(survey, deliverables)
+    with ThreadPoolExecutor(1) as beside:
+        packed = beside.submit(make_scene, survey, view)
+        layers = survey_layers(survey, view, tiles) if view else []
+    scene = packed.result()
+    data = {**page_data(survey, view, layers, tiles), "scene": scene and scene.document}
+    return {
+        "data": script_json(data),
+        "has_scene": scene is not None,
+        "layers": [(image_id(layer), image_uri(layer)) for layer in layers]
+        + ([(BLOCK, scene.block)] if scene else []),
+    }
+
+
+def join_drawings(printed: PageContext, drawn: PageContext) -> PageContext:
+    """Join the variables that page and PDF share with the drawings of the page."""
+    listed = cast(Sequence[tuple[str, str]], printed["sections"])
+    sections = [section for section in listed if section[0] != "view" or drawn["has_scene"]]
+    number = {name: k for k, (name, _) in enumerate(sections, start=1)}
+    return {**printed, **drawn, "sections": sections, "number": number}
 
 
 def _sections(survey: Survey, contents: Mapping[str, object]) -> list[tuple[str, str]]:
