@@ -214,6 +214,7 @@ def run(
     )
 
     def prepare(plan: Sequence[StepStatus]) -> None:
+        """Check what the steps to do need, before any of them begins, and plan their progress."""
         to_do = [s for s in plan if s.to_do or (from_scratch and s.state != "skipped")]
         if to_do and not is_alone:
             start_early(PRELOAD)

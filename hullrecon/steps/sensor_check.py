@@ -64,7 +64,8 @@ def judge_sensors(
     Returns
     -------
     judged
-        The records, corrected where a fault was found, the findings and the tried hypotheses.
+        The records, corrected where a fault was found, the findings, the tried hypotheses, and by
+        how much the level of depths may be off.
     """
     rig, topics = rig_from_settings(settings, cameras), _topics_of(settings["topics"])
 
@@ -85,13 +86,14 @@ def judge_sensors(
 
     # Contradictions of what is left. Angles of a tray that tell nothing widen its sigma.
     density, gravity, atmosphere = (_number(settings[key]) for key in WATER_KEYS)
+    atmosphere_m = atmosphere / (density * gravity)  # of water
     mount_deg = settings["imu.mount_deg"]
     given = Conventions(
         imu_frame=str(settings["imu.frame"]),
         imu_mount_deg=mount_deg if isinstance(mount_deg, tuple) else None,
         tray_positive=str(settings["tray.positive"]),
     )
-    judged = judge(records, rig, atmosphere / (density * gravity), topics, flows, given)
+    judged = judge(records, rig, atmosphere_m, topics, flows, given)
     still = doubtful_angles(
         judged.records.tray,
         str(settings["tray.joint_unit"]),

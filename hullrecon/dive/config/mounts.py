@@ -72,10 +72,12 @@ def choose_mounts(
             chosen[key] = axis
     for key, (sensor, origin) in ON_SERVO.items():
         if sensor in sensors:
-            at = values.get(origin)
-            if not _is_given(at):
-                at = chosen[origin].value if origin in chosen else DEFAULT_MOUNTS[origin]
-            chosen[key] = _by_frame(sensors[sensor], _on_servo(sensors[sensor], numbers_of(at)))
+            axis_at = values.get(origin)
+            if not _is_given(axis_at):
+                axis_at = chosen[origin].value if origin in chosen else DEFAULT_MOUNTS[origin]
+            chosen[key] = _by_frame(
+                sensors[sensor], _on_servo(sensors[sensor], numbers_of(axis_at))
+            )
 
     # The sensors fixed to the vehicle.
     for sensor in ("pressure", "position"):
@@ -99,6 +101,7 @@ def choose_mounts(
 
 
 def _by_frame(sensor: FixedSensor, value: Numbers) -> ChosenMount:
+    """Make the choice of a value that a sensor's frame in tf_static gives."""
     return ChosenMount(value=value, source=f"tf_static, frame {sensor.frame}")
 
 

@@ -140,13 +140,13 @@ def read_streams(
                 out.counts[message.channel] += 1
                 if message.channel in refused:
                     continue
-                count = len(problems.found)
+                problems_before = len(problems.found)
                 with problems.collect():
                     _sort_by_sensor(
                         message, number, topics, take_image, out, window, keep_ping, added_ns
                     )
                 # one complaint for each channel, not for each of its messages
-                if len(problems.found) > count:
+                if len(problems.found) > problems_before:
                     refused.add(message.channel)
             out.unread -= 1
         name = printable(log.path.name)
