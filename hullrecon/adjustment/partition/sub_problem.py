@@ -109,6 +109,7 @@ class SubProblems:
             whole,
             unknowns=unknowns,
             priors=self._priors(k, number),
+            # all parts share the lenses, and their prior counts once
             lenses=whole.lenses if k == 0 else _without_prior(whole.lenses),
             planes=native.PlaneTable(anchor=number["pose"][whole.planes.anchor[self.planes[k]]]),
             **tables,
