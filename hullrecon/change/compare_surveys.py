@@ -123,6 +123,10 @@ def _lattice(seen: Array, options: ChangeOptions) -> Lattice:
 
 
 def _change_map(lattice: Lattice, found: Difference) -> ChangeMap:
+    """Keep what is drawn of a difference: the change where both surveys saw a cell, and who saw it.
+
+    lattice: the cells of the difference.
+    """
     return ChangeMap(
         lattice=lattice,
         change=np.where(found.both, found.total, np.nan),

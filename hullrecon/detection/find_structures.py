@@ -112,6 +112,7 @@ def find_structures(
 def _split(
     base: BaseSurface, as_found: Surface, own_sigma: Array | None, bare: Mask
 ) -> DeviationSplit | None:
+    """Split the deviation as `split_deviation` does. None without a CAD model or its pose."""
     if base.cad_model is None or base.hull_pose is None:
         return None
     return split_deviation(as_found, own_sigma, bare, base.cad_model, base.chart, base.hull_pose)

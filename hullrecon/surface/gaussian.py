@@ -263,6 +263,7 @@ def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
 def _condition(
     kernel: Kernel, covariance: sparse.csr_array, at: Array, values: Array, noise: Array
 ) -> Regression:
+    """Condition as `fit` does, given the kernel's covariance (n, n) of the points."""
     solver = factorise(covariance + sparse.diags_array(noise**2).tocsr())
     return Regression(
         kernel=kernel, at=at, noise=noise, weights=solver.solve(values), factor=solver

@@ -40,6 +40,7 @@ def describe_parts(path: LinkedPath, t_ns: Ints) -> str | None:
 
 
 def _span(path: LinkedPath, t_ns: Ints, part: int, size: int) -> str:
+    """Describe a part of the path: its nodes, when they were, and its sigma to the first part."""
     at = t_ns[path.part == part]
     first, last = (
         datetime.fromtimestamp(int(t) / 1e9, UTC).strftime("%H:%M:%S") for t in (at.min(), at.max())
