@@ -167,6 +167,7 @@ def _reasons_to_refuse(found: RoundResult, solver: RoundSolver) -> Iterator[str]
     growth = residual_growth(found.problem, settings)
     worse = [name for name, ratio in growth.items() if ratio > MAX_GROWTH[name]]
     if "attitude" in worse and stated_attitude_rms(found, settings) <= 1:
+        # in the sigmas that dive.toml states they are small enough (`stated_attitude_rms`)
         worse.remove("attitude")
     if worse:
         parts = ", ".join(f"{name} by {100 * (growth[name] - 1):.0f} %" for name in worse)

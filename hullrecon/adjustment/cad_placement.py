@@ -122,12 +122,12 @@ def register(
 def segments_of_path(solved: RoundResult, solver: RoundSolver) -> Segments | None:
     """Find the segments into which outages cut a path that was solved without the CAD model.
 
-    None where the path is not cut, or where there are no DVL ranges.
+    None where the path is not cut, where there are no DVL ranges, or without a deviation field.
     """
     measured = solved.after.measured
     if measured.returns is None or not solver.strategy.deviation_field:
         return None
-    node = measured.returns.node[~measured.returns.flagged]
+    node = measured.returns.node[~measured.returns.flagged]  # of each range
     return find_segments(solved.problem, solver.settings, measured.odometry, node)
 
 

@@ -143,7 +143,7 @@ def reckon_dive(
         clocks.late_sigma_s.get(s, 0.0) for s in (ClockedSensor.DVL, ClockedSensor.PRESSURE)
     )
     sigmas = replace(sigmas, dvl_late_s=dvl_s, pressure_late_s=pressure_s)
-    found = dead_reckon(clocks.logs, rig, sigmas, walk, clocks.heard)
+    found = dead_reckon(clocks.logs, rig, sigmas, walk, clocks.readings)
     return replace(
         found,
         remarks=[*clocks.remarks, *_describe_unsure(found, sigmas), *found.remarks],

@@ -45,6 +45,7 @@ def remaining_offset_sigmas(
     for one in evidence:
         fit, rate = refine(one, corrected), _relative_rate(one, corrected, middle_ns)
         first, second = one.comparison.first, one.comparison.second
+        # the comparison measures the offset of its first sensor minus that of its second
         row = np.array([(sensor is first) - float(sensor is second) for sensor in sensors])
         systematic = one.comparison.systematic_s
         if fit is not None:

@@ -38,10 +38,10 @@ from hullrecon.navigation.clocks.time_offsets import (
 )
 from hullrecon.navigation.clocks.wrong_clocks import WrongClocks, find_wrong_clocks
 from hullrecon.navigation.dead_reckoning.dead_reckon import (
-    Heard,
+    MotionReadings,
     NavigationLogs,
-    hear,
     usable_frames,
+    usable_readings,
 )
 from hullrecon.navigation.dead_reckoning.image_walk import STRIDE_S
 from hullrecon.navigation.dead_reckoning.nodes import pair_frames
@@ -75,7 +75,8 @@ class Synchronised:
     """Logs with their clocks corrected."""
 
     logs: NavigationLogs
-    heard: Heard | None  # velocities and attitude of these logs; None where clocks were corrected
+    # velocities and attitude of these logs; None where clocks were corrected
+    readings: MotionReadings | None
     offsets: list[TimeOffset]  # that were corrected
     # in words: corrections, and clocks that disagree where it is not known which of them is wrong
     remarks: list[str]
@@ -110,36 +111,37 @@ def synchronise(
     spans = _segments_between_pauses(logs, frames[0])
 
     # Compare the clocks of two sensors each, by the motion that both measured.
-    heard, motions = hear(logs, tilt_rad), None
+    readings, motions = usable_readings(logs, tilt_rad), None
     if measure is not None and len(frames[0]):
-        motions = _measure_motions(frames, spans, measure, heard.velocities, heard.attitude)
+        motions = _measure_motions(frames, spans, measure, readings.velocities, readings.attitude)
         motions = motions if len(motions) >= LEAST_MOTIONS else None
-    known = _compare_clocks(logs, heard, rig, motions)
+    comparisons = _compare_clocks(logs, readings, rig, motions)
 
     # Explain the dive as a whole and each segment, then choose for each segment among all
     # explanations.
-    evidence, parts = weigh_comparisons(known), []
+    evidence, parts = weigh_comparisons(comparisons), []
     if len(spans) > 1:
-        parts = [weigh_comparisons([c.within(part) for c in known]) for part in spans]
-    hypotheses, unknown = _explain_clocks([evidence, *parts])
+        parts = [weigh_comparisons([c.within(part) for c in comparisons]) for part in spans]
+    hypotheses, ambiguous = _explain_clocks([evidence, *parts])
     states = [hypothesis.corrections() for hypothesis in hypotheses]
     chosen = [hypotheses[k] for k in choose_by_segment(evidence, spans, states)]
 
-    # Without images, offsets too small to be seen may remain. The longest segment tells.
+    # Without images, offsets too small to be corrected may remain. The longest segment, with most
+    # rows, tells how large they may be.
     late_sigma_s = {}
     if motions is None:
         k = int(np.argmax([end - begin for begin, end in spans]))
         late_sigma_s = remaining_offset_sigmas(
             parts[k] if parts else evidence, chosen[k].corrections(), spans[k]
         )
-    compared = {sensor for c in known for sensor in (c.first, c.second)}
+    compared = {sensor for c in comparisons for sensor in (c.first, c.second)}
     offsets = time_offsets(
         spans, chosen, [sensor for sensor in ClockedSensor if sensor in compared]
     )
-    remarks = [*describe_offsets(offsets), *([] if offsets else dict.fromkeys(unknown))]
+    remarks = [*describe_offsets(offsets), *([] if offsets else dict.fromkeys(ambiguous))]
     return Synchronised(
         logs=_correct_logs(logs, offsets),
-        heard=None if offsets else heard,
+        readings=None if offsets else readings,
         offsets=offsets,
         remarks=remarks,
         late_sigma_s=late_sigma_s,
@@ -168,18 +170,18 @@ def _explain_clocks(
         The hypotheses, each once, of which the first is that all clocks are right. In words, clocks
         that disagree where it is not known which of them is wrong.
     """
-    hypotheses, unknown = [find_wrong_clocks([])[0]], []
+    hypotheses, ambiguous = [find_wrong_clocks([])[0]], []
     for own in by_part:
         found = find_wrong_clocks(own)
         if len(found) > 1:
-            unknown.append(_describe_unknown(found))
+            ambiguous.append(_describe_ambiguous(found))
         elif not any(_are_same(found[0], other) for other in hypotheses):
             hypotheses.append(found[0])
-    return hypotheses, unknown
+    return hypotheses, ambiguous
 
 
 def _compare_clocks(
-    logs: NavigationLogs, heard: Heard, rig: Rig, motions: ImageMotions | None
+    logs: NavigationLogs, readings: MotionReadings, rig: Rig, motions: ImageMotions | None
 ) -> list[ClockComparison]:
     """Compare the clocks of all sensors.
 
@@ -187,11 +189,11 @@ def _compare_clocks(
     There may be none, as where neither images nor a pressure were logged, and IMU and DVL ran a
     minute apart.
     """
-    attitude, tray = heard.attitude, servo(logs.tray, int(logs.dvl.t_ns[0]))
+    attitude, tray = readings.attitude, servo(logs.tray, int(logs.dvl.t_ns[0]))
     made: list[ClockComparison | None] = []
     if motions is not None:
         made.append(compare_turns(motions, attitude, tray, rig))
-        made.append(compare_directions(motions, heard.velocities, rig))
+        made.append(compare_directions(motions, readings.velocities, rig))
     elif not _is_a_minute_off(logs):
         made.append(compare_hull_turns(logs.dvl, attitude, tray, rig))
         made.append(compare_accelerations(logs.dvl, logs.imu, attitude, tray, rig))
@@ -206,7 +208,7 @@ def _are_same(first: WrongClocks, second: WrongClocks) -> bool:
     return one.keys() == other.keys() and all(abs(one[s] - other[s]) < SAME_S for s in one)
 
 
-def _describe_unknown(alike: Sequence[WrongClocks]) -> str:
+def _describe_ambiguous(alike: Sequence[WrongClocks]) -> str:
     """Describe clocks that disagree where several hypotheses explain them equally well.
 
     alike: these hypotheses, each with at least one wrong clock.
@@ -275,8 +277,8 @@ def _measure_motions(
         inside = np.flatnonzero((t_ns >= span[0]) & (t_ns <= span[1]))
         for run in choose_runs(t_ns, inside, max(LEAST_RUNS, RUNS // len(spans))):
             for a, b in itertools.pairwise(run):
-                silent = (outages[:, 0] < t_ns[b]) & (outages[:, 1] > t_ns[a])
-                if t_ns[a] < begin or t_ns[b] > end or silent.any():
+                in_outage = (outages[:, 0] < t_ns[b]) & (outages[:, 1] > t_ns[a])
+                if t_ns[a] < begin or t_ns[b] > end or in_outage.any():
                     continue
                 motion = measure(int(row[a]), int(row[b]))
                 if motion is not None:
@@ -292,8 +294,9 @@ def _measure_motions(
 def choose_runs(t_ns: Ints, inside: Ints, runs: int) -> list[list[int]]:
     """Choose runs of frames, spread evenly over some rows, with STRIDE_S between frames of a run.
 
-    A run has at most RUN_FRAMES frames, and may have a single one. Fewer runs than asked for are
-    chosen where there are few rows, and none from fewer than two.
+    A few runs tell the offset of a whole segment at little cost. A run has at most RUN_FRAMES
+    frames, and may have a single one. Fewer runs than asked for are chosen where there are few
+    rows, and none from fewer than two.
 
     Parameters
     ----------
@@ -335,6 +338,7 @@ def _correct_logs(logs: NavigationLogs, offsets: Sequence[TimeOffset]) -> Naviga
     wrong = {offset.sensor for offset in offsets}
 
     def moved(record: Stream, sensor: ClockedSensor) -> Stream:
+        """Subtract the offsets of a sensor. Unchanged if its clock is right."""
         if record is None or sensor not in wrong:
             return record
         stamps: Ints = record.t_ns  # type: ignore[attr-defined]

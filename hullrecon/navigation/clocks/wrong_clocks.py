@@ -79,6 +79,7 @@ def find_wrong_clocks(evidence: Sequence[Evidence]) -> list[WrongClocks]:
             )
             found += [two for two in more if two is not None]
     found = [_with_right_imu(evidence, hypothesis, sensors) for hypothesis in found]
+    # the best last, so that it remains where two name the same sensors
     found.sort(key=lambda hypothesis: -hypothesis.total)
     # Keep those nearly as good as the best. If right clocks are among them, nothing is wrong.
     alike = {h.wrong: h for h in found if h.total < found[-1].total + ALIKE}

@@ -88,7 +88,7 @@ def dead_reckon(
     rig: Rig,
     sigmas: NavigationSigmas,
     walk: ImageWalk | None = None,
-    heard: Heard | None = None,
+    readings: MotionReadings | None = None,
 ) -> Navigated:
     """Reckon the path of a dive from DVL, IMU, pressure and tray.
 
@@ -103,7 +103,7 @@ def dead_reckon(
         Follows the upper camera's images where DVL or IMU are silent. Images there get nodes as
         long as each overlaps its neighbour. Without it, images before and after the DVL get no
         node, and all images in an outage do.
-    heard
+    readings
         Velocities and attitude of these logs, where they were computed already.
 
     Raises
@@ -112,9 +112,9 @@ def dead_reckon(
         Where there are fewer than two usable velocities, attitudes or nodes.
     """
     # The path, and the nodes on it at which it is recorded.
-    heard = hear(logs, sigmas.tilt_rad) if heard is None else heard
-    velocities, start_ns, span = _extend_velocities(logs, heard.velocities, walk)
-    history = heard.attitude
+    readings = usable_readings(logs, sigmas.tilt_rad) if readings is None else readings
+    velocities, start_ns, span = _extend_velocities(logs, readings.velocities, walk)
+    history = readings.attitude
     path = reckon(velocities, history, servo(logs.tray, int(velocities.t_ns[0])), rig, start_ns)
     nodes = _place_nodes(logs, path, span, walk)
     at = path.at(nodes.t_ns)
@@ -158,14 +158,14 @@ def dead_reckon(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Heard:
+class MotionReadings:
     """Usable velocities of the DVL and smoothed attitude of the IMU, before integration."""
 
     velocities: Velocities  # those while the IMU was read
     attitude: AttitudeHistory
 
 
-def hear(logs: NavigationLogs, tilt_rad: float) -> Heard:
+def usable_readings(logs: NavigationLogs, tilt_rad: float) -> MotionReadings:
     """Reject outliers of the DVL's velocities and smooth the IMU's attitude.
 
     Both are needed before there is a path, to compare the sensors' clocks. Velocities from before
@@ -175,7 +175,7 @@ def hear(logs: NavigationLogs, tilt_rad: float) -> Heard:
     """
     slack = int(LONGEST_GAP_S * 1e9)
     read = int(logs.imu.t_ns[0]) - slack, int(logs.imu.t_ns[-1]) + slack
-    return Heard(
+    return MotionReadings(
         velocities=usable_velocities(logs.dvl, read), attitude=attitude_history(logs.imu, tilt_rad)
     )
 
@@ -243,15 +243,15 @@ def _extend_velocities(
         raise StageError("the DVL gave no velocity to reckon with", where=where)
     # images within REACH_S of the first and last velocity get a pose anyway; beyond, only those
     # that overlap
-    heard = int(found.t_ns[0]), int(found.t_ns[-1])
-    reached = heard[0] - reach, heard[1] + reach
+    measured_ns = int(found.t_ns[0]), int(found.t_ns[-1])
+    reached = measured_ns[0] - reach, measured_ns[1] + reach
     span = reached if walk is None else walk.widened(reached)
     # velocities are taken in only at an end beyond which images go on
     if span != reached:
-        first = span[0] if span[0] < reached[0] else heard[0]
-        last = span[1] if span[1] > reached[1] else heard[1]
+        first = span[0] if span[0] < reached[0] else measured_ns[0]
+        last = span[1] if span[1] > reached[1] else measured_ns[1]
         found = usable_velocities(logs.dvl, (first, last))
-    return found, heard[0], span
+    return found, measured_ns[0], span
 
 
 def _place_nodes(
@@ -277,9 +277,9 @@ def _place_nodes(
     walk
         Finds the frames that overlap neither side of an outage. Without it each frame gets a node.
     """
-    heard, reach = path.velocities.t_ns, int(REACH_S * 1e9)
+    measured_ns, reach = path.velocities.t_ns, int(REACH_S * 1e9)
     pings = logs.dvl.t_ns[
-        (logs.dvl.t_ns >= heard[0] - reach) & (logs.dvl.t_ns <= heard[-1] + reach)
+        (logs.dvl.t_ns >= measured_ns[0] - reach) & (logs.dvl.t_ns <= measured_ns[-1] + reach)
     ]
     # frames in badly bridged outages that are joined to neither side, as spans
     outages = path.velocities.outages

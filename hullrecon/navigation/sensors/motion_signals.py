@@ -47,29 +47,29 @@ def hull_normals(dvl: DvlPings) -> tuple[Ints, Array]:
     return dvl.t_ns[enough], np.asarray(normal * away[:, None])
 
 
-def felt_in_global(imu: ImuSamples) -> tuple[Ints, Array]:
+def acceleration_in_global(imu: ImuSamples) -> tuple[Ints, Array]:
     """Turn accelerations, as an accelerometer feels them, into `global`: stamps (n,), m/s2 (n, 3).
 
     At rest it feels the force that holds it up, opposite to gravity. Empty without accelerations,
     or where gravity was taken off.
     """
-    felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
-    known = np.isfinite(felt).all(axis=1)
-    t_ns, felt = imu.t_ns[known], felt[known]
-    if not len(felt) or np.linalg.norm(np.median(felt, axis=0)) < LEAST_FELT_M_S2:
-        return t_ns[:0], felt[:0]
-    return t_ns, felt
+    acceleration = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
+    known = np.isfinite(acceleration).all(axis=1)
+    t_ns, acceleration = imu.t_ns[known], acceleration[known]
+    if not len(acceleration) or np.linalg.norm(np.median(acceleration, axis=0)) < LEAST_FELT_M_S2:
+        return t_ns[:0], acceleration[:0]
+    return t_ns, acceleration
 
 
-def velocity_felt(imu: ImuSamples, start_ns: int) -> Integral | None:
+def integrate_acceleration(imu: ImuSamples, start_ns: int) -> Integral | None:
     """Integrate an IMU's accelerations, less gravity, to its velocity in `global` up to a constant.
 
-    Times are seconds since start_ns. None where `felt_in_global` has fewer than two.
+    Times are seconds since start_ns. None where `acceleration_in_global` has fewer than two.
     """
-    t_ns, felt = felt_in_global(imu)
-    if len(felt) < 2:
+    t_ns, acceleration = acceleration_in_global(imu)
+    if len(acceleration) < 2:
         return None
-    return integral(seconds(t_ns, start_ns), felt + np.array([0.0, 0.0, GRAVITY_M_S2]))
+    return integral(seconds(t_ns, start_ns), acceleration + np.array([0.0, 0.0, GRAVITY_M_S2]))
 
 
 def is_still(values: Array, others: Array) -> bool:

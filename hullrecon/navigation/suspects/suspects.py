@@ -378,7 +378,7 @@ def _describe_unknown(
         Comparisons that accuse a sensor, and all comparisons.
     """
     worst = max(wrong, key=lambda c: c.chi2)
-    agree = [c.sensors for c in base if len(c.sensors) > 1 and c not in wrong and not c.vouches]
+    agree = [c.sensors for c in base if len(c.sensors) > 1 and c not in wrong and not c.is_coarse]
     if worst.kind == "turn":  # an orientation that stands still may agree with gravity and depth
         agree = []
     named = [s for s in Sensor if s in worst.sensors and not any(s in c for c in agree)]

@@ -94,6 +94,7 @@ def fast_rotation(attitude: AttitudeHistory) -> Callable[[Ints], Rotation]:
     duration = np.maximum(1, np.diff(t_ns))
 
     def rotation(at_ns: Ints) -> Rotation:
+        """Interpolate R_g_v (m). Before the first and after the last reading, it is theirs."""
         at = np.clip(at_ns, t_ns[0], t_ns[-1])
         row = np.clip(np.searchsorted(t_ns, at, side="right") - 1, 0, len(duration) - 1)
         share, turn = (at - t_ns[row]) / duration[row], angle[row]

@@ -28,7 +28,11 @@ from hullrecon.navigation.clocks.comparisons.comparison import (
 )
 from hullrecon.navigation.dead_reckoning.integral import integral
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
-from hullrecon.navigation.sensors.motion_signals import hull_normals, is_still, velocity_felt
+from hullrecon.navigation.sensors.motion_signals import (
+    hull_normals,
+    integrate_acceleration,
+    is_still,
+)
 from hullrecon.navigation.sensors.servo import Servo
 from hullrecon.navigation.sensors.smoothing import local_line
 from hullrecon.records.clock import NS, seconds
@@ -70,7 +74,7 @@ def compare_depth(
     """
     known, read = np.isfinite(dvl.velocity).all(axis=1), np.isfinite(pressure.depth)
     t_ns, read_ns = dvl.t_ns[known], pressure.t_ns[read]
-    triples = _rows_apart(t_ns, SUNK_S)
+    triples = _triples_apart(t_ns, SUNK_S)
     if not len(triples) or len(read_ns) < LEAST_ROWS:
         return None
     t_s, read_s = seconds(t_ns, int(t_ns[0])), seconds(read_ns, int(t_ns[0]))
@@ -116,7 +120,7 @@ def compare_hull_turns(
     pings that lie TURNED_S apart.
     """
     t_ns, normal = hull_normals(dvl)
-    triples = _rows_apart(t_ns, TURNED_S)
+    triples = _triples_apart(t_ns, TURNED_S)
     if not len(triples):
         return None
     used, of_used = np.unique(triples, return_inverse=True)
@@ -152,8 +156,8 @@ def compare_accelerations(
     """
     known = np.isfinite(dvl.velocity).all(axis=1)
     t_ns = dvl.t_ns[known]
-    triples = _rows_apart(t_ns, CHANGED_S)
-    integrated = velocity_felt(imu, int(t_ns[0])) if len(triples) else None
+    triples = _triples_apart(t_ns, CHANGED_S)
+    integrated = integrate_acceleration(imu, int(t_ns[0])) if len(triples) else None
     if integrated is None:
         return None
     t_s, felt_s = seconds(t_ns, int(t_ns[0])), integrated.t_s
@@ -231,10 +235,11 @@ def _vehicle_from_dvl(servo: Servo, rig: Rig, t_ns: Ints) -> Rotation:
     return tray_poses(rig.tray_origin, servo.angle_at(t_ns)).rotation * rig.tray_from_dvl.rotation
 
 
-def _rows_apart(t_ns: Ints, apart_s: float) -> Ints:
+def _triples_apart(t_ns: Ints, apart_s: float) -> Ints:
     """List the rows of three pings each that lie about apart_s from one to the next.
 
-    The second and third ping are the first ones at or after the wanted time.
+    Of a quantity at three such pings the second difference is formed, in which a constant bias and
+    a steady drift cancel. The second and third ping are the first ones at or after the wanted time.
     A triple is dropped where one of them comes later than that by more than LATE * apart_s, as
     after an outage.
 
@@ -251,7 +256,7 @@ def _rows_apart(t_ns: Ints, apart_s: float) -> Ints:
         Rows (m, 3) of `t_ns`, thinned evenly to about MOST_ROWS. (0, 3) where there are none.
     """
     rows = [np.arange(len(t_ns))]
-    near = np.ones(len(t_ns), bool)
+    near = np.ones(len(t_ns), bool)  # pings whose second and third are not late
     for times in (1, 2):
         wanted = t_ns + round(times * apart_s * NS)
         row = np.searchsorted(t_ns, wanted)

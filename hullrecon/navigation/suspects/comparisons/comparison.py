@@ -55,18 +55,18 @@ class Comparison:
     sensors: frozenset[Sensor]
     residual: Array  # (n,)
     sigma: Array  # (n,)
-    nuisance: Array  # (n, k) change of the residual by one sigma of each error that is no fault
+    by_nuisance: Array  # (n, k) change of the residual by one sigma of each error that is no fault
     first: Array  # (n,) the motion by the sensor that is compared
     second: Array  # (n,) the same motion by the others
     # True of a coarse comparison: agreement speaks for its sensors, but it accuses one of a wrong
     # sign only
-    vouches: bool = False
-    opposite: Array | None = None  # (n,) the residual if the first sensor had the other sign
+    is_coarse: bool = False
+    if_reversed: Array | None = None  # (n,) the residual if the first sensor had the other sign
 
     @property
     def accuses(self) -> bool:
         """Tell whether the residuals show that a sensor is wrong."""
-        return self.is_reversed or (self.is_contradiction and not self.vouches)
+        return self.is_reversed or (self.is_contradiction and not self.is_coarse)
 
     @property
     def is_contradiction(self) -> bool:
@@ -76,6 +76,7 @@ class Comparison:
         """
         remaining, nuisances = self._fit
         rows, chi2 = len(self.residual), _clipped_chi2(remaining)
+        # both significant, and more than somewhat too small sigmas would give
         beyond = chi2 - rows > GAIN and chi2 > MISFIT * rows
         return beyond or bool((nuisances**2).sum() > GAIN) or self.is_reversed
 
@@ -85,15 +86,16 @@ class Comparison:
 
         The size of the noise is taken as unknown: the ratio of the two sums of squares decides.
         """
-        if self.opposite is None:
+        if self.if_reversed is None:
             return False
-        as_is, other = self._squares(self.residual), self._squares(self.opposite)
-        rows = len(self.residual) - self.nuisance.shape[1]
+        as_is, other = self._squares(self.residual), self._squares(self.if_reversed)
+        rows = len(self.residual) - self.by_nuisance.shape[1]
+        # of a noise that is estimated, twice the log likelihood ratio of the two signs
         return bool(rows * np.log((as_is + 1e-9) / (other + 1e-9)) > GAIN)
 
     def _squares(self, residual: Array) -> float:
         """Sum the squares of residuals, in sigmas, after a fit of the nuisances."""
-        z, design = residual / self.sigma, self.nuisance / self.sigma[:, None]
+        z, design = residual / self.sigma, self.by_nuisance / self.sigma[:, None]
         prior = np.eye(design.shape[1])
         remaining = z - design @ np.linalg.solve(design.T @ design + prior, design.T @ z)
         return float(remaining @ remaining)
@@ -108,7 +110,7 @@ class Comparison:
         motion = np.maximum(np.abs(self.first), np.abs(self.second))
         remaining, nuisances = self._fit
         error = self.residual if (nuisances**2).sum() > GAIN else remaining * self.sigma
-        error = np.minimum(np.abs(error), motion)
+        error = np.minimum(np.abs(error), motion)  # so that a single jolt does not decide
         return _rms(error) / max(_rms(motion), 1e-12)
 
     @property
@@ -130,14 +132,16 @@ class Comparison:
 
     @cached_property
     def _fit(self) -> tuple[Array, Array]:
-        """Fit the nuisances by reweighted least squares, with their priors.
+        """Fit the nuisances by reweighted least squares.
+
+        Their priors have a sigma of one, as each column of the design is of one sigma.
 
         Returns
         -------
         tuple
             Remaining residuals (n,) and nuisances (k,), both in sigmas.
         """
-        z, design = self.residual / self.sigma, self.nuisance / self.sigma[:, None]
+        z, design = self.residual / self.sigma, self.by_nuisance / self.sigma[:, None]
         remaining: Array = z
         nuisances: Array = np.zeros(design.shape[1])
         weight: Array = np.ones(len(z))
@@ -168,7 +172,7 @@ def cut_windows(t_ns: Ints, lasts_s: float, inside: Array | None = None) -> Ints
     lasts_s
         Length of a window.
     inside
-        Rows (n,) at which a window may begin or end.
+        Mask (n,) of the rows at which a window may begin or end. None: at all.
 
     Returns
     -------
@@ -180,6 +184,7 @@ def cut_windows(t_ns: Ints, lasts_s: float, inside: Array | None = None) -> Ints
     usable = np.ones(len(t_ns), bool) if inside is None else inside
     begin = np.arange(t_ns[0], t_ns[-1] - round(lasts_s * NS), round(lasts_s * NS))
     rows = np.searchsorted(t_ns, np.stack([begin, begin + round(lasts_s * NS)], axis=1))
+    # how many gaps lie before each row: a window without one has the same number at both ends
     gaps = np.cumsum(np.concatenate([[0], np.diff(t_ns) > LONGEST_GAP_S * NS]))
     whole = (gaps[rows[:, 0]] == gaps[rows[:, 1]]) & (rows[:, 1] > rows[:, 0])
     rows = rows[whole & usable[rows].all(axis=1)]

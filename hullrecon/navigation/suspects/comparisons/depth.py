@@ -45,7 +45,7 @@ def compare_level(pressure: PressureSamples) -> Comparison:
         sensors=frozenset({Sensor.PRESSURE}),
         residual=above,
         sigma=np.full(len(LEVELS), SURFACE_SIGMA_M),
-        nuisance=np.zeros((len(LEVELS), 0)),
+        by_nuisance=np.zeros((len(LEVELS), 0)),
         first=above,
         second=np.zeros(len(LEVELS)),
     )
@@ -96,7 +96,7 @@ def compare_depth(smoothed: SmoothedDepth, track: Track) -> Comparison:
         sensors=frozenset({Sensor.PRESSURE, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}),
         residual=sunk - way[:, 2] + change_over(track.lever[:, 2], windows),
         sigma=np.sqrt(2 * smoothed.sigma**2 + DEPTH_SIGMA_M**2 + (ROUGH_SHARE * late) ** 2),
-        nuisance=np.column_stack(
+        by_nuisance=np.column_stack(
             [change_over(track.sunk_by_tilt, windows), SCALE * way[:, 2], late]
         ),
         first=sunk,

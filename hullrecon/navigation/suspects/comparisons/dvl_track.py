@@ -66,19 +66,19 @@ def track_of(records: SensorRecords, rig: Rig) -> Track | None:
     if len(rows) < LEAST_WINDOWS:
         return None
     t_ns = dvl.t_ns[rows]
-    held = Poses(imu.quaternion, np.zeros((len(imu.t_ns), 3)))
-    global_from_vehicle = interpolate(imu.t_ns, held, t_ns).rotation
+    turned = Poses(imu.quaternion, np.zeros((len(imu.t_ns), 3)))  # without a position
+    global_from_vehicle = interpolate(imu.t_ns, turned, t_ns).rotation
     tray = tray_poses(rig.tray_origin, servo(records.tray, int(t_ns[0])).angle_at(t_ns))
     global_from_dvl = global_from_vehicle * tray.rotation * rig.tray_from_dvl.rotation
     velocity = global_from_dvl.apply(dvl.velocity[rows])
-    at = tray.apply(np.tile(rig.tray_from_dvl.translation, (len(t_ns), 1)))
+    dvl_origin = tray.apply(np.tile(rig.tray_from_dvl.translation, (len(t_ns), 1)))
     return Track(
         rows=rows,
         t_ns=t_ns,
         global_from_dvl=global_from_dvl,
         global_from_vehicle=global_from_vehicle,
         way=integral(seconds(t_ns, int(t_ns[0])), velocity),
-        lever=np.asarray(global_from_vehicle.apply(at - rig.pressure_origin)),
+        lever=np.asarray(global_from_vehicle.apply(dvl_origin - rig.pressure_origin)),
     )
 
 

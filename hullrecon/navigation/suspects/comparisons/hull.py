@@ -99,21 +99,21 @@ def compare_ranges(ping_ns: Ints, hull: HullPlanes, track: Track) -> list[Compar
             sensors=frozenset({Sensor.DVL}),
             residual=nearer,
             sigma=np.full(len(nearer), RELIEF_M),
-            nuisance=TILT_RAD * way,
+            by_nuisance=TILT_RAD * way,  # the normal may be off by TILT_RAD along each axis
             first=(middle * way).sum(axis=1),
             second=-change_over(distance, windows),
-            vouches=True,
-            opposite=nearer + (middle * (change_over(mirrored, windows) - way)).sum(axis=1),
+            is_coarse=True,
+            if_reversed=nearer + (middle * (change_over(mirrored, windows) - way)).sum(axis=1),
         ),
         Comparison(
             kind="hull",
             sensors=frozenset({Sensor.ATTITUDE, Sensor.DVL}),
             residual=turned,
             sigma=np.full(len(turned), RELIEF_RAD),
-            nuisance=ALONG_1_M * along[:, None],
+            by_nuisance=ALONG_1_M * along[:, None],  # a curved hull turns its normal on the way
             first=turned,
             second=change_over(normal, windows)[:, 1],
-            vouches=True,
-            opposite=turned - 2 * change_over(normal, windows)[:, 1],
+            is_coarse=True,
+            if_reversed=turned - 2 * change_over(normal, windows)[:, 1],
         ),
     ]

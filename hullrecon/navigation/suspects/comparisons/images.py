@@ -156,7 +156,7 @@ def compare_flow(views: Views) -> Comparison | None:
         sensors=SEEN,
         residual=(by_images - by_dvl).ravel(),
         sigma=np.hypot(FLOW_SHARE * size, FLOW_RAD).ravel(),
-        nuisance=FLOW_SCALE * by_dvl.reshape(-1, 1),
+        by_nuisance=FLOW_SCALE * by_dvl.reshape(-1, 1),
         first=by_images.ravel(),
         second=by_dvl.ravel(),
     )
@@ -175,6 +175,7 @@ def compare_view(views: Views) -> Comparison | None:
     moved, flows = views.second_from_first[rows], [views.flows[k] for k in rows.tolist()]
     turn, sigma = fit_turns(moved, [flow.first for flow in flows], [flow.second for flow in flows])
     backlash, lag = TILT_RAD * views.tray_axis, views.late[rows]
+    # what the displacement across the view looks like, as a turn of the camera
     shift = cross(np.array([0.0, 0.0, 1.0]), moved.translation) / views.depth[rows, None]
     predicted = moved.rotation.as_rotvec() + shift
     return Comparison(
@@ -182,7 +183,7 @@ def compare_view(views: Views) -> Comparison | None:
         sensors=SEEN - {Sensor.DVL},  # only the direction of its motion has an influence
         residual=turn.ravel(),
         sigma=np.sqrt(sigma**2 + VIEW_RAD**2 + backlash**2 + lag**2).ravel(),
-        nuisance=np.zeros((turn.size, 0)),
+        by_nuisance=np.zeros((turn.size, 0)),
         first=(predicted + turn).ravel(),
         second=predicted.ravel(),
     )

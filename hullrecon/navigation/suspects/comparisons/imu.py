@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.dive.logs.streams.imu import GRAVITY_M_S2
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral
-from hullrecon.navigation.sensors.motion_signals import felt_in_global, is_still
+from hullrecon.navigation.sensors.motion_signals import acceleration_in_global, is_still
 from hullrecon.navigation.sensors.smoothing import local_line
 from hullrecon.navigation.suspects.comparisons.comparison import (
     LATE_S,
@@ -61,6 +61,7 @@ def compare_rates(imu: ImuSamples) -> Comparison | None:
         rates[1:] + rates[:-1]
     ) * np.diff(t_s)[:, None]
     white = min(robust_sigma(step.ravel()), robust_sigma(np.diff(turn, axis=0).ravel()))
+    # by a time offset of LATE_S, where the rate changes within a window
     lag = np.abs(rates[windows[:, 1]] - rates[windows[:, 0]]) * LATE_S
     sigma = np.sqrt(white**2 + TURN_SIGMA_RAD**2 + (RATE_SHARE * turn) ** 2 + lag**2)
     lasts = (t_s[windows[:, 1]] - t_s[windows[:, 0]])[:, None, None]
@@ -69,7 +70,7 @@ def compare_rates(imu: ImuSamples) -> Comparison | None:
         sensors=frozenset({Sensor.RATES, Sensor.ATTITUDE}),
         residual=(turn - by_rates).ravel(),
         sigma=sigma.ravel(),
-        nuisance=(RATE_BIAS_RAD_S * lasts * np.eye(3)).reshape(-1, 3),
+        by_nuisance=(RATE_BIAS_RAD_S * lasts * np.eye(3)).reshape(-1, 3),
         first=by_rates.ravel(),
         second=turn.ravel(),
     )
@@ -80,35 +81,38 @@ def compare_gravity(imu: ImuSamples) -> Comparison | None:
 
     None without accelerations, or where gravity was taken off.
     """
-    _, felt = felt_in_global(imu)
-    if not len(felt):
+    _, acceleration = acceleration_in_global(imu)
+    if not len(acceleration):
         return None
-    median, at_rest = np.median(felt, axis=0), np.array([0.0, 0.0, -GRAVITY_M_S2])
+    median, at_rest = np.median(acceleration, axis=0), np.array([0.0, 0.0, -GRAVITY_M_S2])
     return Comparison(
         kind="gravity",
         sensors=frozenset({Sensor.ACCELERATION, Sensor.ATTITUDE}),
         residual=median - at_rest,
         sigma=np.full(3, GRAVITY_SIGMA),
-        nuisance=np.zeros((3, 0)),
+        by_nuisance=np.zeros((3, 0)),
         first=median,
         second=at_rest,
     )
 
 
-def compare_acceleration(felt: Integral, track: Track) -> Comparison | None:
+def compare_acceleration(acceleration: Integral, track: Track) -> Comparison | None:
     """Compare the change of the DVL's velocity with the integral of the IMU's accelerations.
 
     Nuisances are the bias of the accelerometer and a time offset. None where too few windows have
     both, or where there is hardly anything but gravity.
 
-    felt: integral of the accelerations in `global`, less gravity, at seconds since the start of the
-    track.
+    acceleration: of the IMU in `global`, less gravity, with its integral, at seconds since the
+    start of the track.
     """
     t_s = track.way.t_s
-    windows = cut_windows(track.t_ns, CHANGED_S, (t_s >= felt.t_s[0]) & (t_s <= felt.t_s[-1]))
+    windows = cut_windows(
+        track.t_ns, CHANGED_S, (t_s >= acceleration.t_s[0]) & (t_s <= acceleration.t_s[-1])
+    )
     if len(windows) < LEAST_WINDOWS:
         return None
-    integrated = felt.at(t_s)
+    integrated = acceleration.at(t_s)
+    # velocity of the DVL relative to the pressure sensor, as the vehicle turns
     swept = local_line(t_s, track.lever, t_s, SMOOTH_S)[1]
     by_dvl, by_imu = (
         change_over(local_line(t_s, speed, t_s, SMOOTH_S)[0], windows)
@@ -118,6 +122,7 @@ def compare_acceleration(felt: Integral, track: Track) -> Comparison | None:
         return None  # gravity alone, as of a filter that gives the vertical of its attitude
     slope = local_line(t_s, integrated, t_s, SMOOTH_S)[1]
     late = LATE_S * change_over(slope, windows)
+    # an IMU that does not sit at the vehicle's origin moves as the vehicle turns
     turn = track.global_from_vehicle[windows[:, 0]].inv()
     spun = IMU_LEVER_M * (turn * track.global_from_vehicle[windows[:, 1]]).magnitude()
     lasts = np.asarray(change_over(t_s, windows))[:, None, None]
@@ -128,7 +133,7 @@ def compare_acceleration(felt: Integral, track: Track) -> Comparison | None:
         sensors=frozenset({Sensor.ACCELERATION, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}),
         residual=(by_dvl - by_imu).ravel(),
         sigma=np.hypot(sigma, CHANGED_SHARE * by_imu).ravel(),
-        nuisance=np.concatenate([biased.reshape(-1, 3), late.reshape(-1, 1)], axis=1),
+        by_nuisance=np.concatenate([biased.reshape(-1, 3), late.reshape(-1, 1)], axis=1),
         first=by_dvl.ravel(),
         second=by_imu.ravel(),
     )

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from hullrecon.navigation.dead_reckoning.integral import Integral
-from hullrecon.navigation.sensors.motion_signals import velocity_felt
+from hullrecon.navigation.sensors.motion_signals import integrate_acceleration
 from hullrecon.navigation.suspects.comparisons.comparison import Comparison, Sensor
 from hullrecon.navigation.suspects.comparisons.depth import (
     SmoothedDepth,
@@ -110,7 +110,7 @@ class Motions:
         return before.with_velocity(dvl.velocity[before.rows])
 
     @cached_property
-    def felt(self) -> Integral | None:
+    def integrated_acceleration(self) -> Integral | None:
         """Integrate the accelerations, less gravity, at seconds since the start of the track.
 
         None without a track, without accelerations, or where gravity was taken off.
@@ -121,8 +121,8 @@ class Motions:
         if self._before is not None and self._has_same(_acceleration_readings):
             before = self._before.track
             if before is not None and before.t_ns[0] == track.t_ns[0]:
-                return self._before.felt
-        return velocity_felt(imu, int(track.t_ns[0]))
+                return self._before.integrated_acceleration
+        return integrate_acceleration(imu, int(track.t_ns[0]))
 
     @cached_property
     def depth(self) -> SmoothedDepth | None:
@@ -161,7 +161,7 @@ class Motions:
     def _has_same(self, readings: Callable[[SensorRecords], Sequence[object]]) -> bool:
         """Tell whether the records hold the same arrays as those before.
 
-        Identity is tested, not equality, as that takes no time. readings: lists the arrays that
+        Identity is tested, which takes no time, and not equality. readings: lists the arrays that
         count, as `_turn_readings` does.
         """
         if self._before is None:
@@ -202,7 +202,10 @@ def _attitude_readings(records: SensorRecords) -> Sequence[object]:
 
 
 def compare(motions: Motions, kinds: Set[str] = DEPENDS_ON.keys()) -> list[Comparison]:
-    """Make the comparisons of some kinds for which the dive has enough readings and motion."""
+    """Make the comparisons for which the dive has enough readings and motion.
+
+    kinds: those to make, of DEPENDS_ON.
+    """
     found: list[Comparison | None] = []
     imu, dvl, pressure = motions.records.imu, motions.records.dvl, motions.records.pressure
     if pressure is not None and "level" in kinds:
@@ -216,8 +219,8 @@ def compare(motions: Motions, kinds: Set[str] = DEPENDS_ON.keys()) -> list[Compa
         return [one for one in found if one is not None]
     if "depth" in kinds and motions.depth is not None:
         found.append(compare_depth(motions.depth, track))
-    if "push" in kinds and motions.felt is not None:
-        found.append(compare_acceleration(motions.felt, track))
+    if "push" in kinds and motions.integrated_acceleration is not None:
+        found.append(compare_acceleration(motions.integrated_acceleration, track))
     if "flow" in kinds and motions.views is not None:
         found.append(compare_flow(motions.views))
     if "view" in kinds and motions.views is not None:
