@@ -154,6 +154,7 @@ def estimate_hull_as_found(
     cell = np.where(_near_structures(mesh, raised), FINE_CELL_M, COARSE_CELL_M)
     seen = find_visibility_by_cell(views, moved, vertex_normals(shape), Scene(shape), cell)
     sagitta, turn = _facets_at(base, mesh, np.abs(raised) >= MIN_OFFSET_M)
+    # a hull without landmarks near by is taken to rise by less than a structure
     sigma = np.where(known, heights.sigma, MIN_OFFSET_M)
     return HullAsFound(
         mesh=shape,
