@@ -82,7 +82,10 @@ def _convert_numpy(value: object) -> object:
 
 
 def _not_finite(value: Json, path: str) -> str | None:
-    """Find the path of the first number that is not finite, such as `objects[2].height`."""
+    """Find the path of the first number that is not finite, such as `objects[2].height`.
+
+    None where all are finite. path: of `value` in the document.
+    """
     if isinstance(value, float):
         return None if math.isfinite(value) else path
     members: list[tuple[str, Json]] = []

@@ -114,8 +114,8 @@ class Workspace:
     def other_package(self, package: Path, files: Iterable[str]) -> Path | None:
         """Find the package that the last run read, if it is another one that still exists.
 
-        If the old folder is gone, the package has moved and is the same. `files`: relative paths
-        that a folder must have to be a package.
+        Else None: where the old folder is gone, the package has moved and is the same. `files`:
+        relative paths that a folder must have to be a package.
         """
         last = self.package
         with storage_errors(self.root):

@@ -137,7 +137,8 @@ def _with_attributes_of(part: ScenePart, which: Ints, vertices: Array, faces: In
 def _decimate(part: ScenePart | None, most: int) -> ScenePart | None:
     """Thin a mesh to about `most` triangles.
 
-    Form, normals and chart points are those of the nearest old vertices.
+    Form, normals and chart points are those of the nearest old vertices. None, and a mesh that has
+    no more triangles, are returned as they are.
     """
     if part is None or len(part.faces) <= most:
         return part

@@ -141,7 +141,7 @@ def joints(spec: DiveSpec, motion: Motion) -> Series:
 
 
 def _ranges(random: np.random.Generator, hull_from_dvl: Poses, hull: BuiltHull) -> Array:
-    """Simulate ranges (n, b) to the hull, with noise, outliers and missing ones (NaN)."""
+    """Simulate ranges (n, b) m from n poses to the hull, with noise, outliers and NaN for lost."""
     n, b = len(hull_from_dvl), len(BEAMS)
     direction = np.stack(
         [hull_from_dvl.rotation.apply(np.tile(beam, (n, 1))) for beam in BEAMS], axis=1

@@ -33,7 +33,7 @@ class Item:
 
 
 def height_of(item: Item, along_m: Array, girth_m: Array) -> Array:
-    """Compute the height (n,) of an item at chart points; zero away from it, and for paint."""
+    """Compute the height (n,), m, of an item at chart points (n,); zero off it, and for paint."""
     u, v = local(item, along_m, girth_m)
     radius = np.hypot(u, v)
     if item.kind in ("cylinder", "recess"):

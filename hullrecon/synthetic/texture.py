@@ -66,7 +66,7 @@ def _octaves(
     gains: list[float],
     texel_m: float,
 ) -> Floats32:
-    """Sum noise of several cell sizes, each times its gain, without those finer than two texels."""
+    """Sum noise of several cell sizes, m, each times its gain, but for those below two texels."""
     total = np.zeros(shape, np.float32)
     for cell, gain in zip(cells_m, gains, strict=True):
         if cell / texel_m >= 2.0:

@@ -421,8 +421,8 @@ def _nodes_with_depth(
 ) -> list[MatchNode]:
     """List the nodes with the depth of the scene by the DVL, without stereo matches yet.
 
-    The depth is along the axis of the leading camera, which is that of `track`. None without a DVL,
-    or where none of its returns is near.
+    The depth is along the axis of the leading camera, which is that of `track`. A node's is None
+    without a DVL, or where none of its returns is near.
     """
     depths = [None] * len(track) if dive.returns is None else depth_priors(
         track, dive.trajectory, dive.returns, worker.rig

@@ -72,7 +72,7 @@ class StereoOdometer:
     match_options: MatchOptions
 
     def frame(self, number: int, top: Pixels | None, bottom: Pixels | None) -> OdometryFrame:
-        """Find the features of two images (h, w, 3) RGB. None for a missing image."""
+        """Find the features of two images (h, w, 3) RGB. top, bottom: None for a missing image."""
         sides = [
             no_features() if image is None else extract(image, self.feature_options)
             for image in (top, bottom)
@@ -168,7 +168,7 @@ def image_motion(
     match, _ = _match_top_images(rig, read, max_features, min_inliers)
 
     def between(first: int, second: int) -> tuple[Array, Array] | None:
-        """Measure the motion from one image row to another, as `image_motion` says."""
+        """Measure the motion from one image row to another. None where they do not match."""
         found = match(first, second).motion
         if found is None:
             return None

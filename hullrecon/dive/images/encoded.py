@@ -199,7 +199,7 @@ def _png_size(encoded: bytes) -> Size | None:
 
 
 def _webp_size(encoded: bytes) -> Size | None:
-    """Read the size of a WebP, whose canvas Pillow would allocate."""
+    """Read the size of a WebP, whose canvas Pillow would allocate. None where it is cut off."""
     kind = encoded[12:16]
     if kind == b"VP8L" and len(encoded) >= 25:
         bits = int.from_bytes(encoded[21:25], "little")

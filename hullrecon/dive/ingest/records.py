@@ -125,7 +125,7 @@ def _build_dvl(source: Source) -> DvlPings | None:
 
 
 def _build_imu(source: Source) -> ImuSamples | None:
-    """Stack the attitudes, and note whether they are by the DVL's own sensors."""
+    """Stack the attitudes, None without any, and note whether they are by the DVL's own sensors."""
     samples, request = source.samples("imu", ImuSample), source.request
     if not samples:
         return None
@@ -170,7 +170,10 @@ def _build_sonar(source: Source) -> SonarPings | None:
 
 
 def _build_position(source: Source) -> PositionFixes | None:
-    """Stack the position fixes (USBL, GNSS). The depth tells when an antenna was under water."""
+    """Stack the position fixes (USBL, GNSS), None without any.
+
+    The depth tells when an antenna was under water.
+    """
     request, samples = source.request, source.samples("position", PositionSample)
     acoustic = is_acoustic(request.position_source, request.topics.get("position", ""))
     samples = [replace(s, by_satellite=s.by_satellite and not acoustic) for s in samples]

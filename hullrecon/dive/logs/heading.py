@@ -80,7 +80,7 @@ def heading_by_rates(t_ns: Ints, rotation: Rotation, rates: Array) -> RateHeadin
 
 
 def _estimate_drift(t_s: Array, difference: Array) -> tuple[float, float]:
-    """Estimate the slope of a difference (n,) of headings, rad/s, and its sigma.
+    """Estimate the slope, rad/s, of a difference (n,) rad of headings at t_s (n,), and its sigma.
 
     A line is fitted and combined with the prior that the slope is zero. The residuals of the line
     are correlated, as the compass swings slowly with the ship's steel: they count as one

@@ -165,8 +165,8 @@ def open_places(
 def _edges_of_parts(track: CameraTrack, keyframes: Ints, depth_m: Array, size_m: float) -> Ints:
     """Cut the path where a step between keyframes is uncertain by a footprint, as at an outage.
 
-    size_m: side of a footprint. Returns the first keyframe of each part, and the number of
-    keyframes.
+    depth_m: (n,) of the scene by node. size_m: side of a footprint. Returns the first keyframe of
+    each part, and the number of keyframes.
     """
     _, covariance = scene_offsets(track, keyframes[:-1], keyframes[1:], depth_m)
     return np.concatenate(

@@ -142,7 +142,7 @@ def best_of_pairs(
 def best_of_all(a: Floats32, b: Floats32, ratio: float, most: float) -> Putative:
     """Select mutual best matches of all a (n, 128) with all b (m, 128), as `best_of_pairs`.
 
-    None where either set has less than two, as there is no next best to compare with.
+    Nothing matches where either set has fewer than two: there is no next best to compare with.
     """
     if len(a) < 2 or len(b) < 2:
         return _no_matches()

@@ -180,7 +180,8 @@ class _OnInliers:
 def _fit_on_inliers(start: Array, first: Array, second: Array, prior: Motion | None) -> _OnInliers:
     """Fit a motion to the matches that agree with the most likely motion, as `refine_on_inliers`.
 
-    The covariance, which takes as long again, is computed only when it is asked for.
+    The covariance, which takes as long again, is computed only when it is asked for. Parameters are
+    those of `refine_on_inliers`.
     """
     motion = mono_motion.fit(start, first, second)
     alone = _OnInliers(motion=motion, first=first, second=second, good=None, limit=np.inf)
@@ -227,7 +228,7 @@ def most_likely_motion(
     It does not start from navigation's motion: from there the steps may lead to either of the two
     motions of a plane. Matches are weighted by Tukey's biweight with a sigma that falls from step
     to step, so that the costs of two steps cannot be compared. That is why geometry.pose_solver,
-    which compares them, is not used.
+    which compares them, is not used. first, second: ideal coordinates.
 
     Returns
     -------

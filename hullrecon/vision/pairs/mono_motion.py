@@ -43,7 +43,7 @@ def fit(motion: Array, first: Array, second: Array) -> Array:
 
     It starts from `motion` and iterates by Levenberg-Marquardt. To first order the Sampson distance
     is the residual that a bundle adjustment of two views has once the point of the match is
-    eliminated.
+    eliminated. first, second: the matches in either image, ideal coordinates.
     """
     residual, jacobian = linearise(motion, first, second)
     # Not geometry.pose_solver: five unknowns, and a variance that each step finds anew.
@@ -69,7 +69,8 @@ def covariance_of(motion: Array, first: Array, second: Array) -> Array:
     The information is that of a bundle adjustment of two views, reduced for three reasons:
     residuals larger than expected, correlated errors of neighbouring features, and noise in the
     matches, which by itself looks like information on the direction (`noise_share`). Without
-    parallax there is no information on the direction at all.
+    parallax there is no information on the direction at all. first, second: the matches in either
+    image, ideal coordinates.
     """
     residual, jacobian = linearise(motion, first, second)
     variance = _variance(residual)
@@ -163,7 +164,7 @@ def noise_share(motion: Array, first: Array, second: Array) -> Array:
     (R x1) x x2. Noise of sigma in both images gives it the covariance
     sigma^2 ([x2]x R P R' [x2]x' + [R x1]x P [R x1]x'), P = diag(1, 1, 0). The Sampson distance has
     the variance sigma^2, which cancels in the information. A vehicle at rest shows this information
-    and no more.
+    and no more. first, second: ideal coordinates.
     """
     a, b = (np.hstack([xy, np.ones((len(xy), 1))]) for xy in (first, second))
     turned, basis = a @ motion[:3, :3].T, tangent_basis(motion[:3, 3])
@@ -223,6 +224,7 @@ def linearise(motion: Array, first: Array, second: Array) -> tuple[Array, Array]
 
     These are the residuals of a motion without a length. The derivatives are by rotation (3) and
     direction (2), with the denominator of the distance held constant. motion: (4, 4) with |t| = 1.
+    first, second: the matches in either image, ideal coordinates.
     """
     essential, rotation = essential_of(motion), motion[:3, :3]
     a0, a1 = np.ascontiguousarray(first.T)  # by column: several times faster than rows of three

@@ -93,7 +93,8 @@ def propose_neighbours(
 ) -> Proposal:
     """Propose each keyframe with the `sequential` following ones, to hold the path together.
 
-    They are proposed even where the track predicts no overlap.
+    They are proposed even where the track predicts no overlap. keyframes: nodes, ascending.
+    depth_m: (n,) of the scene by node, NaN where unknown.
     """
     first, second = _sequential(keyframes, options.sequential)
     order = np.lexsort((second, first))

@@ -159,7 +159,8 @@ def motions_of(found: TwoView, first: Array, second: Array) -> list[PossibleMoti
     """List the motions that a model may stand for, with the inliers in front of both cameras.
 
     An essential matrix stands for one, a homography for up to two, of which none may be left. One
-    that is a pure rotation gives a motion with translation 0.
+    that is a pure rotation gives a motion with translation 0. first, second: the matches (n, 2) to
+    which the model was fitted.
     """
     import cv2
 

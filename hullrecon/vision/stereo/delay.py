@@ -129,7 +129,8 @@ def _bottom_moved(rig: Rig, pair: MatchedRays, delay_s: float) -> Poses:
     """Compute the bottom camera's motion from the top camera's exposure to its own.
 
     Returns the pose of the bottom camera when it was exposed, in the axes of the bottom camera when
-    the top one was exposed, a batch of one.
+    the top one was exposed, a batch of one. delay_s: to be added to the
+    bottom image's stamp.
     """
     # The twist is of the tray, in its own axes. The mount takes it to the camera's.
     mount = rig.tray_from(Camera.BOTTOM)
@@ -163,7 +164,8 @@ def _residuals(rig: Rig, pair: MatchedRays, unknowns: Array) -> Array:
 def _cost(rig: Rig, pairs: Sequence[MatchedRays], unknowns: Array) -> float:
     """Sum the mean distances of the pairs' matches from their epipolar lines.
 
-    Each distance is capped at 3 px: beyond, it is that of a wrong match.
+    Each distance is capped at 3 px: beyond, it is that of a wrong match. unknowns: (6,) as of
+    `_residuals`.
     """
     cap = 3 / rig.focal_px(Camera.TOP)
     return float(

@@ -123,7 +123,8 @@ def _move(
 ) -> Features:
     """Move a camera's features by the tray's motion between their row's exposure and the node.
 
-    A feature without a depth, or that would leave the camera's view, is left unchanged.
+    A feature without a depth, or that would leave the camera's view, is left unchanged. depth_m:
+    (n,) of each feature in that camera, NaN where unknown.
     """
     if not len(features):
         return features

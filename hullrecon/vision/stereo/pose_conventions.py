@@ -71,7 +71,10 @@ def fitting_conventions(
 
 
 def _conventions(given: Poses) -> Iterator[PoseConvention]:
-    """Yield the conventions that the pose may follow: inverse, other signs, orders, units."""
+    """Yield the conventions that the pose may follow: inverse, other signs, orders, units.
+
+    given: top_from_bottom as written, a batch of one.
+    """
     rotation, shift = given.rotation, given.translation
     yield PoseConvention(
         words="with the two cameras swapped",
