@@ -194,6 +194,7 @@ def run_fleet(
     out = Path(os.path.realpath(runs))
     _packages(Path(os.path.realpath(dives)), out)  # raises for a wrong folder before any writing
     with _lock(out):
+        # Plan, and note the dives that need no run.
         fleet = _Fleet(dives, runs, retry=retry, terms=terms, on_failure=on_failure)
         to_do = {dive.package: dive for dive in fleet.planned if dive.to_do}
         if scheduler is not None and to_do:
@@ -202,6 +203,8 @@ def run_fleet(
             if not dive.to_do:
                 fleet.note(dive, fleet.done[dive.package])
         log.info("%d of %d dives to run", len(to_do), len(fleet.planned))
+
+        # Run the others, each in a process. The page shows how far they are.
         cores = max(1, usable_cores() // jobs)
         commands = {p: _command(dive, out, scheduler, terms, cores) for p, dive in to_do.items()}
         index, running = FleetIndex(out), set[Path]()

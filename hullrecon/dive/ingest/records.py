@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import TypeVar
 
 import numpy as np
@@ -52,6 +51,22 @@ from hullrecon.records.sensors import (
 LEAST_SINKING_S = 20.0  # span of velocities by which the unit of depths can be judged
 Kind = TypeVar("Kind", bound=Sample)
 DEPTHS: tuple[type[PressureSample | DepthSample], ...] = (PressureSample, DepthSample)
+
+
+def build_records(source: Source, problems: Problems) -> SensorRecords:
+    """Build the records of all sensors but the cameras.
+
+    A record is None without its sensor, and where what is wrong with it was collected as a problem.
+    """
+    for name, build in BUILDERS.items():
+        with problems.collect():
+            source.built[name] = build(source)
+    with problems.collect():
+        check_joints(source.request.joints, source.found, source.notes)
+    for record in JOINT_KEYS:
+        with problems.collect():
+            source.built[record] = _build_joint(record, source)
+    return SensorRecords(**source.built)  # type: ignore[arg-type]
 
 
 @dataclass
@@ -212,19 +227,4 @@ BUILDERS: dict[str, Callable[[Source], SensorRecord | None]] = {
     "pressure": _build_pressure,
     "sonar": _build_sonar,
     "position": _build_position,  # after pressure, which tells when an antenna was under water
-    **{record: partial(_build_joint, record) for record in JOINT_KEYS},
 }
-
-
-def build_records(source: Source, problems: Problems) -> SensorRecords:
-    """Build the records of all sensors but the cameras, in the order of BUILDERS.
-
-    A record is None without its sensor, and where what is wrong with it was collected as a problem.
-    """
-    for name, build in BUILDERS.items():
-        if name == next(iter(JOINT_KEYS)):  # once, in front of the joints
-            with problems.collect():
-                check_joints(source.request.joints, source.found, source.notes)
-        with problems.collect():
-            source.built[name] = build(source)
-    return SensorRecords(**source.built)  # type: ignore[arg-type]
