@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 from hullrecon.api.fleet import FleetResult, fleet, preview_fleet, processes, run_fleet
-from hullrecon.api.fleet.fleet import FOLDER
+from hullrecon.api.fleet.records import FOLDER
 from hullrecon.artifacts.workspace import hold_lock
 from hullrecon.errors import InputError, LockedError, UsageError
 

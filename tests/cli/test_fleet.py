@@ -14,7 +14,7 @@ import pytest
 from end_to_end.json_schema import violations
 
 from hullrecon.api.fleet import processes
-from hullrecon.api.fleet.fleet import FOLDER
+from hullrecon.api.fleet.records import FOLDER
 from hullrecon.artifacts.workspace import hold_lock
 
 ROOT = Path(__file__).parents[2]

@@ -8,112 +8,33 @@ import logging
 import math
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import msgspec
-
 from hullrecon.api.fleet.index_page import FleetIndex
 from hullrecon.api.fleet.outcome import FleetDive, FleetResult, State
 from hullrecon.api.fleet.packages import (
-    FILE,
     MADE_BY_RUNS,
     Listing,
     Skipped,
     as_utf8,
-    find_packages,
+    dive_names,
     list_folder,
     program_signature,
-    read_name,
+    require_packages,
 )
 from hullrecon.api.fleet.processes import Ended, run_each
-from hullrecon.artifacts.disk import make_folder, write_file
-from hullrecon.artifacts.documents import DamagedArtifactError, seal, unseal
+from hullrecon.api.fleet.records import FOLDER, DiveRecord, FleetRecords, Terms
+from hullrecon.artifacts.disk import make_folder
 from hullrecon.artifacts.executor import choose_executor
 from hullrecon.artifacts.machine import usable_cores
 from hullrecon.artifacts.progress import Progress
 from hullrecon.artifacts.workspace import PUBLISHED, hold_lock
-from hullrecon.errors import HullreconError, InputError, LockedError, StageError, UsageError
+from hullrecon.errors import HullreconError, LockedError, StageError, UsageError
 
 log = logging.getLogger(__name__)
-FOLDER = ".fleet"  # in RUNS, no dive can have this name
-# Exit codes of failures whose cause is in package or program. Other causes (a full disk, a lock, a
-# kill) may be gone by the next call.
-LASTING = (1, 2, 3, 4)
-# Time after which such a failure is tried again: it may have had another cause, such as a lack of
-# memory
-TRIED_AGAIN_S = 86_400.0
-ABOVE_REMEDY = "choose another folder with --runs"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Terms:
-    """What a dive of a fleet may do."""
-
-    allow_outside: bool = False  # read files outside its package
-    time_limit_s: float | None = None  # None for no limit
-
-
-class DiveRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How a dive ended last, with the state of package, result and program at that time."""
-
-    name: str | None
-    package: str  # signature (hash of names, sizes and times) of the package's files
-    result: str  # of the files of its run
-    program: str  # of hullrecon's own files
-    exit_code: int
-    reason: str
-    refused: bool  # it was not run
-    ended_s: float  # since 1970
-    allow_outside: bool = False
-    time_limit_s: float | None = None  # the limit that ended it, None if no limit did
-
-    def is_likely_to_recur(self, terms: Terms) -> bool:
-        """Decide whether a failed dive, run again unchanged, would most likely fail again.
-
-        It may not after TRIED_AGAIN_S, or if the terms now allow more time, or files outside.
-        """
-        more_time = self.time_limit_s is not None and (
-            terms.time_limit_s is None or terms.time_limit_s > self.time_limit_s
-        )
-        return (
-            self.exit_code in LASTING
-            and not self.refused
-            and not more_time
-            and not (terms.allow_outside and not self.allow_outside)
-            and 0 <= time.time() - self.ended_s < TRIED_AGAIN_S
-        )
-
-
-class FleetRecords:
-    """The records of a folder of runs by package, in one document rewritten after each dive."""
-
-    def __init__(self, runs: Path) -> None:
-        self._path = runs / FOLDER / "dives.json"
-        try:
-            document = unseal(self._path.read_bytes())
-            self._records = msgspec.convert(document, dict[str, DiveRecord])
-        except (OSError, DamagedArtifactError, msgspec.ValidationError):
-            self._records = {}  # each dive then counts as new
-
-    def get(self, package: Path) -> DiveRecord | None:
-        return self._records.get(as_utf8(package))
-
-    def put(self, package: Path, record: DiveRecord) -> None:
-        """Remember how a dive ended, durably."""
-        self._records[as_utf8(package)] = record
-        write_file(self._path, seal(msgspec.to_builtins(self._records)))
-
-    def forget_all_but(self, dives: Path, packages: Iterable[Path]) -> None:
-        """Forget the packages that are gone from a folder of dives, from the next `put` on."""
-        there = {as_utf8(package) for package in packages}
-        self._records = {
-            key: record
-            for key, record in self._records.items()
-            if key in there or not Path(key).is_relative_to(dives)
-        }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -192,7 +113,9 @@ def run_fleet(
     """
     terms = Terms(allow_outside=allow_outside, time_limit_s=time_limit_s)
     out = Path(os.path.realpath(runs))
-    _packages(Path(os.path.realpath(dives)), out)  # raises for a wrong folder before any writing
+    require_packages(
+        Path(os.path.realpath(dives)), out
+    )  # raises for a wrong folder before any writing
     with _lock(out):
         # Plan, and note the dives that need no run.
         fleet = _Fleet(dives, runs, retry=retry, terms=terms, on_failure=on_failure)
@@ -244,14 +167,14 @@ class _Fleet:
         self._terms, self._on_failure = terms, on_failure
         self._program = program_signature()
         self._records = FleetRecords(self.runs)
-        packages, self._skipped = _packages(self.dives, self.runs)
+        packages, self._skipped = require_packages(self.dives, self.runs)
         self.planned = self._plan(packages, retry)
         self._records.forget_all_but(self.dives, packages)
         self.done = {dive.package: self._initial_state(dive) for dive in self.planned}
 
     def _plan(self, packages: list[Path], retry: bool) -> list[PlannedDive]:
         """Read the dives' names, and decide of each dive whether it is run, and why."""
-        names, refused = _names(packages, self.dives, self.runs)
+        names, refused = dive_names(packages, self.dives, self.runs)
         planned = []
         for package in packages:
             listing = list_folder(package, self.dives)
@@ -391,50 +314,6 @@ class _Fleet:
 def _is_known(record: DiveRecord | None, code: int, reason: str) -> bool:
     """Decide whether a dive ended in the same way the last time."""
     return record is not None and (record.exit_code, record.reason) == (code, reason)
-
-
-def _packages(dives: Path, runs: Path) -> tuple[list[Path], list[Skipped]]:
-    """Find the packages in `dives` and what is skipped.
-
-    Raises InputError when there is no package, UsageError when results would lie among packages.
-    """
-    packages, skipped = find_packages(dives)
-    if not packages:
-        is_package = (dives / FILE).exists()
-        remedy = f"this is a package itself: `hullrecon run {dives}`" if is_package else ""
-        what = f"no dive package (a folder with a {FILE}) lies here"
-        raise InputError(what, where=str(dives), remedy=remedy)
-    if runs == dives or any(runs.is_relative_to(package) for package in packages):
-        what = "results would lie among the packages"
-        raise UsageError(what, where=str(runs), remedy=ABOVE_REMEDY)
-    return packages, [s for s in skipped if s.path != runs]
-
-
-def _names(
-    packages: list[Path], dives: Path, runs: Path
-) -> tuple[dict[Path, str | None], dict[Path, HullreconError]]:
-    """Read the dives' names, and find the packages that may not be run, with the error of each.
-
-    They are those whose dive.toml may not be read, those that share a name, and those whose results
-    would lie above the packages. A name is None where dive.toml is not valid.
-    """
-    names, refused = dict[Path, str | None](), dict[Path, HullreconError]()
-    for package in packages:
-        try:
-            name = names[package] = read_name(package, dives)
-        except HullreconError as error:
-            refused[package] = error
-            continue
-        if name is not None and dives.is_relative_to(runs / name):
-            what = f"the results of a dive called {name} would lie above the packages"
-            refused[package] = UsageError(what, where=str(package), remedy=ABOVE_REMEDY)
-    for package, name in names.items():
-        others = [p.name for p, other in names.items() if other == name and p != package]
-        if name is not None and others:
-            what = f"its dive.name {name} is also that of {', '.join(others)}"
-            remedy = "give each dive a name of its own"
-            refused[package] = UsageError(what, where=str(package), remedy=remedy)
-    return names, refused
 
 
 @contextmanager

@@ -22,7 +22,7 @@ import msgspec
 
 from hullrecon.dive.config.schema import Dive
 from hullrecon.dive.files import special_kind
-from hullrecon.errors import InputError, UsageError
+from hullrecon.errors import HullreconError, InputError, UsageError
 from hullrecon.version import version
 
 FILE = "dive.toml"
@@ -31,6 +31,7 @@ FILE = "dive.toml"
 MAX_BYTES = 65_536
 MAX_DOTS = 200  # in a line
 MADE_BY_RUNS = (".hullrecon", "logs", "quarantine")  # in RUNS/<dive>, next to the artifacts
+ABOVE_REMEDY = "choose another folder with --runs"
 NAME_TYPE = get_type_hints(Dive, include_extras=True)["name"]
 
 
@@ -206,3 +207,47 @@ def _status(entry: os.DirEntry[str]) -> os.stat_result | None:
         with suppress(OSError):
             return entry.stat(follow_symlinks=follow)
     return None
+
+
+def require_packages(dives: Path, runs: Path) -> tuple[list[Path], list[Skipped]]:
+    """Find the packages in `dives` and what is skipped.
+
+    Raises InputError when there is no package, UsageError when results would lie among packages.
+    """
+    packages, skipped = find_packages(dives)
+    if not packages:
+        is_package = (dives / FILE).exists()
+        remedy = f"this is a package itself: `hullrecon run {dives}`" if is_package else ""
+        what = f"no dive package (a folder with a {FILE}) lies here"
+        raise InputError(what, where=str(dives), remedy=remedy)
+    if runs == dives or any(runs.is_relative_to(package) for package in packages):
+        what = "results would lie among the packages"
+        raise UsageError(what, where=str(runs), remedy=ABOVE_REMEDY)
+    return packages, [s for s in skipped if s.path != runs]
+
+
+def dive_names(
+    packages: list[Path], dives: Path, runs: Path
+) -> tuple[dict[Path, str | None], dict[Path, HullreconError]]:
+    """Read the dives' names, and find the packages that may not be run, with the error of each.
+
+    They are those whose dive.toml may not be read, those that share a name, and those whose results
+    would lie above the packages. A name is None where dive.toml is not valid.
+    """
+    names, refused = dict[Path, str | None](), dict[Path, HullreconError]()
+    for package in packages:
+        try:
+            name = names[package] = read_name(package, dives)
+        except HullreconError as error:
+            refused[package] = error
+            continue
+        if name is not None and dives.is_relative_to(runs / name):
+            what = f"the results of a dive called {name} would lie above the packages"
+            refused[package] = UsageError(what, where=str(package), remedy=ABOVE_REMEDY)
+    for package, name in names.items():
+        others = [p.name for p, other in names.items() if other == name and p != package]
+        if name is not None and others:
+            what = f"its dive.name {name} is also that of {', '.join(others)}"
+            remedy = "give each dive a name of its own"
+            refused[package] = UsageError(what, where=str(package), remedy=remedy)
+    return names, refused
