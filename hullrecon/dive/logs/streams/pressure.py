@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -74,20 +74,21 @@ def pressure_samples(
     notes += describe_lost("pressure", good)
     if not good.any():
         return None
-    depth = depth[good]
+    samples, depth = [s for s, known in zip(samples, good, strict=True) if known], depth[good]
+    t_ns = stamps(samples)
     cut = windows(depth)
     leave_away = "leave topics.pressure (or pressure.csv) away"
     refuse_two_sensors("pressure", np.abs(cut - cut[:, :1]), "m", leave_away)
-    _refuse_unclear_numbers([s for s, known in zip(samples, good, strict=True) if known], model)
+    _refuse_unclear_numbers(samples, model)
     if np.median(depth) < -HIGHEST_M:
         if compared and (model.unit or "Pa") in PASCALS and isinstance(samples[0], PressureSample):
-            return PressureSamples(t_ns=stamps(samples)[good], depth=depth)
-        raise _above_water([s for s, is_good in zip(samples, good, strict=True) if is_good], model)
+            return PressureSamples(t_ns=t_ns, depth=depth)
+        raise _above_water(samples, model)
     in_water = depth > -HIGHEST_DECK_M
     if not in_water.all():
         values = {"lost": int((~in_water).sum()), "count": len(depth), "limit_m": HIGHEST_DECK_M}
         notes.append(Finding("depths-above-water", values, "pressure"))
-    t_ns, depth = stamps(samples)[good][in_water], depth[in_water]
+    t_ns, depth = t_ns[in_water], depth[in_water]
     spikes = _are_spikes(t_ns, depth)
     if spikes.any():
         counts = {"spikes": int(spikes.sum()), "count": len(depth)}
@@ -122,19 +123,28 @@ def _refuse_unclear_numbers(
     """
     if model.unit is not None or isinstance(samples[0], PressureSample):
         return
-    fitting = []
-    for name in ("hPa", "cm"):
-        depth = [_depth_m(s, replace(model, unit=name)) for s in samples]
-        low, high = np.percentile(depth, [5, 95])
-        if low < -HIGHEST_M or high > DEEPEST_HULL_M:
-            return
-        fitting.append(f'"{name}" ({low:.1f} to {high:.1f} m deep then)')
+    fitting = _fitting_units(samples, model, ("hPa", "cm"))
+    if len(fitting) < 2:
+        return
     raise InputError(
         "the depths are hundreds of metres: they are a pressure in hectopascals or centimetres of "
         "water, which change alike",
         where="pressure.unit",
         remedy=f"give pressure.unit = {' or '.join(fitting)}",
     )
+
+
+def _fitting_units(
+    samples: Sequence[PressureSample | DepthSample], model: PressureModel, names: Iterable[str]
+) -> list[str]:
+    """List the units, each with the depths in it, in which the readings are depths of a hull."""
+    fitting = []
+    for name in names:
+        depth = [_depth_m(s, replace(model, unit=name)) for s in samples]
+        low, high = np.percentile(depth, [5, 95])
+        if low >= -HIGHEST_M and high <= DEEPEST_HULL_M:
+            fitting.append(f'"{name}" ({low:.1f} to {high:.1f} m deep then)')
+    return fitting
 
 
 def _depth_m(sample: PressureSample | DepthSample, model: PressureModel) -> float:
@@ -171,12 +181,8 @@ def _above_water(
             f'give pressure.z_axis = "{other}" where they grow so; a height above another level'
         )
         return InputError(what, where="pressure", remedy=f"{remedy} than the water is no depth")
-    fitting = []
-    for name in {scale: name for name, scale in PASCALS.items()}.values():  # hPa stands for mbar
-        depth = [_depth_m(s, replace(model, unit=name)) for s in samples]
-        low, high = np.percentile(depth, [5, 95])
-        if low > -HIGHEST_M and high < DEEPEST_HULL_M:
-            fitting.append(f'pressure.unit = "{name}" ({low:.1f} to {high:.1f} m deep then)')
+    names = {scale: name for name, scale in PASCALS.items()}.values()  # hPa stands for mbar
+    fitting = [f"pressure.unit = {words}" for words in _fitting_units(samples, model, names)]
     relative = "pressure.atmosphere = 0 for a pressure over that of the air"
     still_m = float(np.ptp(np.percentile([_depth_m(s, model) for s in samples], [5, 95])))
     if still_m < STILL_M:
