@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from hullrecon.api.fleet import FleetResult, fleet, preview_fleet, processes, run_fleet
+from hullrecon.api.fleet import FleetResult, preview_fleet, processes, records, run_fleet
 from hullrecon.api.fleet.records import FOLDER
 from hullrecon.artifacts.workspace import hold_lock
 from hullrecon.errors import InputError, LockedError, UsageError
@@ -181,9 +181,9 @@ def test_fleet_remembers_a_failure_until_something_changes(
     assert (again.exit_code, again.dives[0].known, again.dives[0].ran) == (4, True, False)
     assert len(ran(trace)) == 1
     assert run_fleet(dives, runs, retry=True).dives[0].ran
-    later = time.time() + fleet.TRIED_AGAIN_S
+    later = time.time() + records.TRIED_AGAIN_S
     with monkeypatch.context() as patch:
-        patch.setattr(fleet.time, "time", lambda: later)
+        patch.setattr(records.time, "time", lambda: later)
         assert preview_fleet(dives, runs).dives[0].reason == "it failed before"
     (package / "do.txt").write_text("deliver now")
     assert states(run_fleet(dives, runs)) == {"kestrel": "delivered"}
@@ -327,7 +327,7 @@ def test_fleet_forgets_packages_that_are_gone(
     shutil.rmtree(dives / "kestrel")
     (dives / "merlin" / "more").touch()
     run_fleet(dives, runs)
-    kept = fleet.FleetRecords(runs)
+    kept = records.FleetRecords(runs)
     assert kept.get(dives / "kestrel") is None
     assert kept.get(dives / "merlin") is not None
     assert kept.get(other / "osprey") is not None
