@@ -70,6 +70,7 @@ function show(element, data, cards) {
   scene.add(hull.group, marks.group);
   const gizmo = makeGizmo(data.scene);
   const controls = new OrbitControls(camera, canvas);
+  controls.zoomToCursor = true;
   controls.addEventListener("change", draw);
   const home = () => placeCamera(camera, controls, hull, up);
   function render() {
@@ -108,12 +109,12 @@ function hasWebGL() {
 
 /** Looks at what was surveyed from outside, a little from above and from the side. */
 function placeCamera(camera, controls, hull, up) {
-  const { center, radius, normal } = hull.surveyed;
+  const { middle, radius, normal } = hull.surveyed;
   const side = new Vector3().crossVectors(up, normal).normalize();
   const from = normal.clone().addScaledVector(up, 0.25).addScaledVector(side, 0.35).normalize();
   const fit = radius / Math.sin(((FIELD_DEG / 2) * Math.PI) / 180);
-  camera.position.copy(center).addScaledVector(from, fit * (camera.aspect >= 1 ? 0.85 : 0.95 / camera.aspect));
-  controls.target.copy(center);
+  camera.position.copy(middle).addScaledVector(from, fit * (camera.aspect >= 1 ? 0.85 : 0.95 / camera.aspect));
+  controls.target.copy(middle);
   controls.update();
 }
 

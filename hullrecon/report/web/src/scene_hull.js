@@ -87,6 +87,21 @@ function overGrey(material, uniforms) {
   };
 }
 
+/** Returns the vertex nearest to a point: the middle of a curved patch lies inside the ship. */
+function nearestVertex(geometry, point) {
+  const positions = geometry.getAttribute("position");
+  const nearest = new Vector3();
+  const vertex = new Vector3();
+  let least = Infinity;
+  for (let k = 0; k < positions.count; k++) {
+    const distance = vertex.fromBufferAttribute(positions, k).distanceToSquared(point);
+    if (distance >= least) continue;
+    least = distance;
+    nearest.copy(vertex);
+  }
+  return nearest;
+}
+
 function decode(text) {
   const raw = atob(text);
   const bytes = new Uint8Array(raw.length);
@@ -141,7 +156,7 @@ function unpack(part, buffer) {
       const normals = geometry.getAttribute("normal");
       for (let k = 0; k < n; k += 7) normal.add(new Vector3().fromBufferAttribute(normals, k));
       const { center, radius } = geometry.boundingSphere;
-      return { center, radius, normal: normal.lengthSq() > 0 ? normal.normalize() : new Vector3(0, 1, 0) };
+      return { middle: nearestVertex(geometry, center), radius, normal: normal.lengthSq() > 0 ? normal.normalize() : new Vector3(0, 1, 0) };
     },
   };
 }
