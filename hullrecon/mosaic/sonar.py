@@ -167,7 +167,10 @@ class SonarView:
         return np.zeros(len(radius))
 
     def outline(self, surface: MosaicSurface) -> Array:
-        """Cast rays all over the aperture, and end them at the largest range."""
+        """Cast rays all over the aperture onto the surface: hits (n, 3) m, NaN where they miss.
+
+        Farther hits are taken at the largest range.
+        """
         rays = self.fan.rays(bearings=9, elevations=13) @ self.pose.rotation.as_matrix()[0].T
         hit_m = surface.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
         end_m = np.where(np.isfinite(hit_m), np.minimum(hit_m, self.fan.range_m[-1]), np.nan)

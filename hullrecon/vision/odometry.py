@@ -168,7 +168,10 @@ def image_motion(
     match, _ = _match_top_images(rig, read, max_features, min_inliers)
 
     def between(first: int, second: int) -> tuple[Array, Array] | None:
-        """Measure the motion from one image row to another. None where they do not match."""
+        """Measure the motion from one image row to another. None where they do not match.
+
+        Returns second_from_first (4, 4), and sigmas (2,), rad, of its rotation and direction.
+        """
         found = match(first, second).motion
         if found is None:
             return None

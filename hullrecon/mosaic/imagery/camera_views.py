@@ -117,7 +117,7 @@ class CameraView:
         return np.where((z + radius <= 0) | (ratio > 1), np.inf, ratio)
 
     def outline(self, surface: MosaicSurface) -> Array:
-        """Cast rays through a grid of 7 x 7 pixels onto the surface. See `ImageView`."""
+        """Cast rays through 7 x 7 pixels onto the surface: hits (49, 3) m, NaN where they miss."""
         u, v = np.meshgrid(
             np.linspace(1, self.camera.width - 2, 7), np.linspace(1, self.camera.height - 2, 7)
         )

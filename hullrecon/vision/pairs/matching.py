@@ -165,7 +165,7 @@ class PairMatcher:
 
         That is where navigation and depth predict them. None without prior or depth: every feature
         may then match every other. rows, among: features of the first and of the second node that
-        are considered.
+        are considered. Returns the pairs (k,): features of the first node, and of the second.
         """
         if prior is None or not np.isfinite(first.depth[rows]).any():
             return None
@@ -196,7 +196,8 @@ class PairMatcher:
         """Pair each feature of `rows` with those of `among` inside its search ellipse.
 
         The ellipse is where the motion and the feature's depth put it in the second camera, within
-        their covariance (GATE_CHI2). Features without a depth are left out.
+        their covariance (GATE_CHI2). Features without a depth are left out. Returns the pairs (k,):
+        features of the first node, and of the second.
         """
         sigma = self.options.sigma_px / self.rig.focal_px(first.camera)
         mean, covariance = transfer(
