@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -44,24 +45,21 @@ def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covarian
     if hull is None:
         return join.covariance(adjusted.problem, adjusted.plan, adjusted.settings)
     # The last round holds the hull's pose. Here it is an unknown again.
-    has_field = adjusted.strategy.deviation_field
-    free = join.covariance(
-        adjusted.problem.free("T_g_M"),
-        adjusted.plan,
-        adjusted.settings,
-        of_landmarks=not has_field,
-    )
-    if not has_field:
-        return free
+    of_all = adjusted.problem.free("T_g_M")
+    if not adjusted.strategy.deviation_field:
+        return join.covariance(of_all, adjusted.plan, adjusted.settings)
     evidence = adjusted.placement.evidence if adjusted.placement is not None else None
     evidence = evidence or _evidence_of_solution(m, adjusted, hull)
-    held = _with_hull_held(adjusted.problem, evidence, hull)
-    with_hull_held = join.covariance(held, adjusted.plan, adjusted.settings)
+    with ThreadPoolExecutor(1) as beside:  # it takes one core, and the problems all of them
+        of_hull = beside.submit(estimate.hull_pose_covariance, evidence, hull.global_from_hull)
+        free = join.covariance(of_all, adjusted.plan, adjusted.settings, of_landmarks=False)
+        held = _with_hull_held(adjusted.problem, evidence, hull)
+        with_hull_held = join.covariance(held, adjusted.plan, adjusted.settings)
     return replace(
         with_hull_held,
         navigation=free.navigation,
         deviation=free.deviation,
-        T_g_M=estimate.hull_pose_covariance(evidence, hull.global_from_hull),
+        T_g_M=of_hull.result(),
     )
 
 
