@@ -13,6 +13,7 @@ from hullrecon.detection.views import CameraViews, iterate_views
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.neighbours import nearest
+from hullrecon.threads import in_threads
 from hullrecon.typing import Array, Ints, Ints32
 
 ALPHA_RADIUS_M = 0.06  # largest circumradius of a triangle of an alpha shape
@@ -157,9 +158,9 @@ def find_shape_hits(
     off = np.flatnonzero(np.abs(deviation) > threshold_m)
     near = _vertices_near(vertices, features[off], 3 * ALPHA_RADIUS_M)
     nearby = dict(iterate_views(views, vertices[near])) if len(near) and len(off) else {}
-    for view, rows in iterate_views(views, features[off]) if nearby else ():
-        if view not in nearby:
-            continue
+
+    def meet(seen_by: tuple[int, Ints]) -> tuple[Ints, Array]:
+        view, rows = seen_by
         camera_from_result = views.result_from_camera[view].inverse()
         shapes = detect_shapes(
             camera_from_result.apply(features[off[rows]]),
@@ -173,7 +174,10 @@ def find_shape_hits(
         seen = near[nearby[view]]
         met = _intersections(shapes, camera_from_result.apply(vertices[seen]))
         hit = np.isfinite(met).all(axis=1)
-        yield seen[hit], views.result_from_camera[view].apply(met[hit])
+        return seen[hit], views.result_from_camera[view].apply(met[hit])
+
+    looking = iterate_views(views, features[off]) if nearby else ()
+    yield from in_threads(meet, [(view, rows) for view, rows in looking if view in nearby])
 
 
 def count_shapes(

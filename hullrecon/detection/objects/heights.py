@@ -10,9 +10,10 @@ import numpy as np
 
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.geometry.robust import NORMAL_MAD
+from hullrecon.threads import in_threads
 from hullrecon.typing import Array, Ints
 
-CHUNK = 20_000  # vertices at a time, to limit memory
+CHUNK, CHUNKS_AT_A_TIME = 10_000, 2  # vertices of a thread, and threads, to limit memory
 # Prior sigma of the slope, m/m, about zero: without it, fits to few landmarks extrapolate
 SLOPE_SIGMA = 0.5
 # Prior sigma of the second-order terms, 1/m, about zero. A plane alone would cut off a lump's top.
@@ -68,10 +69,12 @@ def local_heights(
     reach_m
         Largest distance of a landmark's foot from the vertex.
     """
-    parts = [
-        _heights(at[i : i + CHUNK], normal[i : i + CHUNK], feet, height, sigma, neighbours, reach_m)
-        for i in range(0, len(at), CHUNK)
-    ]
+
+    def regress(first: int) -> tuple[Array, Array, Array, Array]:
+        rows = slice(first, first + CHUNK)
+        return _heights(at[rows], normal[rows], feet, height, sigma, neighbours, reach_m)
+
+    parts = list(in_threads(regress, range(0, len(at), CHUNK), most=CHUNKS_AT_A_TIME))
     value, error, count, agreement = (
         np.concatenate([np.zeros(0), *(part[k] for part in parts)]) for k in range(4)
     )
