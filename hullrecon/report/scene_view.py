@@ -194,8 +194,8 @@ def relief_of(points: Array, form: Array) -> Array:
     """Compute the relief (n,) m of a form (n,) at points (n, 3): a smoothed median over RADIUS_M.
 
     The page exaggerates it, so that dents and waves show. The median leaves out structures on the
-    hull (objects, growth) and noise, which keep their height. It is computed at one
-    point in each cell, since a mesh is finer at objects, averaged over half the radius, and
+    hull (objects, growth) and noise, which keep their height. It is computed at one point in each
+    cell, since a mesh is finer at objects. It is then averaged over half the radius, and
     interpolated to all points. Over wide surveys cell and radius grow.
     """
     from scipy.spatial import cKDTree

@@ -270,12 +270,8 @@ def _by_stereo(
     """
     ingest, settings = _ingest_and_settings(context)
     rig = rig_from_settings(settings, ingest.camera_models)
-    rig_sigma = np.array(settings.read("camera.bottom.pose_sigma", tuple), float) * [
-        1,
-        1,
-        1,
-        *np.radians([1, 1, 1]),
-    ]
+    rig_sigma = np.array(settings.read("camera.bottom.pose_sigma", tuple), float)  # m, degrees
+    rig_sigma *= [1, 1, 1, *np.radians([1, 1, 1])]
     odometer = stereo_odometer(rig, FEATURES, INLIERS, float(rig_sigma[3:].max()))
     top, bottom = (ingest.images(camera, context.source) for camera in Camera)
     aids = Aids(imu=records.imu, pressure=records.pressure, tray=records.tray)
