@@ -233,7 +233,7 @@ def _texels(patch: SurfacePatch, rows: Ints) -> SurfacePatch:
         point=point,
         normal=normal,
         face=patch.face.ravel()[rows][:, None],
-        hidden_from=patch.hidden_from.ravel()[rows][:, None],
+        free_below=patch.free_below.ravel()[rows][:, None],
     )
 
 
@@ -336,9 +336,9 @@ def _find_hidden(
 ) -> Ints:
     """List the rows of a patch (n, 1) at which one of the best views (4, n) is occluded.
 
-    Texels that no point of the surface can occlude (`hidden_from` is inf) are not tested.
+    Texels that no point of the surface can occlude (`free_below` is inf) are not tested.
     """
-    doubtful = np.isfinite(patch.hidden_from[:, 0])
+    doubtful = np.isfinite(patch.free_below[:, 0])
     hidden = np.zeros(len(doubtful), bool)
     for k in np.unique(best.view[:, doubtful]).tolist():
         if k >= 0:

@@ -19,7 +19,7 @@ from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.occlusion_horizon import (
     OcclusionHorizon,
     build_occlusion_horizon,
-    hidden_from,
+    free_below,
 )
 from hullrecon.native import incidence
 from hullrecon.typing import Array, Floats32, Ints, Ints32, Mask
@@ -68,7 +68,7 @@ class SurfacePatch:
     face: Ints32  # (h, w) face of the mesh that holds the point, -1 where there is none
     # (h, w) tangent of the incidence angle from which the surface may occlude the texel, inf if it
     # cannot
-    hidden_from: Floats32
+    free_below: Floats32
 
     def part(self, which: tuple[slice, slice]) -> SurfacePatch:
         """Cut out some rows and columns."""
@@ -76,7 +76,7 @@ class SurfacePatch:
             point=self.point[which],
             normal=self.normal[which],
             face=self.face[which],
-            hidden_from=self.hidden_from[which],
+            free_below=self.free_below[which],
         )
 
     def cosines(self, rows: Ints | slice, sensor: Array) -> Array:
@@ -107,9 +107,9 @@ def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> S
     if surface.horizon is None:
         tangent = np.zeros(shape[:2], np.float32)
     else:
-        tangent = hidden_from(surface.horizon, point, normal, grid.step_m)
+        tangent = free_below(surface.horizon, point, normal, grid.step_m)
     return SurfacePatch(
-        point=point, normal=normal, face=face.reshape(shape[:2]), hidden_from=tangent
+        point=point, normal=normal, face=face.reshape(shape[:2]), free_below=tangent
     )
 
 
@@ -174,7 +174,7 @@ def find_visible(
 
     A texel is seen if the cosine of the incidence is above min_cosine and the straight line to the
     sensor does not meet the surface. Rays are cast only where the tangent of the incidence reaches
-    `SurfacePatch.hidden_from`: below it nothing can occlude the texel.
+    `SurfacePatch.free_below`: below it nothing can occlude the texel.
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ def find_visible(
     cosine = patch.cosines(rows, sensor)
     visible = cosine > min_cosine
     tangent = np.sqrt(np.maximum(1 - cosine**2, 0)) / np.maximum(cosine, 1e-6)
-    doubtful = visible & (tangent >= patch.hidden_from.ravel()[rows])
+    doubtful = visible & (tangent >= patch.free_below.ravel()[rows])
     rows = rows[doubtful]
     visible[doubtful] = find_unobstructed(
         surface, patch.point.reshape(-1, 3)[rows], patch.normal.reshape(-1, 3)[rows], sensor

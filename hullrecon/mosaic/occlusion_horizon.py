@@ -105,7 +105,7 @@ def _outermost(charted: Array) -> Ints:
     return np.asarray(known[order[is_first]])
 
 
-def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: float) -> Floats32:
+def free_below(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: float) -> Floats32:
     """Compute the tangent of the incidence angle below which nothing occludes a texel.
 
     It is a lower bound, the same for all texels of a block. A line of sight with the tangent t

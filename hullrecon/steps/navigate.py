@@ -51,8 +51,8 @@ from hullrecon.steps.stereo_check import MotionLogs, check_rig, delay_finding
 from hullrecon.vision.odometry import (
     OdometryFrame,
     StereoOdometer,
-    continuity,
     image_motion,
+    image_overlap,
     stereo_odometer,
 )
 from hullrecon.vision.pairs.stereo_adjustment import DISPARITY
@@ -242,7 +242,7 @@ def _by_dvl(
     if logs.top is not None and Camera.TOP in rig.cameras:
         read = ingest.images(Camera.TOP, context.source).read
         measure = image_motion(rig, read, CLOCK_FEATURES, INLIERS)
-        overlap = continuity(rig, read, FEATURES, INLIERS)
+        overlap = image_overlap(rig, read, FEATURES, INLIERS)
 
     def progress(frames: range) -> Iterable[int]:
         return context.progress(frames, "images followed")

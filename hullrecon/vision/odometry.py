@@ -186,7 +186,7 @@ def image_motion(
     return between
 
 
-def continuity(
+def image_overlap(
     rig: Rig, read: ReadRow, max_features: int, min_inliers: int
 ) -> Callable[[int, int], bool]:
     """Set up the test whether two images of the top camera overlap.

@@ -44,7 +44,7 @@ def test_the_top_of_a_block_is_what_is_seen(flat_surface: Callable[..., MosaicSu
 def test_without_a_skyline_every_texel_of_every_view_is_checked(
     flat_surface: Callable[..., MosaicSurface],
 ) -> None:
-    assert (sample_surface(flat_surface(), GRID, GRID.whole).hidden_from == 0).all()
+    assert (sample_surface(flat_surface(), GRID, GRID.whole).free_below == 0).all()
 
 
 def test_block_hides_view_as_far_as_its_shadow(

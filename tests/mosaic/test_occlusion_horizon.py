@@ -19,15 +19,15 @@ def test_a_bare_plate_hides_nothing_from_any_incidence(
     flat_surface: Callable[..., MosaicSurface],
 ) -> None:
     patch = sample_surface(flat_surface().with_occlusion_horizon(GRID, 2.0), GRID, GRID.whole)
-    assert np.isinf(patch.hidden_from).all()
+    assert np.isinf(patch.free_below).all()
 
 
 def test_the_flatter_the_view_the_farther_a_block_may_hide(
     flat_surface: Callable[..., MosaicSurface],
 ) -> None:
     patch = sample_surface(flat_surface(BLOCK).with_occlusion_horizon(GRID, 2.0), GRID, GRID.whole)
-    assert patch.hidden_from[50, 61] == 0  # 3 cm off: any view may be blocked
-    along = patch.hidden_from[50, 62:]
+    assert patch.free_below[50, 61] == 0  # 3 cm off: any view may be blocked
+    along = patch.free_below[50, 62:]
     assert (np.diff(along) >= 0).all()
     distance = -1 + 99.5 * 0.02 - 0.2
     assert 0.4 * distance / 0.15 < along[-1] <= distance / 0.15
@@ -37,8 +37,8 @@ def test_what_stands_behind_every_instrument_hides_nothing(
     flat_surface: Callable[..., MosaicSurface],
 ) -> None:
     patch = sample_surface(flat_surface(BLOCK).with_occlusion_horizon(GRID, 0.3), GRID, GRID.whole)
-    assert np.isinf(patch.hidden_from[50, 98])
-    assert patch.hidden_from[50, 61] == 0
+    assert np.isinf(patch.free_below[50, 98])
+    assert patch.free_below[50, 61] == 0
 
 
 @pytest.mark.parametrize("thick_m", [0.004, 0.15])
@@ -54,7 +54,7 @@ def test_no_texel_that_a_ray_finds_hidden_is_taken_for_safe(
     )
     patch = sample_surface(surface, GRID, GRID.whole)
     point, normal = patch.point.reshape(-1, 3), patch.normal.reshape(-1, 3)
-    bound = patch.hidden_from.ravel()
+    bound = patch.free_below.ravel()
     blocked = 0
     for sensor in rng.uniform([-1.5, -1.0, 0.2], [1.5, 1.0, 1.2], (40, 3)):
         on_plate = point[:, 2] < 0.001

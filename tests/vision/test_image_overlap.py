@@ -15,7 +15,7 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import identity
 from hullrecon.rig import Rig
 from hullrecon.typing import Pixels
-from hullrecon.vision.odometry import continuity, fills_most, image_motion
+from hullrecon.vision.odometry import fills_most, image_motion, image_overlap
 
 MODEL = CameraModel(320, 256, 250.0, 250.0, 159.5, 127.5)
 RIG = Rig(
@@ -44,7 +44,7 @@ def look(along_px: int, ground: Pixels) -> Pixels:
 
 
 def goes_on(images: Sequence[Pixels | None], first: int, second: int) -> bool:
-    return continuity(RIG, lambda row: images[row], 2000, 15)(first, second)
+    return image_overlap(RIG, lambda row: images[row], 2000, 15)(first, second)
 
 
 @pytest.mark.parametrize(
@@ -103,7 +103,7 @@ def test_each_image_is_read_once_along_walk() -> None:
         read.append(row)
         return look(40 * row, seabed())
 
-    follow = continuity(RIG, image, 1000, 15)
+    follow = image_overlap(RIG, image, 1000, 15)
     assert all(follow(k, k + 1) for k in range(4))
     assert read == [0, 1, 2, 3, 4]
 
