@@ -109,6 +109,7 @@ class HashCache:
     """
 
     def __init__(self, store: Path | None = None, *, trusting: bool = True) -> None:
+        """Read the store, if there is one. A damaged one is taken as empty, and written anew."""
         self._store, self._trusting, self._changed = store, trusting, False
         self._known: dict[str, object] = {}  # size, mtime_ns, inode and hash by path
         self._read_here: dict[str, int] = {}  # ctime, ns, of files this process looked at, by path

@@ -113,6 +113,11 @@ class Context(Generic[Parameters]):
         outlook: Outlook | None = None,
         parts: PartStore | None = None,
     ) -> None:
+        """Take what a stage works with.
+
+        stage: whose function is called. source: folder of the package. executor: of heavy work.
+        progress, outlook: show and predict how far it is. parts: keeps finished parts of the step.
+        """
         self.settings = settings  # those in the stage's `uses` and its own
         self.inputs = inputs  # folder of each input artifact that exists, by stage name
         self.failures = failures or {}  # why optional inputs left no artifact, by stage name

@@ -267,6 +267,7 @@ def _why_no_document(name: str) -> Callable[[Survey], str]:
     """Make the function that says why the step detect did not make a JSON document."""
 
     def why_absent(survey: Survey) -> str:
+        """Say why it is absent. Empty where it is there."""
         if name in survey.findings.documents:
             return ""
         return (_why_no_objects(survey) if name == "objects.json" else "") or _why_no_result(
@@ -283,6 +284,7 @@ def _why_not_copied(name: str, step: str) -> Callable[[Survey], str]:
     """
 
     def why_absent(survey: Survey) -> str:
+        """Say why it is absent. Empty where it is there, or not asked for."""
         not_asked = step == "change" and not survey.provenance.carried.earlier_dive
         if not_asked or _sources(survey, name):
             return ""
@@ -303,6 +305,7 @@ def _why_no_raster(name: str) -> Callable[[Survey], str]:
     """
 
     def why_absent(survey: Survey) -> str:
+        """Say why it is absent. Empty where it is there."""
         if _sources(survey, name):
             return ""
         if name != "support.tif" and not survey.provenance.carried.cad_model:
