@@ -390,9 +390,9 @@ def sample_light(
                 surface, patch.part(part), np.flatnonzero(known), image_view.center, 0.0
             )[0]
             pixel, ratio = image_view.project(patch.point[part][known])
-            held = np.isfinite(ratio)
-            share = (pixel[held] + 0.5) / [image_view.camera.width, image_view.camera.height]
-            texel = (rows * grid.width + columns)[known][held]
+            in_image = np.isfinite(ratio)
+            share = (pixel[in_image] + 0.5) / [image_view.camera.width, image_view.camera.height]
+            texel = (rows * grid.width + columns)[known][in_image]
             log_value = _log_intensity(thumbnail, share)
             parts.append((np.full(len(texel), view), texel, _field_cell(share), log_value))
     if not parts:
