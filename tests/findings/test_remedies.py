@@ -257,7 +257,7 @@ FOLLOWED = {
     "test_offset_that_is_advised_heals_stamps",
     "vision/stereo/rig_causes.py::find_wrong_part": "vision/stereo/test_rig_check.py::"
     "test_pairs_that_are_wrong_for_a_part_of_the_dive_are_told_from_a_wrong_rig",
-    "vision/stereo/rig_causes.py::_contradiction": "vision/stereo/test_pose_conventions.py::"
+    "vision/stereo/rig_causes.py::_name_cause": "vision/stereo/test_pose_conventions.py::"
     "test_pose_of_another_convention_is_read_as_meant",
 }
 
