@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
 from typing import cast
 
@@ -131,14 +130,12 @@ def draw_page(
 ) -> PageContext:
     """Draw what only the page shows: the layers of its map, and the hull in 3-D.
 
-    Most of it runs outside the interpreter. view: the map of the hull. deliverables: as of
-    `page_context`, of which the tiles of mosaics are shown.
+    Most of it runs outside the interpreter, so that another thread gets on meanwhile. view: the map
+    of the hull. deliverables: as of `page_context`, of which the tiles of mosaics are shown.
     """
     tiles = index_tiles(survey, deliverables)
-    with ThreadPoolExecutor(1) as beside:
-        packed = beside.submit(make_scene, survey, view)
-        layers = survey_layers(survey, view, tiles) if view else []
-    scene = packed.result()
+    layers = survey_layers(survey, view, tiles) if view else []
+    scene = make_scene(survey, view)
     data = {**page_data(survey, view, layers, tiles), "scene": scene and scene.document}
     return {
         "data": script_json(data),
