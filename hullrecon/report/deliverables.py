@@ -420,6 +420,7 @@ def _write_plots(delivery: Delivery) -> None:
 def _write_tiles(delivery: Delivery) -> None:
     for name, tile in stream_tiles(delivery.survey, delivery.stream):
         delivery.out.write(name, tile)
+    _ = delivery.drawn  # begun: of all files it needs the tiles alone
 
 
 def _pdf(delivery: Delivery) -> bytes:
