@@ -77,7 +77,7 @@ class _Cubes:
 
 
 def _group_in_cubes(points: Array) -> _Cubes:
-    """Group points (n, 3) m in cubes with sides of CUBE_M. Empty cubes are left out."""
+    """Group points (n, 3) m in cubes with sides of CUBE_M, without empty ones. See `_Cubes`."""
     cube = np.floor(points / CUBE_M).astype(np.int64)
     order = np.lexsort(cube.T)
     cube = cube[order]

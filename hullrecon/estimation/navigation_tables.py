@@ -105,6 +105,7 @@ def velocity_table(odometry: Odometry, t_ns: Ints) -> native.VelocityTable:
     )
     rows = rows[(bridged[:-1] | bridged[1:]) & near]
     before, after = duration_s[rows], duration_s[rows + 1]
+    # difference of a random walk's means over the two intervals
     sigma = np.sqrt(MANOEUVRES_M2_S3 * (before + after) / 3)
     free = np.full((len(rows), 3), FREE_RAD_S)
     return native.VelocityTable(

@@ -48,6 +48,7 @@ def place_path(ties: PositionTies, path: Poses) -> Array:
     weight = 1 / ties.sigma**2
     world = np.zeros(3)
     for _ in range(ROUNDS):
+        # the turn between both weighted means that brings the path nearest to the fixes
         here, there = (np.average(x, axis=0, weights=weight) for x in (at, ties.north_east))
         cross = (weight[:, None] * (at - here)).T @ (ties.north_east - there)
         heading = np.arctan2(cross[0, 1] - cross[1, 0], cross[0, 0] + cross[1, 1])

@@ -98,7 +98,10 @@ def _components(quaternion: Array) -> list[Array]:
 
 
 def _multiply(first: Array, second: Array) -> Array:
-    """Multiply quaternions (n, 4). A batch of one broadcasts."""
+    """Multiply quaternions (n, 4) (x, y, z, w): the rotation `second` and then `first`.
+
+    A batch of one broadcasts.
+    """
     ax, ay, az, aw = _components(first)
     bx, by, bz, bw = _components(second)
     product = np.array(
@@ -113,7 +116,7 @@ def _multiply(first: Array, second: Array) -> Array:
 
 
 def _rotation_matrices(quaternion: Array) -> Array:
-    """Convert quaternions (n, 4) to matrices (n, 3, 3)."""
+    """Convert quaternions (n, 4) (x, y, z, w) to matrices (n, 3, 3)."""
     x, y, z, w = _components(quaternion)
     xx, yy, zz, ww = x * x, y * y, z * z, w * w
     xy, xz, yz, xw, yw, zw = x * y, x * z, y * z, x * w, y * w, z * w

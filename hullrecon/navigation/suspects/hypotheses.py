@@ -374,7 +374,7 @@ def _camera_faults(
     turns |= {("medium", f"{WATER:.2f}"): np.eye(2) / WATER}
     for name, turn in signed_axes():
         if turn[2, 2] == 1 and not turn[:2, 2].any() and not turn[2, :2].any():
-            turns["picture", name[:5]] = turn[:2, :2]
+            turns["picture", name[:5]] = turn[:2, :2]  # named by its first two axes
     lenses = {name: partial(_turned, turn=turn) for name, turn in turns.items()}
     lenses |= {("distortion", f"{k1:+.2f}"): partial(_straightened, k1=k1) for k1 in RADIAL}
     if camera is not None:

@@ -39,7 +39,7 @@ def compare_level(pressure: PressureSamples) -> Comparison:
     """Compare quantiles of the depth with the water's surface: no vehicle dives above it."""
     read = pressure.depth[np.isfinite(pressure.depth)]
     depth = np.quantile(read, LEVELS) if len(read) else np.zeros(len(LEVELS))
-    above = np.minimum(depth + HIGHEST_M, 0.0)
+    above = np.minimum(depth + HIGHEST_M, 0.0)  # m, negative beyond HIGHEST_M over the surface
     return Comparison(
         kind="level",
         sensors=frozenset({Sensor.PRESSURE}),

@@ -139,7 +139,7 @@ def compare_flow(views: Views) -> Comparison | None:
         views.second_from_first.translation,
     )
     for k, flow in enumerate(views.flows):
-        slope = flow.rays @ views.away[k]
+        slope = flow.rays @ views.away[k]  # a ray meets the plane at depth / slope times its length
         if views.depth[k] <= 0 or (slope <= 0).any():
             continue
         points = (flow.rays * (views.depth[k] / slope)[:, None]) @ turned[k].T + moved[k]
