@@ -105,8 +105,8 @@ def motion_by_row(problem: native.Problem, measured: Measurements, state: State)
 def _twists(t_s: Array, tray: Poses) -> Array:
     """Compute the tray's velocity (n, 6) at each node in its own axes, m/s and rad/s.
 
-    By the difference of the poses of the neighbouring nodes. Zero where these are more than
-    LONGEST_S apart.
+    It is the motion between the two neighbouring nodes over its duration. Zero where these are more
+    than LONGEST_S apart.
     """
     first = np.maximum(np.arange(len(t_s)) - 1, 0)
     last = np.minimum(np.arange(len(t_s)) + 1, len(t_s) - 1)

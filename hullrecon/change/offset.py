@@ -255,12 +255,16 @@ def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
     # the prior.
     tried = []
     for i, j in np.ndindex(*(2 * reach + 1)):
-        gap = _overlap(flat[0], flat[1], i - int(reach[0]), j - int(reach[1]))
-        gap = gap[np.isfinite(gap)]
-        if len(gap) < max(MIN_SHARED_CELLS / 4, MIN_SHARED_SHARE * most):
+        difference = _overlap(flat[0], flat[1], i - int(reach[0]), j - int(reach[1]))
+        difference = difference[np.isfinite(difference)]
+        if len(difference) < max(MIN_SHARED_CELLS / 4, MIN_SHARED_SHARE * most):
             continue
         shift = step * (np.array([i, j]) - reach)
-        disagreement = most * (step / CORRELATED_M) ** 2 * _truncated_square(gap - np.median(gap))
+        disagreement = (
+            most
+            * (step / CORRELATED_M) ** 2
+            * _truncated_square(difference - np.median(difference))
+        )
         tried.append((disagreement + float(((shift / sigma) ** 2).sum()), *shift.tolist()))
     if not tried:
         raise _too_little_error()

@@ -155,5 +155,5 @@ def _covered_share(ours_s: Array, true_s: Array) -> float:
     step = np.median(np.diff(true_s))
     ordered = np.sort(ours_s)
     right = np.clip(np.searchsorted(ordered, true_s), 1, len(ordered) - 1)
-    gap = np.minimum(np.abs(ordered[right] - true_s), np.abs(ordered[right - 1] - true_s))
-    return float(np.mean(gap < 0.75 * step))
+    apart_s = np.minimum(np.abs(ordered[right] - true_s), np.abs(ordered[right - 1] - true_s))
+    return float(np.mean(apart_s < 0.75 * step))

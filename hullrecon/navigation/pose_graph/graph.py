@@ -344,9 +344,10 @@ class GraphErrors:
 
     @cached_property
     def _chain(self) -> tuple[Array, Array, Array]:
-        """R_g_v (n, 3, 3), R_v_s (n, 3, 3) and T_s_c (n, 4, 4) of the leading camera.
+        """Compute the chain of motions from the global frame to the leading camera, at every node.
 
-        The chain from the global frame over vehicle and tray to the camera, at every node.
+        Returns R_g_v (n, 3, 3) of the vehicle, R_v_s (n, 3, 3) of the tray in it, and T_s_c
+        (n, 4, 4) of the camera on the tray.
         """
         pose = self.problem.unknowns.pose
         vehicle = Poses(pose[:, 3:7], pose[:, :3]).rotation.as_matrix()

@@ -160,7 +160,7 @@ def compare_accelerations(
     integrated = integrate_acceleration(imu, int(t_ns[0])) if len(triples) else None
     if integrated is None:
         return None
-    t_s, felt_s = seconds(t_ns, int(t_ns[0])), integrated.t_s
+    t_s, imu_s = seconds(t_ns, int(t_ns[0])), integrated.t_s
     velocity = _vehicle_from_dvl(servo, rig, t_ns).apply(dvl.velocity[known])
     lever = tray_poses(rig.tray_origin, servo.angle_at(t_ns)).apply(rig.tray_from_dvl.translation)
     attitude_at = fast_rotation(attitude)
@@ -176,7 +176,7 @@ def compare_accelerations(
         # velocity of the DVL relative to the vehicle's origin, as the vehicle turns
         swept = np.gradient(level.apply(lever), t_s, axis=0)
         apart = level.apply(velocity) - swept - integrated.at(at_s)
-        apart[(at_s < felt_s[0]) | (at_s > felt_s[-1])] = np.nan
+        apart[(at_s < imu_s[0]) | (at_s > imu_s[-1])] = np.nan
         return _second_difference(apart, triples[rows])
 
     moved = attitude_at(t_ns).apply(velocity)
