@@ -197,8 +197,8 @@ def _candidates(
                 continue
             own = np.hypot(MIDDLE_M, MIDDLE_SHARE * size)
             shared = offset_sigma(context.offset, np.stack([old.center] * 2), np.stack(tangents))
-            gap = np.array([axis @ (new.center - old.center) for axis in tangents])
-            chi_square = float((gap**2 / (own**2 + shared**2)).sum())
+            difference = np.array([axis @ (new.center - old.center) for axis in tangents])
+            chi_square = float((difference**2 / (own**2 + shared**2)).sum())
             if np.isfinite(chi_square) and chi_square <= GATE:
                 yield chi_square, a, b
 

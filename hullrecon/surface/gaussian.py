@@ -308,7 +308,7 @@ def maximise_likelihood(
     from scipy.optimize import minimize
 
     # Unknowns: logarithms of both lengths (m), of sigma (m) and of the factor on the noise
-    gap = at[:, None, :] - at[None, :, :]
+    difference = at[:, None, :] - at[None, :, :]
     low = np.log([limit[0], limit[0], 1e-3, 0.3])
     high = np.log([limit[1], limit[1], 1.0, 10.0])
 
@@ -321,9 +321,9 @@ def maximise_likelihood(
     def cost(x: Array) -> float:
         """Compute minus the log likelihood, and a penalty outside of the limits."""
         kernel, factor_ = read(x)
-        correlation = kernel.correlation((gap / np.array(kernel.length)).reshape(-1, 2)).reshape(
-            len(at), len(at)
-        )
+        correlation = kernel.correlation(
+            (difference / np.array(kernel.length)).reshape(-1, 2)
+        ).reshape(len(at), len(at))
         outside = float(np.sum((x - np.clip(x, low, high)) ** 2))
         return outside - _log_likelihood(kernel.sigma**2 * correlation, values, noise * factor_)
 

@@ -280,8 +280,8 @@ def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
     corner = mesh.vertices[mesh.faces]
     middle = corner.mean(1)
     reach = np.linalg.norm(corner - middle[:, None], axis=2).max(1)
-    gap, _ = cKDTree(near).query(middle, distance_upper_bound=NEAR_M + reach.max())
-    part = Mesh(mesh.vertices, mesh.faces[gap <= NEAR_M + reach])
+    distance, _ = cKDTree(near).query(middle, distance_upper_bound=NEAR_M + reach.max())
+    part = Mesh(mesh.vertices, mesh.faces[distance <= NEAR_M + reach])
     if len(part.faces) == 0:
         return np.zeros((0, 3))  # a CAD model in other units, or guessed far off
     area = face_areas(part)
@@ -293,8 +293,8 @@ def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
     u[fold], v[fold] = 1 - u[fold], 1 - v[fold]
     a, b, c = part.vertices[part.faces[face]].transpose(1, 0, 2)
     samples = a + u[:, None] * (b - a) + v[:, None] * (c - a)
-    gap, _ = cKDTree(near).query(samples, distance_upper_bound=KEPT_M)
-    return np.asarray(samples[np.isfinite(gap)])
+    distance, _ = cKDTree(near).query(samples, distance_upper_bound=KEPT_M)
+    return np.asarray(samples[np.isfinite(distance)])
 
 
 def _gicp(points: Array, target: Array, starts: list[Poses]) -> list[Poses]:
