@@ -43,7 +43,7 @@ def find_remedy(
         return ""
     vehicle_from_imu = given.vehicle_from_imu
     frame = f'give imu.frame = "{OTHER[given.imu_frame]}"'
-    # As streams.imu_samples applies frame and mount, one after the other
+    # As `imu_samples` (streams/imu.py) applies frame and mount, one after the other
     if (fault, value) == ("frame", "all axes"):
         mount = OTHER_SIDE * vehicle_from_imu * OTHER_SIDE
         return frame if given.imu_mount_deg is None else f"{frame} and {_mount_key(mount)}"
