@@ -107,7 +107,7 @@ class Conventions:
         return self.global_from_logged.inv() * attitude * self.logged_from_vehicle.inv()
 
     def read(self, logged: Rotation) -> Rotation:
-        """Turn logged orientations (n,) into attitudes, as `imu_samples` does when it reads the log."""
+        """Turn logged orientations (n,) into attitudes, as `imu_samples` does."""
         return self.global_from_logged * logged * self.logged_from_vehicle
 
 
