@@ -51,7 +51,7 @@ class Sensor(StrEnum):
 class Comparison:
     """Residuals of two sensors' measurements of one motion."""
 
-    kind: str  # "level", "turn", "gravity", "push", "depth", "flow", "view", "range", "hull"
+    kind: str  # a key of DEPENDS_ON, which says what is compared
     sensors: frozenset[Sensor]
     residual: Array  # (n,)
     sigma: Array  # (n,)

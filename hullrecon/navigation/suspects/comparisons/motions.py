@@ -40,14 +40,23 @@ from hullrecon.rig import Rig
 
 # Sensors whose readings each kind of comparison depends on, the quickest to compute first.
 DEPENDS_ON = {
+    # depth and the water's surface
     "level": {Sensor.PRESSURE},
+    # mean acceleration and the vertical of the attitude
     "gravity": {Sensor.ACCELERATION, Sensor.ATTITUDE},
+    # turns by the rates and by the orientation
     "turn": {Sensor.RATES, Sensor.ATTITUDE},
+    # change of the depth and of the DVL's path
     "depth": {Sensor.PRESSURE, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY},
+    # change of the hull's distance by the DVL's ranges, and by its velocity
     "range": {Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY},
+    # the hull's normal by the DVL's ranges, which the attitude turns back
     "hull": {Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY},
+    # change of velocity by the accelerations and by the DVL
     "push": {Sensor.ACCELERATION, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY},
+    # median motion of features and the motion by the other sensors
     "flow": {Sensor.CAMERA, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY},
+    # turn of the camera by features and by the other sensors
     "view": {Sensor.CAMERA, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY},
 }
 OF_TRACK = {kind for kind, sensors in DEPENDS_ON.items() if Sensor.DVL in sensors}
