@@ -45,14 +45,14 @@ def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covarian
     if hull is None:
         return join.covariance(adjusted.problem, adjusted.plan, adjusted.settings)
     # The last round holds the hull's pose. Here it is an unknown again.
-    of_all = adjusted.problem.free("T_g_M")
+    with_hull_free = adjusted.problem.free("T_g_M")
     if not adjusted.strategy.deviation_field:
-        return join.covariance(of_all, adjusted.plan, adjusted.settings)
+        return join.covariance(with_hull_free, adjusted.plan, adjusted.settings)
     evidence = adjusted.placement.evidence if adjusted.placement is not None else None
     evidence = evidence or _evidence_of_solution(m, adjusted, hull)
     with ThreadPoolExecutor(1) as beside:  # it takes one core, and the problems all of them
         of_hull = beside.submit(estimate.hull_pose_covariance, evidence, hull.global_from_hull)
-        free = join.covariance(of_all, adjusted.plan, adjusted.settings, of_landmarks=False)
+        free = join.covariance(with_hull_free, adjusted.plan, adjusted.settings, of_landmarks=False)
         held = _with_hull_held(adjusted.problem, evidence, hull)
         with_hull_held = join.covariance(held, adjusted.plan, adjusted.settings)
     return replace(

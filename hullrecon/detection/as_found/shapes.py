@@ -160,6 +160,7 @@ def find_shape_hits(
     nearby = dict(iterate_views(views, vertices[near])) if len(near) and len(off) else {}
 
     def meet(seen_by: tuple[int, Ints]) -> tuple[Ints, Array]:
+        """Find where rays meet the shapes of one view, given its number and the features it saw."""
         view, rows = seen_by
         camera_from_result = views.result_from_camera[view].inverse()
         shapes = detect_shapes(
