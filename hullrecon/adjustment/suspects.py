@@ -263,6 +263,8 @@ def _try_without(
 ) -> Trial:
     """Solve without a suspect, or with its error as an unknown, to see how far chi-square falls.
 
+    By noise alone it falls by about one for each row left out and each unknown, which is taken off.
+
     before: chi-square with the suspect as it is.
     """
     chi2, unknowns = _solved(suspect.doubt(problem), settings)

@@ -145,6 +145,9 @@ def as_rows(matrix: sparse.csr_array) -> native.SparseRows:
 def _operator(shape: tuple[int, int], step: Array) -> sparse.csr_array:
     """Build the matrix of 1 - Laplace on the grid: five-point stencil, mirrored at the edges.
 
+    Applied to a field of the wanted smoothness it leaves independent noise, so that its rows are
+    those of the field's prior.
+
     step (2,): distance of nodes in scaled coordinates.
     """
     along, girth = (_second_difference(n, float(h)) for n, h in zip(shape, step, strict=True))
