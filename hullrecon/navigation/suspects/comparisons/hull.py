@@ -87,9 +87,9 @@ def compare_ranges(ping_ns: Ints, hull: HullPlanes, track: Track) -> list[Compar
     way = change_over(track.way.total[rows], windows)
     middle = 0.5 * (seen[first] + seen[last])
     nearer = change_over(distance, windows) + (middle * way).sum(axis=1)
-    # the same with the velocity along the DVL's axis reversed
-    toward = track.global_from_dvl.inv().apply(track.way.signal) * [1.0, 1.0, -1.0]
-    mirrored = integral(track.way.t_s, track.global_from_dvl.apply(toward)).total[rows]
+    # the way, if the velocity along the DVL's z axis had the other sign
+    reversed_velocity = track.global_from_dvl.inv().apply(track.way.signal) * [1.0, 1.0, -1.0]
+    mirrored = integral(track.way.t_s, track.global_from_dvl.apply(reversed_velocity)).total[rows]
     # In `global` the normal does not change. Along the tray's axis it holds no error of the tray.
     turned = ((seen[last] - seen[first]) * axis[first]).sum(axis=1)
     along = (way * axis[first]).sum(axis=1)
@@ -112,7 +112,7 @@ def compare_ranges(ping_ns: Ints, hull: HullPlanes, track: Track) -> list[Compar
             sigma=np.full(len(turned), RELIEF_RAD),
             by_nuisance=ALONG_1_M * along[:, None],  # a curved hull turns its normal on the way
             first=turned,
-            second=change_over(normal, windows)[:, 1],
+            second=change_over(normal, windows)[:, 1],  # along the DVL's y, as the DVL saw it turn
             is_coarse=True,
             if_reversed=turned - 2 * change_over(normal, windows)[:, 1],
         ),
