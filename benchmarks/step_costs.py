@@ -2,12 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """What each step costs, from finished runs:
 
-    python -m benchmarks.step_costs RUN... [--json hullrecon/api/step_costs.json]
+    python -m benchmarks.step_costs RUN... [--untimed RUN...] [--json hullrecon/api/step_costs.json]
 
 RUN is the folder of a run (RUNS/<dive>) whose every step was made on this machine. For each step a
 fixed part and one that grows with the dive are fitted to its manifests: seconds, peak memory (of
-the process and of one worker a core) and disk. Prints the table by which `check` and `run` predict,
-with the worst ratio of prediction to measurement.
+the process and of one worker a core) and disk. Of runs that were made beside other work (--untimed)
+the seconds of CPU are taken for those of the clock: steps without workers use little more than one
+core. Of steps with workers only memory and disk are. The longest dive should be as long as any that
+is predicted: a line through short dives says little of long ones. Prints the table by which `check`
+and `run` predict, with the worst ratio of prediction to measurement.
 """
 
 from __future__ import annotations
@@ -23,10 +26,11 @@ from hullrecon.steps.chain import NAMES
 PINGS = frozenset({"mosaic-sonar"})  # all others grow with the images
 
 
-def measured(folder: Path) -> dict[str, float] | None:
+def measured(folder: Path, timed: bool = True) -> dict[str, float] | None:
     """Read what a step took. None if the run lacks it.
 
-    Of the time that a step shared with one beside it, half is its own.
+    Of the time that a step shared with one beside it, half is its own. Of an untimed step the
+    seconds are those of CPU, and left out where it had workers.
     """
     path = folder / FILE_NAME
     if not path.exists():
@@ -34,11 +38,15 @@ def measured(folder: Path) -> dict[str, float] | None:
     manifest = json.loads(path.read_text(encoding="utf-8"))
     run = manifest["run"]
     workers = run["host"]["cores"] * run["workers_peak_rss_bytes"]
-    return {
-        "seconds": run["seconds"] - sum(_overlaps(folder)) / 2,
+    took = {
         "memory_mb": (run["peak_rss_bytes"] + workers) / 1e6,
         "disk_mb": sum(file["size"] for file in manifest["outputs"].values()) / 1e6,
     }
+    if timed:
+        took["seconds"] = run["seconds"] - sum(_overlaps(folder)) / 2
+    elif not workers:
+        took["seconds"] = run["cpu_seconds"]
+    return took
 
 
 def _overlaps(folder: Path) -> list[float]:
@@ -51,20 +59,22 @@ def _overlaps(folder: Path) -> list[float]:
     return [max(0.0, min(end, other[1]) - max(begin, other[0])) for other in spans.values()]
 
 
-def table(runs: list[Path]) -> dict[str, object]:
-    """Fit the table of all steps."""
-    sizes = [size_of_run(run) for run in runs]
+def table(timed: list[Path], untimed: list[Path]) -> dict[str, object]:
+    """Fit the table of all steps to runs on a quiet machine and to others."""
+    sizes = {run: size_of_run(run) for run in (*timed, *untimed)}
     steps, worst = {}, dict.fromkeys(QUANTITIES, 1.0)
     for name in NAMES:
         grows_with = "pings" if name in PINGS else "megapixels"
-        spent = [measured(run / name) for run in runs]
-        known = [(getattr(z, grows_with), m) for z, m in zip(sizes, spent, strict=True) if m]
-        if not known:
+        spent = {
+            run: took for run in sizes if (took := measured(run / name, run in timed)) is not None
+        }
+        if not spent:
             continue
-        grown = [size for size, _ in known]
         row: dict[str, object] = {"grows_with": grows_with}
         for quantity in QUANTITIES:
-            values = [m[quantity] for _, m in known]
+            counted = [run for run, took in spent.items() if quantity in took]
+            grown = [getattr(sizes[run], grows_with) for run in counted]
+            values = [spent[run][quantity] for run in counted]
             fixed, slope = fit_line(grown, values)
             row[quantity] = [float(f"{fixed:.3g}"), float(f"{slope:.3g}")]
             for size, value in zip(grown, values, strict=True):
@@ -72,7 +82,10 @@ def table(runs: list[Path]) -> dict[str, object]:
                 worst[quantity] = max(worst[quantity], ratio, 1 / ratio)
         steps[name] = row
     return {
-        "runs": [{"megapixels": s.megapixels, "pings": s.pings} for s in sizes],
+        "runs": [
+            {"megapixels": size.megapixels, "pings": size.pings, "timed": run in timed}
+            for run, size in sizes.items()
+        ],
         "worst_ratio": {name: round(ratio, 2) for name, ratio in worst.items()},
         "steps": steps,
     }
@@ -81,9 +94,10 @@ def table(runs: list[Path]) -> dict[str, object]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("runs", nargs="+", type=Path, metavar="RUN")
+    parser.add_argument("--untimed", nargs="+", type=Path, default=[], metavar="RUN")
     parser.add_argument("--json", type=Path, help="write the table to this file")
     given = parser.parse_args()
-    text = json.dumps(table(given.runs), indent=1) + "\n"
+    text = json.dumps(table(given.runs, given.untimed), indent=1) + "\n"
     print(text, end="")
     if given.json is not None:
         given.json.write_text(text, encoding="utf-8")
