@@ -18,9 +18,9 @@ from hullrecon import native
 from hullrecon.adjustment.cad_acceptance import lying_side, sunk
 from hullrecon.adjustment.cad_placement import Placement, place_cad_model
 from hullrecon.adjustment.contradictions import (
+    accept_corrections,
     doubt_tray,
     explain_refusal,
-    hold_within_belief,
     is_sheared,
 )
 from hullrecon.adjustment.exceeded_priors import contradicts_priors, widen_exceeded_priors
@@ -143,7 +143,7 @@ def solve_path(measured: Measurements, solver: RoundSolver) -> Phase:
     """Solve the path without the CAD model, and widen the package's priors that it contradicts.
 
     The phase has no rounds, and its estimate is the start, with `adjust.rounds = 1` and no CAD
-    model. Raises ContradictionError where corrections cannot be believed (`hold_within_belief`).
+    model. Raises ContradictionError where corrections cannot be believed (`accept_corrections`).
     """
     # Some well-seen landmarks find poses, outliers and sigmas at a fraction of the cost.
     start = _start(measured, solver.strategy)
@@ -163,7 +163,7 @@ def solve_path(measured: Measurements, solver: RoundSolver) -> Phase:
     # nothing corrected (`then` returned it unchanged) and nothing contradicts is taken as it is.
     if corrected is path and not contradicts_priors(path) and not is_sheared(path, solver):
         return path
-    return hold_within_belief(path, corrected, solver)
+    return accept_corrections(path, corrected, solver)
 
 
 def join_path_and_place(path: Phase, placed: Phase | None) -> Phase:

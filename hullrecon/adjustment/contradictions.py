@@ -74,7 +74,7 @@ LEAST_WEIGHT = 1e-3  # of depths, whose estimated weight is zero on a path witho
 SHEARED = 2.0
 
 
-def hold_within_belief(path: Phase, corrected: Phase, solver: RoundSolver) -> Phase:
+def accept_corrections(path: Phase, corrected: Phase, solver: RoundSolver) -> Phase:
     """Accept the corrections of a path unless they are unbelievable or explained better otherwise.
 
     Parameters
