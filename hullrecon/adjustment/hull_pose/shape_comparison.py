@@ -122,7 +122,9 @@ def compare_shape(evidence: HullPoseEvidence, pose: Poses) -> ShapeComparison:
     # How distances move where the pose or a segment follows the points, and with a common offset:
     # the fit has taken out what lies along these, so it says nothing of the shape
     fitted = np.c_[
-        _open_directions(jacobian, cad_model, noise), _beyond_noise(loose, noise), np.ones(len(at))
+        _distances_by_open_directions(jacobian, cad_model, noise),
+        _beyond_noise(loose, noise),
+        np.ones(len(at)),
     ]
     used = _without_structures(
         distance, fitted, OUTSIDE_SIGMAS * float(np.hypot(expected.sigma, np.sqrt(noise)))
@@ -157,7 +159,7 @@ def _distance_to_plane(at: Array) -> Array:
     return np.asarray(from_middle @ np.linalg.svd(from_middle, full_matrices=False)[2][2])
 
 
-def _open_directions(jacobian: Array, cad_model: CadModel, noise: float) -> Array:
+def _distances_by_open_directions(jacobian: Array, cad_model: CadModel, noise: float) -> Array:
     """Find how distances change (n, k) in directions that the pose's prior leaves open.
 
     A direction is open if one sigma of the prior along it moves the distances beyond the noise.

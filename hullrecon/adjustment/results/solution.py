@@ -122,7 +122,7 @@ def build_solution(m: Measurements, adjusted: Adjusted, marginals: native.Covari
         global_from_vehicle=state.nodes,
         tray=state.tray,
         tray_sigma=np.sqrt(np.maximum(marginals.pose[:, 6, 6], 0)),
-        pose_covariance=pose_covariance + _lever_arm(m, state),
+        pose_covariance=pose_covariance + _covariance_by_dvl_position(m, state),
         landmarks=Landmarks(
             position=position,
             covariance=landmark_covariance,
@@ -197,7 +197,7 @@ def _covariances(
     return nodes, landmarks
 
 
-def _lever_arm(m: Measurements, state: State) -> Array:
+def _covariance_by_dvl_position(m: Measurements, state: State) -> Array:
     """Compute what an error of the DVL's position adds to the poses' covariance (n, 6, 6).
 
     Images and ranges locate the camera and the DVL. Where both are shifted on the tray alike, the

@@ -189,7 +189,7 @@ def outline(mesh: Mesh, part: Ints, most: int = 60) -> Array:
     rim = sides[~np.isin(key, sides[:, 1] * size + sides[:, 0])]
     loop = max(_loops(rim), key=lambda rows: _length(mesh.vertices[rows]), default=[])
     line = mesh.vertices[loop]
-    return line[_without_teeth(_flatten(line), most)]
+    return line[_simplify_line(_flatten(line), most)]
 
 
 def _flatten(line: Array) -> Array:
@@ -207,7 +207,7 @@ def _flatten(line: Array) -> Array:
     return np.asarray(centred @ np.stack([across, np.cross(normal, across)], axis=1))
 
 
-def _without_teeth(line: Array, most: int) -> list[int]:
+def _simplify_line(line: Array, most: int) -> list[int]:
     """Simplify a closed line (k, 2) and return the rows that are kept [VisvalingamWhyatt1993].
 
     The point that spans the smallest triangle with its neighbours is removed first. A triangle

@@ -126,7 +126,7 @@ def _heights(
         off = (h - np.einsum("nkj,nj->nk", terms, fit)) / (4.0 * scale[:, None])
         robust = weight * np.maximum(0.0, 1 - off**2) ** 2
         fit, variance = _solve(terms, h, robust, fit)
-    error = _error(terms, h, fit, robust, sigma[row], variance)
+    error = _sigma_of_heights(terms, h, fit, robust, sigma[row], variance)
     agreement = (weight * (np.abs(off) < 1)).sum(axis=1) / (weight.sum(axis=1) + 1e-12)
     known = count >= 3
     return (
@@ -142,7 +142,7 @@ def _terms(a: Array, b: Array) -> Array:
     return np.stack([np.ones_like(a), a, b, a * a, a * b, b * b], axis=2)
 
 
-def _error(
+def _sigma_of_heights(
     terms: Array, h: Array, fit: Array, weight: Array, sigma: Array, variance: Array
 ) -> Array:
     """Compute the sigma (n,) m of the fitted heights.

@@ -64,7 +64,7 @@ def dead_reckoning_errors(
     by_error[:, 2, PRESSURE_LATE] = -np.gradient(poses.translation[:, 2], at.t_s)
     # `walk`: errors that add up along the path, common to all later nodes; `white`: each node's own
     walk, white = np.zeros((2, len(at.t_ns), 6, 6))
-    walk[:, [0, 1, 2], [0, 1, 2]] = _drift_since_start(path, at)[:, None]
+    walk[:, [0, 1, 2], [0, 1, 2]] = _variance_since_start(path, at)[:, None]
     white[:, [0, 1, 2], [0, 1, 2]] = LEAST_SIGMA_M**2
     in_hole = path.attitude.hole_sigma(at.t_ns)
     white[:, [3, 4, 5], [3, 4, 5]] = (path.attitude.sigma_rad**2 + in_hole**2)[:, None]
@@ -91,7 +91,7 @@ def dead_reckoning_errors(
     )
 
 
-def _drift_since_start(path: Reckoning, at: Instant) -> Array:
+def _variance_since_start(path: Reckoning, at: Instant) -> Array:
     """Compute the variance (n,), m2, each axis, of the integral of the velocities' noise.
 
     It counts from the start of the path, and is negative before it.

@@ -48,7 +48,7 @@ def remarks_of(
     blank = images_missing(nodes, way_m)
     remarks = [
         *_motion_remarks(path, nodes.t_ns, returns),
-        _without_images(nodes.t_ns, blank, path.velocities),
+        _describe_missing_images(nodes.t_ns, blank, path.velocities),
         *_depth_remarks(depth),
         *_tray_remarks(path.servo, nodes.t_ns),
         *_image_remarks(nodes),
@@ -73,8 +73,8 @@ def _motion_remarks(path: Reckoning, nodes_ns: Ints, returns: Returns) -> Iterat
     v, attitude = path.velocities, path.attitude
     holes, turned = attitude.holes, attitude.steps
     yield _describe_outages(v)
-    yield _silent_dvl(v, nodes_ns)
-    yield _silent_imu(attitude, nodes_ns)
+    yield _describe_ends_without_dvl(v, nodes_ns)
+    yield _describe_ends_without_imu(attitude, nodes_ns)
     if len(v.outliers):
         yield f"DVL: {_times(len(v.outliers), 'velocity')} rejected as outliers"
     if returns.flagged.any():
@@ -193,7 +193,7 @@ def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
     ]
 
 
-def _without_images(
+def _describe_missing_images(
     nodes_ns: Ints, blank: list[tuple[int, int, float]], velocities: Velocities
 ) -> str:
     """Describe the longest span without images, in which images do not support the path.
@@ -278,7 +278,7 @@ def _without_pose(count: int) -> str:
     )
 
 
-def _silent_dvl(velocities: Velocities, nodes_ns: Ints) -> str:
+def _describe_ends_without_dvl(velocities: Velocities, nodes_ns: Ints) -> str:
     """Describe where images alone carry the path, before the first and after the last velocity.
 
     "" where the path does not reach so far.
@@ -290,7 +290,7 @@ def _silent_dvl(velocities: Velocities, nodes_ns: Ints) -> str:
             ends_ns.clip(max=velocities_ns[1]), ends_ns.clip(min=velocities_ns[0])
         ).max()
     )
-    ends = _silent_ends(velocities_ns, ends_ns)
+    ends = _describe_silent_ends(velocities_ns, ends_ns)
     return ends and (
         f"DVL: silent over {ends} of the path, which each image carries on from the one "
         "before; navigation alone knows the way"
@@ -298,13 +298,13 @@ def _silent_dvl(velocities: Velocities, nodes_ns: Ints) -> str:
     )
 
 
-def _silent_imu(attitude: AttitudeHistory, nodes_ns: Ints) -> str:
+def _describe_ends_without_imu(attitude: AttitudeHistory, nodes_ns: Ints) -> str:
     """Describe where the path goes on before the first or after the last attitude.
 
     "" where it does not.
     """
     ends_ns = nodes_ns[[0, -1]]
-    ends = _silent_ends(attitude.t_ns[[0, -1]], ends_ns)
+    ends = _describe_silent_ends(attitude.t_ns[[0, -1]], ends_ns)
     sigma_deg = np.degrees(attitude.unread_sigma(ends_ns).max())
     return ends and (
         f"IMU: silent over {ends} of the path, which each image carries on from the one "
@@ -313,7 +313,7 @@ def _silent_imu(attitude: AttitudeHistory, nodes_ns: Ints) -> str:
     )
 
 
-def _silent_ends(read_ns: Ints, ends_ns: Ints) -> str:
+def _describe_silent_ends(read_ns: Ints, ends_ns: Ints) -> str:
     """Describe how long nothing was read at the ends (2,) of the path.
 
     read_ns (2,): the first and the last reading.

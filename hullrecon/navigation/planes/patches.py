@@ -84,7 +84,7 @@ def find_patches(
     # A patch is fitted in the vehicle frame of its anchor, the node in the middle of its window.
     # Its plane must not pass through that frame's origin.
     anchors = [int(np.median(returns.node[rows])) for rows in chosen]
-    points, rays = _seen_from(returns, chosen, path, anchors, rig)
+    points, rays = _beams_in_anchors(returns, chosen, path, anchors, rig)
     found: list[tuple[int, Ints, PatchFit]] = []
     begin = 0
     for rows, anchor in zip(chosen, anchors, strict=True):
@@ -110,7 +110,7 @@ def find_patches(
     )
 
 
-def _seen_from(
+def _beams_in_anchors(
     returns: Returns, windows: list[Ints], path: VehiclePath, anchors: list[int], rig: Rig
 ) -> tuple[Array, Array]:
     """Compute ends and unit directions (m, 3) of the windows' beams in their anchors' frames.

@@ -29,7 +29,7 @@ def describe_parts(path: LinkedPath, t_ns: Ints) -> str | None:
     listed = [k for k in range(len(size)) if k == 0 or size[k] >= LEAST_SHARE * size.sum()][
         :MOST_LISTED
     ]
-    spans = [_span(path, t_ns, k, int(size[k])) for k in listed]
+    spans = [_describe_part(path, t_ns, k, int(size[k])) for k in listed]
     rest = len(size) - len(listed)
     more = f", and {rest} smaller" if rest else ""
     return (
@@ -39,7 +39,7 @@ def describe_parts(path: LinkedPath, t_ns: Ints) -> str | None:
     )
 
 
-def _span(path: LinkedPath, t_ns: Ints, part: int, size: int) -> str:
+def _describe_part(path: LinkedPath, t_ns: Ints, part: int, size: int) -> str:
     """Describe a part of the path: its nodes, when they were, and its sigma to the first part."""
     at = t_ns[path.part == part]
     first, last = (

@@ -31,15 +31,15 @@ def tray_motion(
     joint = servo(tray, int(dvl.t_ns[0]))
     angle = [joint.angle_at(t_ns + step) for step in (-half_ns, half_ns)]
     tray_from_vehicle = Rotation.from_rotvec(np.outer(-0.5 * (angle[0] + angle[1]), [0, 1.0, 0]))
-    rate = tray_from_vehicle.apply(_near_mean(imu.t_ns, imu.angular_velocity, t_ns))
+    rate = tray_from_vehicle.apply(_mean_around(imu.t_ns, imu.angular_velocity, t_ns))
     rate[:, 1] += (angle[1] - angle[0]) / SPAN_S  # the servo turns the tray about y
     # from the DVL to the tray's origin, about which the DVL is swept
-    velocity = rig.tray_from_dvl.rotation.apply(_near_mean(dvl.t_ns, dvl.velocity, t_ns))
+    velocity = rig.tray_from_dvl.rotation.apply(_mean_around(dvl.t_ns, dvl.velocity, t_ns))
     velocity -= np.cross(rate, rig.tray_from_dvl.translation)
     return np.hstack([velocity, rate])
 
 
-def _near_mean(read_ns: Ints, values: Array, t_ns: Ints) -> Array:
+def _mean_around(read_ns: Ints, values: Array, t_ns: Ints) -> Array:
     """Interpolate readings (m, 3) at times (n,), averaged over SPAN_S.
 
     NaN where the reading before or the one after is not within NEAR_S.

@@ -291,7 +291,7 @@ def _imu_faults(
         if angle:
             imu_from_vehicle = Rotation.from_euler("z", -angle, degrees=True)
             bodies["mount", f"{angle:d}"] = Rotation.identity(), imu_from_vehicle
-    for name, vehicle_from_imu in _on_its_side():
+    for name, vehicle_from_imu in _mounts_on_side():
         # Else the vehicle would lie on its side: it is not the IMU that is mounted otherwise
         if _uprightness(attitude * vehicle_from_imu.inv()) > UPRIGHT:
             bodies["body", name] = Rotation.identity(), vehicle_from_imu.inv()
@@ -401,7 +401,7 @@ def _uprightness(attitude: Rotation) -> float:
     return float(np.mean(attitude.apply([0.0, 0.0, 1.0])[:, 2]))
 
 
-def _on_its_side() -> Iterator[tuple[str, Rotation]]:
+def _mounts_on_side() -> Iterator[tuple[str, Rotation]]:
     """Yield how an instrument may be mounted by right angles with its z axis across the vehicle's.
 
     Yields

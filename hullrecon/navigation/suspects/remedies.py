@@ -35,7 +35,7 @@ def find_remedy(
         Part of a sentence, "" where no key corrects the fault.
     """
     if sensor is Sensor.DVL and fault in ("axes", "turn"):
-        return _turned_dvl(fault, value, tray_from_dvl)
+        return _mount_of_turned_dvl(fault, value, tray_from_dvl)
     if (sensor, fault) == (Sensor.TRAY, "sign"):
         unit = f' and tray.joint_unit = "{value}"' if value else ""
         return f'give tray.positive = "{OTHER[given.tray_positive]}"{unit}'
@@ -63,7 +63,7 @@ def find_remedy(
     return ""
 
 
-def _turned_dvl(fault: str, value: str, tray_from_dvl: Poses) -> str:
+def _mount_of_turned_dvl(fault: str, value: str, tray_from_dvl: Poses) -> str:
     """Name dvl.mount for a DVL whose velocities are right once they are turned.
 
     fault, value: a turn about the DVL's axis, deg, or its axes, as in `signed_axes`.
