@@ -308,7 +308,8 @@ def maximise_likelihood(
     from scipy.optimize import minimize
 
     # Unknowns: logarithms of both lengths (m), of sigma (m) and of the factor on the noise
-    difference = at[:, None, :] - at[None, :, :]
+    pair = np.tril_indices(len(at))  # each pair once: correlations are symmetric
+    difference = at[pair[0]] - at[pair[1]]
     low = np.log([limit[0], limit[0], 1e-3, 0.3])
     high = np.log([limit[1], limit[1], 1.0, 10.0])
 
@@ -321,9 +322,8 @@ def maximise_likelihood(
     def cost(x: Array) -> float:
         """Compute minus the log likelihood, and a penalty outside of the limits."""
         kernel, factor_ = read(x)
-        correlation = kernel.correlation(
-            (difference / np.array(kernel.length)).reshape(-1, 2)
-        ).reshape(len(at), len(at))
+        correlation = np.zeros((len(at), len(at)))
+        correlation[pair] = kernel.correlation(difference / np.array(kernel.length))
         outside = float(np.sum((x - np.clip(x, low, high)) ** 2))
         return outside - _log_likelihood(kernel.sigma**2 * correlation, values, noise * factor_)
 
@@ -344,7 +344,8 @@ def maximise_likelihood(
 def _log_likelihood(covariance: Array, values: Array, noise: Array) -> float:
     """Compute the log marginal likelihood of values (n,) with covariance (n, n) and noise (n,).
 
-    [Ozog2016 eq. 3.1]. It is minus infinity where the covariance is not positive definite.
+    [Ozog2016 eq. 3.1]. It is minus infinity where the covariance is not positive definite. Of the
+    covariance the lower half is read.
     """
     try:
         lower = linalg.cholesky(covariance + np.diag(noise**2), lower=True)
