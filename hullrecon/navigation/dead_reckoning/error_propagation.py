@@ -107,12 +107,15 @@ def _covariance_by_unread_attitude(path: Reckoning, at: Instant, poses: Poses) -
     They happen beyond the IMU's readings, and where its heading stepped. Each rotates the remaining
     path about the position where it happened, so it adds to the twists of all later nodes.
     """
-    turned, stepped = path.attitude.turned_unread(at.t_ns), path.attitude.turned_by_steps(at.t_ns)
+    unread, stepped = (
+        path.attitude.variance_of_unread_turns(at.t_ns),
+        path.attitude.variance_of_steps(at.t_ns),
+    )
     # a turn w about the position p between two nodes is the twist (p x w, w)
     about = 0.5 * (poses.translation[1:] + poses.translation[:-1])
     by_turn = np.concatenate([cross_matrix(about), np.tile(np.eye(3), (len(about), 1, 1))], axis=1)
     # about the axes of g (n - 1, 3): unread turns about all alike, steps of the heading about z
-    variance = np.diff(turned)[:, None] + np.diff(stepped)[:, None] * UP_DOWN**2
+    variance = np.diff(unread)[:, None] + np.diff(stepped)[:, None] * UP_DOWN**2
     steps = (by_turn * variance[:, None]) @ np.swapaxes(by_turn, 1, 2)
     walk = np.concatenate([np.zeros((1, 6, 6)), np.cumsum(steps, axis=0)])
     return np.asarray(walk - walk[min(int(np.searchsorted(at.t_ns, path.start_ns)), len(walk) - 1)])

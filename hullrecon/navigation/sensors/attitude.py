@@ -69,13 +69,13 @@ class AttitudeHistory:
         hole_s = np.zeros(len(start_ns))
         for begin, end in self.holes:
             hole_s += np.maximum(0, np.minimum(stop_ns, end) - np.maximum(start_ns, begin)) * 1e-9
-        by_steps = self.turned_by_steps(stop_ns) - self.turned_by_steps(start_ns)
-        beyond = self.turned_unread(stop_ns) - self.turned_unread(start_ns)
+        by_steps = self.variance_of_steps(stop_ns) - self.variance_of_steps(start_ns)
+        beyond = self.variance_of_unread_turns(stop_ns) - self.variance_of_unread_turns(start_ns)
         return np.asarray(
             bound + LEAST_SIGMA_RAD**2 + (BRIDGED_RATE_RAD_S * hole_s) ** 2 + by_steps + beyond
         )
 
-    def turned_unread(self, at_ns: Ints) -> Array:
+    def variance_of_unread_turns(self, at_ns: Ints) -> Array:
         """Compute the variance (m,), rad2, each axis, of the turn from the last reading to a time.
 
         Zero within the record, and negative before the first reading, so that the difference of two
@@ -90,7 +90,7 @@ class AttitudeHistory:
         )
         return np.asarray(BRIDGED_RATE_RAD_S**2 * seconds2)
 
-    def turned_by_steps(self, at_ns: Ints) -> Array:
+    def variance_of_steps(self, at_ns: Ints) -> Array:
         """Accumulate the variance (m,) rad2, about z of g, of the heading's steps up to times (m,).
 
         The difference of two times is the variance of the turn between them. A step that was taken
@@ -126,7 +126,9 @@ class AttitudeHistory:
 
     def unread_sigma(self, at_ns: Ints) -> Array:
         """Compute the sigma (m,) rad, each axis, of attitudes in holes or beyond the readings."""
-        return np.hypot(np.sqrt(np.abs(self.turned_unread(at_ns))), self.hole_sigma(at_ns))
+        return np.hypot(
+            np.sqrt(np.abs(self.variance_of_unread_turns(at_ns))), self.hole_sigma(at_ns)
+        )
 
 
 def attitude_history(
