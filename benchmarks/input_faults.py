@@ -263,6 +263,24 @@ def mesh(change: Callable[[trimesh.Trimesh], object]) -> Files:
     return files
 
 
+def without(key: str) -> Files:
+    """Take a key out of dive.toml, where it is given."""
+
+    def files(package: Path) -> None:
+        path = package / "dive.toml"
+        path.write_text(re.sub(rf"(?m)^{key} = .*\n", "", path.read_text()))
+
+    return files
+
+
+def all_of(*some: Files) -> Files:
+    def files(package: Path) -> None:
+        for one in some:
+            one(package)
+
+    return files
+
+
 def swap_cameras(package: Path) -> None:
     path = package / "dive.toml"
     other = {"top": "bottom", "bottom": "top"}
@@ -508,6 +526,8 @@ def _cad(random: Random) -> dict[str, Fault]:
     unit = str(random.choice(["mm", "cm", "ft", "in"]))
     stretch = pick(random, 0.9, 1.1, 1.3)
 
+    scale = mesh(lambda m: m.apply_scale(stretch))
+
     def fault(files: Files, size: str) -> Fault:
         return Fault(sensor="cad", files=files, size=size)
 
@@ -542,6 +562,9 @@ def _cad(random: Random) -> dict[str, Fault]:
         "cad-pose": fault(toml("pose", in_radians), "hull.pose in radians"),
         "cad-plates": fault(mesh(plated), "inner faces of its plates"),
         "cad-unit": fault(toml("units", lambda _: f'"{unit}"'), unit),
-        "cad-scale": fault(mesh(lambda m: m.apply_scale(stretch)), f"times {stretch:g}"),
+        "cad-scale": fault(scale, f"times {stretch:g}"),
+        "cad-scale-unstated": fault(
+            all_of(scale, without("length_overall")), f"times {stretch:g}, no length stated"
+        ),
         "cad-inverted": fault(mesh(lambda m: m.invert()), "faces inwards"),
     }

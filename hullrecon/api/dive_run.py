@@ -278,8 +278,9 @@ def _warn_of_defaults(dive: DiveRun) -> None:
 def _check_before_run(dive: DiveRun, to_do: Sequence[StepStatus], jobs: int | None) -> None:
     """Log what is to be done, and find errors early that would end the run hours later.
 
-    Raises InputError for a `hull.bow` that the CAD model does not have and a `hull.pose` far from
-    the dive, which steps only use after hours of comparing images. Raises StorageError if the disk
+    Raises InputError for a `hull.bow` that the CAD model does not have, a `hull.pose` far from the
+    dive and another `hull.length_overall`, as steps only use the CAD model after hours of comparing
+    images. Raises StorageError if the disk
     is too full: a step is built next to its old artifact, so about that much space must be free.
     """
     names = ", ".join(step.stage.name for step in to_do)
@@ -344,8 +345,11 @@ def _refuse_full_disk(dive: DiveRun, needed: float, why: str) -> None:
 
 
 def _refuse_wrong_hull(dive: DiveRun) -> None:
-    """Raise InputError for a hull.pose far from the dive, or a hull.bow that the mesh lacks."""
-    from hullrecon.dive.check.hull_checks import describe_bow, refuse_far_hull
+    """Raise InputError for a CAD model that cannot be the ship's where hull.pose has it.
+
+    Its pose is far from the dive, its length is not the stated one, or it lacks the bow's axis.
+    """
+    from hullrecon.dive.check.hull_checks import check_length, describe_bow, refuse_far_hull
     from hullrecon.dive.config.schema import Hull
     from hullrecon.dive.hull.load import read_hull
 
@@ -353,4 +357,5 @@ def _refuse_wrong_hull(dive: DiveRun) -> None:
     if isinstance(hull, Hull):
         mesh = read_hull(dive.chain.package / hull.mesh, hull.units, [])
         refuse_far_hull(hull, mesh)
+        check_length(hull, mesh)
         describe_bow(hull, mesh)

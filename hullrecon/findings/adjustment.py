@@ -187,6 +187,27 @@ def _others(explanations: Sequence[Sequence[object]]) -> str:
     return " or ".join(SUSPECTS[str(name)](_number(found)) for name, found in explanations)
 
 
+def _scale_untold(per_cent: float | None) -> str:
+    """Say that nothing in a dive tells its CAD model's scale.
+
+    per_cent: one sigma of the scale by the surveyed shape. None where that is as plain as a plane.
+    """
+    if per_cent is None:
+        text = (
+            "Nothing in this dive tells the CAD model's scale, or whether it is of this ship: the "
+            "surveyed part of the hull is too plain to tell. Where on the hull the dive was is "
+            "what hull.pose says. The sigmas of the position hold for a model that is right and "
+            "to scale"
+        )
+    else:
+        text = (
+            "The surveyed part tells the CAD model's proportions and scale to "
+            f"{per_cent:.0f} % (one sigma), and nothing else in this dive does: the sigmas of the "
+            "position on the hull hold for a model that is to scale"
+        )
+    return f"{text}; hull.length_overall, from the ship's papers, is held against that."
+
+
 ERRORS: dict[str, Words] = {
     "contradiction": _contradiction,
     "other-beams": _other_beams,
@@ -197,6 +218,10 @@ ERRORS: dict[str, Words] = {
     "{add_deg:+.1f} to tray.offset_deg, or correct hull.pose",
 }
 WARNINGS: dict[str, Words] = {
+    "cad-scale-untold": _scale_untold,
+    "cad-model-untold": "The surveyed part of the hull is too plain to tell whether the CAD model "
+    "is of this ship: another of her length would fit as well, and where on the hull the dive was "
+    "is what hull.pose says. The sigmas of the position hold for a model that is right.",
     "explained-as-well": _explained_as_well,
     "explained-better": _explained_better,
 }

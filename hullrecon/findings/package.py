@@ -236,6 +236,11 @@ WARNINGS: dict[str, Words] = {
         f"{up} point down? Then give hull.pose = [{_numbers(pose)}]. Else its origin is another "
         "point than that of hull.pose, or the depth of that is wrong, or its angles are in radians"
     ),
+    "hull-length-differs": lambda length_m, stated_m: (
+        f"it is {length_m:.2f} m long, {100 * abs(length_m / stated_m - 1):.1f} % "
+        f"{'more' if length_m > stated_m else 'less'} than hull.length_overall: where that is no "
+        "end left out but the scale, positions are off by as much of their distance from its origin"
+    ),
     "region-empty": _empty_region,
     "regions-uncounted": lambda count, why: (
         f"{count_noun(count, 'hull.region')} cannot be counted: {why}"

@@ -22,9 +22,11 @@ from hullrecon.adjustment.problem.triangulation import camera_poses
 from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
 from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.artifacts.machine import refuse_small_address_space
-from hullrecon.artifacts.stage import Context
+from hullrecon.artifacts.stage import Context, StageSettings
+from hullrecon.dive.check.hull_checks import check_length
 from hullrecon.dive.config import schema
 from hullrecon.dive.config.mounts import guess_sigma
+from hullrecon.findings.finding import sentences
 from hullrecon.geometry import poses
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.frames import Camera
@@ -66,6 +68,7 @@ def run_adjustment(context: Context[Options], strategy: Strategy) -> None:
     outcome = summarise_adjustment(measured, adjusted, context.parameters)
     for sentence in [
         *guess_without_depth(measured.cad_model, measured.attitude),
+        *length_apart(context.settings, measured.cad_model),
         *outcome.warnings,
     ]:
         context.warn(sentence)
@@ -97,6 +100,17 @@ def guess_without_depth(cad_model: CadModel | None, attitude: Attitude) -> list[
         "No depth was measured: the first pose may be anywhere between the water's surface and "
         f"the keel, and hull.pose tells the height of the hull to {sigma_m:.1f} m (one sigma)."
     ]
+
+
+def length_apart(settings: StageSettings, cad_model: CadModel | None) -> list[str]:
+    """Warn of a CAD model that is a few per cent longer or shorter than hull.length_overall.
+
+    Empty without a CAD model. Raises InputError where it is no ship of that length.
+    """
+    hull = settings.read_optional("hull", schema.Hull)
+    if hull is None or cad_model is None:
+        return []
+    return sentences(check_length(hull, cad_model.mesh))
 
 
 def _measurements(context: Context[Options]) -> Measurements:
@@ -149,6 +163,7 @@ def _cad_model(
         deviation_sigma=hull.deviation_sigma,
         deviation_length=hull.deviation_length,
         units=hull.units,
+        has_stated_length=hull.length_overall is not None,
     )
 
 

@@ -83,6 +83,7 @@ mesh = "hull.stl"
 units = "m"
 pose = {_row(pose)}
 pose_sigma = [1.0, 1.0, 0.3, 1.0, 1.0, 5.0]
+length_overall = {spec.ship.length_m}
 frame_spacing = 0.6
 """)
     return "\n".join(sections)

@@ -297,6 +297,21 @@ def test_the_last_problem_stands_at_the_solution():
     )
 
 
+def test_a_stated_length_tells_the_scale_of_a_plain_patch():
+    found = solved()
+    plain = ShapeComparison(patterns=20, deviation=0.8, plane=1.0, scale_sigma=(0.5, 0.5, 0.5))
+    placed = with_form(found.adjusted, plain).placement
+    lies = placed.registration
+    stated = replace(lies, cad_model=replace(lies.cad_model, has_stated_length=True))
+    outcome = summarise_adjustment(
+        found.dive.measured,
+        replace(found.adjusted, placement=replace(placed, registration=stated)),
+        found.options,
+    )
+    (said,) = (line for line in outcome.warnings if "too plain to tell" in line)
+    assert "scale" not in said
+
+
 @pytest.mark.parametrize(
     ("form", "said"),
     [

@@ -100,6 +100,8 @@ FOLLOWED = {
     "test_nothing_to_register_is_refused_and_the_remedy_heals",
     "adjustment/rounds.py::_choose": "adjustment/test_bundle_inputs.py::"
     "test_too_few_landmarks_are_refused_and_the_remedy_heals",
+    "dive/check/hull_checks.py::check_length": "dive/hull/test_length.py::"
+    "test_the_unit_that_gives_the_stated_length_heals",
     "dive/check/hull_checks.py::refuse_far_hull": "dive/check/test_bow.py::"
     "test_pose_that_leaves_the_ship_at_its_berth_is_refused",
     "dive/config/calibration.py::read_camera": "dive/config/test_calibration.py::"

@@ -37,6 +37,7 @@ class CadModel:
     deviation_sigma: float  # m, of the hull's deviation from the CAD model
     deviation_length: tuple[float, float]  # m, correlation length of that along and in girth
     units: str = "m"  # in which the file was read; a refusal may name another unit that would fit
+    has_stated_length: bool = False  # it was held against hull.length_overall before
     # Sigmas were widened, as the hull lies farther from the guess, or deviates more, than stated
     contradicted: bool = False
 

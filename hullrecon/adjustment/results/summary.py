@@ -381,19 +381,12 @@ def _shape_warnings(placement: Placement) -> list[str]:
             "known of the hull, the CAD model may be another ship's: the sigmas of position reach "
             "to where hull.pose has it."
         ]
-    if not shape.fits_better_than_plane:
-        return [
-            "The surveyed part of the hull is too plain to tell whether the CAD model is of this "
-            "ship and scale: another hull's would fit as well, and where on the hull the dive was "
-            "is what hull.pose says. The sigmas of the position hold for a model that is right "
-            "and to scale."
-        ]
-    if max(shape.scale_sigma) > TRUSTED_SCALE:
-        return [
-            "The surveyed part tells the CAD model's proportions and scale to "
-            f"{100 * max(shape.scale_sigma):.0f} % (one sigma): the sigmas of the position on the "
-            "hull hold for a model that is to scale."
-        ]
+    is_plain, sigma = not shape.fits_better_than_plane, max(shape.scale_sigma, default=np.inf)
+    if placement.registration.cad_model.has_stated_length:
+        return [Finding("cad-model-untold").sentence] if is_plain else []
+    if is_plain or sigma > TRUSTED_SCALE:
+        values = {"per_cent": None if is_plain else 100 * sigma}
+        return [Finding("cad-scale-untold", values).sentence]
     return []
 
 

@@ -17,10 +17,15 @@ from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.charts.region import chart_limits, region_cells
 from hullrecon.geometry.charts.section_casting import AXES, first_station, hull_axes
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.units import METRES_PER_UNIT
 from hullrecon.geometry.poses import from_mount, up_in
 
 FARTHEST_M = 1000.0  # from where a dive begins to the ship that is inspected
 AFT_SHARE = 0.25  # of the length; no aft perpendicular lies farther from the aft end
+# Shares by which a CAD model's length differs from the stated one. Within the first it is to scale:
+# papers round to a decimetre, and models lack rails and fenders. Beyond the second it is not, and
+# no bulwark or overhang that was left out explains that.
+SAME_LENGTH, OTHER_LENGTH = 0.01, 0.05
 
 
 def refuse_far_hull(hull: Hull, mesh: Mesh) -> None:
@@ -75,6 +80,43 @@ def check_upright(hull: Hull, mesh: Mesh) -> list[Finding]:
     axes = hull_axes(mesh.vertices, up_in(guess), hull.bow)
     found = find_lying_side(mesh, axes, guess)
     return [] if found is None else [replace(found, where="the CAD model")]
+
+
+def check_length(hull: Hull, mesh: Mesh) -> list[Finding]:
+    """Hold the CAD model's length against hull.length_overall, which tells its scale and unit.
+
+    Nothing is found where the two agree, or where none is stated. A few per cent are a warning.
+    Raises InputError where the CAD model is not to scale, with the unit in which it would be.
+    """
+    stated_m = hull.length_overall
+    if stated_m is None:
+        return []
+    forward = hull_axes(mesh.vertices, up_in(from_mount(hull.pose)), hull.bow)[0]
+    length_m = float(np.ptp(mesh.vertices @ forward))
+    if _is_apart(length_m, stated_m, OTHER_LENGTH):
+        in_file = length_m / METRES_PER_UNIT[hull.units]
+        fitting = [
+            f'set hull.units = "{unit}"'
+            for unit, metres in METRES_PER_UNIT.items()
+            if not _is_apart(in_file * metres, stated_m, OTHER_LENGTH)
+        ]
+        raise InputError(
+            f"the CAD model {hull.mesh} is {length_m:.1f} m long, {length_m / stated_m:.3g} times "
+            f"the {stated_m:g} m of hull.length_overall",
+            where="hull.mesh",
+            remedy=" or ".join(fitting)
+            or "export it to scale, or correct hull.length_overall: it is no length between "
+            "perpendiculars, and of a model of a part it is the length of that part",
+        )
+    if _is_apart(length_m, stated_m, SAME_LENGTH):
+        values = {"length_m": length_m, "stated_m": stated_m}
+        return [Finding("hull-length-differs", values, "the CAD model")]
+    return []
+
+
+def _is_apart(one_m: float, other_m: float, share: float) -> bool:
+    """Tell whether two lengths differ by more than a share, whichever is the longer."""
+    return bool(abs(np.log(one_m / other_m)) > np.log1p(share))
 
 
 def describe_regions(hull: Hull | None, mesh: Mesh | None) -> tuple[list[Finding], list[Finding]]:

@@ -20,6 +20,7 @@ from hullrecon.dive.check.consistency_checks import (
 from hullrecon.dive.check.contents import describe_start_offset
 from hullrecon.dive.check.hull_checks import (
     check_afloat,
+    check_length,
     check_upright,
     describe_bow,
     describe_regions,
@@ -313,17 +314,21 @@ def _check_hull_pose(
 ) -> tuple[list[Finding], list[Finding]]:
     """Describe which end of the CAD model is the bow, and warn of how hull.pose lays it.
 
-    A pose far off and a bow that the CAD model does not have are collected as problems. Both lists
-    are empty for such a bow, and without a CAD model.
+    A pose far off, another length than is stated and a bow that the CAD model does not have are
+    collected as problems. Both lists are empty for such a bow, and without a CAD model.
     """
     if hull is not None and mesh is not None:
         with problems.collect():
             refuse_far_hull(hull, mesh)
+        length: list[Finding] = []
+        with problems.collect():
+            length = check_length(hull, mesh)
         with problems.collect():
             bow, stations_off = describe_bow(hull, mesh)
             return [bow], [
                 *check_upright(hull, mesh),
                 *check_afloat(hull, mesh),
+                *length,
                 *stations_off,
             ]
     return [], []

@@ -444,6 +444,13 @@ class Hull(Section, frozen=True):
             "by more than its length"
         ),
     ] = None
+    length_overall: Annotated[
+        Positive | None,
+        Meta(
+            description="m, of the ship by her papers, or of the part of her that the mesh shows: "
+            "what the mesh's scale and unit are held against; absent: they are taken on trust"
+        ),
+    ] = None
     frame_spacing: Annotated[
         Positive | None, Meta(description="m, between frames, for addresses by frame number")
     ] = None

@@ -103,6 +103,7 @@ HULL = """
 mesh = {mesh}
 units = "m"                      # of the file: m, mm, cm, ft, in
 # bow = "-x"                     # where the bow lies, if not where the file's long axis grows
+# length_overall = 60.0          # of the ship by her papers: it tells the file's scale and unit
 # aft_perpendicular = 0.0        # where on that axis stations and frames count from, if not zero
 # to fill in: first guess of the CAD model's frame in the global one
 # pose = [x, y, z, 180.0, 0.0, yaw]
