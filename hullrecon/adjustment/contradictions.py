@@ -19,6 +19,7 @@ from hullrecon import native
 from hullrecon.adjustment.exceeded_priors import MANY_SIGMAS, MOUNTS, ROTATION, displacement
 from hullrecon.adjustment.hull_pose.other_beams import find_fitting_beams
 from hullrecon.adjustment.hull_pose.other_tray import find_fitting_tray, find_tray_offset
+from hullrecon.adjustment.hull_pose.registration import Registration
 from hullrecon.adjustment.readout import RowMotion, motion_by_row
 from hullrecon.adjustment.rounds import Estimate, Phase, RoundResult, RoundSolver
 from hullrecon.adjustment.suspects import Trial, best_explanations, least_readout_gain, try_suspects
@@ -149,15 +150,25 @@ def explain_refusal(path: Phase, placed: Phase, solver: RoundSolver) -> Phase:
 
 
 def doubt_tray(path: Phase, placed: Phase) -> Phase:
-    """Note an offset of the tray's angles where a CAD model was accepted far from its guess.
+    """Doubt the tray's angles where a CAD model was accepted against what the package states.
 
-    It is noted in the placement, for a warning: with the angles corrected by it, the CAD model
-    would lie at its guess. Where no offset does that, the phase `placed` is returned unchanged, as
-    it is without DVL ranges and on a path that outages cut.
+    An offset of the angles is noted in the placement, for a warning, where the CAD model lies far
+    from its guess and would lie at it with the angles corrected. Otherwise the phase `placed` is
+    returned unchanged, as it is without DVL ranges and on a path that outages cut.
+
+    Raises
+    ------
+    ContradictionError
+        Where the hull deviates from the CAD model by more than the package states, and does not
+        with the tray's angles read otherwise. Images would show how the tray turns, so with them
+        nothing is tried.
     """
     measured, state, placement = path.estimate.measured, path.estimate.state, placed.placement
     if measured.returns is None or placement is None or placement.segments is not None:
         return placed
+    shape = placement.shape
+    if measured.tracks is None and shape is not None and shape.needs_wider_sigma:
+        _refuse_misread_tray(path.estimate, None)
     rig, found = state.mounted(measured.rig), placement.registration
     offset = find_tray_offset(rig, state.path, measured.odometry, measured.returns, found)
     if offset is None:
@@ -176,8 +187,8 @@ def _is_beyond_chance(trial: Trial) -> bool:
 def _refuse_misread_ranges(solved: Estimate, placed: Phase) -> None:
     """Raise ContradictionError where the CAD model fits the DVL's ranges interpreted otherwise.
 
-    Tried are the beams in another order. Without images, which would show how the tray turns, the
-    tray's angles are tried with the other sign, in another unit, and with another zero.
+    Tried are the beams in another order, and without images, which would show how the tray turns,
+    other readings of its angles.
 
     Parameters
     ----------
@@ -200,22 +211,48 @@ def _refuse_misread_ranges(solved: Estimate, placed: Phase) -> None:
         order, before_m, after_m = beams
         values = {"beams": list(order), "before_mm": 1e3 * before_m, "after_mm": 1e3 * after_m}
         raise ContradictionError(Finding("other-beams", values).sentence)
-    if measured.tracks is not None:
-        return
+    if measured.tracks is None:
+        found = None if placed.placement is None else placed.placement.registration
+        _refuse_misread_tray(solved, found)
+
+
+def _refuse_misread_tray(solved: Estimate, found: Registration | None) -> None:
+    """Raise ContradictionError where the CAD model fits with the tray's angles read otherwise.
+
+    They are tried with the other sign, in another unit, and with another zero.
+
+    Parameters
+    ----------
+    solved
+        A path with DVL ranges, solved without the CAD model.
+    found
+        The registration of the CAD model, from which an offset of the angles follows. None: no
+        offset is tried.
+    """
+    measured, state = solved.measured, solved.state
+    returns, cad_model = measured.returns, measured.cad_model
+    assert returns is not None
+    assert cad_model is not None
+    rig = state.mounted(measured.rig)
     tray = find_fitting_tray(rig, state.path, measured.odometry, returns, cad_model)
     offset = None
-    if placed.placement is not None:
-        found = placed.placement.registration
+    if found is not None:
         offset = find_tray_offset(rig, state.path, measured.odometry, returns, found)
     # Of the two explanations, that which leaves the smaller RMS distance from the CAD model
     if offset is not None and (tray is None or offset[1] < tray[2]):
         offset_deg = float(np.degrees(offset[0]))
-        values = {"offset_deg": offset_deg, "add_deg": -offset_deg, "after_mm": 1e3 * offset[1]}
-        raise ContradictionError(Finding("tray-offset", values).sentence)
+        named = Finding(
+            "tray-offset",
+            {"offset_deg": offset_deg, "add_deg": -offset_deg, "after_mm": 1e3 * offset[1]},
+        )
+        raise ContradictionError(named.sentence)
     if tray is not None:
-        convention, before_m, after_m = tray
-        values = {"reading": convention, "before_mm": 1e3 * before_m, "after_mm": 1e3 * after_m}
-        raise ContradictionError(Finding("other-tray", values).sentence)
+        reading, before_m, after_m = tray
+        named = Finding(
+            "other-tray",
+            {"reading": reading, "before_mm": 1e3 * before_m, "after_mm": 1e3 * after_m},
+        )
+        raise ContradictionError(named.sentence)
 
 
 def _try_all(path: Phase, solver: RoundSolver) -> tuple[Trial, ...]:

@@ -19,6 +19,8 @@ FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a 
     ("pressure", "constant"): "the readings stand still: they are not the water's pressure",
     ("DVL", "unit"): "the velocities are in {value}, not in m/s",
     ("DVL", "scale"): "the velocities have to be multiplied by {value}",
+    ("DVL", "mount"): "it sits turned by about {value} degrees about the tray's z axis, beside "
+    "what dvl.mount says",
     ("DVL", "turn"): "it is turned about its axis: its velocities have to be turned by "
     "about {value} degrees",
     ("DVL", "ranges"): "its ranges have to be multiplied by {value}",
@@ -74,8 +76,8 @@ EVIDENCE = {
     "level": "half of the depths are above the water, up to {first:.1f} m",
     "turn": "within a second the rates turn by up to {first_deg:.3g} degrees, the orientation by "
     "{second_deg:.3g}",
-    "heading": "within a second the rates turn by up to {first_deg:.3g} degrees, the orientation "
-    "by {second_deg:.3g}, and they part about the vertical alone, as where a compass swings near a "
+    "heading": "within seconds the rates turn by up to {first_deg:.3g} degrees, the orientation by "
+    "{second_deg:.3g}, and they part about the vertical alone, as where a compass swings near a "
     'ship\'s steel. If so, give imu.heading = "rates"; `hullrecon check` then tells the '
     "imu.heading_drift_deg_per_hour of the rates",
     "gravity": "gravity does not pull along the vertical of the orientation",

@@ -9,6 +9,7 @@ import pytest
 from adjustment.test_cad_acceptance import true_path
 
 from hullrecon.adjustment.hull_pose.other_beams import find_fitting_beams
+from hullrecon.geometry.poses import from_mount
 
 SOLVED = true_path(camera=False)
 RIG = SOLVED.state.mounted(SOLVED.measured.rig)
@@ -39,6 +40,14 @@ def test_order_in_which_ranges_fit_the_cad_model_is_named(order):
     assert after_m < 0.5 * before_m
     # the ranges are those of the beams that are named
     assert [order[k - 1] for k in named] == [0, 1, 2]
+
+
+def test_no_order_explains_a_hull_pose_that_is_wrong():
+    """One order fits better than the others, and none fits."""
+    cad_model = SOLVED.measured.cad_model
+    turned = from_mount([0, 0, 0, 0, 0, 180])
+    elsewhere = replace(cad_model, guess=cad_model.guess @ turned)
+    assert find_fitting_beams(of_three_beams((0, 1, 2)), ends, elsewhere, 0.01) is None
 
 
 def test_beams_in_their_order_are_not_doubted():

@@ -15,7 +15,7 @@ from hullrecon.dive.logs.streams.imu import FRD_FROM_FLU, NED_FROM_ENU, imu_samp
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_mount
-from hullrecon.navigation.suspects.comparisons.comparison import Sensor
+from hullrecon.navigation.suspects.comparisons.comparison import GAIN, Sensor
 from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.hypotheses import Conventions, Hypothesis
 from hullrecon.navigation.suspects.suspects import Tried, explain_best, judge
@@ -492,20 +492,48 @@ def test_dvl_that_is_turned_about_its_axis_is_named_before_pressure_and_camera()
     assert finding.values["value"] == "-45"
 
 
-@pytest.mark.parametrize(("angle_deg", "seen"), [(90, False), (180, True)])
-def test_imu_that_sits_turned_is_named_before_pressure_dvl_and_camera(angle_deg, seen):
-    true = dive()
+def with_turned_imu(records: SensorRecords, angle_deg: float) -> SensorRecords:
     vehicle_from_imu = Rotation.from_euler("z", angle_deg, degrees=True)
-    turned = with_imu(
-        true,
-        quaternion=(Rotation.from_quat(true.imu.quaternion) * vehicle_from_imu).as_quat(),
-        angular_velocity=vehicle_from_imu.inv().apply(true.imu.angular_velocity),
-        acceleration=vehicle_from_imu.inv().apply(true.imu.acceleration),
+    return with_imu(
+        records,
+        quaternion=(Rotation.from_quat(records.imu.quaternion) * vehicle_from_imu).as_quat(),
+        angular_velocity=vehicle_from_imu.inv().apply(records.imu.angular_velocity),
+        acceleration=vehicle_from_imu.inv().apply(records.imu.acceleration),
     )
-    (finding,) = judged(turned, flows() if seen else ()).findings
+
+
+def test_imu_that_sits_turned_is_named_before_pressure_dvl_and_camera():
+    angle_deg = 180
+    (finding,) = judged(with_turned_imu(dive(), angle_deg), flows()).findings
     assert (finding.severity, finding.values["sensor"]) == ("error", "IMU's orientation")
     assert finding.values["fault"] == "mount"
     assert float(finding.values["value"]) == pytest.approx(angle_deg, abs=15)
+
+
+def test_without_images_an_imu_that_sits_turned_is_no_other_than_a_dvl_that_looks_aside():
+    (finding,) = judged(with_turned_imu(dive(), 45)).findings
+    assert finding.severity == "error"
+    assert set(finding.values["sensors"]) == {"DVL", "IMU's orientation"}
+
+
+def test_dvl_that_looks_aside_is_named_by_images_with_the_mount_that_heals():
+    aside = replace(RIG, tray_from_dvl=from_mount([0, 0, 0.08, 0, 90, 45]))
+    (finding,) = judge(dive(), aside, AIR_M, flows=flows()).findings
+    assert (finding.values["sensor"], finding.values["fault"]) == ("DVL", "mount")
+    (mount,) = re.findall(r"give dvl\.mount = (\[.*\])", finding.sentence)
+    assert json.loads(mount) == [0, 0, 0.08, 0, 90, 0]  # that of the dive
+
+
+def test_two_faults_of_a_tray_explain_no_better_than_one():
+    """Whether a small angle in degrees grows the other way hardly shows."""
+    rig = replace(RIG, tray_from_dvl=from_mount([0, 0, 0, 0, 87, 0]))
+    imu_ns = dive().imu.t_ns
+    degrees = JointSamples(t_ns=imu_ns, angle=np.full(len(imu_ns), 3.0))
+    found = judge(replace(dive(), tray=degrees), rig, AIR_M, flows=flows())
+    (finding,) = found.findings
+    assert (finding.values["fault"], finding.values["value"]) == ("unit", "deg")
+    chi2 = {(one.fault, one.value): one.chi2 for one in found.tried}
+    assert chi2["sign", "deg"] > chi2["unit", "deg"] + GAIN
 
 
 def test_accelerations_of_gravity_alone_accuse_nobody():

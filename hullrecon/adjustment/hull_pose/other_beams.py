@@ -66,7 +66,7 @@ def find_fitting_beams(
         points = thin_points(ends(other), CELL_M, POINTS)
         found[order] = register_near(points, cad_model, range_sigma_m)
     as_is = found.pop(tuple(range(len(distinct))))
-    best = fits_far_better(as_is, found)
+    best = fits_far_better(as_is, found, range_sigma_m)
     if best is None:
         return None
     return tuple(k + 1 for k in best), rms_m(as_is), rms_m(found[best])

@@ -68,7 +68,7 @@ def find_fitting_tray(
             found[reading] = _register(
                 rig, with_tray(path, odometry, factor * path.tray), other, cad_model
             )
-    best = fits_far_better(as_is, found)
+    best = fits_far_better(as_is, found, rig.priors.range_sigma_m)
     return None if best is None else (best, rms_m(as_is), rms_m(found[best]))
 
 

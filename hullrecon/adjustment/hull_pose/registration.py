@@ -35,6 +35,10 @@ GOOD_FITNESS = 0.6
 # equally well by chance differ to 0.9, wrong orders of a dive's beams give 0.55 and more, the right
 # one 0.17.
 FITS_BETTER = 0.5
+# Root mean square of the distances to the CAD model, in the sigma of a range and of the CAD model,
+# beyond which no interpretation fits: a package may be mistaken by a factor of two
+# (docs/adr/0010). Right ones have 0.6, and those that fit best at a wrong hull.pose 4 to 11.
+FITS_SIGMAS = 2.0
 # Sigma of a guess that may be far off: m, rad in the ship's axes (forward, port, up)
 DISTANT_SIGMA = np.r_[5.0, 2.0, 0.5, np.radians([2.0, 2.0, 15.0])]
 DISTANT_STARTS = 8  # of the coarse grid, from which ICP starts
@@ -331,8 +335,13 @@ def rms_m(found: Registration) -> float:
     return float(np.sqrt(np.mean(np.square(found.residual))))
 
 
-def fits_far_better(as_is: Registration, others: Mapping[Key, Registration]) -> Key | None:
+def fits_far_better(
+    as_is: Registration, others: Mapping[Key, Registration], range_sigma_m: float
+) -> Key | None:
     """Choose the interpretation of ranges that fits the CAD model best. None if none is far better.
+
+    None too where even the best leaves distances that neither ranges nor the CAD model have: where
+    hull.pose is wrong, one interpretation is better than the others by chance.
 
     Parameters
     ----------
@@ -340,8 +349,15 @@ def fits_far_better(as_is: Registration, others: Mapping[Key, Registration]) -> 
         Registration to the ranges as they were interpreted.
     others
         Registrations to other interpretations, by a key of each.
+    range_sigma_m
+        Sigma of a DVL range.
     """
-    fits = {key: rms_m(one) for key, one in others.items() if one.fitness >= GOOD_FITNESS}
+    most_m = FITS_SIGMAS * float(np.hypot(range_sigma_m, as_is.cad_model.deviation_sigma))
+    fits = {
+        key: rms_m(one)
+        for key, one in others.items()
+        if one.fitness >= GOOD_FITNESS and rms_m(one) <= most_m
+    }
     best = min(fits, key=lambda key: fits[key], default=None)
     return None if best is None or fits[best] > FITS_BETTER * rms_m(as_is) else best
 

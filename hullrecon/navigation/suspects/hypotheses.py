@@ -30,6 +30,7 @@ from hullrecon.records.sensors import (
     PressureSamples,
     SensorRecords,
 )
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Mask
 
 # Units in which readings may have been logged in place of Pa, m, m/s
@@ -75,6 +76,7 @@ class Hypothesis:
     flows: Sequence[Flow] | None = None  # corrected features, where the camera is at fault
     # by which the stamps are late (the last one, where the clock runs fast); negative: early
     late_s: float = 0.0
+    faults: int = 1  # that are corrected at once
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,8 +120,8 @@ def hypotheses(
     records: SensorRecords,
     sensors: Set[Sensor],
     atmosphere_m: float,
+    rig: Rig,
     flows: Sequence[Flow] = (),
-    camera: CameraModel | None = None,
     given: Conventions = BY_DEFAULT,
 ) -> Iterator[Hypothesis]:
     """Yield what may be wrong with some sensors of a dive, one fault at a time.
@@ -132,10 +134,10 @@ def hypotheses(
         Those that are suspected.
     atmosphere_m
         The air's pressure in metres of water, which was subtracted from the pressure.
+    rig
+        Mount of the DVL, and calibration of the upper camera.
     flows
         Features of neighbouring images.
-    camera
-        Calibration of the upper camera.
     given
         What dive.toml says of the sensors.
     """
@@ -144,6 +146,7 @@ def hypotheses(
         yield from _pressure_faults(records, pressure, atmosphere_m)
     if Sensor.DVL in sensors and dvl is not None:
         yield from _dvl_faults(records, dvl)
+        yield from _dvl_mounts(records, dvl, rig.tray_from_dvl.rotation[0])
     if Sensor.RATES in sensors and imu is not None:
         yield from _rate_faults(records, imu)
     if imu is not None and sensors & {Sensor.ATTITUDE, Sensor.ACCELERATION}:
@@ -151,7 +154,7 @@ def hypotheses(
     if Sensor.TRAY in sensors and tray is not None:
         yield from _tray_faults(records, tray)
     if Sensor.CAMERA in sensors:
-        yield from _camera_faults(records, flows, camera)
+        yield from _camera_faults(records, flows, rig.top)
 
 
 def _pressure_faults(
@@ -228,6 +231,23 @@ def _dvl_faults(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
         yield clock.hypothesis(Sensor.DVL, replace(records, dvl=clock.correct(dvl)))
 
 
+def _dvl_mounts(
+    records: SensorRecords, dvl: DvlPings, tray_from_dvl: Rotation
+) -> Iterator[Hypothesis]:
+    """Yield mounts of a DVL that looks to another side: it is turned about the tray's z axis.
+
+    Its beams turn with its velocity. Turns about the tray's own axis, y, are left out: they are not
+    told from a tray whose zero is off.
+    """
+    for angle in range(TURN_STEP_DEG - 180, 181, TURN_STEP_DEG):
+        if angle:
+            turn = Rotation.from_euler("z", angle, degrees=True)
+            own = tray_from_dvl.inv() * turn * tray_from_dvl
+            whole = replace(dvl, velocity=own.apply(dvl.velocity), beams=own.apply(dvl.beams))
+            mended = replace(records, dvl=whole)
+            yield Hypothesis(sensor=Sensor.DVL, fault="mount", value=f"{angle:d}", mended=mended)
+
+
 def _rate_faults(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
     """Yield faults of the IMU's rates: units, axes, and both at once."""
     degree = np.pi / 180
@@ -238,8 +258,14 @@ def _rate_faults(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
         interpretations["axes", name] = imu.angular_velocity @ turn.T
         interpretations["axes", f"{name}, deg/s"] = degree * imu.angular_velocity @ turn.T
     for (fault, value), rates in interpretations.items():
-        mended = replace(records, imu=replace(imu, angular_velocity=rates))
-        yield Hypothesis(sensor=Sensor.RATES, fault=fault, value=value, mended=mended, exact=True)
+        yield Hypothesis(
+            sensor=Sensor.RATES,
+            fault=fault,
+            value=value,
+            mended=replace(records, imu=replace(imu, angular_velocity=rates)),
+            exact=True,
+            faults=2 if value.endswith(", deg/s") else 1,
+        )
 
 
 def _imu_faults(
@@ -360,7 +386,14 @@ def _tray_faults(records: SensorRecords, tray: JointSamples) -> Iterator[Hypothe
         ("sign", "deg", -degree, False),
     ):
         mended = replace(records, tray=replace(tray, angle=factor * tray.angle))
-        yield Hypothesis(sensor=Sensor.TRAY, fault=fault, value=value, mended=mended, exact=exact)
+        yield Hypothesis(
+            sensor=Sensor.TRAY,
+            fault=fault,
+            value=value,
+            mended=mended,
+            exact=exact,
+            faults=2 if (fault, value) == ("sign", "deg") else 1,
+        )
 
 
 def _camera_faults(

@@ -34,7 +34,7 @@ def find_remedy(
     str
         Part of a sentence, "" where no key corrects the fault.
     """
-    if sensor is Sensor.DVL and fault in ("axes", "turn"):
+    if sensor is Sensor.DVL and fault in ("axes", "turn", "mount"):
         return _mount_of_turned_dvl(fault, value, tray_from_dvl)
     if (sensor, fault) == (Sensor.TRAY, "sign"):
         unit = f' and tray.joint_unit = "{value}"' if value else ""
@@ -66,18 +66,21 @@ def find_remedy(
 def _mount_of_turned_dvl(fault: str, value: str, tray_from_dvl: Poses) -> str:
     """Name dvl.mount for a DVL whose velocities are right once they are turned.
 
-    fault, value: a turn about the DVL's axis, deg, or its axes, as in `signed_axes`.
+    fault, value: a turn about the DVL's axis or about the tray's z, deg, or its axes, as in
+    `signed_axes`.
     """
-    if fault == "turn":
+    position = tray_from_dvl.translation[0].tolist()
+    if fault in ("turn", "mount"):
         turn = Rotation.from_euler("z", float(value), degrees=True)
     elif is_mirrored(axes := dict(signed_axes())[value]):
         return ""  # no mount gives them
     else:
         turn = Rotation.from_matrix(axes)
-    position = tray_from_dvl.translation[0].tolist()
-    angles_deg = mount_angles_deg((tray_from_dvl.rotation * turn)[0])
+    given = tray_from_dvl.rotation[0]
+    angles_deg = mount_angles_deg(turn * given if fault == "mount" else given * turn)
     shown = ", ".join(f"{number:g}" for number in [*position, *angles_deg])
-    return f"where the whole DVL sits so, give dvl.mount = [{shown}]"
+    mount = f"give dvl.mount = [{shown}]"
+    return mount if fault == "mount" else f"where the whole DVL sits so, {mount}"
 
 
 def _mount_key(vehicle_from_imu: Rotation) -> str:

@@ -42,6 +42,8 @@ SHOWN = 8  # hypotheses that are listed for each contradiction
 UNITS = ("unit", "gauge")  # faults of a pressure that concern its unit
 # faults of a pressure, the usual ones first
 USUAL = {fault: rank for rank, fault in enumerate((*UNITS, "scale", "sign", "constant"))}
+OF_RATES = ("turn", "heading")  # comparisons of an IMU's rates with its orientation
+LARGEST_TURN_DEG = 5  # of a mount that the adjustment believes (adjustment/contradictions)
 USUAL_ANGLE_DEG = 45  # mounts are usually turned by multiples of it
 # Faults by an arbitrary factor. One of the factors that are tried fits about as well as a cause
 # whose factor is known: the medium of focal lengths, a picture of half the size, a unit. The cause
@@ -59,7 +61,7 @@ class Tried:
     sensor: Sensor
     fault: str
     value: str
-    chi2: float  # of all comparisons, under this hypothesis
+    chi2: float  # of all comparisons, under this hypothesis, and GAIN for each further fault
     chi2_before: float  # of all comparisons, as the dive was logged
     explains: bool
 
@@ -133,7 +135,7 @@ def judge(
             values = {"sensors": [str(s) for s in sensors], "per_cent": float(best[0][0].value)}
             findings.append(Finding("sensors-drift", values))
         elif len(sensors) != 1:
-            findings.append(_describe_unknown(records, sensors, wrong, base))
+            findings.append(_describe_unknown(records, [h for h, _ in best], wrong, base))
         elif len(units := _possible_units([h for h, _ in best])) > 1:
             where = topics.get(Sensor.PRESSURE, "")
             findings.append(Finding("pressure-unit-open", {"readings": units}, where))
@@ -244,8 +246,8 @@ def _try_all(
     solved: list[tuple[float, Hypothesis, _RepeatedComparisons]] = []
     # with the growth of the chi-square of a contradiction that remains
     unsolved: list[tuple[float, Hypothesis, _RepeatedComparisons]] = []
-    records, flows, camera = motions.records, motions.flows, motions.rig.top
-    for one in hypotheses(records, suspects, atmosphere_m, flows, camera, given):
+    records, flows = motions.records, motions.flows
+    for one in hypotheses(records, suspects, atmosphere_m, motions.rig, flows, given):
         own = [c for c in wrong if one.sensor in c.sensors]
         is_constant = one.fault == "constant"
         if not own or (is_constant and not all(c.stands_still for c in own if c.second.any())):
@@ -307,7 +309,8 @@ def _weigh_hypothesis(
     """Tell whether a hypothesis explains the contradictions, by all comparisons of its sensor.
 
     It has to solve all contradictions of its sensor and cause no new one. It also has to lower
-    chi-square by GAIN, unless a sign was reversed: large sigmas may hide that from chi-square.
+    chi-square by GAIN, unless a sign was reversed: large sigmas may hide that from chi-square. Each
+    further fault that it corrects at once has to lower it by GAIN too, as with wrong clocks.
     """
     own = [c for c in base if c.accuses and one.sensor in c.sensors]
     before = sum(c.chi2 for c in base)
@@ -316,6 +319,7 @@ def _weigh_hypothesis(
         for c in base
         if one.sensor in c.sensors
     )
+    chi2 += GAIN * (one.faults - 1)
     solved = one.fault == "constant" or all(repeated.solves(c) for c in own)
     after = [
         repeated.comparison(kind) for kind, sensors in DEPENDS_ON.items() if one.sensor in sensors
@@ -359,41 +363,52 @@ def _describe_fault(
 
 def _describe_unknown(
     records: SensorRecords,
-    sensors: Sequence[Sensor],
+    best: Sequence[Hypothesis],
     wrong: Sequence[Comparison],
     base: Sequence[Comparison],
 ) -> Finding:
     """Make the finding that sensors contradict each other, and it is not known which is wrong.
 
-    Named are the given sensors, else those of the worst contradiction. Of the latter, sensors that
-    agree with another one in some comparison are left out, and so is a tray that was not logged.
+    Named are the sensors of the hypotheses, else those of the worst contradiction. Of the latter,
+    sensors that agree with another one in some comparison are left out, and so is a tray that was
+    not logged.
 
     Parameters
     ----------
     records
         The dive.
-    sensors
-        Whose hypotheses explain the contradiction equally well, empty where none does.
+    best
+        Hypotheses of several sensors that explain it equally well, empty where none does.
     wrong, base
         Comparisons that accuse a sensor, and all comparisons.
     """
     worst = max(wrong, key=lambda c: c.chi2)
     agree = [c.sensors for c in base if len(c.sensors) > 1 and c not in wrong and not c.is_coarse]
-    if worst.kind == "turn":  # an orientation that stands still may agree with gravity and depth
+    if worst.kind in OF_RATES:  # an orientation that stands still may agree with gravity and depth
         agree = []
     named = [s for s in Sensor if s in worst.sensors and not any(s in c for c in agree)]
     named = [s for s in named if s is not Sensor.TRAY or records.tray is not None]
     facts = _facts(worst)
-    swing_rad = (
-        _heading_swing(records.imu) if worst.kind == "turn" and records.imu is not None else 0.0
-    )
+    swing_rad = 0.0
+    if worst.kind in OF_RATES and records.imu is not None:
+        swing_rad = _heading_swing(records.imu)
     if swing_rad:
         facts["kind"] = "heading"
-    is_gross = worst.misfit > GROSS or swing_rad > GROSS_SWING_RAD
+    # the headings' motion is small where a vehicle keeps its course: their swing itself counts
+    is_worthless = worst.kind != "heading" and worst.misfit > GROSS
+    is_gross = is_worthless or swing_rad > GROSS_SWING_RAD or any(map(_is_turned_far, best))
+    sensors = list(dict.fromkeys(one.sensor for one in best))
     sensors_named = [str(s) for s in sensors or named or sorted(worst.sensors)]
     return Finding(
         "sensors-contradict" if is_gross else "sensors-part", {"sensors": sensors_named, **facts}
     )
+
+
+def _is_turned_far(one: Hypothesis) -> bool:
+    """Tell whether a hypothesis turns a sensor by more than the adjustment could correct."""
+    if one.fault in ("turn", "mount"):
+        return abs(int(one.value)) > LARGEST_TURN_DEG
+    return one.fault in ("axes", "body", "frame")
 
 
 def _heading_swing(imu: ImuSamples) -> float:

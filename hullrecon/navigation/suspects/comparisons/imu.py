@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compare the signals of an IMU with each other, and its accelerations with the DVL's velocity.
 
-- rates and attitude: the integral of an IMU's rates against the turn of its orientation,
+- rates and attitude: the integral of an IMU's rates against the turn of its orientation, and over
+  seconds about the vertical alone, as a compass swings slowly near a ship's steel,
 - attitude and acceleration: what an accelerometer feels at rest points up, opposite to gravity,
 - acceleration and DVL: the integral of the IMU's acceleration, less gravity, against the change of
   the DVL's velocity.
@@ -31,9 +32,11 @@ from hullrecon.navigation.suspects.comparisons.dvl_track import Track
 from hullrecon.records.clock import seconds
 from hullrecon.records.sensors import ImuSamples
 
-TURNED_S, CHANGED_S = 1.0, 1.0  # length of the windows in which turns and velocities are compared
+# length of the windows in which turns, turns of the heading and velocities are compared
+TURNED_S, SWUNG_S, CHANGED_S = 1.0, 6.0, 1.0
 RATE_BIAS_RAD_S, RATE_SHARE = 0.01, 0.05  # of a MEMS gyroscope: bias, and scale with axes
 TURN_SIGMA_RAD = 0.003  # of a turn, at least
+HEADING_SIGMA_RAD = np.radians(0.5)  # of a filter that draws the rates' heading to a compass
 GRAVITY_SIGMA = 1.0  # m/s2, of a median over the dive
 # m/s2 by a MEMS accelerometer's bias and by roll and pitch (half a degree); m/s by vibration of
 # thrusters in a window; m between the IMU and the vehicle's origin
@@ -73,6 +76,36 @@ def compare_rates(imu: ImuSamples) -> Comparison | None:
         by_nuisance=(RATE_BIAS_RAD_S * lasts * np.eye(3)).reshape(-1, 3),
         first=by_rates.ravel(),
         second=turn.ravel(),
+    )
+
+
+def compare_heading(imu: ImuSamples) -> Comparison | None:
+    """Compare the turns of an IMU's orientation about the vertical with those by its rates.
+
+    Nuisances are the bias of the rates about the vertical, and their scale. None where too few
+    windows have both.
+    """
+    known = np.isfinite(imu.angular_velocity).all(axis=1)
+    t_ns, attitude = imu.t_ns[known], Rotation.from_quat(imu.quaternion[known])
+    windows = cut_windows(t_ns, SWUNG_S)
+    if len(windows) < LEAST_WINDOWS:
+        return None
+    t_s = seconds(t_ns, int(t_ns[0]))
+    rate = attitude.apply(imu.angular_velocity[known])[:, 2]
+    step = (attitude[1:] * attitude[:-1].inv()).as_rotvec()[:, 2]
+    by_rates = change_over(integral(t_s, rate).total, windows)
+    turn = change_over(np.concatenate([[0.0], np.cumsum(step)]), windows)
+    white = robust_sigma(step - 0.5 * (rate[1:] + rate[:-1]) * np.diff(t_s))
+    lag = np.abs(change_over(rate, windows)) * LATE_S
+    lasts = change_over(t_s, windows)
+    return Comparison(
+        kind="heading",
+        sensors=frozenset({Sensor.RATES, Sensor.ATTITUDE}),
+        residual=turn - by_rates,
+        sigma=np.sqrt(white**2 + HEADING_SIGMA_RAD**2 + lag**2),
+        by_nuisance=np.column_stack([RATE_BIAS_RAD_S * lasts, RATE_SHARE * by_rates]),
+        first=by_rates,
+        second=turn,
     )
 
 

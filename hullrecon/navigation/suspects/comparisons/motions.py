@@ -33,6 +33,7 @@ from hullrecon.navigation.suspects.comparisons.images import (
 from hullrecon.navigation.suspects.comparisons.imu import (
     compare_acceleration,
     compare_gravity,
+    compare_heading,
     compare_rates,
 )
 from hullrecon.records.sensors import SensorRecords
@@ -46,6 +47,8 @@ DEPENDS_ON = {
     "gravity": {Sensor.ACCELERATION, Sensor.ATTITUDE},
     # turns by the rates and by the orientation
     "turn": {Sensor.RATES, Sensor.ATTITUDE},
+    # the same about the vertical alone, over seconds
+    "heading": {Sensor.RATES, Sensor.ATTITUDE},
     # change of the depth and of the DVL's path
     "depth": {Sensor.PRESSURE, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY},
     # change of the hull's distance by the DVL's ranges, and by its velocity
@@ -89,19 +92,35 @@ class Motions:
 
     @cached_property
     def turn(self) -> Comparison | None:
-        """Compare the IMU's rates and orientation. None without enough readings.
-
-        It depends on times between readings only: a hypothesis that moves all stamps of the IMU by
-        the same offset leaves it unchanged.
-        """
-        imu, before = self.records.imu, self._before
+        """Compare the IMU's rates and orientation. None without enough readings."""
+        imu = self.records.imu
         if imu is None or len(imu.t_ns) < 2:
             return None
-        if before is not None and before.records.imu is not None and self._has_same(_turn_readings):
-            before_ns = before.records.imu.t_ns
-            if np.array_equal(imu.t_ns - imu.t_ns[0], before_ns - before_ns[0]):
-                return before.turn
-        return compare_rates(imu)
+        unturned = self._with_same_turns()
+        return compare_rates(imu) if unturned is None else unturned.turn
+
+    @cached_property
+    def heading(self) -> Comparison | None:
+        """Compare the headings of the IMU's rates and orientation. None without enough readings."""
+        imu = self.records.imu
+        if imu is None or len(imu.t_ns) < 2:
+            return None
+        unturned = self._with_same_turns()
+        return compare_heading(imu) if unturned is None else unturned.heading
+
+    def _with_same_turns(self) -> Motions | None:
+        """Return the motions before, where rates and orientation turn alike. None otherwise.
+
+        Turns depend on times between readings only: a hypothesis that moves all stamps of the IMU
+        by the same offset leaves them unchanged.
+        """
+        imu, before = self.records.imu, self._before
+        if imu is None or before is None or before.records.imu is None:
+            return None
+        if not self._has_same(_turn_readings):
+            return None
+        now_ns, before_ns = imu.t_ns, before.records.imu.t_ns
+        return before if np.array_equal(now_ns - now_ns[0], before_ns - before_ns[0]) else None
 
     @cached_property
     def track(self) -> Track | None:
@@ -221,6 +240,8 @@ def compare(motions: Motions, kinds: Set[str] = DEPENDS_ON.keys()) -> list[Compa
         found.append(compare_level(pressure))
     if "turn" in kinds:
         found.append(motions.turn)
+    if "heading" in kinds:
+        found.append(motions.heading)
     if imu is not None and "gravity" in kinds:
         found.append(compare_gravity(imu))
     track = motions.track if kinds & OF_TRACK else None
