@@ -280,8 +280,8 @@ def _check_before_run(dive: DiveRun, to_do: Sequence[StepStatus], jobs: int | No
 
     Raises InputError for a `hull.bow` that the CAD model does not have, a `hull.pose` far from the
     dive and another `hull.length_overall`, as steps only use the CAD model after hours of comparing
-    images. Raises StorageError if the disk
-    is too full: a step is built next to its old artifact, so about that much space must be free.
+    images. Raises StorageError if the disk is too full: a step is built next to its old artifact,
+    so about that much space must be free.
     """
     names = ", ".join(step.stage.name for step in to_do)
     log.info("%s: %s", dive.name, f"to do: {names}" if to_do else "everything is up to date")
