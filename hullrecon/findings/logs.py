@@ -193,6 +193,8 @@ NOTES: dict[str, Words] = {
     "most: they were taken as lost",
     "depths-above-water": "{lost} of {count} readings lie {limit_m:g} m or more above the water "
     "and were left out",
+    "quaternions-scaled": "its quaternions are all {length:.5g} long, as in an instrument's whole "
+    "numbers: they were scaled to 1",
     "attitudes-lacking": "{lacking} of {count} readings have no attitude and were left out",
     "attitudes-held": "{held} readings repeat the one before for more than a second, the first at "
     "{start}: the IMU or its driver stood still, and they were left out",

@@ -26,9 +26,13 @@ FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a 
     ("DVL", "ranges"): "its ranges have to be multiplied by {value}",
     ("DVL", "beams"): "its ranges are those of beams {value}, in another order than its beams have",
     ("DVL", "axes"): "the axes of the velocity are {value} of those that its convention has",
+    ("DVL", "along"): "the velocities are those along beams 1, 2 and 3, {value} the instrument",
     ("DVL", "mirrored"): "velocities and beams are of left-handed axes, {value} the other way",
     ("DVL", "repeated"): "velocities that repeat one value were taken without bottom lock",
     ("IMU's rates", "unit"): "the angular velocities are in {value}, not in rad/s",
+    ("IMU's rates", "scale"): "the angular velocities have to be multiplied by {value}",
+    ("IMU's rates", "bias"): "the angular velocities are off by {value} degrees a second about x, "
+    "y, z",
     ("IMU's rates", "axes"): "the angular velocities are about {value} of the orientation's axes",
     ("IMU's orientation", "order"): "the quaternion is {value}",
     ("IMU's orientation", "frame"): "imu.frame does not fit: {value} are of the other frame",
@@ -49,6 +53,7 @@ FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a 
     "other sign",
     ("IMU's orientation", "sign"): "the orientation has its {value} with the other sign",
     ("IMU's acceleration", "axes"): "the accelerations are along {value} of the orientation's axes",
+    ("IMU's acceleration", "global"): "the accelerations are along the global axes",
     ("IMU's acceleration", "sign"): "the accelerations are those of gravity, with the other sign",
     ("camera", "medium"): "its focal lengths are {value} times too short, as those of a "
     "calibration made in air are under water",
@@ -64,6 +69,8 @@ FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a 
 }
 # The unit that was expected, by the one that was found. For a pressure it is Pa.
 UNITS = {"cm": "m", "mm": "m", "ft": "m", "deg": "rad", "rad": "deg"}
+# What to do about a sensor that is wrong in no way that is known
+LEFT_AWAY = {"pressure": "leave topics.pressure away, or name the topic of the water's pressure"}
 DONE = {
     "constant": "they are left out",
     "repeated": "they are left out",
@@ -133,10 +140,11 @@ def _contradict(
     """Say that one sensor contradicts the others, or that several contradict each other."""
     evidence = _evidence(kind, first, second)
     if len(sensors) == 1:
-        return (
+        said = (
             f"{sensors[0]}: it contradicts the sensors that it is compared with, and no other "
             f"unit, sign or axis explains it: {evidence}"
         )
+        return f"{said}; {LEFT_AWAY[sensors[0]]}" if sensors[0] in LEFT_AWAY else said
     return (
         f"{' and '.join(sensors)} contradict each other, and which of them is wrong is not known: "
         f"{evidence}"

@@ -211,6 +211,8 @@ FOLLOWED = {
     "test_ranges_in_millimetres_are_refused",
     "dive/logs/streams/dvl.py::_refuse_coarse": "dive/logs/test_streams.py::"
     "test_velocities_rounded_to_tenths_are_refused_until_they_have_more_digits",
+    "dive/logs/streams/dvl.py::_refuse_flat": "dive/logs/test_streams.py::"
+    "test_velocities_without_one_axis_are_refused_until_it_is_there",
     "dive/logs/streams/dvl.py::_refuse_fast": "dive/logs/test_streams.py::"
     "test_velocities_of_another_unit_are_refused_until_it_is_given",
     "dive/logs/streams/imu.py::_no_attitude": "dive/logs/test_streams.py::"

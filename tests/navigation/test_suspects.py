@@ -180,8 +180,8 @@ def test_tray_angle_in_the_other_unit_is_converted(unit, factor):
     assert judged(on_tray(dive()), flows()).findings == []
 
 
-@pytest.mark.parametrize("off_deg", [90, 180])
-def test_tray_whose_zero_is_a_quarter_of_a_turn_off_is_put_right(off_deg):
+@pytest.mark.parametrize("off_deg", [45, 180])
+def test_tray_whose_zero_is_eighths_of_a_turn_off_is_put_right(off_deg):
     right = on_tray(dive())
     off = replace(right.tray, angle=right.tray.angle + np.radians(off_deg))
     found = judged(replace(right, tray=off), flows())
@@ -190,7 +190,7 @@ def test_tray_whose_zero_is_a_quarter_of_a_turn_off_is_put_right(off_deg):
     np.testing.assert_allclose(found.records.tray.angle, right.tray.angle)
 
 
-@pytest.mark.parametrize(("unit", "pascal"), [("hPa", 100.0), ("kPa", 1000.0)])
+@pytest.mark.parametrize(("unit", "pascal"), [("0.1 mbar", 10.0), ("kPa", 1000.0)])
 def test_pressure_in_another_unit_is_converted(unit, pascal):
     true = dive()
     logged = (true.pressure.depth + AIR_M) / pascal - AIR_M
@@ -226,6 +226,17 @@ def test_pressure_of_a_dive_at_one_depth_asks_for_its_unit():
     assert judged(with_depth(still, 100.0 * hectopascal)).findings == []
 
 
+def test_pressure_that_nothing_explains_is_refused_until_it_is_left_away():
+    true = dive()
+    counts = 0.05 * true.pressure.depth + 0.3
+    (finding,) = judged(with_depth(true, counts)).findings
+    assert finding.values["sensors"] == ["pressure"]
+    assert finding.sentence.endswith(
+        "leave topics.pressure away, or name the topic of the water's pressure"
+    )
+    assert judged(replace(true, pressure=None)).findings == []
+
+
 def test_pressure_of_an_enclosure_is_left_out():
     true = dive()
     still = 0.2 + 0.0002 * np.random.default_rng(2).standard_normal(len(true.pressure.depth))
@@ -242,6 +253,30 @@ def test_rates_in_degrees_are_converted():
     (finding,) = found.findings
     assert finding.values["value"] == "deg/s"
     assert found.records.imu.angular_velocity == pytest.approx(true.imu.angular_velocity)
+
+
+@pytest.mark.parametrize(
+    ("fault", "wrong"),
+    [
+        ("scale", lambda rates: 7.0 * rates),
+        ("bias", lambda rates: rates + np.array([0.05, -0.04, 0.06])),
+    ],
+)
+def test_rates_of_any_factor_or_bias_are_put_right(fault, wrong):
+    true = dive()
+    found = judged(with_rates(true, wrong(true.imu.angular_velocity)))
+    assert [finding.values["fault"] for finding in found.findings] == [fault]
+    np.testing.assert_allclose(
+        found.records.imu.angular_velocity, true.imu.angular_velocity, atol=0.005
+    )
+
+
+def test_accelerations_along_the_global_axes_are_turned():
+    true = dive()
+    along = Rotation.from_quat(true.imu.quaternion).apply(true.imu.acceleration)
+    found = judged(with_imu(true, acceleration=along))
+    assert [finding.values["fault"] for finding in found.findings] == ["global"]
+    np.testing.assert_allclose(found.records.imu.acceleration, true.imu.acceleration, atol=1e-9)
 
 
 def test_rates_about_exchanged_axes_are_turned():
@@ -432,10 +467,20 @@ def test_velocity_with_one_axis_negated_is_put_right(factors, axes):
     np.testing.assert_array_equal(found.records.dvl.velocity, true.dvl.velocity)
 
 
-def test_velocities_in_knots_are_converted_and_no_scale_is_taken():
+@pytest.mark.parametrize("sign", [1, -1])
+def test_velocities_along_the_beams_are_converted(sign):
     true = dive()
-    found = judged(with_velocity(true, 1 / 0.514444))
-    assert [finding.values["value"] for finding in found.findings] == ["kn"]
+    along = sign * true.dvl.velocity @ JANUS[:3].T
+    found = judged(replace(true, dvl=replace(true.dvl, velocity=along)))
+    assert [finding.values["fault"] for finding in found.findings] == ["along"]
+    np.testing.assert_allclose(found.records.dvl.velocity, true.dvl.velocity, atol=1e-9)
+
+
+@pytest.mark.parametrize(("unit", "metres_s"), [("kn", 0.514444), ("km/h", 1 / 3.6)])
+def test_velocities_in_another_unit_are_converted_and_no_scale_is_taken(unit, metres_s):
+    true = dive()
+    found = judged(with_velocity(true, 1 / metres_s))
+    assert [finding.values["value"] for finding in found.findings] == [unit]
     np.testing.assert_allclose(found.records.dvl.velocity, true.dvl.velocity)
 
 

@@ -32,6 +32,7 @@ from hullrecon.geometry.frames import Camera
 
 READ_MODELS = ("plumb_bob", "none", "rational_polynomial", "")
 # the names of a camera_info YAML, those of the message and those of OpenCV's samples
+FISHEYES = ("fisheye", "equidistant")  # whose coefficients mean something else than plumb_bob's
 NAMES = {
     "image_width": ("width", "imageWidth"),
     "image_height": ("height", "imageHeight"),
@@ -189,7 +190,8 @@ def _add_distortion(camera: CameraModel, data: Mapping[str, object], where: str)
 
     More than five coefficients are OpenCV's rational model, which is converted to plumb_bob.
     """
-    model = data.get("distortion_model", "plumb_bob")
+    lens = data.get("camera_model")  # camera_calibration of ROS 1 names a fisheye by this alone
+    model = lens if lens in FISHEYES else data.get("distortion_model", "plumb_bob")
     if not isinstance(model, str) or model not in READ_MODELS:
         shown = shorten(model) if isinstance(model, str) else show_value(model)
         raise InputError(

@@ -49,7 +49,9 @@ def read_pinhole(matrix: Sequence[float], size: tuple[int, int], where: str) -> 
         raise InputError(f"camera_matrix has focal lengths {fx:g} and {fy:g}{swapped}", where=where)
     if max(abs(skew), abs(other)) > LEAST_SKEW * fx:
         raise InputError(
-            f"camera_matrix has a skew of {skew or other:g}, which is not modelled", where=where
+            f"camera_matrix has a skew of {skew or other:g}, which is not modelled",
+            where=where,
+            remedy="calibrate without it, as camera_calibration and Kalibr do",
         )
     doubt = _find_doubt(np.array([fx, fy, cx, cy]), np.array(size, float))
     if doubt:

@@ -25,6 +25,23 @@ FOREIGN = (
         "ORB-SLAM's settings",
         "camera_matrix and distortion_coefficients k1, k2, p1, p2, k3",
     ),
+    (
+        r"projection_parameters:",
+        "VINS-Mono's (camodocal)",
+        "camera_matrix fx 0 cx, 0 fy cy, 0 0 1 and distortion_coefficients k1, k2, p1, p2, where "
+        "its model_type is PINHOLE",
+    ),
+    (r"libCalib::", "calib.io's", "fx = f, fy = f ar, cx, cy, and k1, k2, p1, p2, k3"),
+    (
+        r'"camera_type"',
+        "Basalt's",
+        "one of plumb_bob, as its models kb4, ds and eucm are other lenses than are read",
+    ),
+    (
+        r"ros__parameters:",
+        "a file of a ROS 2 node's parameters",
+        "what stands below ros__parameters, without the lines above and without the indentation",
+    ),
     (r"\APK\x03\x04", "NumPy's archive", "camera_matrix, distortion_coefficients and the size"),
 )
 

@@ -76,6 +76,8 @@ OTHER_KINDS = (
     (re.compile(rb"glTF"), ("a glb file", _SAY_SO)),
 )
 DECIMAL_COMMA = re.compile(rb"^\s*(?:vertex|v)\s+[-+]?\d+,\d", re.MULTILINE)
+# as Fortran writes numbers of double precision
+FORTRAN_EXPONENT = re.compile(rb"(\d)[Dd]([-+]?\d)")
 ROOM = 1_000_000  # values or faces that a file may claim beyond one for each of its bytes
 MOST_PROPERTIES = 200  # and elements of a PLY: its parser's time grows with their square
 PROPERTY = re.compile(rb"^[ \t]*(?:property|element)\b", re.MULTILINE)
@@ -165,8 +167,7 @@ def _load_mesh(path: Path) -> tuple[Array, Ints32, bool]:
         raise InputError(
             f"faces of {path.name} name vertices that it does not have", where=str(path.parent)
         )
-    is_binary_stl = kind == "stl" and not data[:5].lower().startswith(b"solid")
-    return vertices, faces.astype(np.int32), is_binary_stl
+    return vertices, faces.astype(np.int32), kind == "stl" and is_binary_stl(data)
 
 
 def recode(data: bytes) -> bytes:
@@ -196,22 +197,35 @@ def _refuse_other_kind(data: bytes, kind: str, path: Path) -> None:
         raise InputError(
             f"the CAD model {path.name} is {what}", where=str(path.parent), remedy=remedy
         )
-    is_binary_stl = kind == "stl" and not data[:5].lower().startswith(b"solid")
-    if is_binary_stl and len(data) >= STL_HEAD:
-        claimed = int.from_bytes(data[STL_HEAD - 4 : STL_HEAD], "little")
-        held = (len(data) - STL_HEAD) // STL_FACE
+    is_binary = kind == "stl" and is_binary_stl(data)
+    if is_binary and len(data) >= STL_HEAD:
+        claimed, held = claimed_faces(data), (len(data) - STL_HEAD) // STL_FACE
         if claimed > held:
             raise InputError(
                 f"the CAD model {path.name} is cut off: it holds {held} of {claimed} faces",
                 where=str(path.parent),
                 remedy=COPY_AGAIN,
             )
-    if kind == "stl" and not is_binary_stl and b"endsolid" not in data[-TAIL:].lower():
+    if kind == "stl" and not is_binary and b"endsolid" not in data[-TAIL:].lower():
         raise InputError(
             f"the CAD model {path.name} is cut off: it has no endsolid",
             where=str(path.parent),
             remedy=COPY_AGAIN,
         )
+
+
+def is_binary_stl(data: bytes) -> bool:
+    """Tell a binary STL, whose header may begin with "solid" too, from one of text.
+
+    Only the latter has no byte of zero up to the end of its first face.
+    """
+    is_text = data.lstrip()[: len("solid")].lower() == b"solid"
+    return not is_text or b"\0" in data[: STL_HEAD + STL_FACE]
+
+
+def claimed_faces(data: bytes) -> int:
+    """Read the number of faces that a binary STL states."""
+    return int.from_bytes(data[STL_HEAD - 4 : STL_HEAD], "little")
 
 
 def _parse_mesh(data: bytes, kind: str, path: Path) -> tuple[Array, Ints]:
@@ -408,9 +422,13 @@ def prepare(data: bytes, kind: str) -> bytes:
         raise ValueError(f"its header has more than {MOST_PROPERTIES} properties")
     if kind in ("stl", "obj") and DECIMAL_COMMA.search(data[:MIB]):
         raise ValueError("its numbers have decimal commas: export it with points")
-    if kind == "obj" or (kind == "stl" and data[:5].lower() == b"solid"):
-        return _join_groups(data, kind)
-    return data
+    if kind == "stl" and is_binary_stl(data):
+        return data[: STL_HEAD + STL_FACE * claimed_faces(data)]  # some programs write more behind
+    if kind in ("stl", "obj", "off"):
+        data = data.lstrip()
+        if FORTRAN_EXPONENT.search(data[:MIB]):
+            data = FORTRAN_EXPONENT.sub(rb"\1E\2", data)
+    return _join_groups(data, kind) if kind in GROUPS else data
 
 
 def check_instances(scene: Scene, size: int) -> None:
@@ -422,14 +440,18 @@ def check_instances(scene: Scene, size: int) -> None:
 
 
 def _check_accessors(data: bytes) -> None:
-    """Raise ValueError for a GLB that claims far more values than it holds bytes.
+    """Raise ValueError for a GLB whose meshes are packed, or that claims more than it holds.
 
     An accessor without a buffer stands for zeros, as many as it states.
     """
     if len(data) < GLB_HEAD.size:
         raise ValueError("it ends in its header")
     length = GLB_HEAD.unpack_from(data)[3]
-    accessors = json.loads(data[GLB_HEAD.size : GLB_HEAD.size + length]).get("accessors", [])
+    scene = json.loads(data[GLB_HEAD.size : GLB_HEAD.size + length])
+    packed = [name for name in scene.get("extensionsRequired", []) if "compression" in name]
+    if packed:
+        raise ValueError(f"its meshes are packed by {packed[0]}: export it without compression")
+    accessors = scene.get("accessors", [])
     zeros = sum(max(0, accessor["count"]) for accessor in accessors if "bufferView" not in accessor)
     if zeros > len(data) + ROOM:
         raise ValueError(f"it claims {zeros} values that it does not hold")

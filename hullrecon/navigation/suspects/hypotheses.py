@@ -17,10 +17,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.streams.imu import FRD_FROM_FLU, NED_FROM_ENU
-from hullrecon.dive.logs.streams.pressure import METRES, PASCALS
+from hullrecon.dive.logs.streams.pressure import DEEPEST_HULL_M, METRES, PASCALS
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.rotations import mount_angles_deg
-from hullrecon.navigation.suspects.comparisons.comparison import Sensor
+from hullrecon.navigation.suspects.comparisons.comparison import SHARED, Sensor
 from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.records.clock import NS
 from hullrecon.records.sensors import (
@@ -35,7 +35,15 @@ from hullrecon.typing import Array, Ints, Mask
 
 # Units in which readings may have been logged in place of Pa, m, m/s
 PASCAL = {u: pa for u, pa in PASCALS.items() if u not in ("Pa", "mbar")}
-METRES_PER_SECOND = {"cm/s": 0.01, "mm/s": 0.001, "ft/s": 0.3048, "kn": 0.514444}
+PASCAL |= {"0.1 mbar": 10.0}  # whole numbers of an MS5837, which its drivers pass on
+METRES_PER_SECOND = {
+    "cm/s": 0.01,
+    "mm/s": 0.001,
+    "ft/s": 0.3048,
+    "kn": 0.514444,
+    "km/h": 1 / 3.6,
+    "mph": 0.44704,
+}
 RADIANS_A_SECOND = {
     "deg/s": np.pi / 180,
     "mdeg/s": np.pi / 180e3,
@@ -174,6 +182,8 @@ def _pressure_faults(
         ("sign", ""): -depth,
     }
     for (fault, value), corrected in interpretations.items():
+        if fault in ("unit", "gauge") and np.median(corrected) > DEEPEST_HULL_M:
+            continue
         mended = replace(records, pressure=replace(pressure, depth=corrected))
         yield Hypothesis(
             sensor=Sensor.PRESSURE, fault=fault, value=value, mended=mended, exact=True
@@ -213,11 +223,7 @@ def _dvl_faults(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
     for (fault, value), (velocity, exact) in interpretations.items():
         mended = replace(records, dvl=replace(dvl, velocity=velocity))
         yield Hypothesis(sensor=Sensor.DVL, fault=fault, value=value, mended=mended, exact=exact)
-    for axis, name in enumerate("xyz"):
-        mirror = np.where(np.arange(3) == axis, -1.0, 1.0)
-        left = replace(dvl, velocity=mirror * dvl.velocity, beams=mirror * dvl.beams)
-        mended = replace(records, dvl=left)
-        yield Hypothesis(sensor=Sensor.DVL, fault="mirrored", value=name, mended=mended, exact=True)
+    yield from _other_axes(records, dvl)
     for value, factor in {**METRES, **{f"{f:.2f}": f for f in FACTORS}}.items():
         mended = replace(records, dvl=replace(dvl, ranges=factor * dvl.ranges))
         if factor != 1:
@@ -248,8 +254,25 @@ def _dvl_mounts(
             yield Hypothesis(sensor=Sensor.DVL, fault="mount", value=f"{angle:d}", mended=mended)
 
 
+def _other_axes(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
+    """Yield a DVL that gives velocities along its beams, and one in left-handed axes."""
+    if np.linalg.matrix_rank(dvl.beams[:3]) == 3:
+        # of the four velocities along the beams three stand in place of x, y, z
+        for value, along in (("towards", -dvl.beams[:3]), ("away from", dvl.beams[:3])):
+            velocity = dvl.velocity @ np.linalg.inv(along).T
+            mended = replace(records, dvl=replace(dvl, velocity=velocity))
+            yield Hypothesis(
+                sensor=Sensor.DVL, fault="along", value=value, mended=mended, exact=True
+            )
+    for axis, name in enumerate("xyz"):
+        mirror = np.where(np.arange(3) == axis, -1.0, 1.0)
+        left = replace(dvl, velocity=mirror * dvl.velocity, beams=mirror * dvl.beams)
+        mended = replace(records, dvl=left)
+        yield Hypothesis(sensor=Sensor.DVL, fault="mirrored", value=name, mended=mended, exact=True)
+
+
 def _rate_faults(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
-    """Yield faults of the IMU's rates: units, axes, and both at once."""
+    """Yield faults of the IMU's rates: units, axes, both at once, a factor, a bias."""
     degree = np.pi / 180
     interpretations = {
         ("unit", unit): f * imu.angular_velocity for unit, f in RADIANS_A_SECOND.items()
@@ -257,6 +280,11 @@ def _rate_faults(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
     for name, turn in signed_axes():
         interpretations["axes", name] = imu.angular_velocity @ turn.T
         interpretations["axes", f"{name}, deg/s"] = degree * imu.angular_velocity @ turn.T
+    scale, bias = _fit_rates(imu)
+    if scale is not None:
+        interpretations["scale", f"{scale:.3g}"] = scale * imu.angular_velocity
+    shown = ", ".join(f"{offset:.2g}" for offset in np.degrees(bias))
+    interpretations["bias", shown] = imu.angular_velocity - bias
     for (fault, value), rates in interpretations.items():
         yield Hypothesis(
             sensor=Sensor.RATES,
@@ -266,6 +294,32 @@ def _rate_faults(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
             exact=True,
             faults=2 if value.endswith(", deg/s") else 1,
         )
+
+
+def _fit_rates(imu: ImuSamples) -> tuple[float | None, Array]:
+    """Fit a factor of the rates, and a bias (3,) rad/s, to turns of the orientation in a second.
+
+    Each is fitted by itself by least squares. The factor is None where rates and turns do not go
+    together, as where one of them stands still.
+    """
+    known = np.isfinite(imu.angular_velocity).all(axis=1)
+    t_ns, rates = imu.t_ns[known], imu.angular_velocity[known]
+    if len(t_ns) < 2:
+        return None, np.zeros(3)
+    lasts_s = np.diff(t_ns) / NS
+    total = np.concatenate(
+        [np.zeros((1, 3)), np.cumsum(0.5 * (rates[1:] + rates[:-1]) * lasts_s[:, None], axis=0)]
+    )
+    rows = np.unique(np.searchsorted(t_ns, np.arange(t_ns[0], t_ns[-1], NS)))
+    attitude = Rotation.from_quat(imu.quaternion[known][rows])
+    by_rates, turned = (
+        np.diff(total[rows], axis=0),
+        (attitude[:-1].inv() * attitude[1:]).as_rotvec(),
+    )
+    squares, product = float((by_rates**2).sum()), float((by_rates * turned).sum())
+    together = product > 0 and product**2 > SHARED * squares * float((turned**2).sum())
+    bias = (by_rates - turned).sum(axis=0) / (t_ns[rows[-1]] - t_ns[rows[0]]) * NS
+    return product / squares if together else None, np.asarray(bias)
 
 
 def _imu_faults(
@@ -335,6 +389,9 @@ def _imu_faults(
     # The accelerations alone.
     accelerations = {("sign", ""): -imu.acceleration}
     accelerations |= {("axes", name): imu.acceleration @ turn.T for name, turn in signed_axes()}
+    # along the global axes that the IMU logs in
+    own = given.logged_from_vehicle.apply(imu.acceleration)
+    accelerations["global", ""] = attitude.inv().apply(given.global_from_logged.apply(own))
     for (fault, value), acceleration in accelerations.items():
         mended = replace(records, imu=replace(imu, acceleration=acceleration))
         yield Hypothesis(
@@ -372,9 +429,9 @@ def _left_handed(
 
 
 def _tray_faults(records: SensorRecords, tray: JointSamples) -> Iterator[Hypothesis]:
-    """Yield faults of the tray's angles: zeros a quarter or half a turn off, units, signs."""
+    """Yield faults of the tray's angles: zeros off by eighths of a turn, units, signs."""
     degree = np.pi / 180
-    for off_deg in (90, -90, 180):
+    for off_deg in (90, -90, 180, 45, -45, 135, -135):
         mended = replace(records, tray=replace(tray, angle=tray.angle - degree * off_deg))
         yield Hypothesis(
             sensor=Sensor.TRAY, fault="zero", value=f"{off_deg:+d}", mended=mended, exact=True

@@ -54,6 +54,7 @@ def test_a_rational_model_whose_denominator_is_one_is_read(calibration, tmp_path
         ({"camera_matrix": "[.nan, 0, 2, 0, 1, 1, 0, 0, 1]"}, "finite"),
         ({"camera_matrix": "[1, 0.5, 2, 0, 1, 1, 0, 0, 1]"}, "skew"),
         ({"distortion_model": "equidistant"}, "equidistant is not read"),
+        ({"camera_model": "fisheye"}, "fisheye is not read"),
         ({"distortion_coefficients": "[0, 0, 0, 0, 0, 1, 0, 0]"}, "more than five"),
         ({"distortion_coefficients": "[0.1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0.1, 0]"}, "tilted"),
         ({"camera_matrix": "[50, 0, 0, 0, 51, 0, 31.5, 23.5, 1]"}, "is it transposed, as MATLAB"),
@@ -232,6 +233,10 @@ def test_an_alias_bomb_as_calibration_is_refused(tmp_path):
         ("%YAML:1.0\n---\nM1: !!opencv-matrix\n  rows: 3\n", "OpenCV's of a stereo pair"),
         ('%YAML:1.0\nCamera.type: "PinHole"\nCamera.fx: 412.0\n', "ORB-SLAM's settings"),
         ("PK\x03\x04", "NumPy's archive"),
+        ("model_type: PINHOLE\nprojection_parameters:\n   fx: 412.0\n", "VINS-Mono's"),
+        ('{"polymorphic_name": "libCalib::CameraModelOpenCV"}', "calib.io's"),
+        ('{"value0": {"intrinsics": [{"camera_type": "kb4"}]}}', "Basalt's"),
+        ("/**:\n  ros__parameters:\n    image_width: 400\n", "a ROS 2 node's parameters"),
     ],
 )
 def test_calibration_of_another_program_is_named(calibration, tmp_path, text, whose):

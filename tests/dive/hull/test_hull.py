@@ -10,7 +10,13 @@ import trimesh
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hullrecon.dive.hull.load import clean_mesh, find_degenerate, merge_corners, read_hull
+from hullrecon.dive.hull.load import (
+    GLB_HEAD,
+    clean_mesh,
+    find_degenerate,
+    merge_corners,
+    read_hull,
+)
 from hullrecon.dive.hull.mirrors import find_boundary, find_possible_cuts, reflect_mesh
 from hullrecon.dive.hull.orientation import orient_outward
 from hullrecon.errors import HullreconError, InputError
@@ -400,6 +406,34 @@ def test_a_binary_stl_that_is_cut_off_is_named(tmp_path):
         read_hull(tmp_path / "hull.stl", "m", [])
     (tmp_path / "hull.stl").write_bytes(whole)  # copied again
     assert len(read_hull(tmp_path / "hull.stl", "m", []).faces)
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        lambda binary, _: b"solid by a yard".ljust(80) + binary[80:] + b"\0its own marks",
+        lambda _, text: b"\r\n  " + text,
+        lambda _, text: text.replace(b"e+", b"D+").replace(b"e-", b"D-"),
+    ],
+    ids=["binary that begins with solid and goes on", "after a blank line", "numbers of Fortran"],
+)
+def test_an_stl_of_an_unusual_form_is_read(tmp_path, form):
+    ship = trimesh.Trimesh(*tube_arrays())
+    text = re.sub(
+        r"-?\d+\.?\d*(?:e[-+]\d+)?",
+        lambda number: f"{float(number[0]):e}",
+        ship.export(file_type="stl_ascii"),
+    )
+    (tmp_path / "hull.stl").write_bytes(form(ship.export(file_type="stl"), text.encode()))
+    mesh = read_hull(tmp_path / "hull.stl", "m", [])
+    assert np.ptp(mesh.vertices, axis=0) == pytest.approx([40, 8, 8], abs=0.1)
+
+
+def test_a_compressed_glb_is_refused_with_what_to_do(tmp_path):
+    scene = b'{"extensionsRequired": ["KHR_draco_mesh_compression"]}'
+    (tmp_path / "hull.glb").write_bytes(GLB_HEAD.pack(b"glTF", 2, 74, len(scene), 0) + scene)
+    with pytest.raises(InputError, match="export it without compression"):
+        read_hull(tmp_path / "hull.glb", "m", [])
 
 
 def test_decimal_commas_of_an_stl_are_named(tmp_path):

@@ -67,6 +67,15 @@ def test_velocities_rounded_to_tenths_are_refused_until_they_have_more_digits():
     assert np.isfinite(dvl_pings(pings, None, 0.003, []).velocity).all()
 
 
+def test_velocities_without_one_axis_are_refused_until_it_is_there():
+    velocities = 0.2 * np.random.default_rng(1).standard_normal((40, 3))
+    pings = [ping(t, velocity * [1, 1, 0]) for t, velocity in enumerate(velocities)]
+    with pytest.raises(InputError, match="along z is exactly 0 in all 40 pings"):
+        dvl_pings(pings, None, 0.003, [])
+    pings = [ping(t, velocity) for t, velocity in enumerate(velocities)]
+    assert np.isfinite(dvl_pings(pings, None, 0.003, []).velocity).all()
+
+
 def test_ranges_not_positive_or_infinite_are_lost():
     pings = dvl_pings([ping(ranges=(0, -1, np.inf, 2))], None, 0.003, [])
     assert np.isnan(pings.ranges[0]).tolist() == [True, True, True, False]
@@ -141,6 +150,18 @@ def test_an_imu_without_any_attitude_is_refused():
     assert len(imu_samples([imu(0, [0, 0, 0, 1])], "ned", []).t_ns) == 1
 
 
+def test_quaternions_of_whole_numbers_are_scaled_to_unit_length():
+    angles = np.linspace(0.2, 0.4, 60)
+    turned = np.column_stack([0 * angles, 0 * angles, np.sin(angles), np.cos(angles)])
+    notes = []
+    logged = [imu(t, np.round(16384 * q)) for t, q in enumerate(turned)]
+    np.testing.assert_allclose(imu_samples(logged, "ned", notes).quaternion, turned, atol=1e-4)
+    assert "16384 long" in notes[0].sentence
+    euler = [imu(t, [0.01 * t, 0.0, 1.0 + 0.01 * t, 0.0]) for t in range(60)]
+    with pytest.raises(InputError, match="are they angles"):
+        imu_samples(euler, "ned", [])
+
+
 MODEL = PressureModel(1025.0, 9.81, 101325.0)
 
 
@@ -185,7 +206,7 @@ def test_a_sensor_of_which_no_reading_is_a_number_has_no_record():
         pressure_samples([PressureSample(0, np.nan), PressureSample(1, np.inf)], MODEL, notes)
         is None
     )
-    assert joint_samples([JointSample(0, "tray", np.nan)], "tray", "tray", notes) is None
+    assert joint_samples([JointSample(0, "tray", np.nan)], "sonar_tray", "tray", notes) is None
     assert sentences(notes) == [
         "pressure: 2 of 2 readings are no finite numbers and were left out",
         "joint tray: 1 of 1 readings are no finite numbers and were left out",
@@ -233,6 +254,12 @@ def test_a_number_is_a_pressure_or_a_depth_by_its_unit():
         samples = [DepthSample(0, value, is_up=False)]
         found = pressure_samples(samples, replace(MODEL, unit=unit), [])
         assert found.depth == pytest.approx([1.989], abs=2e-3)
+
+
+def test_a_tray_whose_messages_hold_no_angle_is_refused():
+    with pytest.raises(InputError, match=r'or set tray\.joint = ""') as refused:
+        joint_samples([JointSample(0, "servo", np.nan)] * 3, "tray", "servo", [])
+    assert refused.value.what == "none of the 3 messages of joint servo holds its angle"
 
 
 def test_joint_angles_in_degrees_are_refused_until_their_unit_is_given():

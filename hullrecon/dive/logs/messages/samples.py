@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+import numpy as np
+
 from hullrecon.dive.logs.messages import attitude_depth, position, sonar, velocity
 from hullrecon.dive.logs.messages.decode import Fields
 from hullrecon.dive.logs.messages.pictures import decoded_mosaic, encode_raw
@@ -19,10 +21,14 @@ def stamp_ns(header: Fields) -> int:
 
 
 def joint_state(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Translate a joint message to an angle for each joint that it names."""
+    """Translate a joint message to an angle for each joint that it names.
+
+    It is NaN for one without a position, as in the messages of a driver that gives speeds.
+    """
+    missing = [np.nan] * (len(message.name) - len(message.position))
     return [
         JointSample(t_ns, printable(str(name)), float(angle))
-        for name, angle in zip(message.name, message.position, strict=False)
+        for name, angle in zip(message.name, [*message.position, *missing], strict=False)
     ]
 
 

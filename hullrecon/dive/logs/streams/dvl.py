@@ -125,6 +125,7 @@ def _stack_velocities(
     velocity, given = drop_lost_velocities(stamps(samples), velocity, given, ranges, notes)
     cut = windows(velocity[np.isfinite(velocity).all(axis=1)])
     refuse_two_sensors("dvl", np.linalg.norm(cut - cut[:, :1], axis=2), "m/s")
+    _refuse_flat(velocity)
     return velocity, given
 
 
@@ -198,6 +199,24 @@ def _refuse_coarse(velocity: Array, speed: Array) -> None:
             where="dvl",
             remedy="log or write them with more digits",
         )
+
+
+def _refuse_flat(velocity: Array) -> None:
+    """Raise InputError for velocities (n, 3) of which one axis is exactly zero in all pings.
+
+    The two others take many values, so that it is no vehicle at rest: a driver left the axis out.
+    """
+    known = velocity[np.isfinite(velocity).all(axis=1)]
+    flat = (known == 0).all(axis=0)
+    levels = [len(np.unique(values)) for values in known.T[~flat]]
+    if flat.sum() != 1 or min(levels) < LEAST_ROUNDED:
+        return
+    raise InputError(
+        f"its velocity along {'xyz'[int(np.argmax(flat))]} is exactly 0 in all {len(known)} pings: "
+        "its driver leaves that axis out",
+        where="dvl",
+        remedy="log the velocity along all three axes",
+    )
 
 
 def _refuse_fast(speed: Array, unit: str) -> None:

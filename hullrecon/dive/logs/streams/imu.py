@@ -21,10 +21,15 @@ from hullrecon.typing import Array, Ints, Mask
 
 LEAST_ATTITUDES = 50  # readings that are no measurement if they are equal to the last digit
 UNIT_QUATERNION = 0.05  # how far the length of an attitude's quaternion may be off 1
+# Share by which the lengths of quaternions differ that were not scaled to 1, and share of them that
+# are alike. Steps of whole numbers up to 1000 make 0.1 %; angles of a dive change by far more
+ALIKE_QUATERNIONS, NEARLY_ALL = 0.005, 0.9
 LEAST_UNIT = 0.1  # share of an IMU's quaternions that are of unit length; fewer are so by chance
 GRAVITY_M_S2, NEAR_GRAVITY = 9.80665, 0.1  # by CIPM; share by which a vehicle moves it
 LEAST_FELT_M_S2 = GRAVITY_M_S2 / 2  # median; where it is less, a filter has taken gravity off
-ACCELERATIONS = {"g": GRAVITY_M_S2, "mg": 1e-3 * GRAVITY_M_S2}  # not those of a message
+MOST_FELT_M_S2 = 2 * GRAVITY_M_S2  # median; no vehicle is pushed like that for half of a dive
+# not those of a message
+ACCELERATIONS = {"g": GRAVITY_M_S2, "mg": 1e-3 * GRAVITY_M_S2, "cm/s2": 1e-2}
 NED_FROM_ENU = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
 FRD_FROM_FLU = Rotation.from_matrix(np.diag([1.0, -1.0, -1.0]))
 
@@ -60,7 +65,7 @@ def imu_samples(
         attitude is the DVL's and mount_deg is missing.
     """
     t_ns = stamps(samples)
-    quaternion = np.array([s.quaternion for s in samples]).reshape(-1, 4)
+    quaternion = _of_unit_length(np.array([s.quaternion for s in samples]).reshape(-1, 4), notes)
     rates = np.array([s.rates for s in samples]).reshape(-1, 3)
     acceleration = np.array([s.acceleration for s in samples]).reshape(-1, 3)
     good = _are_attitudes(t_ns, quaternion, rates, acceleration, notes)
@@ -96,6 +101,22 @@ def imu_samples(
     return ImuSamples(
         t_ns=t_ns, quaternion=rotation.as_quat(), angular_velocity=rates, acceleration=acceleration
     )
+
+
+def _of_unit_length(quaternion: Array, notes: list[Finding]) -> Array:
+    """Scale quaternions (n, 4) to unit length where nearly all have one other length.
+
+    So they are where a driver passes on an instrument's whole numbers. All others are returned
+    unchanged, as Euler angles in their place are, whose length changes. notes: the length is added.
+    """
+    length = np.linalg.norm(quaternion, axis=1)
+    length = length[np.isfinite(length) & (length > 0)]
+    usual = float(np.median(length)) if len(length) >= LEAST_ATTITUDES else 1.0
+    alike = np.abs(length / usual - 1) < ALIKE_QUATERNIONS
+    if abs(usual - 1) < UNIT_QUATERNION or alike.mean() < NEARLY_ALL:
+        return quaternion
+    notes.append(Finding("quaternions-scaled", {"length": usual}, "imu"))
+    return quaternion / usual
 
 
 def _are_attitudes(
@@ -166,18 +187,23 @@ def _no_attitude(length: Array, unit: int) -> InputError:
 
 
 def _in_m_s2(acceleration: Array, notes: list[Finding]) -> Array:
-    """Convert accelerations (n, 3) to m/s2 where their median size is that of gravity in g or mg.
+    """Convert accelerations (n, 3) to m/s2 where their median size is that of gravity elsewise.
 
-    Others are returned unchanged.
+    It is in a unit of ACCELERATIONS, or in counts, whose factor gravity tells. All others are
+    returned unchanged.
     """
     size = np.linalg.norm(acceleration, axis=1)
     known = size[np.isfinite(size)]
     median = float(np.median(known)) if len(known) else 0.0
-    for name, scale in ACCELERATIONS.items():
-        if abs(median * scale - GRAVITY_M_S2) < NEAR_GRAVITY * GRAVITY_M_S2:
-            notes.append(Finding("accelerations-in-unit", {"unit": name, "median": median}, "imu"))
-            return scale * acceleration
-    return acceleration
+    unit, scale = min(
+        ACCELERATIONS.items(), key=lambda named: abs(median * named[1] - GRAVITY_M_S2)
+    )
+    if abs(median * scale - GRAVITY_M_S2) > NEAR_GRAVITY * GRAVITY_M_S2:
+        if median < MOST_FELT_M_S2:
+            return acceleration
+        unit, scale = "counts", GRAVITY_M_S2 / median
+    notes.append(Finding("accelerations-in-unit", {"unit": unit, "median": median}, "imu"))
+    return scale * acceleration
 
 
 def _with_gravity(acceleration: Array, rotation: Rotation, notes: list[Finding]) -> Array:

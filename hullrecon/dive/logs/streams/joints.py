@@ -24,7 +24,7 @@ WHOLE_TURN_DEG = 360.0
 def joint_samples(
     samples: Sequence[JointSample], record: str, name: str, notes: list[Finding], unit: str = "rad"
 ) -> JointSamples | None:
-    """Stack the angles of one servo. None where no reading is finite.
+    """Stack the angles of one servo. None where no reading of the sonar's is finite.
 
     Readings that are not finite are dropped. Angles that begin anew after each turn are made to run
     on.
@@ -40,14 +40,21 @@ def joint_samples(
     Raises
     ------
     InputError
-        A tray that would turn by more than a whole turn, or angles of two servos.
+        A tray without any finite reading or that would turn by more than a whole turn, or angles of
+        two servos.
     """
     angle = np.array([s.angle for s in samples])
     angle = np.radians(angle) if unit == "deg" else angle
     good = np.isfinite(angle)
     notes += describe_lost(f"joint {name}", good)
     if not good.any():
-        return None
+        if record != "tray":
+            return None
+        raise InputError(
+            f"none of the {len(good)} messages of joint {name} holds its angle",
+            where="tray.joint",
+            remedy='log its position, or set tray.joint = "" if nothing turns there',
+        )
     largest_rad = float(np.abs(angle[good]).max())
     joined = _join_turns(angle[good], f"joint {name}", notes)
     cut = np.degrees(windows(joined))
