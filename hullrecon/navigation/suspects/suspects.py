@@ -382,7 +382,9 @@ def _describe_unknown(
     wrong, base
         Comparisons that accuse a sensor, and all comparisons.
     """
-    worst = max(wrong, key=lambda c: c.chi2)
+    # where headings part within a second too, that says by how much of the motion
+    quick = [c for c in wrong if c.kind != "heading"]
+    worst = max(quick or wrong, key=lambda c: c.chi2)
     agree = [c.sensors for c in base if len(c.sensors) > 1 and c not in wrong and not c.is_coarse]
     if worst.kind in OF_RATES:  # an orientation that stands still may agree with gravity and depth
         agree = []
