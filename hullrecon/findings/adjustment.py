@@ -205,7 +205,7 @@ def _scale_untold(per_cent: float | None) -> str:
             f"{per_cent:.0f} % (one sigma), and nothing else in this dive does: the sigmas of the "
             "position on the hull hold for a model that is to scale"
         )
-    return f"{text}; hull.length_overall, from the ship's papers, is held against that."
+    return f"{text}. With hull.length_overall, from the ship's papers, the scale is checked."
 
 
 ERRORS: dict[str, Words] = {
