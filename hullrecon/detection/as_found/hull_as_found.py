@@ -117,21 +117,10 @@ def estimate_hull_as_found(
     fusion
         How regressed heights and the views' shapes become vertices.
     """
-    # Heights over the hull without structures, on a mesh as fine as the landmarks allow.
+    # Heights over the hull without structures, on a mesh that is fine at landmarks and structures.
     hull_at_foot, _ = background.at(measured.foot)
     height = measured.offset - hull_at_foot
-    edge = affordable_edge(measured.foot, options.max_edge_m, options.max_vertices)
-    mesh = refine_near(base, measured.foot, edge, REACH_M)
-    coarse = _regress(mesh.vertices, vertex_normals(mesh), measured, height)
-
-    # A finer mesh where heights are above MIN_OFFSET_M. Old vertices keep their heights.
-    high = np.abs(coarse.value) >= MIN_OFFSET_M
-    old = len(mesh.vertices)
-    left = max(options.max_vertices - old, 1)
-    fine = min(edge, affordable_edge(mesh.vertices[high], FINE_EDGE_M, left))
-    mesh = refine_near(mesh, mesh.vertices[high], fine, 2 * FINE_EDGE_M)
-    normal = vertex_normals(mesh)
-    heights = coarse.append(_regress(mesh.vertices[old:], normal[old:], measured, height))
+    mesh, normal, heights = _mesh_with_heights(base, measured, height, options)
 
     # Move the vertices to their heights, and count the views whose shapes show them.
     hull, hull_sigma = background.at(mesh.vertices)
@@ -170,6 +159,31 @@ def estimate_hull_as_found(
         seen=seen,
         sagitta=sagitta,
         turn=turn,
+    )
+
+
+def _mesh_with_heights(
+    base: Mesh, measured: SurfaceLandmarks, height: Array, options: DetectOptions
+) -> tuple[Mesh, Array, Heights]:
+    """Refine the base at landmarks, and more at structures, and regress heights at its vertices.
+
+    Structures are where heights are above MIN_OFFSET_M. height: (l,) m of the landmarks above the
+    hull. Returns the mesh with n vertices, its normals (n, 3) and its heights (n).
+    """
+    edge = affordable_edge(measured.foot, options.max_edge_m, options.max_vertices)
+    mesh = refine_near(base, measured.foot, edge, REACH_M)
+    coarse = _regress(mesh.vertices, vertex_normals(mesh), measured, height)
+    high = np.abs(coarse.value) >= MIN_OFFSET_M
+    old = len(mesh.vertices)
+    left = max(options.max_vertices - old, 1)
+    fine = min(edge, affordable_edge(mesh.vertices[high], FINE_EDGE_M, left))
+    mesh = refine_near(mesh, mesh.vertices[high], fine, 2 * FINE_EDGE_M)
+    normal = vertex_normals(mesh)
+    # vertices of the coarse mesh keep their heights
+    return (
+        mesh,
+        normal,
+        coarse.append(_regress(mesh.vertices[old:], normal[old:], measured, height)),
     )
 
 
