@@ -37,6 +37,11 @@ class Rows:
         return [name for name in names if name not in self.SHARED]
 
 
+def spread_rows(count: int, most: int) -> Ints:
+    """Choose at most `most` of `count` rows, spread evenly from the first to the last one."""
+    return np.unique(np.linspace(0, count - 1, most).astype(np.int64))[:count]
+
+
 def _take(column: Any, rows: Ints | Mask | slice) -> Any:
     """Select rows of one column: of a nested record, of poses, or of an array."""
     if isinstance(column, Rows):

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hullrecon.rows import Rows, read_rows
+from hullrecon.rows import Rows, read_rows, spread_rows
 from hullrecon.typing import Array, Ints
 
 
@@ -45,3 +45,10 @@ def test_large_columns_are_selected_in_blocks(monkeypatch: pytest.MonkeyPatch) -
     kept = rng.random(50) < 0.5
     np.testing.assert_array_equal(seen.take(kept).at, seen.at[kept])
     np.testing.assert_array_equal(seen.take(kept).frame, seen.frame[kept])
+
+
+@pytest.mark.parametrize(
+    ("count", "most", "rows"), [(0, 5, []), (3, 5, [0, 1, 2]), (100, 3, [0, 49, 99])]
+)
+def test_rows_are_spread_from_first_to_last(count: int, most: int, rows: list[int]) -> None:
+    assert spread_rows(count, most).tolist() == rows

@@ -18,6 +18,7 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames
 from hullrecon.navigation.suspects.comparisons.comparison import LEAST_WINDOWS
 from hullrecon.records.sensors import ImageIndex
+from hullrecon.rows import spread_rows
 from hullrecon.typing import Pixels
 from hullrecon.vision.features.extraction import extract
 from hullrecon.vision.options import FeatureOptions
@@ -35,7 +36,7 @@ def check_images(index: Mapping[Camera, ImageIndex], read: ReadImage) -> list[Fi
     out = []
     for camera, images in index.items():
         _, rows = usable_frames(images)
-        few = rows[np.unique(np.linspace(0, len(rows) - 1, LOOKED_AT).astype(int))]
+        few = rows[spread_rows(len(rows), LOOKED_AT)]
         pictures = [picture for row in few if (picture := read(camera, int(row))) is not None]
         # With fewer images no flow is compared with other sensors, so that they do no harm.
         out += _check_pictures(pictures, camera.key) if len(pictures) >= LEAST_WINDOWS else []

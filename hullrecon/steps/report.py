@@ -44,6 +44,7 @@ from hullrecon.report.survey import (
 from hullrecon.rig import Rig, rig_from_settings
 from hullrecon.steps.artifacts import AdjustArtifact, DetectArtifact, InputArtifacts
 from hullrecon.steps.chain import NAMES
+from hullrecon.steps.finished_run import TRACEBACKS
 from hullrecon.steps.mosaics import TILES, TILESET
 
 CHAIN = NAMES[:-1]  # without this step
@@ -55,7 +56,6 @@ DELIVERED = {  # files of a mosaic step, and their names in deliver/ ({}: optica
     "variance.tif": "variance_{}.tif",
     "views.tif": "views_{}.tif",
 }
-TRACEBACKS = "tracebacks.txt"  # in the step's folder: of deliverables that could not be written
 SURFACE_RASTERS = tuple(
     f"{name}.tif" for name in ("deviation", "deviation_sigma", "form", "form_sigma", "support")
 )

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.geometry.robust import robust_sigma
+from hullrecon.rows import spread_rows
 from hullrecon.typing import Array
 
 BESIDE_M = 0.1  # largest distance from a beam's line of a landmark that is taken to lie on it
@@ -44,7 +45,7 @@ def gap_beyond_beams(
     """
     gaps = []
     # at most MOST_BEAMS beams, evenly over the dive
-    rows = np.unique(np.linspace(0, len(ends) - 1, MOST_BEAMS).astype(int))[: len(ends)]
+    rows = spread_rows(len(ends), MOST_BEAMS)
     for end, direction, reach_m in zip(ends[rows], directions[rows], range_m[rows], strict=True):
         from_end = landmarks - end
         along_m = from_end @ direction

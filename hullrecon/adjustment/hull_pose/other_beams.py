@@ -16,16 +16,15 @@ import numpy as np
 
 from hullrecon.adjustment.hull_pose.registration import (
     Registration,
+    few_points,
     fits_far_better,
     register_near,
     rms_m,
-    thin_points,
 )
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Array
 
-CELL_M, POINTS = 0.1, 600  # voxels and largest number of the beams' ends that are registered
 MOST_BEAMS = 4  # with more, there are too many orders to try
 
 
@@ -63,7 +62,7 @@ def find_fitting_beams(
     found: dict[tuple[int, ...], Registration] = {}
     for order in itertools.permutations(range(len(distinct))):
         other = replace(returns, beam=directions[list(order)][number])
-        points = thin_points(ends(other), CELL_M, POINTS)
+        points = few_points(ends(other))
         found[order] = register_near(points, cad_model, range_sigma_m)
     as_is = found.pop(tuple(range(len(distinct))))
     best = fits_far_better(as_is, found, range_sigma_m)

@@ -18,16 +18,15 @@ from hullrecon.adjustment.hull_pose.registration import (
     GOOD_FITNESS,
     GUESS_SIGMAS,
     Registration,
+    few_points,
     prior_step,
     register_near,
-    thin_points,
 )
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
 STEP_DEG = 30  # between the headings that are tried: a registration converges from half of it
-CELL_M, POINTS = 0.1, 600  # voxels and largest number of the points that are registered
 AIR_M, NEAR_AIR_M = 10.1, 0.7  # the air's pressure in metres of sea water, and how it varies
 
 
@@ -95,7 +94,7 @@ def find_fitting_heading(
     Returns the turn, rad, of the best fit, and the share of points that fit. None if the CAD model
     fits at no heading, or only far from the turned guess.
     """
-    few = thin_points(points, CELL_M, POINTS)
+    few = few_points(points)
     found: list[tuple[float, float]] = []
     for degrees in range(STEP_DEG, 360, STEP_DEG):
         other = replace(cad_model, guess=_turned(cad_model.guess, float(np.radians(degrees))))

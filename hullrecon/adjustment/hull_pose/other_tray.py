@@ -17,11 +17,11 @@ from hullrecon.adjustment.hull_pose.registration import (
     GOOD_FITNESS,
     GUESS_SIGMAS,
     Registration,
+    few_points,
     fits_far_better,
     prior_step,
     register_near,
     rms_m,
-    thin_points,
 )
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry.poses import Poses
@@ -32,7 +32,6 @@ from hullrecon.typing import Array
 # Other conventions of the angles, and the factor that corrects each: the opposite sign, and rad or
 # deg where the other unit was taken
 READINGS = {"sign": -1.0, "rad": float(np.degrees(1)), "deg": float(np.radians(1))}
-CELL_M, POINTS = 0.1, 600  # voxels and largest number of the beams' ends that are registered
 
 
 def find_fitting_tray(
@@ -146,5 +145,5 @@ def turned_odometry(odometry: Odometry, turn: Array) -> Odometry:
 
 def _register(rig: Rig, path: VehiclePath, returns: Returns, cad_model: CadModel) -> Registration:
     ends = rig.dvl_points(returns, path).points[~returns.flagged]
-    points = thin_points(ends, CELL_M, POINTS)
+    points = few_points(ends)
     return register_near(points, cad_model, rig.priors.range_sigma_m)

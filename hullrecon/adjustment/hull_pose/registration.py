@@ -46,6 +46,7 @@ GUESS_SIGMAS = 3.5  # beyond which the package's guess is contradicted
 # Sigma of the guess's height from which a hull may fit at several heights: without a measured depth
 # the height is known to metres, and the faces of a bilge lie this far apart
 OPEN_HEIGHT_M = 0.6
+FEW_CELL_M, FEW_POINTS = 0.1, 600  # voxels and most points of registrations that are only tried
 FIT_ITERATIONS = 60  # of the last fit, at most
 SAMPLES = 20_000  # points sampled on the CAD model's faces
 NEAR_M = 3.0  # largest distance from the survey of faces that are sampled
@@ -212,6 +213,11 @@ def thin_points(points: Array, voxel: float, most: int) -> Array:
         if len(count) <= most:
             return np.stack([np.bincount(owner, points[:, k]) / count for k in range(3)], axis=1)
         voxel *= 1.25
+
+
+def few_points(points: Array) -> Array:
+    """Thin points (n, 3) for registrations of which many are tried."""
+    return thin_points(points, FEW_CELL_M, FEW_POINTS)
 
 
 def frame_at(center: Array) -> Poses:

@@ -25,6 +25,7 @@ from hullrecon.evaluation.trajectory import score_trajectory
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.rows import spread_rows
 from hullrecon.steps.artifacts import DetectArtifact, InputArtifacts
 from hullrecon.studies.dive_steps import inputs_of_step
 from hullrecon.studies.figure_style import PublishedFigure, finish_figure, new_canvas
@@ -257,7 +258,7 @@ def _with_rings(picture: Pixels, points: Array) -> Pixels:
 
 def fly_through(frames: Sequence[Pixels], stations: Sequence[Station]) -> PublishedFigure:
     """Draw some of the frames, with the film of all of them."""
-    shown = np.unique(np.linspace(0, len(frames) - 1, 6).astype(int))
+    shown = spread_rows(len(frames), 6)
     figure, axes = new_canvas(10.0, 4.4, 2, 3)
     for axis, k in zip([axis for row in axes for axis in row], shown, strict=False):
         axis.imshow(frames[k])

@@ -15,13 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.frames import Camera
+from hullrecon.rows import spread_rows
 from hullrecon.studies.engine.one_camera import OneCameraDive, read_one_camera
 from hullrecon.studies.engine.pair_stages import show_side_by_side
-from hullrecon.studies.figure_style import (
-    PublishedFigure,
-    finish_figure,
-    new_canvas,
-)
+from hullrecon.studies.figure_style import PublishedFigure, finish_figure, new_canvas
 from hullrecon.studies.study import ComparedValue, StudyDive, StudyResult
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.features.descriptors import Putative, match_descriptors
@@ -70,7 +67,7 @@ class ComparedPair:
 def study(given: StudyDive) -> StudyResult:
     """Compare pairs of two legs with and without navigation, and count false inliers."""
     dive = read_one_camera(given)
-    some = np.unique(np.linspace(0, len(dive.across) - 1, PAIRS).astype(int))
+    some = spread_rows(len(dive.across), PAIRS)
     pairs = [dive.across[k] for k in some]
     found = {
         name: [

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.errors import InputError
 from hullrecon.geometry.frames import Camera
+from hullrecon.rows import spread_rows
 from hullrecon.studies.engine.one_camera import OneCameraDive, read_one_camera
 from hullrecon.studies.figure_style import (
     COLOURS,
@@ -275,7 +276,7 @@ def _draw_ellipses(
     pixel = dive.camera.model.distort(stages.mean[known])
     w, h = dive.camera.model.width, dive.camera.model.height
     inside = known[((pixel > 0) & (pixel < [w, h])).all(axis=1)]
-    few = inside[np.unique(np.linspace(0, len(inside) - 1, ELLIPSES).astype(int))]
+    few = inside[spread_rows(len(inside), ELLIPSES)]
     around = np.linspace(0, 2 * np.pi, 33)
     circle = np.sqrt(GATE_CHI2) * np.stack([np.cos(around), np.sin(around)])
     for row in few:
@@ -304,8 +305,6 @@ def draw_matches(axis: Axes, here: Array, there: Array, right: Mask, width: int)
     ends = np.stack([here, there + np.array([width, 0])], axis=1)
     for which, ink in ((right, GREEN), (~right, RED)):
         rows = np.flatnonzero(which)
-        few = (
-            rows[np.unique(np.linspace(0, len(rows) - 1, LINES).astype(int))] if len(rows) else rows
-        )
+        few = rows[spread_rows(len(rows), LINES)]
         axis.add_collection(LineCollection(list(ends[few]), colors=ink, linewidths=0.5, alpha=0.8))
     axis.plot([width, width], axis.get_ylim(), color=INK, linewidth=1.0)

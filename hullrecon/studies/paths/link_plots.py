@@ -20,6 +20,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.records.links import NodePairs
 from hullrecon.records.trajectory import VehicleTrack
+from hullrecon.rows import spread_rows
 from hullrecon.studies.figure_style import (
     COLOURS,
     GREEN,
@@ -109,7 +110,7 @@ def links_on_hull(
         *drifted.translation[:, :2].T, color=COLOURS["geva"], linewidth=1.2, label="dead reckoned"
     )
     above.plot(*at.translation[:, :2].T, color=COLOURS["maxmix"], linewidth=1.2, label="with links")
-    few = np.unique(np.linspace(0, len(linked.t_ns) - 1, ELLIPSES).astype(int))
+    few = spread_rows(len(linked.t_ns), ELLIPSES)
     for track, placed, ink in (
         (reckoned, drifted, COLOURS["geva"]),
         (linked, at, COLOURS["maxmix"]),

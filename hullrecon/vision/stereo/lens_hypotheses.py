@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.rows import spread_rows
 from hullrecon.typing import Array
 from hullrecon.vision.pairs.two_view import essential_of, sampson_squared
 
@@ -48,7 +49,7 @@ def best_lenses(
     top_px, bottom_px
         Matches (n, 2), pixels in the raw images.
     """
-    rows = np.unique(np.linspace(0, len(top_px) - 1, MOST_MATCHES).astype(np.int64))
+    rows = spread_rows(len(top_px), MOST_MATCHES)
     essential, seen = essential_of(bottom_from_top), (top_px[rows], bottom_px[rows])
     best: dict[str, LensFit] = {}
     for name, wrong, which in _causes():

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses
+from hullrecon.rows import spread_rows
 from hullrecon.typing import Array
 from hullrecon.vision.pairs.two_view import essential_of
 from hullrecon.vision.stereo.lens_hypotheses import Lenses, epipolar_error_px
@@ -57,7 +58,7 @@ def fitting_conventions(
     limit_px
         Largest median distance from the epipolar lines.
     """
-    rows = np.unique(np.linspace(0, len(top_px) - 1, MOST_MATCHES).astype(np.int64))
+    rows = spread_rows(len(top_px), MOST_MATCHES)
     seen = top_px[rows], bottom_px[rows]
     found = []
     for one in _conventions(given):

@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.geometry.rotations import cross_matrix
+from hullrecon.rows import spread_rows
 from hullrecon.typing import Array, Ints
 
 MOST_FEATURES = 120  # of a pair; twelve pairs of so many tell a turn to 0.05 degrees
@@ -93,4 +94,4 @@ def _rays(features: Sequence[Array]) -> Array:
 @cache
 def _spread_rows(count: int) -> Ints:
     """Choose at most MOST_FEATURES of `count` rows, evenly spread."""
-    return np.unique(np.linspace(0, count - 1, MOST_FEATURES).astype(np.int64))
+    return spread_rows(count, MOST_FEATURES)
