@@ -252,13 +252,14 @@ def rig_from_settings(
 def rig_with_priors(
     sections: Mapping[str, object], camera_models: Mapping[Camera, CameraModel]
 ) -> Rig:
-    """Build the rig with its priors from sections of dive.toml (RIG_SECTIONS, not the sonar).
+    """Build the rig with its priors from sections of dive.toml.
 
-    A camera's section is None where it was not carried.
+    sections: by name, all of RIG_SECTIONS (dive/config/schema.py), so none of the sonar. A camera's
+    section is None where it was not carried.
     """
     keys = {key: key.rpartition(".") for key in RIG_KEYS if not key.startswith("sonar")}
     values = {key: getattr(sections[part], name, None) for key, (part, _, name) in keys.items()}
-    if sections["camera.top"] is None:
+    if sections["camera.top"] is None:  # the bottom camera's pose is relative to the top one
         values["camera.bottom.pose_in_top"] = None
     rig = rig_from_settings(values, camera_models)
     return replace(rig, priors=_collect_priors(sections, rig))

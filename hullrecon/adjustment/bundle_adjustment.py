@@ -204,7 +204,7 @@ def solve_all_landmarks(settled: Phase, solver: RoundSolver) -> Adjusted:
 def _start(measured: Measurements, strategy: Strategy) -> Estimate:
     """Make the start values: the pose graph's path, or dead reckoning where there is none.
 
-    Landmarks are not triangulated yet (NaN), and there is no CAD model in them.
+    Landmarks are not triangulated yet (NaN), and the start has no CAD model.
     """
     path = measured.start or measured.trajectory.track().path
     mounts = measured.rig.mounts
@@ -221,7 +221,7 @@ def _start(measured: Measurements, strategy: Strategy) -> Estimate:
             hull=None,
         ),
         weights=weighting.initial_weights(measured, strategy),
-        max_px=FIRST_MAX_PX,
+        max_px=FIRST_MAX_PX,  # residuals of the first round may be that large
     )
 
 

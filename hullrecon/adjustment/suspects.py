@@ -476,7 +476,10 @@ def _found_tilt(_: native.Problem, unknowns: native.Unknowns) -> float:
 
 
 def _turn(block: str) -> Callable[[native.Problem, native.Unknowns], float]:
-    """Make a function that computes by which angle, rad, a solve turned a mount from its prior."""
+    """Make a function that computes by which angle, rad, a solve turned a mount from its prior.
+
+    block: the mount's field in the priors and in the unknowns.
+    """
 
     def turn(problem: native.Problem, unknowns: native.Unknowns) -> float:
         nominal = Rotation.from_quat(getattr(problem.priors, block).value[3:])

@@ -103,12 +103,18 @@ def log_files(package: Path, name: str) -> list[Path]:
 
 
 def named_images(package: Path, logs: Collection[str]) -> list[Path]:
-    """List the image files that tables name, relative to the package where they lie in it."""
-    tables = [PlainLog(package / name, package) for name in logs if _is_folder(package / name)]
+    """List the existing image files that logs which are folders of CSVs name.
+
+    Paths are relative to the package, absolute for a file outside of it. Logs that are files name
+    none.
+
+    logs: of the package, relative to it.
+    """
+    folders = [PlainLog(package / name, package) for name in logs if _is_folder(package / name)]
     return sorted(
         file
-        for table in tables
-        for file in table.named_files()
+        for folder in folders
+        for file in folder.named_files()
         if file.suffix.lower() in IMAGE_SUFFIXES
     )
 

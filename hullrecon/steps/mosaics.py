@@ -42,7 +42,8 @@ class MosaicInputs:
     """The surface with its chart and the vehicle over it, in one frame."""
 
     surface: MosaicSurface  # with the values of the hull as found, if detect left one
-    outside: OutsideMap  # the map that rasters are written in
+    # map coordinates of the hull as it is seen from outside, in which rasters are written
+    outside: OutsideMap
     by_images: bool  # the hull as found was made from images, else from the DVL's returns
     track: VehicleTrack
     mounts: Mounts | None  # as adjusted, None before the adjustment
@@ -57,10 +58,8 @@ def read_mosaic_inputs(inputs: InputArtifacts) -> MosaicInputs:
     as_found = inputs.detect.as_found if inputs.detect is not None else None
     solution = inputs.adjust.solution if inputs.adjust is not None else None
     surface = inputs.surface.surface if as_found is None else as_found
-    track, chart = (
-        inputs.navigate.trajectory.track() if solution is None else solution.track(),
-        inputs.surface.chart,
-    )
+    track = inputs.navigate.trajectory.track() if solution is None else solution.track()
+    chart = inputs.surface.chart
     deviation = inputs.detect.deviation if inputs.detect is not None else None
     values = {} if as_found is None else surface_values(as_found, deviation)
     return MosaicInputs(

@@ -71,7 +71,7 @@ def simulate_dive(spec: DiveSpec) -> Dive:
         motion=motion,
         seen_along=(middle - half - SEEN_M, middle + half + SEEN_M),
         seen_girth=(-depth - SEEN_M, SEEN_M),
-        frame_s=ticks(motion, _frame_rate(spec), spec.random("frames"), 0.45),
+        frame_s=ticks(motion, _frame_rate(spec), spec.random("frames"), first_s=0.45),
     )
 
 

@@ -77,7 +77,7 @@ def imu(spec: DiveSpec, motion: Motion) -> Imu:
     from scipy.spatial.transform import Rotation
 
     random = spec.random("imu")
-    t = ticks(motion, 25.0, random, 0.06)
+    t = ticks(motion, 25.0, random, first_s=0.06)
     n = len(t)
     level = ROLL_PITCH_SIGMA * (random.standard_normal(2) + 0.3 * random.standard_normal((n, 2)))
     # A random walk whose sigma reaches HEADING_SIGMA in a minute of readings 0.04 s apart
@@ -98,9 +98,12 @@ def imu(spec: DiveSpec, motion: Motion) -> Imu:
 
 
 def pressure(spec: DiveSpec, motion: Motion) -> Series:
-    """Simulate the pressure sensor: absolute, Pa, at the vehicle's origin, with a bias of 3 cm."""
+    """Simulate the pressure sensor: absolute, Pa, at the vehicle's origin.
+
+    Its bias is 3 cm, of either sign.
+    """
     random = spec.random("pressure")
-    t = ticks(motion, 10.0, random, 0.12)
+    t = ticks(motion, 10.0, random, first_s=0.12)
     bias = 0.03 * random.choice([-1.0, 1.0])
     depth = (
         motion.vehicle(t).translation[:, 2] + bias + DEPTH_SIGMA * random.standard_normal(len(t))
@@ -117,7 +120,7 @@ def positions(spec: DiveSpec, motion: Motion) -> Series:
         return NO_POSITIONS
     random = spec.random("positions")
     heading, origin = random.uniform(-np.pi, np.pi), random.uniform(-200, 200, 2)
-    t = ticks(motion, 1 / spec.positions.every_s, random, 0.7)
+    t = ticks(motion, 1 / spec.positions.every_s, random, first_s=0.7)
     x, y, z = motion.vehicle(t).apply(np.array(TRANSPONDER)).T
     north = origin[0] + x * np.cos(heading) - y * np.sin(heading)
     east = origin[1] + x * np.sin(heading) + y * np.cos(heading)
@@ -131,7 +134,7 @@ def positions(spec: DiveSpec, motion: Motion) -> Series:
 def joints(spec: DiveSpec, motion: Motion) -> Series:
     """Simulate the encoders of the tray and the sonar's servo: angles (n, 2) with noise, rad."""
     random = spec.random("joints")
-    t = ticks(motion, 10.0, random, 0.09)
+    t = ticks(motion, 10.0, random, first_s=0.09)
     series = (motion.encoder, motion.sonar_tray)
     reported = np.stack([motion.angle(s, t) for s in series], axis=1)
     return Series(

@@ -47,8 +47,12 @@ class Lens:
 
 
 def photographs(dive: Dive) -> Iterator[tuple[Pixels, Pixels | None]]:
-    """Render the RGB images (h, w, 3) of the top and the bottom camera, None without one."""
+    """Render each frame's RGB images (h, w, 3) of the top and the bottom camera.
+
+    The second image is None without a bottom camera.
+    """
     rig, motion, random = dive.rig, dive.motion, dive.spec.random("camera")
+    # 2: to a hull at the visibility and back, light keeps e^-4, 2 %, where ABSORPTION is 1
     paint, absorption = _paint(dive), 2.0 / dive.spec.visibility_m
     top = lens(rig.camera_top, lens_error(dive.spec, "camera_top", rig.camera_top))
     bottom = None
@@ -56,9 +60,9 @@ def photographs(dive: Dive) -> Iterator[tuple[Pixels, Pixels | None]]:
         error = lens_error(dive.spec, "camera_bottom", rig.camera_bottom)
         bottom = lens(rig.camera_bottom, error)
     exposed_s = row_times(dive.frame_s, dive.spec.cameras)
-    each = exposed_s.shape[1]  # poses of an image
+    poses_per_image = exposed_s.shape[1]
     tray_from_bottom = rig.tray_from_top @ rig.top_from_bottom
-    # The bottom image is exposed that much later, when the lamp has moved on with the top camera
+    # The bottom image is exposed late_s later, when the lamp has moved on with the top camera
     late_s = dive.spec.cameras.pair_offset_s
     hull_from_top, hull_from_bottom, lit_from = (
         motion.in_hull(motion.on_tray(exposed_s.ravel() + after_s, mount, TRAY_ORIGIN))
@@ -68,11 +72,12 @@ def photographs(dive: Dive) -> Iterator[tuple[Pixels, Pixels | None]]:
             (rig.tray_from_top, late_s),
         )
     )
-    for k in range(0, exposed_s.size, each):
+    for k in range(0, exposed_s.size, poses_per_image):
         scene = Scene(dive.hull.near(hull_from_top.translation[k, 0]), paint, absorption)
-        rows = slice(k, k + each)
+        rows = slice(k, k + poses_per_image)
         lamp, lamp_late = (
-            pose[rows].apply(np.tile(LAMP_IN_TOP, (each, 1))) for pose in (hull_from_top, lit_from)
+            pose[rows].apply(np.tile(LAMP_IN_TOP, (poses_per_image, 1)))
+            for pose in (hull_from_top, lit_from)
         )
         first = photograph(scene, top, hull_from_top[rows], lamp, random)
         second = None

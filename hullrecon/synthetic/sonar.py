@@ -43,7 +43,7 @@ def pings(dive: Dive) -> tuple[Array, Iterator[NDArray[np.uint8]]]:
     An image is (beams, ranges).
     """
     random = dive.spec.random("sonar")
-    t_s = ticks(dive.motion, RATE_HZ, random, 0.3)
+    t_s = ticks(dive.motion, RATE_HZ, random, first_s=0.3)
     at = dive.motion.on_tray(t_s, dive.rig.servo_from_sonar, SONAR_ORIGIN, dive.motion.sonar_tray)
     hull_from_sonar, rays = dive.motion.in_hull(at), fan()
     return t_s, (

@@ -42,7 +42,8 @@ STILL_PX = 1.0
 MOST = 0.5  # share of an image that counts as most of it
 CELLS = 4  # cells of an image along either side, to see how much of it features cover
 
-ReadRow = Callable[[int], Pixels | None]  # image (h, w, 3) RGB of a row, None for none
+# image (h, w, 3) RGB by its row in the index of images, None where it cannot be read
+ReadRow = Callable[[int], Pixels | None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,7 +103,7 @@ class StereoOdometer:
             return None
         options = self.match_options
         matcher, seed = PairMatcher(self.rig, options), (options.seed, second.number, first.number)
-        found = _measured_motion(matcher.match(second.view, first.view, None, seed, True))
+        found = _measured_motion(matcher.match(second.view, first.view, None, seed, False))
         if found is None:
             return None
         back = found.motion.inverse()
@@ -152,7 +153,7 @@ def image_motion(
     rig
         The vehicle's sensors.
     read
-        An image by its row.
+        Reads an image by its row in the index of images. None where it cannot be read.
     max_features
         Features of an image.
     min_inliers
@@ -161,14 +162,15 @@ def image_motion(
     Returns
     -------
     between
-        Function of two image rows. It returns second_from_first (4, 4), whose translation has an
-        arbitrary length, and sigmas (2,), rad, of its rotation and of the translation's direction,
-        each about the least well known axis. None where features do not agree.
+        Function of two rows of the index of images. It returns second_from_first (4, 4), whose
+        translation has an arbitrary length, and sigmas (2,), rad, of its rotation and of the
+        translation's direction, each about the least well known axis. None where features do not
+        agree.
     """
     match, _ = _match_top_images(rig, read, max_features, min_inliers)
 
     def between(first: int, second: int) -> tuple[Array, Array] | None:
-        """Measure the motion from one image row to another. None where they do not match.
+        """Measure the motion from one row's image to another's. None where they do not match.
 
         Returns second_from_first (4, 4), and sigmas (2,), rad, of its rotation and direction.
         """
@@ -194,13 +196,16 @@ def image_overlap(
     As long as they do, a path may be carried on where the DVL is silent. They overlap where at
     least min_inliers features move as those of one rigid scene. Features that stand still must also
     fill most of the image: a visible part of the vehicle stands still in open water too. Parameters
-    are those of `image_motion`. The test takes two image rows.
+    are those of `image_motion`. The test takes two rows of the index of images.
     """
     match, view = _match_top_images(rig, read, max_features, min_inliers)
     camera = rig.camera_models[Camera.TOP]
 
     def overlap(first: int, second: int) -> bool:
-        """Test whether features move as of one scene, and if they stand still, fill the image."""
+        """Test whether features move as of one scene.
+
+        Where they stand still, test also whether they fill most of the image.
+        """
         found = match(first, second)
         if found.reason not in (Reason.MATCHED, Reason.NO_MOTION):
             return False
@@ -216,9 +221,9 @@ def image_flow(
 ) -> Callable[[int, int], tuple[Array, Array] | None]:
     """Set up the search for features of one rigid scene in two images of the top camera.
 
-    Parameters are those of `image_motion`. The search takes two image rows and returns the
-    positions (m, 2) of the same m features in each image, in ideal coordinates. None where features
-    do not agree.
+    Parameters are those of `image_motion`. The search takes two rows of the index of images and
+    returns the positions (m, 2) of the same m features in each image, in ideal coordinates. None
+    where features do not agree.
     """
     match, view = _match_top_images(rig, read, max_features, min_inliers)
 
@@ -247,14 +252,17 @@ def fills_most(xy: Array, camera: CameraModel) -> bool:
 def _match_top_images(
     rig: Rig, read: ReadRow, max_features: int, min_inliers: int
 ) -> tuple[Callable[[int, int], PairMatch], Callable[[int], NodeView]]:
-    """Set up matching of the top camera's images by row.
+    """Set up matching of the top camera's images, each given by its row in the index of images.
+
+    Parameters are those of `image_motion`.
 
     Returns
     -------
     match
-        Matches two image rows, without a prior of the motion.
+        Matches two images, without a prior of the motion.
     view
-        Features of an image row. Those of the last two rows are kept.
+        Features of an image, in ideal coordinates: none where it cannot be read. Those of the last
+        two images are kept.
     """
     options = MatchOptions(min_inliers=min_inliers)
     feature_options = FeatureOptions(max_features=max_features)
@@ -269,7 +277,8 @@ def _match_top_images(
 
     def match(first: int, second: int) -> PairMatch:
         seed = (options.seed, first, second)
-        return matcher.match(view(first), view(second), None, seed, True)
+        # without a prior the whole image is searched in any case
+        return matcher.match(view(first), view(second), prior=None, seed=seed, full_search=False)
 
     return match, view
 

@@ -84,7 +84,8 @@ def find_segments(
     problem, settings
         The path at its solution, and the options with which it was solved.
     odometry
-        Motion between its nodes. Only where its sigma is large is the path's covariance computed.
+        Motion between its nodes. The path's covariance is computed only across gaps where the
+        odometry's sigma is large.
     node
         Node (k,) of each return that is not flagged.
 
@@ -117,7 +118,8 @@ def find_segments(
     found = Segments(
         of_node=of_node, reference=int(np.argmax(size)), step_covariance=np.zeros((len(size), 6, 6))
     )
-    # Of the others: from the end of the neighbour towards the reference to their own middle.
+    # The step to each other segment leads from the near end of its neighbour on the reference's
+    # side to its own middle node.
     outer = np.array(found.outwards())
     ends = np.array([_end_towards(found, found.towards_reference(k), k) for k in outer])
     middle = np.array([int(np.median(np.flatnonzero(of_node == k))) for k in outer])

@@ -113,9 +113,10 @@ def camera_of(camera: pycolmap.Camera) -> CameraModel:
 def _undistort_observations(
     delivered: Reconstruction, undistortions: dict[int, Undistortion]
 ) -> _Observations:
-    """Compute the observations in the undistorted images, of points that keep two or more.
+    """Compute the observations in the undistorted images.
 
-    Observations that fall outside of an undistorted image are left out.
+    Observations that fall outside of an undistorted image are left out, and then those of points
+    with fewer than two left.
     """
     parts: list[tuple[Ints, Ints, Array]] = []
     for number in sorted(delivered.images):

@@ -173,7 +173,10 @@ class _Fleet:
         self.done = {dive.package: self._initial_state(dive) for dive in self.planned}
 
     def _plan(self, packages: list[Path], retry: bool) -> list[PlannedDive]:
-        """Read the dives' names, and decide of each dive whether it is run, and why."""
+        """Read the dives' names, and decide of each dive whether it is run, and why.
+
+        Pipes, sockets and devices in a package are added to what is skipped.
+        """
         names, refused = dive_names(packages, self.dives, self.runs)
         planned = []
         for package in packages:

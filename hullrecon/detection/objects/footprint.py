@@ -51,7 +51,7 @@ def find_open_edge(found: HullAsFound, region: Region, area: Array, around: Arou
     area
         (n,) m2 of the vertices of the base.
     around
-        Index of these vertices.
+        Search tree of these vertices.
     """
     at, foot = found.base.vertices, region.foot
     reach = max(BAND_M, float(np.linalg.norm(at[foot] - at[foot].mean(axis=0), axis=1).max()))
@@ -62,12 +62,13 @@ def find_open_edge(found: HullAsFound, region: Region, area: Array, around: Arou
     gap = near[band & unmeasured]
     if not len(gap):
         return OpenEdge(share=0.0, beyond=np.zeros(0, np.int64), height=0.0)
-    # Unmeasured vertices beyond the gap, and the height of the footprint next to it
+    # Unmeasured vertices within reach of the gap, and the height of the footprint next to it
     hidden = near[unmeasured]
     beside = np.isfinite(nearest(at[gap], at[foot], 1, BAND_M)[0][:, 0])
     return OpenEdge(
         share=float(area[gap].sum() / area[near[band]].sum()),
         beyond=hidden[np.isfinite(nearest(at[gap], at[hidden], 1, reach)[0][:, 0])],
+        # the rise is positive on the region's side, the height outward
         height=region.side * float(np.mean(region.rise(found, foot[beside]))),
     )
 

@@ -127,12 +127,12 @@ def _servo_axis(key: str, carried: Sequence[FixedSensor]) -> ChosenMount | None:
     return ChosenMount(value=DEFAULT_MOUNTS[key], source=source)
 
 
-def parted_on_tray(sensors: Mapping[str, FixedSensor]) -> tuple[FixedSensor, FixedSensor] | None:
-    """Tell whether tf_static has only one of DVL and upper camera on the tray's servo.
+def split_by_servo(sensors: Mapping[str, FixedSensor]) -> tuple[FixedSensor, FixedSensor] | None:
+    """Find which of DVL and upper camera tf_static has on the tray's servo, and which off it.
 
-    Returns the sensor on the servo, and the one fixed to the vehicle. None where both or neither
-    are on the servo.
+    None where both or neither are on the servo.
     """
+    # on the servo: by the servo's frame on the way, or as tf_static leads no farther
     both = _on_axis("tray.origin", sensors)
     turning, fixed = (
         [s for s in both if (s.on_servo or s.servo_origin is not None) == turns]
@@ -169,7 +169,7 @@ def _refuse_parted_tray(values: Mapping[str, object], sensors: Mapping[str, Fixe
 
     One tray carries both, so that the fixed sensor would turn as well.
     """
-    parted = parted_on_tray(sensors)
+    parted = split_by_servo(sensors)
     if parted is not None and FROM_LOG in [
         values.get(key) for key in ("dvl.mount", "camera.top.mount")
     ]:

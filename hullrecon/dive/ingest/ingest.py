@@ -188,7 +188,11 @@ def _take_image(
 def _index_images(
     sinks: Mapping[str, ImageSink], notes: list[Finding], problems: Problems
 ) -> dict[str, ImageIndex]:
-    """Index the images of each camera that has any. notes: what was found wrong is added."""
+    """Index the images of each camera that has any, by the camera's name.
+
+    notes: what was found wrong is added. problems: collects the error of a camera, so that the
+    others are still indexed, or lets it pass.
+    """
     images = {}
     for name, sink in sinks.items():
         with problems.collect():

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.config.calibration import is_camchain, read_pose_in_top
-from hullrecon.dive.config.mounts import ChosenMount, choose_mounts, parted_on_tray
+from hullrecon.dive.config.mounts import ChosenMount, choose_mounts, split_by_servo
 from hullrecon.dive.config.schema import DEFAULT_MOUNTS, FROM_LOG
 from hullrecon.dive.init.log_summary import LogSummary, TopicNote, guess_topics
 from hullrecon.dive.logs.dvl_beams import ask_for_beams
@@ -155,7 +155,7 @@ def proposed_mounts(
     # Doubtful mounts are not proposed: written into dive.toml they would pass for confirmed ones.
     # Left to the log, `check` says what is wrong with them.
     doubtful = (
-        () if parted_on_tray(sensors) is None else ("tray.origin", "dvl.mount", "camera.top.mount")
+        () if split_by_servo(sensors) is None else ("tray.origin", "dvl.mount", "camera.top.mount")
     )
     return {key: mount for key, mount in found.items() if mount.source and key not in doubtful}
 

@@ -66,7 +66,8 @@ def choose_beams(
 
     Parameters
     ----------
-    samples : pings of the DVL, which may carry its beams' directions, or its type
+    samples : pings of the DVL, which may carry its beams' directions: logged, or (`instrument` is
+        set) by the data sheet of the type that the message names
     configured : (b, 3) directions of dive.toml, None where it gives none
     width : number of beams with ranges in the log
     notes : findings are added where the directions contradict each other, or come from the type

@@ -239,9 +239,11 @@ def _set_back_within(stamp: Ints, logged: Ints) -> Ints:
 def _stepped_back(stamp: Ints, logged: Ints, period: int, least: int, again: int) -> Ints:
     """Estimate by how much stamps (n,) are off after their clock was stepped back, ns.
 
-    The part after a step begins within the span of the part before and ends after it, or it begins
-    an hour before the previous one ended, as when summer time ends. The error is such that the
-    parts follow each other by one period. Zeros where parts were logged in another order or twice.
+    The result is to be subtracted: it is negative after a step back. The part after a step begins
+    within the span of the part before and ends after it, or it begins an hour before the previous
+    one ended, as when summer time ends. The error is such that the parts follow each other by one
+    period. All zeros where any part is too short (LASTING), or was logged in another order or
+    twice.
 
     Parameters
     ----------

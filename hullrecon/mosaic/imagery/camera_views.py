@@ -359,7 +359,7 @@ def sample_light(
     thumbnails: Sequence[NDArray[np.uint8] | None],
     camera: Ints,
 ) -> LightSamples:
-    """Sample the brightness of each surface texel in every thumbnail that shows it.
+    """Sample the log intensities of each surface texel in every thumbnail that shows it.
 
     There are no samples where no view sees the surface.
 
@@ -374,7 +374,7 @@ def sample_light(
     camera
         (views,) number of the camera of each view.
     """
-    # For each tile and view: view, texel, cell of the vignetting field, and log value, all (n, ...)
+    # For each tile and view: view, texel, cell of the light field, and log value, all (n, ...)
     parts: list[tuple[Any, ...]] = []
     for tile in grid.parts(BLOCK):
         patch = sample_surface(surface, grid, tile)
@@ -390,7 +390,7 @@ def sample_light(
                 surface, patch.part(part), np.flatnonzero(known), image_view.center, 0.0
             )[0]
             pixel, ratio = image_view.project(patch.point[part][known])
-            in_image = np.isfinite(ratio)
+            in_image = np.isfinite(ratio)  # NaN where the image does not show the point
             share = (pixel[in_image] + 0.5) / [image_view.camera.width, image_view.camera.height]
             texel = (rows * grid.width + columns)[known][in_image]
             log_value = _log_intensity(thumbnail, share)
@@ -401,6 +401,7 @@ def sample_light(
             view=none, texel=none, cell=none, log_value=np.zeros((0, 3)), camera=camera
         )
     view_of, texel_of, cell_of, value = (np.concatenate(p) for p in zip(*parts, strict=True))
+    # Number the texels that were seen from 0 on.
     _, texel_of = np.unique(texel_of, return_inverse=True)
     return LightSamples(
         view=view_of.astype(np.int64),

@@ -65,11 +65,12 @@ def remaining_offset_sigmas(
 def _relative_rate(
     evidence: Evidence, corrected: Offsets, middle_ns: int
 ) -> tuple[float, float] | None:
-    """Estimate the relative rate of a comparison's clocks, s a second, and its sigma.
+    """Estimate the rate of a comparison's first clock relative to the second, s/s, and its sigma.
 
     Rate and offset are fitted together by one weighted least-squares step from the best offset. The
     sigma is cluster-robust. None where the residuals do not depend on both.
 
+    corrected: the offsets that were found and taken off, about which the fit is linear.
     middle_ns: instant at which the rate adds nothing to the offset.
     """
     comparison = evidence.comparison
@@ -77,18 +78,19 @@ def _relative_rate(
     if fit is None:
         return None
     at_s = fit.relative_s - evidence.relative(corrected)
-    slope, found, weight = linearise(comparison, corrected, at_s)
+    slope, residual, weight = linearise(comparison, corrected, at_s)
     since_s = 0.5 * ((comparison.begin_ns - middle_ns) + (comparison.end_ns - middle_ns)) / NS
     # derivatives (2, n, k) of the residuals by the offset and by the rate
     columns = np.stack([slope, slope * since_s[:, None]])
     information = np.einsum("ank,bnk->ab", columns * weight, columns)
     if not np.linalg.eigvalsh(information)[0] > 0:
         return None
-    gradient = (weight * columns * found).sum(axis=2)
+    gradient = (weight * columns * residual).sum(axis=2)
     step = -np.linalg.solve(information, gradient.sum(axis=1))
     inverse = np.linalg.inv(information)
-    # gradients (2, n) of the rows after the step, whose scatter by row and by block is the variance
-    remaining = (weight * columns * (found + np.tensordot(step, columns, 1))).sum(axis=2)
+    # Gradients (2, n) of the rows after the step. Their scatter gives the variance. Errors may be
+    # common to a block of rows, so the larger of the scatters by row and by block counts.
+    remaining = (weight * columns * (residual + np.tensordot(step, columns, 1))).sum(axis=2)
     by_row = remaining @ remaining.T
     blocks = np.stack([np.bincount(comparison.block, each) for each in remaining])
     variance = max((inverse @ scatter @ inverse)[1, 1] for scatter in (by_row, blocks @ blocks.T))

@@ -20,12 +20,15 @@ SPAN_S = 0.2  # over which readings are averaged
 def tray_motion(
     dvl: DvlPings, imu: ImuSamples, tray: JointSamples | None, rig: Rig, t_ns: Ints
 ) -> Array:
-    """Compute the tray's velocity and angular rate (n, 6) in its own axes, m/s and rad/s.
+    """Compute the velocity of the tray's origin, m/s, and the tray's angular rate, rad/s.
+
+    They are (n, 6), in the tray's own axes.
 
     The stereo rig is checked with it before there is a path: a delay of one camera shows as the
     motion within that time. NaN where DVL or IMU were not read within NEAR_S on both sides.
 
-    tray: the servo's readings, None where it stands at zero. t_ns (n,): times of the result.
+    tray: the servo's readings. Without any, the tray is taken to stand at zero. t_ns (n,): times of
+    the result.
     """
     half_ns = round(0.5e9 * SPAN_S)
     joint = servo(tray, int(dvl.t_ns[0]))
@@ -33,7 +36,7 @@ def tray_motion(
     tray_from_vehicle = Rotation.from_rotvec(np.outer(-0.5 * (angle[0] + angle[1]), [0, 1.0, 0]))
     rate = tray_from_vehicle.apply(_mean_around(imu.t_ns, imu.angular_velocity, t_ns))
     rate[:, 1] += (angle[1] - angle[0]) / SPAN_S  # the servo turns the tray about y
-    # from the DVL to the tray's origin, about which the DVL is swept
+    # from the DVL to the tray's origin: the tray's turn moves the DVL about it
     velocity = rig.tray_from_dvl.rotation.apply(_mean_around(dvl.t_ns, dvl.velocity, t_ns))
     velocity -= np.cross(rate, rig.tray_from_dvl.translation)
     return np.hstack([velocity, rate])

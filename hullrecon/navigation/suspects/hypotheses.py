@@ -170,7 +170,11 @@ def _pressure_faults(
 ) -> Iterator[Hypothesis]:
     """Yield faults of the pressure: units, scales, gauge pressure, sign, constant readings, clock.
 
-    air_m: the air's pressure in metres of water.
+    Each holds the records with the depth, m, as it would be without the fault. The fault of
+    constant readings leaves the sensor out, which would explain anything: `suspects.py` tries it
+    only where the readings stand still.
+
+    air_m: the air's pressure in metres of water, which was taken off the absolute pressure.
     """
     depth = pressure.depth
     # the usual interpretations first: of those that explain as much, the first counts
@@ -182,12 +186,14 @@ def _pressure_faults(
         ("sign", ""): -depth,
     }
     for (fault, value), corrected in interpretations.items():
+        # a unit by which the vehicle was deeper than any hull is not the right one
         if fault in ("unit", "gauge") and np.median(corrected) > DEEPEST_HULL_M:
             continue
         mended = replace(records, pressure=replace(pressure, depth=corrected))
         yield Hypothesis(
             sensor=Sensor.PRESSURE, fault=fault, value=value, mended=mended, exact=True
         )
+    # exact: nothing is lost with readings that say nothing
     without = replace(records, pressure=None)
     yield Hypothesis(sensor=Sensor.PRESSURE, fault="constant", value="", mended=without, exact=True)
     for clock in _clock_faults(pressure.t_ns):

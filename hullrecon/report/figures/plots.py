@@ -225,11 +225,11 @@ def standoff(dvl: DvlPings) -> Array:
 
     It is the median over the beams, NaN for a ping without any range.
     """
-    depth = dvl.ranges * dvl.beams[:, 2]
-    gap = np.full(len(depth), np.nan)
-    heard = np.isfinite(depth).any(axis=1)
-    gap[heard] = np.nanmedian(depth[heard], axis=1)
-    return gap
+    along_axis = dvl.ranges * dvl.beams[:, 2]
+    distance = np.full(len(along_axis), np.nan)
+    heard = np.isfinite(along_axis).any(axis=1)
+    distance[heard] = np.nanmedian(along_axis[heard], axis=1)
+    return distance
 
 
 def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) -> Plot | None:
@@ -237,11 +237,11 @@ def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) 
 
     None if neither was. t_ns, depth_m: of the nodes (n,). dvl: pings, at times of their own.
     """
-    gap = standoff(dvl) if dvl is not None and np.isfinite(dvl.ranges).any() else None
-    if depth_m is None and gap is None:
+    distance = standoff(dvl) if dvl is not None and np.isfinite(dvl.ranges).any() else None
+    if depth_m is None and distance is None:
         return None
     start, parts, table = t_ns[0], [], {"t_s": seconds(t_ns)}
-    rows = int(depth_m is not None) + int(gap is not None)
+    rows = int(depth_m is not None) + int(distance is not None)
     figure, axes = new_figure(height_in=0.4 + 1.7 * rows, rows=rows)
     if depth_m is not None:
         axes[0].plot((t_ns - start) * 1e-9, depth_m, color=BLUE)
@@ -249,14 +249,14 @@ def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) 
         axes[0].set(ylabel="depth (m)")
         table["depth_m"] = numbers(depth_m, ".4f")
         parts.append(f"depth from {np.nanmin(depth_m):.2f} to {np.nanmax(depth_m):.2f} m")
-    if dvl is not None and gap is not None:
-        axes[-1].plot((dvl.t_ns - start) * 1e-9, gap, color=GREEN, linewidth=1)
+    if dvl is not None and distance is not None:
+        axes[-1].plot((dvl.t_ns - start) * 1e-9, distance, color=GREEN, linewidth=1)
         axes[-1].set(ylabel="distance to hull (m)")
-        good = np.isfinite(gap)
-        table["standoff_m"] = numbers(_while_heard(t_ns, dvl.t_ns[good], gap[good]), ".4f")
-        parts.append(f"distance to the hull {np.nanmedian(gap):.2f} m (median)")
+        good = np.isfinite(distance)
+        table["standoff_m"] = numbers(_while_heard(t_ns, dvl.t_ns[good], distance[good]), ".4f")
+        parts.append(f"distance to the hull {np.nanmedian(distance):.2f} m (median)")
     axes[-1].set(xlabel="time since the first pose (s)")
-    names = {"depth": depth_m is not None, "distance to the hull": gap is not None}
+    names = {"depth": depth_m is not None, "distance to the hull": distance is not None}
     title, alt = (
         " and ".join(name for name, measured in names.items() if measured),
         "; ".join(parts),

@@ -50,25 +50,25 @@ class Rosbag1Log(FileLog):
         size = self.path.stat().st_size
         connections, budget = Connections(), UnpackBudget(size)
         with self.path.open("rb") as stream:
-            notes = read_index(stream, size, connections)
-            if notes is None:
+            index = read_index(stream, size, connections)
+            if index is None:
                 self.notes.append(Finding("bag-no-index"))
                 yield from self._from_start(stream, size, connections, budget)
             else:
-                yield from self._by_index(stream, size, connections, notes, budget)
+                yield from self._by_index(stream, size, connections, index, budget)
         if connections.unchecked:
             self.notes.append(Finding("bag-no-checksum"))
         self._tracker.count_lost(
             "they belong to topics whose definition was lost", connections.unknown
         )
-        self._tracker.finish(_expected_counts(notes or [], connections))
+        self._tracker.finish(_expected_counts(index or [], connections))
 
     def _by_index(
         self,
         stream: BinaryIO,
         size: int,
         connections: Connections,
-        notes: list[BagChunk],
+        index: list[BagChunk],
         budget: UnpackBudget,
     ) -> Iterator[Message]:
         """Read the chunks that the index lists. A damaged chunk is lost alone.
@@ -79,26 +79,26 @@ class Rosbag1Log(FileLog):
         ----------
         stream, size : the file, and its size
         connections : topics and types by number
-        notes : what the index says of each chunk
+        index : what the index says of each chunk
         budget : limits what the chunks unpack to
         """
-        behind = 0
-        for note in notes:
+        end = 0  # of the chunk before
+        for listed in index:
             try:
-                if note.offset < behind:
+                if listed.offset < end:
                     raise DamagedError("it lies inside the chunk before it")
-                head, data, behind = record(stream, note.offset, size)
+                head, data, end = record(stream, listed.offset, size)
                 found = messages_of(head, data, connections, budget)
-                if len(found) != sum(note.counts.values()):
+                if len(found) != sum(listed.counts.values()):
                     raise DamagedError(
-                        f"it holds {len(found)} messages instead of {sum(note.counts.values())}"
+                        f"it holds {len(found)} messages instead of {sum(listed.counts.values())}"
                     )
             except DamagedError as error:
-                topics = [connections[c].topic for c in note.counts if c in connections]
+                topics = [connections[c].topic for c in listed.counts if c in connections]
                 self._tracker.add_loss(
-                    f"the chunk at byte {note.offset} is damaged: {error}",
-                    note.start_ns,
-                    note.end_ns,
+                    f"the chunk at byte {listed.offset} is damaged: {error}",
+                    listed.start_ns,
+                    listed.end_ns,
                     topics,
                 )
                 continue

@@ -130,19 +130,18 @@ def views_of(
 def compare_flow(views: Views) -> Comparison | None:
     """Compare the median motion of features with that predicted from DVL, attitude and tray.
 
-    The features' rays are met with the plane of hull, and the points projected into the second
-    image. None where too few pairs show the hull in front of the camera.
+    Motions are in ideal coordinates. The features' rays are met with the plane of hull, and the
+    points projected into the second image. None where too few pairs show the hull in front of the
+    camera.
     """
     seen, predicted = [], []
-    turned, moved = (
-        views.second_from_first.rotation.as_matrix(),
-        views.second_from_first.translation,
-    )
+    rotation = views.second_from_first.rotation.as_matrix()
+    translation = views.second_from_first.translation
     for k, flow in enumerate(views.flows):
         slope = flow.rays @ views.away[k]  # a ray meets the plane at depth / slope times its length
         if views.depth[k] <= 0 or (slope <= 0).any():
             continue
-        points = (flow.rays * (views.depth[k] / slope)[:, None]) @ turned[k].T + moved[k]
+        points = (flow.rays * (views.depth[k] / slope)[:, None]) @ rotation[k].T + translation[k]
         if (points[:, 2] <= 0).any():
             continue
         predicted.append(np.median(points[:, :2] / points[:, 2:] - flow.first, axis=0))
@@ -156,6 +155,7 @@ def compare_flow(views: Views) -> Comparison | None:
         sensors=SEEN,
         residual=(by_images - by_dvl).ravel(),
         sigma=np.hypot(FLOW_SHARE * size, FLOW_RAD).ravel(),
+        # all flows may be longer or shorter by one factor, of sigma FLOW_SCALE
         by_nuisance=FLOW_SCALE * by_dvl.reshape(-1, 1),
         first=by_images.ravel(),
         second=by_dvl.ravel(),
