@@ -80,7 +80,7 @@ class PackageCheck:
     name: str  # of the dive
     vessel: str
     found: IngestResult  # what was read
-    missing_files: list[Finding]  # those that dive.toml names and that are not there
+    missing_files: list[Finding]  # those but logs that dive.toml names and that are not there
     unusable: list[Finding]  # what is there but cannot be used, and what to do
     needs: list[Finding]  # required sensors that are absent
     missing: list[Finding]  # what the absence of other sensors means
@@ -370,13 +370,12 @@ def _file_missing(file: str, key: str) -> Finding:
 def _leave_out_missing(
     package: Path, request: IngestRequest
 ) -> tuple[IngestRequest, list[Finding]]:
-    """Remove files that are not there from a request, and report each.
+    """Remove calibrations and a CAD model that are not there from a request, and report each.
 
-    So the rest of the package is still checked. Where one log is missing and it is the only one, it
-    stays: its reader says what is wrong.
+    So the rest of the package is still checked. A missing log stays: its reader says what is wrong,
+    and what may be in it is not missed elsewhere. Nor is a calibration that the logs have to hold.
     """
-    named = [("logs.files", name) for name in request.logs]
-    named += [
+    named = [
         (f"{Camera(name.removeprefix('camera_')).section}.calibration", f)
         for name, f in request.calibration.items()
     ]
@@ -384,7 +383,6 @@ def _leave_out_missing(
     missing_files = [_file_missing(file, key) for key, file in named if not _exists(package / file)]
     remaining = replace(
         request,
-        logs=tuple(name for name in request.logs if _exists(package / name)),
         calibration={
             name: file for name, file in request.calibration.items() if _exists(package / file)
         },
@@ -393,8 +391,7 @@ def _leave_out_missing(
         else (),
         mesh=request.mesh if request.mesh is not None and _exists(package / request.mesh) else None,
     )
-    is_single_log = not remaining.logs and len(missing_files) == 1
-    return (request, []) if is_single_log else (remaining, missing_files)
+    return remaining, missing_files
 
 
 def _exists(path: Path) -> bool:

@@ -264,6 +264,19 @@ def test_missing_files_are_listed_with_keys_and_prevent_run(package):
 
 
 @pytest.mark.parametrize(
+    ("logs", "other"),
+    [
+        ('"logs/none.mcap"', 'hull.mesh="nowhere.stl"'),  # the only log, beside another file
+        ('"logs/dive.mcap", "logs/none.mcap"', "topics.sonar=/sonar"),
+    ],
+)
+def test_what_a_missing_log_may_hold_is_not_missed(package, logs, other):
+    found = check(package, f"logs.files=[{logs}]", other)
+    (line,) = sentences([*found.unusable, *found.needs])
+    assert line.startswith("the log none.mcap is missing")
+
+
+@pytest.mark.parametrize(
     ("sensors", "runnable"),
     [
         ({"dvl", "imu"}, True),
