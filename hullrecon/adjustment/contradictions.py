@@ -20,6 +20,7 @@ from hullrecon.adjustment.exceeded_priors import MANY_SIGMAS, MOUNTS, ROTATION, 
 from hullrecon.adjustment.hull_pose.other_beams import find_fitting_beams
 from hullrecon.adjustment.hull_pose.other_tray import find_fitting_tray, find_tray_offset
 from hullrecon.adjustment.hull_pose.registration import Registration
+from hullrecon.adjustment.problem.lens import MOST_CALIBRATIONS
 from hullrecon.adjustment.readout import RowMotion, motion_by_row
 from hullrecon.adjustment.rounds import Estimate, Phase, RoundResult, RoundSolver
 from hullrecon.adjustment.suspects import Trial, best_explanations, least_readout_gain, try_suspects
@@ -305,32 +306,32 @@ def _refuse(trials: Sequence[Trial], beyond: Sequence[str], solver: RoundSolver)
     beyond
         Descriptions of corrections that are too large to be believed. Empty: none is.
     solver
-        Reports each trial. Its calibration gives the focal length.
+        Reports each trial. Its calibration gives how far lenses may be off.
     """
     best = best_explanations(trials)
-    top = solver.calibrated.top
-    focal_px = 1.0 if top is None else top.fx
     for trial in trials:
         solver.report(f"left out or freed: {trial.suspect}: {trial.gain:.0f} squares are gone")
-    corrected = any(trial.corrects and _is_believable(trial, focal_px) for trial in best)
-    if not beyond and (not best or corrected or not _is_gross(best[0], focal_px)):
+    corrected = any(trial.corrects and _is_believable(trial, solver.calibrated) for trial in best)
+    if not beyond and (not best or corrected or not _is_gross(best[0], solver.calibrated)):
         return
     explanations = [[trial.suspect, trial.found] for trial in best]
     found = Finding("contradiction", {"beyond": ", ".join(beyond), "explanations": explanations})
     raise ContradictionError(found.sentence)
 
 
-def _is_believable(trial: Trial, focal_px: float) -> bool:
+def _is_believable(trial: Trial, calibrated: Rig) -> bool:
     """Tell whether the error that a trial found is of a size that the suspect may have.
 
-    focal_px: focal length of the top camera.
+    A distortion may be as far off as the lenses' displacements, which correct it.
     """
+    focal_px = 1.0 if calibrated.top is None else calibrated.top.fx
     largest = {
         "dvl-scale": LARGEST_ERRORS[0],
         "dvl-mount": LARGEST_TURN_RAD,
         "camera-mount": LARGEST_TURN_RAD,
         "imu": LARGEST_ERRORS[2],
         "stereo-rig": LARGEST_BASELINE_SHARE,
+        "distortion": MOST_CALIBRATIONS * max(calibrated.priors.calibration_sigma_px),
     }
     if trial.suspect.startswith("principal-point"):
         largest[trial.suspect] = LARGEST_LENS_SHARE * focal_px
@@ -341,12 +342,9 @@ def _is_believable(trial: Trial, focal_px: float) -> bool:
     return bool(abs(trial.found) <= largest[trial.suspect])
 
 
-def _is_gross(trial: Trial, focal_px: float) -> bool:
-    """Tell whether a suspect contradicts the rest by more than an error of believable size does.
-
-    focal_px: focal length of the top camera.
-    """
-    return not _is_believable(trial, focal_px) and trial.gain > GROSS * trial.rows
+def _is_gross(trial: Trial, calibrated: Rig) -> bool:
+    """Tell whether a suspect contradicts the rest by more than an error of believable size does."""
+    return not _is_believable(trial, calibrated) and trial.gain > GROSS * trial.rows
 
 
 def _beyond_belief(stated: Rig, corrected: Phase) -> Iterator[str]:

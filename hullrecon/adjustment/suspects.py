@@ -360,7 +360,12 @@ def _lenses(problem: native.Problem) -> list[_Suspect]:
         _Suspect(
             "principal-point", _free_intrinsics(CENTER, both), 2 * len(both), _center_shift(both)
         ),
-        _Suspect("distortion", _free_intrinsics(RADIAL, both), 2 * len(both)),
+        _Suspect(
+            "distortion",
+            _free_intrinsics(RADIAL, both),
+            2 * len(both),
+            _distortion_change(both),
+        ),
     ]
     if len(both) == 1:
         return found
@@ -514,6 +519,47 @@ def _center_shift(cameras: Sequence[str]) -> Callable[[native.Problem, native.Un
         return float(np.linalg.norm(shifts, axis=1).max())
 
     return shift_px
+
+
+def _distortion_change(
+    cameras: Sequence[str],
+) -> Callable[[native.Problem, native.Unknowns], float]:
+    """Make a function that computes by how many pixels, rms, a solve moved features radially.
+
+    What a focal length could move as well is left out, as every calibration finds that. Of several
+    cameras, it takes the one that is moved most. cameras: blocks of the problem, as
+    "intrinsics_top".
+    """
+
+    def change_px(problem: native.Problem, unknowns: native.Unknowns) -> float:
+        return max(
+            _nonlinear_rms(
+                _pixels(problem, block), getattr(problem.unknowns, block), getattr(unknowns, block)
+            )
+            for block in cameras
+        )
+
+    return change_px
+
+
+def _pixels(problem: native.Problem, block: str) -> Array:
+    """Collect the pixels (n, 2) of the features of one camera."""
+    column = ("intrinsics_top", "intrinsics_bottom").index(block)
+    of_pairs = problem.stereo.pixel[:, 2 * column : 2 * column + 2]
+    return np.concatenate([of_pairs, problem.mono.pixel[problem.mono.camera == column]])
+
+
+def _nonlinear_rms(pixels: Array, before: Array, after: Array) -> float:
+    """Compute the rms, px, by which two distortions part at pixels (n, 2), but for a scale.
+
+    before, after: intrinsics (9,), of which the radial coefficients differ.
+    """
+    from_center = pixels - before[CENTER]
+    square = np.sum((from_center / before[FOCAL]) ** 2, axis=1, keepdims=True)
+    first, second = after[RADIAL] - before[RADIAL]
+    moved = from_center * (first * square + second * square**2)
+    scale = np.sum(moved * from_center) / np.sum(from_center**2)
+    return float(np.sqrt(np.mean(np.sum((moved - scale * from_center) ** 2, axis=1))))
 
 
 def _baseline_change(problem: native.Problem, unknowns: native.Unknowns) -> float:

@@ -82,6 +82,11 @@ def _readout(whose: str) -> Callable[[float | None], str]:
     )
 
 
+def _distortion(found_px: float | None) -> str:
+    apart = "" if found_px is None else f", {found_px:.1f} px (rms) off it"
+    return f"with another distortion than the calibration's{apart}"
+
+
 # By suspect: what makes all other measurements agree. The argument is the suspect's own error,
 # where the adjustment estimated it
 SUSPECTS: Mapping[str, Callable[[float | None], str]] = {
@@ -100,14 +105,14 @@ SUSPECTS: Mapping[str, Callable[[float | None], str]] = {
     "focal-length-bottom": _focal_ratio("the bottom camera's "),
     "principal-point": _center_shift("the"),
     "principal-point-bottom": _center_shift("the bottom camera's"),
-    "distortion": lambda _: "with another distortion than the calibration's",
+    "distortion": _distortion,
     "stereo-rig": _baseline,
     "readout": _readout(""),
     "readout-top": _readout(" of the top camera"),
     "readout-bottom": _readout(" of the bottom camera"),
 }
 # Suspects whose own error the adjustment estimates and corrects, up to a largest believable size
-CORRECTED = frozenset({"dvl-scale", "dvl-mount", "imu", "camera-mount", "stereo-rig"})
+CORRECTED = frozenset({"dvl-scale", "dvl-mount", "imu", "camera-mount", "stereo-rig", "distortion"})
 # What the user can do where one suspect alone explains a contradiction
 REMEDIES: Mapping[str, str] = {
     "pressure": "name the topic of the water's pressure, or leave topics.pressure away",

@@ -223,6 +223,36 @@ def test_smooth_errors_of_lenses_suspect_nobody(scene):
     assert path_rounds(with_pixels(simulate(**scene).measured, by_camera)).verdict.suspects == ()
 
 
+def test_the_size_of_a_distortion_is_that_of_what_no_focal_length_moves():
+    k1 = 0.1
+    measured = with_lens(simulate(**CAMERA_ONLY).measured, k1=lambda k: k + k1)
+    solver = RoundSolver(
+        calibrated=measured.rig, options=OPTIONS, strategy=PRODUCT, report=lambda _: None
+    )
+    trials = contradictions._try_all(solve_path(measured, solver), solver)
+    (found_px,) = [one.found for one in trials if one.suspect == "distortion"]
+    u, v = np.meshgrid(np.arange(CAMERA.width), np.arange(CAMERA.height))
+    at = np.column_stack([u.ravel() - CAMERA.cx, v.ravel() - CAMERA.cy])
+    moved = at * k1 * np.sum((at / CAMERA.fx) ** 2, axis=1, keepdims=True)
+    left = moved - at * np.sum(moved * at) / np.sum(at**2)
+    assert found_px == pytest.approx(np.sqrt(np.mean(np.sum(left**2, axis=1))), rel=0.3)
+
+
+def test_a_distortion_that_calibrations_leave_is_corrected():
+    measured = simulate(**CAMERA_ONLY).measured
+    priors = replace(measured.rig.priors, calibration_sigma_px=(0.1, 0.1))
+    solver = RoundSolver(
+        calibrated=replace(measured.rig, priors=priors),
+        options=OPTIONS,
+        strategy=PRODUCT,
+        report=lambda _: None,
+    )
+    small, large = trial("distortion", 60.0, 2, 0.2), trial("distortion", 60.0, 2, 0.5)
+    contradictions._refuse((small, trial("focal-length", 55.0, 2, 1.01)), [], solver)
+    with pytest.raises(ContradictionError, match=re.escape("0.5 px (rms)")):
+        contradictions._refuse((large,), [], solver)
+
+
 def trial(suspect, gain, rows, found=None):
     return Trial(suspect=suspect, gain=gain, rows=rows, found=found)
 
