@@ -279,15 +279,8 @@ def _with_stated_sigmas(solved: RoundResult) -> native.Problem:
     problem, weights = solved.problem, solved.weights
     stated = solved.after.measured.rig.priors.tray_sigma_rad / weights.tray
     depths = np.array([1 / max(weights.depth, LEAST_WEIGHT), 1.0, 1.0])
-    unknowns = problem.unknowns
     return replace(
         problem,
-        unknowns=replace(
-            unknowns,
-            lens_top=np.zeros_like(unknowns.lens_top),
-            lens_bottom=np.zeros_like(unknowns.lens_bottom),
-        ),
-        lenses=native.LensTable(),
         tray=replace(problem.tray, sigma=problem.tray.sigma * stated),
         attitude=replace(problem.attitude, sigma=problem.attitude.sigma * depths),
     )
