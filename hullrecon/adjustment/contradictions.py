@@ -274,7 +274,8 @@ def _with_stated_sigmas(solved: RoundResult) -> native.Problem:
 
     Estimated from residuals, a sigma is too small where the solution follows the sensor's
     noise, and then any sensor that is left out seems to explain much. The displacements of the
-    lenses are dropped: they would absorb a part of any other error.
+    lenses stay unknowns. On a long dive, what a calibration leaves would look like another sensor's
+    error without them.
     """
     problem, weights = solved.problem, solved.weights
     stated = solved.after.measured.rig.priors.tray_sigma_rad / weights.tray

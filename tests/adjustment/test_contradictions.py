@@ -211,8 +211,7 @@ def test_the_camera_whose_focal_length_is_wrong_is_named():
     assert "all else agrees with the bottom camera's focal lengths 0.93" in said
 
 
-@pytest.mark.parametrize("scene", [STEREO, CAMERA_ONLY], ids=["stereo", "mono"])
-def test_smooth_errors_of_lenses_suspect_nobody(scene):
+def through_smooth_lens_errors(measured):
     random = np.random.default_rng(5)
 
     def by_camera(_, pixel):
@@ -220,7 +219,26 @@ def test_smooth_errors_of_lenses_suspect_nobody(scene):
         modes = np.stack([u * u - 1 / 3, u * v, v * v - 1 / 3, u**3 - 0.6 * u, u * v * v])
         return pixel + 0.3 * (random.normal(size=(2, 5)) @ modes).T
 
-    assert path_rounds(with_pixels(simulate(**scene).measured, by_camera)).verdict.suspects == ()
+    return with_pixels(measured, by_camera)
+
+
+@pytest.mark.parametrize("scene", [STEREO, CAMERA_ONLY], ids=["stereo", "mono"])
+def test_smooth_errors_of_lenses_suspect_nobody(scene):
+    measured = through_smooth_lens_errors(simulate(**scene).measured)
+    assert path_rounds(measured).verdict.suspects == ()
+
+
+def test_smooth_errors_that_the_calibration_states_explain_the_trials():
+    """Else a long dive is refused for a distortion or a readout time that no camera has."""
+    many = CAMERA_ONLY | {"landmarks": 2000}
+    measured = through_smooth_lens_errors(simulate(**many).measured)
+    measured = replace(measured, rig=measured.rig.with_priors(calibration_sigma_px=(0.3, 0.3)))
+    solver = RoundSolver(
+        calibrated=measured.rig, options=OPTIONS, strategy=PRODUCT, report=lambda _: None
+    )
+    trials = contradictions._try_all(solve_path(measured, solver), solver)
+    assert {one.suspect for one in trials} >= {"distortion", "readout"}
+    assert best_explanations(trials) == ()
 
 
 def test_the_size_of_a_distortion_is_that_of_what_no_focal_length_moves():
