@@ -524,10 +524,10 @@ def _center_shift(cameras: Sequence[str]) -> Callable[[native.Problem, native.Un
 def _distortion_change(
     cameras: Sequence[str],
 ) -> Callable[[native.Problem, native.Unknowns], float]:
-    """Make a function that computes by how many pixels, rms, a solve moved features radially.
+    """Make a function that computes by how many pixels, rms, another distortion moves features.
 
-    What a focal length could move as well is left out, as every calibration finds that. Of several
-    cameras, it takes the one that is moved most. cameras: blocks of the problem, as
+    A part that another focal length explains is left out, as every calibration finds that. Of
+    several cameras, it takes the one that is moved most. cameras: blocks of the problem, as
     "intrinsics_top".
     """
 
@@ -552,8 +552,10 @@ def _pixels(problem: native.Problem, block: str) -> Array:
 def _nonlinear_rms(pixels: Array, before: Array, after: Array) -> float:
     """Compute the rms, px, by which two distortions part at pixels (n, 2), but for a scale.
 
-    before, after: intrinsics (9,), of which the radial coefficients differ.
+    Zero without pixels. before, after: intrinsics (9,), of which the radial coefficients differ.
     """
+    if not len(pixels):
+        return 0.0
     from_center = pixels - before[CENTER]
     square = np.sum((from_center / before[FOCAL]) ** 2, axis=1, keepdims=True)
     first, second = after[RADIAL] - before[RADIAL]

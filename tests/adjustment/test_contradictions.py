@@ -170,11 +170,12 @@ def read_out(dive, readout_s, cameras=("top", "bottom")):
     return with_pixels(dive.measured, by_camera)
 
 
+def solver_of(rig):
+    return RoundSolver(calibrated=rig, options=OPTIONS, strategy=PRODUCT, report=lambda _: None)
+
+
 def path_rounds(measured):
-    solver = RoundSolver(
-        calibrated=measured.rig, options=OPTIONS, strategy=PRODUCT, report=lambda _: None
-    )
-    return solve_path(measured, solver)
+    return solve_path(measured, solver_of(measured.rig))
 
 
 @pytest.mark.parametrize("scene", [STEREO, CAMERA_ONLY], ids=["stereo", "mono"])
@@ -233,9 +234,7 @@ def test_smooth_errors_that_the_calibration_states_explain_the_trials():
     many = CAMERA_ONLY | {"landmarks": 2000}
     measured = through_smooth_lens_errors(simulate(**many).measured)
     measured = replace(measured, rig=measured.rig.with_priors(calibration_sigma_px=(0.3, 0.3)))
-    solver = RoundSolver(
-        calibrated=measured.rig, options=OPTIONS, strategy=PRODUCT, report=lambda _: None
-    )
+    solver = solver_of(measured.rig)
     trials = contradictions._try_all(solve_path(measured, solver), solver)
     assert {one.suspect for one in trials} >= {"distortion", "readout"}
     assert best_explanations(trials) == ()
@@ -244,9 +243,7 @@ def test_smooth_errors_that_the_calibration_states_explain_the_trials():
 def test_the_size_of_a_distortion_is_that_of_what_no_focal_length_moves():
     k1 = 0.1
     measured = with_lens(simulate(**CAMERA_ONLY).measured, k1=lambda k: k + k1)
-    solver = RoundSolver(
-        calibrated=measured.rig, options=OPTIONS, strategy=PRODUCT, report=lambda _: None
-    )
+    solver = solver_of(measured.rig)
     trials = contradictions._try_all(solve_path(measured, solver), solver)
     (found_px,) = [one.found for one in trials if one.suspect == "distortion"]
     u, v = np.meshgrid(np.arange(CAMERA.width), np.arange(CAMERA.height))
@@ -259,12 +256,7 @@ def test_the_size_of_a_distortion_is_that_of_what_no_focal_length_moves():
 def test_a_distortion_that_calibrations_leave_is_corrected():
     measured = simulate(**CAMERA_ONLY).measured
     priors = replace(measured.rig.priors, calibration_sigma_px=(0.1, 0.1))
-    solver = RoundSolver(
-        calibrated=replace(measured.rig, priors=priors),
-        options=OPTIONS,
-        strategy=PRODUCT,
-        report=lambda _: None,
-    )
+    solver = solver_of(replace(measured.rig, priors=priors))
     small, large = trial("distortion", 60.0, 2, 0.2), trial("distortion", 60.0, 2, 0.5)
     contradictions._refuse((small, trial("focal-length", 55.0, 2, 1.01)), [], solver)
     with pytest.raises(ContradictionError, match=re.escape("0.5 px (rms)")):
@@ -320,12 +312,7 @@ def test_a_wrong_cad_model_is_no_matter_of_a_lens_unless_that_is_certain(
     lens = trial("distortion", squares, 2)
     monkeypatch.setattr(contradictions, "_try_all", lambda *_: (lens,))
     monkeypatch.setattr(contradictions, "_refuse_misread_ranges", lambda *_: None)
-    solver = RoundSolver(
-        calibrated=simulate(**STEREO).measured.rig,
-        options=OPTIONS,
-        strategy=PRODUCT,
-        report=lambda _: None,
-    )
+    solver = solver_of(simulate(**STEREO).measured.rig)
     path = SimpleNamespace(first=object(), verdict=ACCEPTED, estimate=None)
     placed = Phase(
         history=(),
