@@ -18,7 +18,6 @@ from hullrecon.artifacts.disk import (
     remove,
     set_aside,
     storage_errors,
-    sync_tree,
     write_file,
 )
 from hullrecon.artifacts.documents import DamagedArtifactError, seal, unseal
@@ -119,7 +118,6 @@ class DeliveredFolder:
             for name in records:
                 make_folder((self._building / name).parent)
                 copy_file(original / name, self._building / name)
-            sync_tree(self._building)
         commit_folder(self._building, self.folder)
         for name, record in records.items():
             hashes.learn(self.folder / name, record)

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 import msgspec
 from msgspec import Struct
 
-from hullrecon.artifacts.disk import write_file
+from hullrecon.artifacts.disk import complete_file
 from hullrecon.artifacts.documents import DamagedArtifactError, digest, seal, unseal
 
 FILE_NAME = "manifest.json"
@@ -71,7 +71,8 @@ class Manifest(Struct, frozen=True, kw_only=True):
 
 
 def write_manifest(folder: Path, manifest: Manifest) -> None:
-    write_file(folder / FILE_NAME, seal(msgspec.to_builtins(manifest)))
+    with complete_file(folder / FILE_NAME) as file:
+        file.write(seal(msgspec.to_builtins(manifest)))
 
 
 def read_manifest(folder: Path) -> Manifest | None:
@@ -146,7 +147,8 @@ class HashCache:
     def save(self) -> None:
         """Write the store if it changed. Only the holder of the workspace's lock may call this."""
         if self._changed and self._store is not None:
-            write_file(self._store, seal(self._known))
+            with complete_file(self._store) as file:
+                file.write(seal(self._known))
             self._changed = False
 
     def _note(self, path: Path, status: os.stat_result, record: FileRecord) -> None:

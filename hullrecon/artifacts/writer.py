@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.artifacts.disk import (
-    durable_file,
-    durable_path,
+    complete_file,
+    complete_path,
     make_folder,
     storage_errors,
-    write_file,
 )
 from hullrecon.artifacts.documents import encode
 from hullrecon.artifacts.manifest import FILE_NAME
@@ -29,7 +28,10 @@ _UNIX = 3  # system in a zip member's header
 
 
 class ArtifactWriter:
-    """Writes the files of one artifact. Nothing else opens a file for writing in RUNS."""
+    """Writes the files of one artifact. Nothing else opens a file for writing in RUNS.
+
+    Each is there whole or not at all. They are on the disk once the artifact is committed.
+    """
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -40,7 +42,7 @@ class ArtifactWriter:
         Raises ValueError for arrays of objects.
         """
         with (
-            durable_file(self._place(name)) as file,
+            complete_file(self._place(name)) as file,
             zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive,
         ):
             for member_name, array in sorted(arrays.items()):
@@ -58,17 +60,18 @@ class ArtifactWriter:
             data = encode(value)
         except ValueError as error:
             raise ValueError(f"{name}: {error}") from error
-        write_file(self._place(name), data)
+        self.bytes(name, data)
 
     def text(self, name: str, value: str) -> None:
-        write_file(self._place(name), value.encode())
+        self.bytes(name, value.encode())
 
     def bytes(self, name: str, value: bytes) -> None:
-        write_file(self._place(name), value)
+        with complete_file(self._place(name)) as file:
+            file.write(value)
 
     def path(self, name: str) -> AbstractContextManager[Path]:
         """Yield a temporary path for a library to write to, renamed at the end of the `with`."""
-        return durable_path(self._place(name))
+        return complete_path(self._place(name))
 
     @contextmanager
     def scratch(self) -> Iterator[BinaryIO]:

@@ -135,6 +135,18 @@ def test_a_folder_is_committed_where_none_was(tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == ["final"]
 
 
+def test_a_folder_is_synced_whole_before_it_is_committed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "built" / "sub").mkdir(parents=True)
+    (tmp_path / "built" / "sub" / "a").write_text("new")
+    synced = set()
+    monkeypatch.setattr(os, "fsync", lambda fd: synced.add(os.readlink(f"/proc/self/fd/{fd}")))
+    disk.commit_folder(tmp_path / "built", tmp_path / "final")
+    built = {str(tmp_path / name) for name in ("built", "built/sub", "built/sub/a")}
+    assert built <= synced  # under these names: before the rename
+
+
 @pytest.mark.parametrize("can_swap", [True, False])
 def test_a_folder_replaces_another(
     can_swap: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
