@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 import os
 import re
 import secrets
@@ -29,7 +30,7 @@ def write_fault_file(error: BaseException, workspace: Path | None) -> Path | Non
         folders.insert(0, workspace / "logs")
     for folder in folders:
         try:
-            return write_private_file(folder, "fault", text)
+            return write_private_file(folder, text)
         except OSError:
             continue
     return None
@@ -58,13 +59,13 @@ def _without_places(text: str) -> str:
     return _HOMES.sub("~", text)
 
 
-def write_private_file(folder: Path, kind: str, text: str) -> Path:
-    """Write `<kind>-<time>-<random>.txt` for its owner alone, and keep the last few of its kind.
+def write_private_file(folder: Path, text: str) -> Path:
+    """Write `fault-<time>-<random>.txt` for its owner alone, and keep the last few.
 
     Raises OSError where the folder is a link or cannot be written.
     """
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    name = f"{kind}-{time.strftime('%Y%m%dT%H%M%S')}-{secrets.token_hex(8)}.txt"
+    name = f"fault-{time.strftime('%Y%m%dT%H%M%S')}-{secrets.token_hex(8)}.txt"
     place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
     try:
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
@@ -75,13 +76,8 @@ def write_private_file(folder: Path, kind: str, text: str) -> Path:
             errors="backslashreplace",
         ) as file:
             file.write(text)
-        for old in sorted(entry for entry in os.listdir(place) if _is_of_kind(entry, kind))[:-KEPT]:
+        for old in sorted(fnmatch.filter(os.listdir(place), "fault-*.txt"))[:-KEPT]:
             os.unlink(old, dir_fd=place)
     finally:
         os.close(place)
     return folder / name
-
-
-def _is_of_kind(name: str, kind: str) -> bool:
-    """Tell whether a file's name is one that `write_private_file` gives to a kind."""
-    return name.startswith(f"{kind}-") and name.endswith(".txt")

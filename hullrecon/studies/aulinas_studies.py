@@ -11,12 +11,12 @@ AULINAS_STUDIES: tuple[SceneStudy, ...] = (
         id="joining-schemes",
         source="[Aulinas2011 Figs 2.3 to 2.5]",
         shows="submaps joined in a tree, in a graph over a mission, and with shared variables",
-        run=study_of("schemes.schemes_study"),
+        run=study_of("schemes.schemes_study.study"),
     ),
     SceneStudy(
         id="board-calibration",
         source="[Aulinas2011 4.5, Fig. 4.23]",
         shows="a small camera calibrated by sharp and by noisy images of a board",
-        run=study_of("calibration.board"),
+        run=study_of("calibration.board.study"),
     ),
 )

@@ -8,6 +8,10 @@ import io
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+
+from hullrecon.typing import Array
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
@@ -89,6 +93,19 @@ def finish_figure(
         caption=caption,
         compared=compared,
     )
+
+
+def draw_ellipse(
+    axis: Axes, middle: Array, covariance: Array, sigmas: float, ink: str, width_pt: float = 1.0
+) -> None:
+    """Draw the ellipse of so many sigmas that a covariance (2, 2) makes around a point (2,)."""
+    from matplotlib.patches import Ellipse
+
+    values, vectors = np.linalg.eigh(covariance)
+    high, wide = 2 * sigmas * np.sqrt(np.maximum(values, 0))
+    turn = float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))
+    place = (float(middle[0]), float(middle[1]))
+    axis.add_patch(Ellipse(place, wide, high, angle=turn, fill=False, ec=ink, lw=width_pt))
 
 
 def render_png(canvas: Canvas) -> bytes:

@@ -6,13 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from hullrecon.studies.methods import variants as method_variants
 from hullrecon.studies.study import DiveStudy, SceneStudy, StudyDive, StudyResult
-
-if TYPE_CHECKING:
-    from hullrecon.studies.figure_style import PublishedFigure
 
 
 def _compare_methods(given: StudyDive) -> StudyResult:
@@ -47,7 +43,8 @@ def _draw_methods(given: StudyDive) -> StudyResult:
     truth, variants = given.truth, given.variants
     method_variants.find_objects(given.dive, given.run_context)
     objects = method_variants.read_objects(given.dive)
-    return _figures(draw_method_figures(variants, given.start, truth, objects))
+    figures = draw_method_figures(variants, given.start, truth, objects)
+    return StudyResult(figures=tuple(figures))
 
 
 def _draw_paths(given: StudyDive) -> StudyResult:
@@ -55,18 +52,14 @@ def _draw_paths(given: StudyDive) -> StudyResult:
 
     truth, start = given.truth, given.start
     method_variants.find_objects(given.dive, given.run_context)
-    return _figures(draw_path_figures(given.dive, start, truth, given.run_context))
+    figures = draw_path_figures(given.dive, start, truth, given.run_context)
+    return StudyResult(figures=tuple(figures))
 
 
 def _draw_scenes() -> StudyResult:
     from hullrecon.studies.scenes.scene_figures import draw_scene_figures
 
-    return _figures(draw_scene_figures())
-
-
-def _figures(drawn: Sequence[PublishedFigure]) -> StudyResult:
-    compared = tuple(value for figure in drawn for value in figure.compared)
-    return StudyResult(figures=tuple(drawn), compared=compared)
+    return StudyResult(figures=tuple(draw_scene_figures()))
 
 
 def _table(

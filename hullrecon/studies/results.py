@@ -58,7 +58,6 @@ def keep_result(study: Study, result: StudyResult, seconds: float, out: Path) ->
             writer.bytes(f"{figure.name}.webm", figure.film)
     if result.heads:
         writer.text(TABLE, _csv([result.heads, *result.rows]))
-    of_figures = [value for figure in result.figures for value in figure.compared]
     kept = KeptStudy(
         id=study.id,
         source=study.source,
@@ -76,7 +75,7 @@ def keep_result(study: Study, result: StudyResult, seconds: float, out: Path) ->
         ),
         heads=result.heads,
         rows=result.rows,
-        compared=_without_nan([v for v in result.compared if v not in of_figures]),
+        compared=_without_nan(result.compared),
         values=without_nan(result.values),
     )
     writer.json(RESULT, kept)

@@ -52,8 +52,8 @@ class ComparedValue:
     """A number that a source prints, with ours beside it."""
 
     what: str  # of what, in a few words
-    unit: str  # empty for a pure number
-    printed: float | None  # None where the source tells it in words alone
+    unit: str = ""  # empty for a pure number
+    printed: float | None = None  # None where the source tells it in words alone
     ours: float | None  # None where the run gives none
     note: str = ""  # what the source says in words, or why ours differs
 
@@ -66,7 +66,7 @@ class StudyResult:
     values: Mapping[str, object] = field(default_factory=dict)  # of the table, by row
     heads: tuple[str, ...] = ()
     rows: tuple[tuple[str, ...], ...] = ()
-    compared: tuple[ComparedValue, ...] = ()
+    compared: tuple[ComparedValue, ...] = ()  # besides those of its figures
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,11 +95,15 @@ class SceneStudy(Study):
     run: Callable[[], StudyResult]
 
 
-def study_of(module: str) -> Callable[..., StudyResult]:
-    """Import a study's module, below hullrecon.studies, when it is run: most commands run none."""
+def study_of(path: str) -> Callable[..., StudyResult]:
+    """Import a study's function, by its path below hullrecon.studies, when it is run.
+
+    Most commands run none.
+    """
+    module, _, name = path.rpartition(".")
 
     def run(*given: object) -> StudyResult:
-        found: StudyResult = import_module(f"hullrecon.studies.{module}").study(*given)
+        found: StudyResult = getattr(import_module(f"hullrecon.studies.{module}"), name)(*given)
         return found
 
     return run

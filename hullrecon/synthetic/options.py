@@ -8,7 +8,6 @@ import dataclasses
 import math
 import typing
 import zlib
-from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, Literal, TypeVar
 
@@ -326,8 +325,23 @@ class Option:
 
 
 def options() -> tuple[Option, ...]:
-    """List all options in the order of the records."""
-    return tuple(_options())
+    """List the fields of DiveSpec and of its records that have a Meta, in their order."""
+    spec = DiveSpec()
+    records: dict[str, Checked] = {"": spec}
+    records |= {f.name: getattr(spec, f.name) for f in fields(spec) if "meta" not in f.metadata}
+    return tuple(
+        Option(
+            name=RENAMED.get((part, f.name), record.prefix + f.name),
+            part=part,
+            field=f.name,
+            kind=_kind(record, f.name),
+            default=getattr(record, f.name),
+            meta=f.metadata["meta"],
+        )
+        for part, record in records.items()
+        for f in fields(record)  # type: ignore[arg-type]
+        if "meta" in f.metadata
+    )
 
 
 def with_options(spec: DiveSpec, **values: Any) -> DiveSpec:
@@ -352,36 +366,6 @@ def with_options(spec: DiveSpec, **values: Any) -> DiveSpec:
 def spec_from(**values: Any) -> DiveSpec:
     """Describe a dive by some options, with the defaults of all others."""
     return with_options(DiveSpec(), **values)
-
-
-def _options() -> Iterator[Option]:
-    """Yield the fields of DiveSpec and of its records that have a Meta. Others are no options."""
-    spec = DiveSpec()
-    for top in dataclasses.fields(spec):
-        part = getattr(spec, top.name)
-        if "meta" in top.metadata:
-            meta = top.metadata["meta"]
-            yield Option(
-                name=top.name,
-                part="",
-                field=top.name,
-                kind=_kind(spec, top.name),
-                default=part,
-                meta=meta,
-            )
-            continue
-        for f in dataclasses.fields(part):
-            if "meta" in f.metadata:
-                name = RENAMED.get((top.name, f.name), part.prefix + f.name)
-                default, meta = getattr(part, f.name), f.metadata["meta"]
-                yield Option(
-                    name=name,
-                    part=top.name,
-                    field=f.name,
-                    kind=_kind(part, f.name),
-                    default=default,
-                    meta=meta,
-                )
 
 
 def _kind(record: object, field: str) -> type:

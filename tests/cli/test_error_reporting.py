@@ -241,7 +241,7 @@ def test_no_place_for_a_traceback_is_said(
 
 def test_private_files_are_the_owners_and_few(tmp_path: Path) -> None:
     (tmp_path / "other.txt").touch()
-    written = [write_private_file(tmp_path, "fault", str(k)) for k in range(KEPT + 3)]
+    written = [write_private_file(tmp_path, str(k)) for k in range(KEPT + 3)]
     assert len(set(written)) == KEPT + 3
     assert len(list(tmp_path.glob("fault-*.txt"))) == KEPT
     assert (tmp_path / "other.txt").exists()
@@ -251,5 +251,5 @@ def test_private_files_are_not_written_through_a_link(tmp_path: Path) -> None:
     (tmp_path / "victim").mkdir()
     (tmp_path / "logs").symlink_to(tmp_path / "victim")
     with pytest.raises(OSError, match=r"Not a directory|symbolic"):
-        write_private_file(tmp_path / "logs", "fault", "text")
+        write_private_file(tmp_path / "logs", "text")
     assert os.listdir(tmp_path / "victim") == []

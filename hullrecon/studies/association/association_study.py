@@ -99,14 +99,12 @@ def _compare(scores: dict[str, dict[str, Score]], sure: Score) -> tuple[Compared
         ComparedValue(
             what="NN: true pairs found, off by 0.4 of the spacing",
             unit="%",
-            printed=None,
             ours=100 * clear[NN].recall,
             note=f"{words}: `leads to misclassification` as uncertainties grow",
         ),
         ComparedValue(
             what="JCBB: the same",
             unit="%",
-            printed=None,
             ours=100 * clear[JCBB].recall,
             note=f"{words}: `very robust`, nor its gate: here 95 %, asked anew with each pair "
             f"that joins. {_losses(clear[JCBB])}",
@@ -114,21 +112,18 @@ def _compare(scores: dict[str, dict[str, Score]], sure: Score) -> tuple[Compared
         ComparedValue(
             what="JCBB: the same, with a gate of 99 %",
             unit="%",
-            printed=None,
             ours=100 * sure.recall,
             note=f"as the filters of hullrecon/studies/submaps have it. {_losses(sure)}",
         ),
         ComparedValue(
             what="RJC: true pairs by those of JCBB, 60 ambiguous points",
             unit="%",
-            printed=None,
             ours=100 * large[RJC].recall / large[JCBB].recall,
             note=f"{words}: `without loosing accuracy`",
         ),
         ComparedValue(
             what="RJC: joint tests by those of JCBB, the same",
             unit="%",
-            printed=None,
             ours=100 * large[RJC].tests / large[JCBB].tests,
             note=f"{words}: `much faster` than a search that `becomes very expensive`. So it does "
             "where each point has many candidates; with few, both cost the same, since JCBB tries "
@@ -137,14 +132,11 @@ def _compare(scores: dict[str, dict[str, Score]], sure: Score) -> tuple[Compared
         ComparedValue(
             what="RJC: CPU time by that of JCBB, the same",
             unit="%",
-            printed=None,
             ours=100 * large[RJC].cpu_s / large[JCBB].cpu_s,
             note="draws end by the share of points that the best of them paired",
         ),
         ComparedValue(
             what="RJC: false of its pairs, all fields",
-            unit="",
-            printed=None,
             ours=sum(score.false_pairs for score in drawn),
             note=f"of {sum(score.pairs for score in drawn)} pairs, with strangers among the points",
         ),
@@ -196,8 +188,7 @@ def _draw_pairs(axis: Axes, title: str, field: Field, found: Association) -> Non
         axis.annotate("", xy=tuple(sets.first[i]), xytext=tuple(sets.second[j]), arrowprops=arrow)
     right = sum(pair in field.true_pairs for pair in found.pairs)
     axis.set_title(f"{title}, {right} of {len(field.true_pairs)} right", fontsize=9, loc="left")
-    axis.set_aspect("equal")
-    axis.set_xlabel("x (spacings)")
+    axis.set(xlabel="x (spacings)", aspect="equal")
     if title.startswith("a"):
         axis.set_ylabel("y (spacings)")
         axis.legend(frameon=False, fontsize=8)

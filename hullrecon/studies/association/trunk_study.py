@@ -122,7 +122,6 @@ def _compare(errors: dict[float, Errors]) -> tuple[ComparedValue, ...]:
         ComparedValue(
             what="error of a trunk's middle up to 20 m, median",
             unit="mm",
-            printed=None,
             ours=1e3 * float(np.median(np.concatenate([e.best_m for e in near]))),
             note="no number in the thesis, which takes trees from 3 to 40 m. Trunks of 0.15 to "
             f"0.5 m radius, ranges to 1 cm; by outer beams as tangents, as printed, {printed:.0f} "
@@ -131,7 +130,6 @@ def _compare(errors: dict[float, Errors]) -> tuple[ComparedValue, ...]:
         ComparedValue(
             what=f"the same at {DISTANCES_M[-1]:.0f} m",
             unit="mm",
-            printed=None,
             ours=1e3 * float(np.median(far.best_m)),
             note=f"as printed {1e3 * np.median(far.printed_m):.0f} mm. There a beam is 0.33 m from "
             "the next: a trunk is hit by one to three, though `more than one` is printed",
@@ -139,7 +137,6 @@ def _compare(errors: dict[float, Errors]) -> tuple[ComparedValue, ...]:
         ComparedValue(
             what="farthest distance tried at which the rms is below 5 cm",
             unit="m",
-            printed=None,
             ours=max(d for d, e in errors.items() if np.mean(e.best_m**2) < NEAR_ENOUGH_M**2),
             note="beyond it the bound itself is above 5 cm, as the table shows: the gap between "
             "two beams of half a degree is wider than that",
@@ -147,7 +144,6 @@ def _compare(errors: dict[float, Errors]) -> tuple[ComparedValue, ...]:
         ComparedValue(
             what=f"rms at {DISTANCES_M[-1]:.0f} m, of the best estimate",
             unit="mm",
-            printed=None,
             ours=1e3 * float(np.sqrt(np.mean(far.best_m**2))),
             note="no rule has less than "
             f"{1e3 * np.sqrt(np.mean(far.mean_square_m2)):.0f} mm on average over such trunks: an "
@@ -195,11 +191,9 @@ def draw_scan() -> PublishedFigure:
     _circles(axis, trees, INK, "tree")
     middles = np.array([_middle(trunk) for trunk in trunks])
     axis.plot(*middles.T, "x", color=RED, ms=6, label="trunk as found")
-    axis.set_xlim(-5, 45)
-    axis.set_ylim(-42, 42)
-    axis.set_aspect("equal")
-    axis.set_xlabel("ahead (m)")
-    axis.set_ylabel("to the left (m)")
+    axis.set(
+        xlabel="ahead (m)", ylabel="to the left (m)", xlim=(-5, 45), ylim=(-42, 42), aspect="equal"
+    )
     axis.legend(fontsize=8, loc="upper right", edgecolor="white", framealpha=1.0)
     table = ["beam,range_m", *(f"{n},{r:.3f}" for n, r in enumerate(ranges))]
     caption = f"A laser's half circle among trees, cut at 40 m: {len(trunks)} trunks are found."
@@ -228,10 +222,12 @@ def draw_trunks() -> PublishedFigure:
         axis.plot([0, middle[0]], [0, middle[1]], "--", color=INK, lw=0.8, label="bisector")
         error = error_m(trunk, tree[0])
         axis.set_title(f"{distance:.0f} m: off by {1e3 * error:.0f} mm", fontsize=9, loc="left")
-        axis.set_xlim(distance - 0.8, distance + 0.8)
-        axis.set_ylim(-0.5, 1.1)
-        axis.set_aspect("equal")
-        axis.set_xlabel("ahead (m)")
+        axis.set(
+            xlabel="ahead (m)",
+            xlim=(distance - 0.8, distance + 0.8),
+            ylim=(-0.5, 1.1),
+            aspect="equal",
+        )
         table.append(f"{distance:.1f},0.350,{trunk.radius_m:.3f},{error:.4f}")
     rows[0][0].set_ylabel("to the left (m)")
     rows[0][0].legend(frameon=False, fontsize=7, loc="upper left")

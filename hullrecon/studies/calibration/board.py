@@ -97,8 +97,6 @@ def study() -> StudyResult:
         compared.append(
             ComparedValue(
                 what=f"scatter of the principal point over its sigma, {name}",
-                unit="",
-                printed=None,
                 ours=float(np.mean(scatter[2:4] / claimed[2:4])),
                 note=f"{DRAWS} calibrations of {VIEWS} views",
             )

@@ -169,8 +169,6 @@ def study(given: StudyDive) -> StudyResult:
             ),
             ComparedValue(
                 what="false targets",
-                unit="",
-                printed=None,
                 ours=float(str(score["false_reports"])),
             ),
         ),
@@ -263,8 +261,7 @@ def fly_through(frames: Sequence[Pixels], stations: Sequence[Station]) -> Publis
     for axis, k in zip([axis for row in axes for axis in row], shown, strict=False):
         axis.imshow(frames[k])
         axis.grid(False)
-        axis.set_xticks([])
-        axis.set_yticks([])
+        axis.set(xticks=[], yticks=[])
         axis.set_title(f"{k / PER_SECOND:.1f} s", fontsize=8)
     table = ["t_s,along_m,girth_m,distance_m"]
     table += [

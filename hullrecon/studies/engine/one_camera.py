@@ -29,6 +29,8 @@ from hullrecon.vision.pairs.match_worker import MatchNode, MatchWorker
 from hullrecon.vision.stereo.matching import no_matches
 from hullrecon.vision.stereo.node_view import NodeView
 
+OUTLINE_STEPS = 40  # of an image's side
+
 
 @dataclass(frozen=True, kw_only=True)
 class TrueCamera:
@@ -53,22 +55,17 @@ class TrueCamera:
         Array
             (n, 2) px in the second image, NaN outside of it or where the ray meets no hull.
         """
-        here, there = self.hull_from_camera[first], self.hull_from_camera[second]
-        ray = np.hstack([xy, np.ones((len(xy), 1))])
-        direction = here.rotation.apply(ray / np.linalg.norm(ray, axis=1, keepdims=True))
-        origin = np.tile(here.translation, (len(xy), 1))
-        point = origin + self.built.cast(origin, direction)[:, None] * direction
-        ahead = there.inverse().apply(point)
+        ahead = self._ahead_of(first, second, np.hstack([xy, np.ones((len(xy), 1))]))
         with np.errstate(invalid="ignore"):
             pixel = self.model.project(ahead)
             inside = (pixel >= -0.5) & (pixel <= [self.model.width - 0.5, self.model.height - 0.5])
             kept = inside.all(axis=1) & (ahead[:, 2] > 0)
         return np.asarray(np.where(kept[:, None], pixel, np.nan))
 
-    def outline_of(self, second: int, first: int, steps: int = 40) -> Array:
+    def outline_of(self, second: int, first: int) -> Array:
         """Outline (m, 2) px, in the first image, of the steel that the second image shows."""
         w, h = self.model.width - 1.0, self.model.height - 1.0
-        t = np.linspace(0, 1, steps)
+        t = np.linspace(0, 1, OUTLINE_STEPS)
         edge = np.vstack(
             [
                 np.column_stack([w * t, 0 * t]),
@@ -77,13 +74,16 @@ class TrueCamera:
                 np.column_stack([0 * t, h * (1 - t)]),
             ]
         )
-        here, there = self.hull_from_camera[second], self.hull_from_camera[first]
-        ray = self.model.rays(edge)
+        ahead = self._ahead_of(second, first, self.model.rays(edge))
+        return np.asarray(self.model.project(ahead[ahead[:, 2] > 0.05]))  # not where none is met
+
+    def _ahead_of(self, first: int, second: int, ray: Array) -> Array:
+        """Find where rays (n, 3) of one node's camera meet the hull, as another's camera has it."""
+        here, there = self.hull_from_camera[first], self.hull_from_camera[second]
         direction = here.rotation.apply(ray / np.linalg.norm(ray, axis=1, keepdims=True))
-        origin = np.tile(here.translation, (len(edge), 1))
+        origin = np.tile(here.translation, (len(ray), 1))
         point = origin + self.built.cast(origin, direction)[:, None] * direction
-        ahead = there.inverse().apply(point[np.isfinite(point).all(axis=1)])
-        return np.asarray(self.model.project(ahead[ahead[:, 2] > 0.05]))
+        return there.inverse().apply(point)
 
     def are_right(self, nodes: tuple[int, int], xy: Array, pixel: Array, within_px: float) -> Mask:
         """Test matches (n) of xy (n, 2) in one node's image with pixels (n, 2) of the other's."""

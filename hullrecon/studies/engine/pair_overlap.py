@@ -176,7 +176,6 @@ def _compared(found: Mapping[str, Sequence[ComparedPair]]) -> list[ComparedValue
                 ComparedValue(
                     what=f"accepted outside the overlap, {model}, {name}",
                     unit="%",
-                    printed=None,
                     ours=100 * sum(a.outside for a in accepted) / max(count, 1),
                     note="drawn: epipolar inliers outside the box, those of the homography inside",
                 )
@@ -215,8 +214,7 @@ def pair_inliers(
             linewidth=1.6,
             label="overlap, in truth" if k == 0 else None,
         )
-    axis.set_xlim(0, 2 * width)
-    axis.set_ylim(height, 0)
+    axis.set(xlim=(0, 2 * width), ylim=(height, 0))
     axis.legend(fontsize=8, loc="lower right")
     table = ["model_and_search,pairs,matches,outside_overlap,wrong"]
     table += [",".join(f'"{cell}"' for cell in row) for row in rows]

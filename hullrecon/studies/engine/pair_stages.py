@@ -207,21 +207,18 @@ def compare_counts(
         ComparedValue(
             what="pairs of features left by navigation",
             unit="%",
-            printed=None,
             ours=100 * inside,
             note=in_words,
         ),
         ComparedValue(
             what="matches on the refined lines that are right",
             unit="%",
-            printed=None,
             ours=float(100 * right[stages.inlier].mean()),
             note=f"within {RIGHT_PX:g} px of where their point lies in truth",
         ),
         ComparedValue(
             what="largest error of the five numbers",
             unit="°",
-            printed=None,
             ours=float(np.abs(off).max()),
             note="azimuth, elevation, roll, pitch, yaw against truth",
         ),
@@ -285,8 +282,7 @@ def _draw_ellipses(
         axis.plot(*own[row], "o", color=COLOURS["maxmix"], markersize=2.5)
         axis.plot(drawn[:, 0] + width, drawn[:, 1], color=COLOURS["maxmix"], linewidth=0.9)
     share = len(stages.candidates[0]) / (len(stages.first) * len(stages.second))
-    axis.set_xlim(0, 2 * width)
-    axis.set_ylim(h, 0)
+    axis.set(xlim=(0, 2 * width), ylim=(h, 0))
     axis.set_title(f"search ellipses: {100 * share:.2f} % of all pairs", fontsize=9)
 
 
@@ -294,8 +290,7 @@ def show_side_by_side(axis: Axes, images: list[Pixels]) -> None:
     """Show two images of one size beside each other, without ticks."""
     axis.imshow(np.hstack(images), cmap="gray", vmin=0, vmax=255, interpolation="nearest")
     axis.grid(False)
-    axis.set_xticks([])
-    axis.set_yticks([])
+    axis.set(xticks=[], yticks=[])
 
 
 def draw_matches(axis: Axes, here: Array, there: Array, right: Mask, width: int) -> None:

@@ -96,7 +96,6 @@ def study() -> StudyResult:
                 ComparedValue(
                     what=f"rotation off on {where}, {name}",
                     unit="mrad",
-                    printed=None,
                     ours=float(turn),
                     note="the paper prefers the homography on planes",
                 )
@@ -144,8 +143,11 @@ def planar_adjustment(turns: dict[float, Array]) -> PublishedFigure:
         axes[0][0].plot(
             curvature, rms[:, k], color=COLOURS[method], marker="o", markersize=4.5, label=name
         )
-    axes[0][0].set(xlabel="curvature of the hull (1/m)", ylabel="error of the rotation, rms (mrad)")
-    axes[0][0].set_yscale("log")
+    axes[0][0].set(
+        xlabel="curvature of the hull (1/m)",
+        ylabel="error of the rotation, rms (mrad)",
+        yscale="log",
+    )
     label_log_axis(axes[0][0].yaxis)
     axes[0][0].legend(fontsize=8, frameon=False)
     table += [f"{c:.4f},{TRIALS},{p:.4f},{e:.4f}" for c, (p, e) in zip(curvature, rms, strict=True)]

@@ -34,21 +34,18 @@ def _turning(name: str, trials: CriterionTrials) -> list[ComparedValue]:
         ComparedValue(
             what=f"relief at which the criteria are equal, {name}",
             unit="mm",
-            printed=None,
             ours=None if crossing is None else 1e3 * crossing,
             note="drawn as one crossing; the relief's unit is not printed",
         ),
         ComparedValue(
             what=f"homography chosen on the plane, {name}",
             unit="%",
-            printed=None,
             ours=100 * float(share[0]),
             note="the homography's criterion is the smaller one on a plane",
         ),
         ComparedValue(
             what=f"spread of the essential matrix' criterion, {name}",
             unit="%",
-            printed=None,
             ours=100 * float(np.ptp(trials.essential.mean(axis=1)) / trials.essential.mean()),
             note="drawn flat",
         ),

@@ -214,7 +214,6 @@ def _compare_draws(draws: Sequence[Draw]) -> ComparedValue:
     return ComparedValue(
         what=f"the same, mean of {len(nearer)} draws of noise and paint",
         unit="mm",
-        printed=None,
         ours=float(nearer.mean()),
         note=(
             f"by draw: {each}, so the mean is known to {sigma:.1f} mm (one sigma){verdict}. "
@@ -240,7 +239,6 @@ def _compare_links(draws: Sequence[Draw]) -> ComparedValue:
     return ComparedValue(
         what="turn of a link further off by the essential matrix alone, pairs that both join",
         unit="mrad",
-        printed=None,
         ours=float(paired.mean()),
         note=(
             f"{len(paired)} pairs of {len(draws)} draws, known to {sigma:.2f} mrad (one sigma). "
@@ -265,7 +263,6 @@ def _compare_models(draw: Draw) -> list[ComparedValue]:
         ComparedValue(
             what=f"error of the path from its true start, {words}",
             unit="mm",
-            printed=None,
             ours=1e3 * off[model],
             note=f"horizontally {1e3 * across[model]:.0f} mm, the rest is the depth's",
         )
@@ -288,8 +285,6 @@ def _compare_models(draw: Draw) -> list[ComparedValue]:
     )
     more = ComparedValue(
         what="pairs joined by the choice over those by the essential matrix alone",
-        unit="",
-        printed=None,
         ours=chosen.joined / alone.joined,
         note="on a hull that is nearly plane a turn and a shift look alike to epipolar lines",
     )
@@ -323,7 +318,6 @@ def _compare_sigmas(tracks: dict[str, VehicleTrack], truth: Truth) -> list[Compa
         ComparedValue(
             what="the same with errors that last: scale, mount, heading",
             unit="%",
-            printed=None,
             ours=100 * share_of_falls(reckoned),
             note=(
                 "a scale that is wrong by 1 % errs by 1 % of the way from the start, which gets "
@@ -333,15 +327,12 @@ def _compare_sigmas(tracks: dict[str, VehicleTrack], truth: Truth) -> list[Compa
         ),
         ComparedValue(
             what="sigma at the end, with links over dead reckoned",
-            unit="",
-            printed=None,
             ours=float(linked[-1] / reckoned[-1]),
             note="bounded",
         ),
         ComparedValue(
             what="largest fall of the sigma with links, of its value",
             unit="%",
-            printed=None,
             ours=100 * largest_fall(way, linked),
             note="a saw-tooth: falls where a leg is tied to an earlier one, after the blank too",
         ),

@@ -56,8 +56,7 @@ def study() -> StudyResult:
     regression = fit(KERNEL, at, np.zeros(RETURNS), np.full(RETURNS, NOISE_M))
     patches = [_patch(size) for size in SIZES_M]
     sigmas = patch_sigmas(rng, at, regression, patches)
-    figure = draw(regression, patches[-1], sigmas)
-    return StudyResult(figures=(figure,), compared=figure.compared)
+    return StudyResult(figures=(draw(regression, patches[-1], sigmas),))
 
 
 def _patch(size_m: float) -> Array:
@@ -138,8 +137,6 @@ def draw(regression: Regression, patch: Array, sigmas: PatchSigmas) -> Published
         (
             ComparedValue(
                 what="scatter of drawn fields over the sigma by the joint covariance, worst patch",
-                unit="",
-                printed=None,
                 ours=float(ratio[np.argmax(np.abs(ratio - 1))]),
                 note="printed as a formula alone",
             ),

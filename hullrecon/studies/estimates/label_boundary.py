@@ -39,8 +39,7 @@ def mixture_cost(distance_m: Array) -> Array:
 
 def study() -> StudyResult:
     """Draw the cost and its boundary."""
-    figure = draw()
-    return StudyResult(figures=(figure,), compared=figure.compared)
+    return StudyResult(figures=(draw(),))
 
 
 def draw() -> PublishedFigure:
@@ -75,7 +74,6 @@ def draw() -> PublishedFigure:
             ComparedValue(
                 what="boundary between the labels, sigmas 1 m and 0.02 m",
                 unit="cm",
-                printed=None,
                 ours=100 * boundary,
                 note="printed as a picture alone",
             ),

@@ -58,8 +58,7 @@ def solve_line(factors: tuple[LineFactor, ...]) -> tuple[Array, Array]:
 def study() -> StudyResult:
     """Solve the graph and draw it."""
     position, covariance = solve_line(TOY)
-    figure = draw(position, np.sqrt(np.diag(covariance)))
-    return StudyResult(figures=(figure,), compared=figure.compared)
+    return StudyResult(figures=(draw(position, np.sqrt(np.diag(covariance))),))
 
 
 def draw(position: Array, sigma: Array) -> PublishedFigure:

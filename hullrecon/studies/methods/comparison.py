@@ -108,7 +108,6 @@ def compare_heights(figures: Mapping[str, MethodFigures]) -> tuple[ComparedValue
         ComparedValue(
             what=f"height of structures kept, {name}",
             unit="%",
-            printed=None,
             ours=100 * ratio if isinstance(ratio, float) else None,
             note=f"Figs 4.10, 4.11: {said[name]}",
         )

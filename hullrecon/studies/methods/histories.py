@@ -128,8 +128,9 @@ def cost_history(solves: Sequence[SolveHistory]) -> PublishedFigure:
             rows = enumerate(zip(solve.round, solve.seconds, solve.cost, strict=True))
             table += [f"{solve.method},{r},{k},{t:.3f},{c:.9g}" for k, (r, t, c) in rows]
             captions.append(f"{solve.method} {_count(solve)}, {solve.seconds[-1]:.1f} s")
-        row[0].set_ylabel(f"{_title(group[0], method=False)}\ncost (half sum of squares)")
-        row[0].set_yscale("log")
+        row[0].set(
+            ylabel=f"{_title(group[0], method=False)}\ncost (half sum of squares)", yscale="log"
+        )
         label_log_axis(row[0].yaxis)
         for axis, name, linear in zip(row, ("iteration", "time (s)"), (10.0, 1.0), strict=True):
             if group[0].as_published:
@@ -210,14 +211,12 @@ def _compare_labels(solves: Sequence[SolveHistory]) -> tuple[ComparedValue, ...]
         for value in (
             ComparedValue(
                 what="share of landmarks on the hull at the first labelled iteration",
-                unit="",
                 printed=0.82,
                 ours=float(solve.on_surface[0] / max(1, solve.landmarks[0])),
                 note="of another hull; printed with one camera: 0.34",
             ),
             ComparedValue(
                 what="iterations until the labels settle",
-                unit="",
                 printed=20.0,
                 ours=float(_settled_after(solve)),
                 note='printed "about twenty"; ours starts from a solved path',
@@ -232,7 +231,6 @@ def _compare_iterations(solves: Sequence[SolveHistory]) -> tuple[ComparedValue, 
     found = [
         ComparedValue(
             what=f"iterations of the solve, {name}",
-            unit="",
             printed=printed,
             ours=float(count(by_method[name].round)),
             note="stereo; ours starts from a path solved without the CAD model",

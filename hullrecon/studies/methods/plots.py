@@ -170,7 +170,6 @@ def range_histogram(
             ComparedValue(
                 what=f"robust sigma of range residuals, {name}",
                 unit="mm",
-                printed=None,
                 ours=1e3 * float(robust_sigma(values)),
                 note='printed: "significantly smaller variance" once adjusted',
             )
@@ -229,8 +228,9 @@ def structure_heights(
         true_m,
         *(float(f(v)) for v in heights.values() if len(v) for f in (np.min, np.max)),
     ]
-    axis.set_ylim(min(ends) - 0.2 * true_m, max(ends) + 0.25 * true_m)
-    axis.set_xlim(-0.6, len(ticks) - 0.3)
+    axis.set(
+        ylim=(min(ends) - 0.2 * true_m, max(ends) + 0.25 * true_m), xlim=(-0.6, len(ticks) - 0.3)
+    )
     axis.grid(False, axis="x")
     return finish_figure(
         "structure_height",
@@ -242,7 +242,6 @@ def structure_heights(
         else (
             ComparedValue(
                 what=f"height of the {kind} over its true height",
-                unit="",
                 printed=0.10 / 0.11,
                 ours=delivered.height_m / true_m,
                 note="printed as 0.10 m of 0.11 m",
@@ -265,8 +264,7 @@ def _draw_overview(axis: Axes, overview: WholeSection) -> None:
         fontsize=8,
         color=INK,
     )
-    axis.set_aspect("equal", adjustable="datalim")
-    axis.set_xlabel("across the hull (m)")
+    axis.set(xlabel="across the hull (m)", aspect="equal", adjustable="datalim")
 
 
 def _draw_section(axis: Axes, section: CrossSection) -> None:

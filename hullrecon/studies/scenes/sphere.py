@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hullrecon.evaluation.trajectory import rms, rms_length
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.studies.figure_style import (
     COLOURS,
@@ -51,7 +52,7 @@ class MappedSphere:
 
     def aligned_error_m(self, truth: Array) -> float:
         """Compute the RMS distance from the true path after rigid alignment."""
-        return _rms(np.linalg.norm(fit_rigid(self.path, truth).apply(self.path) - truth, axis=1))
+        return rms_length(fit_rigid(self.path, truth).apply(self.path) - truth)
 
 
 def fit_sphere(points: Array) -> tuple[Array, float]:
@@ -105,21 +106,17 @@ def sphere(survey: SphereSurvey) -> PublishedFigure:
 
 def _compare(survey: SphereSurvey) -> tuple[ComparedValue, ...]:
     """Set what [Ozog2016 C] says of characteristic radii beside ours."""
-    off = [1e3 * _rms(found.off_sphere_m()) for found in survey.planes.values()]
+    off = [1e3 * rms(found.off_sphere_m()) for found in survey.planes.values()]
     ends = survey.drawn[PLANES]
     return (
         ComparedValue(
             what=f"path off its sphere, characteristic radii {min(survey.planes):g} to "
             f"{max(survey.planes):g} m: worst over best",
-            unit="",
-            printed=None,
             ours=max(off) / max(min(off), 1e-9),
             note=f'printed "very similar", of a sphere of 8 m; ours has {survey.radius_m:g} m',
         ),
         ComparedValue(
             what="error of the path's end over its sigma, with planes",
-            unit="",
-            printed=None,
             ours=float(ends.error_m(survey.truth)[-1] / ends.sigma[-1]),
             note="along closed turns the sigma with planes is too small",
         ),
@@ -161,7 +158,7 @@ def _draw_off_sphere(axis: Axes, survey: SphereSurvey) -> None:
             off,
             color=PATH_COLOURS[name],
             linewidth=1.4,
-            label=f"{name}: {_rms(off):.1f} mm rms",
+            label=f"{name}: {rms(off):.1f} mm rms",
         )
     axis.set(xlabel="along the path (m)", ylabel="path outside the sphere that fits it (mm)")
     _leave_room(axis)
@@ -170,12 +167,12 @@ def _draw_off_sphere(axis: Axes, survey: SphereSurvey) -> None:
 
 def _draw_by_radius(axis: Axes, survey: SphereSurvey) -> None:
     radii = list(survey.planes)
-    off_path = [1e3 * _rms(found.off_sphere_m()) for found in survey.planes.values()]
+    off_path = [1e3 * rms(found.off_sphere_m()) for found in survey.planes.values()]
     off_radius = [
         1e3 * (fit_sphere(found.points)[1] - survey.radius_m) for found in survey.planes.values()
     ]
     before = (
-        1e3 * _rms(survey.reckoned.off_sphere_m()),
+        1e3 * rms(survey.reckoned.off_sphere_m()),
         1e3 * (fit_sphere(survey.reckoned.points)[1] - survey.radius_m),
     )
     for values, level, marker, shade, what in (
@@ -193,8 +190,7 @@ def _draw_by_radius(axis: Axes, survey: SphereSurvey) -> None:
         )
         axis.axhline(level, color=shade, linestyle="--", linewidth=1.0, label=f"{what}, {RECKONED}")
     axis.set_xticks(radii, [f"{radius:g}" for radius in radii])
-    axis.set(xlabel="characteristic radius (m)", ylabel="error (mm)")
-    axis.set_ylim(bottom=0)
+    axis.set(xlabel="characteristic radius (m)", ylabel="error (mm)", ylim=(0, None))
     _leave_room(axis, 0.5)
     axis.legend(fontsize=8, frameon=False, loc="upper left")
 
@@ -214,8 +210,11 @@ def _draw_sigma(axis: Axes, survey: SphereSurvey) -> None:
             linestyle="--",
             label=f"error, {name}",
         )
-    axis.set(xlabel="along the path (m)", ylabel="position: sigma (root of the trace), error (m)")
-    axis.set_ylim(bottom=0)
+    axis.set(
+        xlabel="along the path (m)",
+        ylabel="position: sigma (root of the trace), error (m)",
+        ylim=(0, None),
+    )
     _leave_room(axis)
     axis.legend(fontsize=8, frameon=False, loc="upper left")
 
@@ -230,15 +229,15 @@ def _row(name: str, radius: str, found: MappedSphere, truth: Array) -> str:
     middle, map_radius = fit_sphere(found.points)
     off_map = np.linalg.norm(found.points - middle, axis=1) - map_radius
     errors = (found.aligned_error_m(truth), found.sigma[-1], found.error_m(truth)[-1])
-    numbers = (_rms(found.off_sphere_m()), _rms(off_map), map_radius, *errors)
+    numbers = (rms(found.off_sphere_m()), rms(off_map), map_radius, *errors)
     return f"{name},{radius},{','.join(f'{v:.5f}' for v in numbers)}"
 
 
 def _caption(survey: SphereSurvey) -> str:
     radii, planes = list(survey.planes), list(survey.planes.values())
     before, off = (
-        1e3 * _rms(survey.reckoned.off_sphere_m()),
-        [1e3 * _rms(found.off_sphere_m()) for found in planes],
+        1e3 * rms(survey.reckoned.off_sphere_m()),
+        [1e3 * rms(found.off_sphere_m()) for found in planes],
     )
     map_before, maps = (
         fit_sphere(survey.reckoned.points)[1],
@@ -256,7 +255,3 @@ def _caption(survey: SphereSurvey) -> str:
         f"not tell where on the sphere the vehicle is: the path ends {ends[0]} from the truth by "
         f"dead reckoning, {ends[1]} with planes: along closed turns their sigma is too small."
     )
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))

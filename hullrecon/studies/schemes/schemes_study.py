@@ -7,7 +7,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.patches import Ellipse
 
 from hullrecon.studies.figure_style import (
     COLOURS,
@@ -15,6 +14,7 @@ from hullrecon.studies.figure_style import (
     INK,
     RED,
     PublishedFigure,
+    draw_ellipse,
     finish_figure,
     new_canvas,
 )
@@ -65,12 +65,12 @@ def study() -> StudyResult:
         compared=(
             ComparedValue(
                 what=f"multiplications in a tree over those one by one, {LEAVES} submaps",
-                unit="", printed=None, ours=sum(tree.efforts) / tree.one_by_one,
+                ours=sum(tree.efforts) / tree.one_by_one,
                 note="a global map in approximately O(n) time, drawn as a scheme alone",
             ),
             ComparedValue(
                 what="sigma of the last frame after the first loop over that before",
-                unit="", printed=None, ours=after / before,
+                ours=after / before,
                 note="ellipses shrink when the loop is closed, drawn alone",
             ),
             ComparedValue(
@@ -81,8 +81,7 @@ def study() -> StudyResult:
             ),
             ComparedValue(
                 what="covariance across the submaps given what they share, largest correlation",
-                unit="", printed=0.0, ours=correlation_left(one),
-                note="",
+                printed=0.0, ours=correlation_left(one),
             ),
         ),
     )  # fmt: skip
@@ -167,10 +166,7 @@ def draw_graph(moments: list[Moment]) -> PublishedFigure:
     for number, (axis, moment) in enumerate(zip(axes[0], moments, strict=True)):
         axis.plot(*moment.frames[:, :2].T, ".-", color=INK, lw=0.8)
         for k, (at, block) in enumerate(zip(moment.frames, moment.covariances, strict=True)):
-            values, vectors = np.linalg.eigh(block)
-            size = 2 * SIGMAS * np.sqrt(np.maximum(values, 0))
-            turn = float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))
-            axis.add_patch(Ellipse(at[:2], size[1], size[0], angle=turn, fill=False, ec=RED))
+            draw_ellipse(axis, at, block, SIGMAS, RED)
             table.append(
                 f"{number},{k},{at[0]:.3f},{at[1]:.3f},{block[0, 0] ** 0.5:.4f},"
                 f"{block[1, 1] ** 0.5:.4f},{moment.loops}"

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hullrecon.evaluation.trajectory import rms_length
 from hullrecon.geometry.poses import Poses, exp, stacked
 from hullrecon.studies.figure_style import (
     COLOURS,
@@ -80,8 +81,7 @@ class Draw:
 
     def error_m(self, way: str) -> float:
         """Compute how far the paths are off the truth, root mean square."""
-        off = path_errors(self.ways[way].state.poses, self.truth)[:, :3]
-        return float(np.sqrt((off**2).sum(axis=1).mean()))
+        return rms_length(path_errors(self.ways[way].state.poses, self.truth)[:, :3])
 
 
 def study() -> StudyResult:
@@ -97,8 +97,6 @@ def study() -> StudyResult:
             *(
                 ComparedValue(
                     what=f"solver's steps from unaligned sessions to the end, {way}",
-                    unit="",
-                    printed=None,
                     ours=mean_steps(way, draws)[0],
                     note="fewer with anchors, says the source",
                 )
@@ -114,8 +112,6 @@ def study() -> StudyResult:
             ),
             ComparedValue(
                 what="squared error over the covariance (2.8), mean of six numbers",
-                unit="",
-                printed=None,
                 ours=float(np.mean(nees)),
                 note="6 where the covariance holds",
             ),
@@ -239,8 +235,6 @@ def draw_information() -> PublishedFigure:
         compared.append(
             ComparedValue(
                 what=f"rank that is missing, {name}",
-                unit="",
-                printed=None,
                 ours=float(len(dense) - found),
                 note="low rank, says the source" if name == "one frame, before" else "full rank",
             )

@@ -113,7 +113,6 @@ def study() -> StudyResult:
             ComparedValue(
                 what=f"surfaced poses off those below, towards the hull, {name}",
                 unit="m",
-                printed=None,
                 ours=float(np.sqrt(np.mean(off**2))),
                 note="well aligned with range factors, some drift without: drawn alone",
             )

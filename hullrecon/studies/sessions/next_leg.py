@@ -121,8 +121,6 @@ def study() -> StudyResult:
             *(
                 ComparedValue(
                     what=f"sigma of the path after the best leg over that before, {sensors}",
-                    unit="",
-                    printed=None,
                     ours=best[sensors].sigma_m[sensors] / before[sensors],
                     note=f"{best[sensors].name}; future work in the source",
                 )
@@ -131,7 +129,6 @@ def study() -> StudyResult:
             ComparedValue(
                 what="length of the best leg, by planes and links",
                 unit="m",
-                printed=None,
                 ours=chosen.length_m,
                 note=chosen.name,
             ),

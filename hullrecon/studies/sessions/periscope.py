@@ -12,11 +12,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.patches import Ellipse
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
-from hullrecon.studies.figure_style import COLOURS, RED, PublishedFigure, finish_figure, new_canvas
+from hullrecon.studies.figure_style import (
+    COLOURS,
+    RED,
+    PublishedFigure,
+    draw_ellipse,
+    finish_figure,
+    new_canvas,
+)
 from hullrecon.studies.study import ComparedValue, StudyResult
 from hullrecon.typing import Array
 
@@ -108,11 +114,11 @@ def study() -> StudyResult:
                 note="fairly Gaussian except where the covariance is large",
             ),
             ComparedValue(
-                what="height of the ellipses over their width", unit="", printed=None,
+                what="height of the ellipses over their width",
                 ours=low[1.0], note="corresponding features share similar rows",
             ),
             ComparedValue(
-                what="share of the image that is searched", unit="%", printed=None,
+                what="share of the image that is searched", unit="%",
                 ours=searched[1.0], note="ellipses, rather than the entire image",
             ),
         ),
@@ -125,13 +131,8 @@ def draw(rng: np.random.Generator) -> PublishedFigure:
     axis, table = axes[0][0], ["u_px,v_px,sigma_u_px,sigma_v_px,inside"]
     for pixel in grid():
         share, mean, spread, drawn = inside(transfer_of(pixel, SCALES[0]), rng)
-        values, vectors = np.linalg.eigh(spread)
-        size = 2 * np.sqrt(values * chi2(2).ppf(SHARE))
-        turn = float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))
         axis.plot(*drawn[:300].T, ".", ms=1, color=COLOURS["naive"], alpha=0.5)
-        axis.add_patch(
-            Ellipse((mean[0], mean[1]), size[1], size[0], angle=turn, fill=False, ec=RED)
-        )
+        draw_ellipse(axis, mean, spread, float(np.sqrt(chi2(2).ppf(SHARE))), RED)
         axis.plot(*pixel, "x", color=COLOURS["maxmix"])
         u, v = np.sqrt(np.diag(spread))
         table.append(f"{pixel[0]:.1f},{pixel[1]:.1f},{u:.2f},{v:.2f},{share:.4f}")

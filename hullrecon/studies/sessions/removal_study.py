@@ -10,12 +10,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.evaluation.trajectory import rms_length
 from hullrecon.geometry.poses import Poses, exp, stacked
 from hullrecon.studies.figure_style import (
     COLOURS,
     INK,
     RED,
     PublishedFigure,
+    draw_ellipse,
     finish_figure,
     new_canvas,
 )
@@ -113,21 +115,16 @@ def compare(
         ComparedValue(
             what="position beside the full graph's after eight sessions, median",
             unit="m",
-            printed=None,
             ours=float(np.median(last.position_m)),
             note="well within a metre, over kilometres",
         ),
         ComparedValue(
             what="nodes and factors after eight sessions, full over small graph",
-            unit="",
-            printed=None,
             ours=(last.nodes[1] + last.factors[1]) / (last.nodes[0] + last.factors[0]),
             note="bounded by the size of the hull; without removal no real time after session 3",
         ),
         ComparedValue(
             what="log ratio of the determinants, small over full, median after eight sessions",
-            unit="",
-            printed=None,
             ours=float(np.median(last.log_ratio)),
             note="drawn alone; above zero the small graph is less sure than it might be",
         ),
@@ -350,8 +347,6 @@ def draw_differences(steps: list[SessionResult]) -> PublishedFigure:
 
 def draw_ellipses(small: Map, full: Map) -> PublishedFigure:
     """Draw three-sigma ellipses along and across the hull [Ozog2016 Fig. 2.21]."""
-    from matplotlib.patches import Ellipse
-
     figure, axes = new_canvas(9.0, 3.4)
     axis, table = axes[0][0], ["map,x_m,y_m,sigma_1_m,sigma_2_m"]
     kept = np.isin(full.number, small.number)
@@ -361,11 +356,9 @@ def draw_ellipses(small: Map, full: Map) -> PublishedFigure:
     ):
         spread = pose_covariances(known.graph, covariance(known.graph, known.state))[mask, :2, :2]
         for at, block in zip(known.state.poses.translation[mask], spread, strict=True):
-            values, vectors = np.linalg.eigh(block)
-            wide, high = 6 * np.sqrt(values[::-1])
-            turn = float(np.degrees(np.arctan2(*vectors[::-1, 1])))
-            axis.add_patch(Ellipse(at[:2], wide, high, angle=turn, fill=False, ec=ink, lw=0.9))
-            table.append(f"{name},{at[0]:.3f},{at[1]:.3f},{high / 6:.5f},{wide / 6:.5f}")
+            draw_ellipse(axis, at, block, 3, ink, 0.9)
+            low, high = np.sqrt(np.linalg.eigvalsh(block))
+            table.append(f"{name},{at[0]:.3f},{at[1]:.3f},{low:.5f},{high:.5f}")
         axis.plot([], [], color=ink, label=name)
     axis.plot(*small.truth.translation[:, :2].T, ".", ms=2, color=INK, label="truth")
     axis.set(xlabel="x (m)", ylabel="y (m)")
@@ -379,7 +372,7 @@ def draw_ellipses(small: Map, full: Map) -> PublishedFigure:
 
 
 def _rms(poses: Poses, truth: Poses) -> float:
-    return float(np.sqrt((path_errors(poses, truth)[:, :3] ** 2).sum(axis=1).mean()))
+    return rms_length(path_errors(poses, truth)[:, :3])
 
 
 def _euler(poses: Poses) -> Array:

@@ -81,13 +81,12 @@ def study(given: StudyDive) -> StudyResult:
     disparity = disparities(pair, usual_distance(hull))
     heights = [_heights(hull, truth, s) for s in truth.structures()]
     growth = next((h for h in heights if h.kind == "lump"), heights[0])
-    figures = (
-        draw_pair(pair),
-        draw_ranges(pair, disparity),
-        draw_heights(heights, growth),
-    )
     return StudyResult(
-        figures=figures, compared=tuple(value for f in figures for value in f.compared)
+        figures=(
+            draw_pair(pair),
+            draw_ranges(pair, disparity),
+            draw_heights(heights, growth),
+        )
     )
 
 

@@ -90,10 +90,7 @@ def study(given: StudyDive) -> StudyResult:
     foot = hull.truth_from_result.inverse().apply(foot[None])[0]
     shapes = shapes_of_view(hull, best_view(hull, foot))
     fused = fuse_vertex(hull, foot)
-    figures = (draw_shapes(shapes), draw_fusion(fused, structure, hull))
-    return StudyResult(
-        figures=figures, compared=tuple(value for f in figures for value in f.compared)
-    )
+    return StudyResult(figures=(draw_shapes(shapes), draw_fusion(fused, structure, hull)))
 
 
 def best_view(hull: InspectedHull, point: Array) -> int:
@@ -203,7 +200,6 @@ def draw_shapes(shapes: ShapesOfView) -> PublishedFigure:
         (
             ComparedValue(
                 what="shapes in one image",
-                unit="",
                 printed=3.0,
                 ours=float(count),
                 note="of another scene: as many as stand there",
@@ -237,8 +233,7 @@ def _draw_meshes(axis: Axes, shapes: ShapesOfView) -> None:
     for k, faces in enumerate(shapes.faces):
         if len(faces):
             axis.triplot(*shapes.pixel[shapes.members(k)].T, faces, color="white", linewidth=0.8)
-    axis.set_xlim(0, shapes.image.shape[1])
-    axis.set_ylim(shapes.image.shape[0], 0)
+    axis.set(xlim=(0, shapes.image.shape[1]), ylim=(shapes.image.shape[0], 0))
     axis.set_title("(d) their alpha shapes", fontsize=9)
 
 
@@ -262,8 +257,11 @@ def draw_fusion(
         linestyle="--",
         label="the structure's top",
     )
-    views.set(xlabel="view", ylabel="height over the CAD model (cm)")
-    views.set_ylim(0, max(130 * structure.height, float(heights.max(initial=0.0)) + 1))
+    views.set(
+        xlabel="view",
+        ylabel="height over the CAD model (cm)",
+        ylim=(0, max(130 * structure.height, float(heights.max(initial=0.0)) + 1)),
+    )
     views.legend(fontsize=8, frameon=False, loc="lower right")
     table = [
         "view,height_m",
@@ -279,8 +277,6 @@ def draw_fusion(
         (
             ComparedValue(
                 what="vertex moved by Algorithm 5 over the true height",
-                unit="",
-                printed=None,
                 ours=fused.height_m / structure.height,
                 note="printed as a picture alone",
             ),

@@ -80,7 +80,6 @@ def study(given: StudyDive) -> StudyResult:
         count_reported(reported, float(t), truth, hull.truth_from_result) for t in THRESHOLDS_M
     ]
     shown = [r for r in remeshed if r.threshold_m in SHOWN_M]
-    figure = draw(by_rays, by_us, shown, hull)
     rows = tuple(
         (
             name,
@@ -95,10 +94,9 @@ def study(given: StudyDive) -> StudyResult:
         for t, c in zip(THRESHOLDS_M, counts, strict=True)
     )
     return StudyResult(
-        figures=(figure,),
+        figures=(draw(by_rays, by_us, shown, hull),),
         heads=("by", "threshold, m", "found", "missed", "false", "false area, m2", "kept"),
         rows=rows,
-        compared=figure.compared,
     )
 
 
@@ -211,7 +209,7 @@ def _compare(none: ThresholdCount, high: ThresholdCount) -> tuple[ComparedValue,
         "threshold of 0.06 m": (high, "printed: the strip of growth alone is left"),
     }
     return tuple(
-        ComparedValue(what=f"{what}, {name}", unit=unit, printed=None, ours=ours, note=note)
+        ComparedValue(what=f"{what}, {name}", unit=unit, ours=ours, note=note)
         for name, (c, note) in words.items()
         for what, unit, ours in (
             ("structures found by Algorithm 5", "", float(c.found)),
@@ -239,9 +237,12 @@ def _draw_map(axis: Axes, remeshed: Remeshed, hull: InspectedHull) -> None:
         rasterized=True,
     )
     low, high = np.nanpercentile(window[:, :2], [0.5, 99.5], axis=0)
-    axis.set_xlim(low[0] - 0.2, high[0] + 0.2)
-    axis.set_ylim(low[1] - 0.2, high[1] + 0.2)
-    axis.set_aspect("equal", adjustable="box")
+    axis.set(
+        xlim=(low[0] - 0.2, high[0] + 0.2),
+        ylim=(low[1] - 0.2, high[1] + 0.2),
+        aspect="equal",
+        adjustable="box",
+    )
     axis.set_title(f"moved vertices, threshold {100 * remeshed.threshold_m:.0f} cm", fontsize=9)
     axis.set(xlabel="along the hull (m)", ylabel="girth (m)")
     axis.figure.colorbar(drawn, ax=axis, label="height (cm)", shrink=0.8)

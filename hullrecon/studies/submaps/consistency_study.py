@@ -147,22 +147,17 @@ def _compare(at_end: dict[str, float], nees: dict[str, Array]) -> tuple[Compared
     return (
         ComparedValue(
             what="consistency index of one filter, after the loop",
-            unit="",
-            printed=None,
             ours=at_end[EKF],
             note="printed as a curve that rises above 1; 1 is the 95 % bound of the mean "
             f"of {RUNS} runs",
         ),
         ComparedValue(
             what="consistency index of selective joining, after the loop",
-            unit="",
-            printed=None,
             ours=at_end[SELECTIVE],
             note="printed as a curve that stays below 1",
         ),
         ComparedValue(
             what="consistency index of our submaps, in their own frames",
-            unit="",
             printed=1.0,
             ours=float(ours.mean()) / bound(len(ours)),
             note=f"printed: below. Mean NEES of where each ended {ours.mean():.2f}, band of "
@@ -189,9 +184,7 @@ def _draw(laps: list[Lap], index: dict[str, Array], own: dict[str, float]) -> Pu
     axis.plot(*world.track[:, :2].T, color=RED, lw=1, label="truth")
     axis.plot(*tracks[EKF].poses[:, :2].T, color=INK, lw=1, label="one filter")
     axis.plot(*tracks[SELECTIVE].poses[:, :2].T, color=LINES[SELECTIVE], lw=1, label=SELECTIVE)
-    axis.set_aspect("equal")
-    axis.set_xlabel("x (m)")
-    axis.set_ylabel("y (m)")
+    axis.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
     axis.legend(frameon=False, fontsize=8, loc="center")
     axis = rows[0][1]
     times = (tracks[EKF].steps + 1) * world.log.step_s[0]
@@ -202,8 +195,7 @@ def _draw(laps: list[Lap], index: dict[str, Array], own: dict[str, float]) -> Pu
             value, color=LINES[name], lw=1.2, ls="-" if name == SUBMAPS else ":", label=name
         )
     axis.axhline(1.0, color=RED, ls="--", lw=1, label="bound, 95 %")
-    axis.set_xlabel("time (s)")
-    axis.set_ylabel("consistency index")
+    axis.set(xlabel="time (s)", ylabel="consistency index")
     axis.legend(frameon=False, fontsize=8)
     table = [f"time_s,{','.join(index)}"]
     for number, time in enumerate(times):

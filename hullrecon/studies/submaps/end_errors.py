@@ -173,8 +173,7 @@ def compare_ends(ends: EndsByForm) -> tuple[ComparedValue, ...]:
         ),
     )
     return tuple(
-        ComparedValue(what=what, unit="", printed=None, ours=float(of.nees.mean()), note=note)
-        for what, of, note in cases
+        ComparedValue(what=what, ours=float(of.nees.mean()), note=note) for what, of, note in cases
     )
 
 

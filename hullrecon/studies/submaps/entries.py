@@ -4,68 +4,37 @@
 
 from __future__ import annotations
 
-from hullrecon.studies.study import SceneStudy, StudyResult
-
-
-def _filters() -> StudyResult:
-    from hullrecon.studies.submaps.filter_study import study_filters
-
-    return study_filters()
-
-
-def _consistency() -> StudyResult:
-    from hullrecon.studies.submaps.consistency_study import study_consistency
-
-    return study_consistency()
-
-
-def _world() -> StudyResult:
-    from hullrecon.studies.submaps.world_figures import study_world
-
-    return study_world()
-
-
-def _threshold() -> StudyResult:
-    from hullrecon.studies.submaps.threshold_study import study_threshold
-
-    return study_threshold()
-
-
-def _park() -> StudyResult:
-    from hullrecon.studies.submaps.park_study import study_park
-
-    return study_park()
-
+from hullrecon.studies.study import SceneStudy, study_of
 
 SUBMAP_STUDIES: tuple[SceneStudy, ...] = (
     SceneStudy(
         id="filters",
         source="[Aulinas2011 Algorithms 1, 2, eqs (3.7) to (3.11)]",
         shows="Kalman filter, information filter and smoother against the batch",
-        run=_filters,
+        run=study_of("submaps.filter_study.study_filters"),
     ),
     SceneStudy(
         id="submap-consistency",
         source="[Aulinas2011 Fig. 2.2, eq (3.21)]",
         shows="one filter and submaps, laps around a square: normalised error against its bound",
-        run=_consistency,
+        run=study_of("submaps.consistency_study.study_consistency"),
     ),
     SceneStudy(
         id="submap-world",
         source="[Aulinas2011 3.4.1, Figs 3.4 to 3.6, Tables 3.2, 3.3]",
         shows="441 landmarks by one filter and by submaps joined in all ways: time and error",
-        run=_world,
+        run=study_of("submaps.world_figures.study_world"),
     ),
     SceneStudy(
         id="submap-threshold",
         source="[Aulinas2011 3.3.4, Fig. 3.2]",
         shows="how much two submaps must share to be fused: cost and error",
-        run=_threshold,
+        run=study_of("submaps.threshold_study.study_threshold"),
     ),
     SceneStudy(
         id="submap-park",
         source="[Aulinas2011 3.4.2, Figs 3.7, 3.9, 3.10, eq (3.22)]",
         shows="a park's trees mapped by a car: track, innovations, cost over the mission",
-        run=_park,
+        run=study_of("submaps.park_study.study_park"),
     ),
 )

@@ -69,7 +69,6 @@ def study_filters() -> StudyResult:
             ComparedValue(
                 what=f"{name}, against the batch",
                 unit="m",
-                printed=None,
                 ours=max(values),
                 note="equal but for rounding; with P - W S P, as printed, nothing would be",
             )

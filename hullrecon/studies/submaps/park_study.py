@@ -52,27 +52,6 @@ HEADS = ("park", "method", "mean error m", "largest m", "NIS within %", "10^6 mu
 PALETTE = (COLOURS["maxmix"], COLOURS["geva"], GREEN, "#8e44ad", "#b8860b", RED)
 
 
-class Recorder:
-    """A strategy whose cost is written down after each submap."""
-
-    def __init__(self, strategy: Strategy, effort: Effort) -> None:
-        self._strategy, self._effort = strategy, effort
-        self.multiplications: list[float] = []
-
-    def add(self, built: EkfMap) -> None:
-        """Add a submap."""
-        self._strategy.add(built)
-        self.multiplications.append(self._effort.total_multiplications)
-
-    def last_frame(self) -> tuple[Array, Array]:
-        """Tell where the last submap ended."""
-        return self._strategy.last_frame()
-
-    def landmarks(self) -> list[tuple[int, Array]]:
-        """List the landmarks."""
-        return self._strategy.landmarks()
-
-
 @dataclass(frozen=True, kw_only=True)
 class Drive:
     """A park by one filter and by submaps."""
@@ -110,10 +89,13 @@ def drive(log: Log) -> Drive:
 
 
 def _cost(make: Callable[[Effort], Strategy], submaps: Sequence[EkfMap]) -> list[float]:
-    effort = Effort()
-    recorder = Recorder(make(effort), effort)
-    run_strategy(submaps, recorder)
-    return recorder.multiplications
+    """Hand submaps to a strategy, and count its multiplications after each."""
+    effort, costs = Effort(), []
+    strategy = make(effort)
+    for built in submaps:
+        strategy.add(built)
+        costs.append(effort.total_multiplications)
+    return costs
 
 
 def study_park() -> StudyResult:
@@ -171,7 +153,6 @@ def _simulated(
         ComparedValue(
             what="the same of one filter",
             unit="%",
-            printed=None,
             ours=100 * within(paths[EKF]),
             note="printed: outside, as a curve of Victoria Park, ten times as long. Here the "
             "readings are as noisy as the filter believes",
@@ -179,7 +160,6 @@ def _simulated(
         ComparedValue(
             what="mean error of a tree's middle in the map",
             unit="m",
-            printed=None,
             ours=float(np.mean(trees)),
             note="simulated park; the thesis has no truth of its trees",
         ),
@@ -230,9 +210,7 @@ def draw_track(driven: Drive, truth: Array, name: str, title: str) -> PublishedF
         points = place(frames[submap.base], points)
         axis.plot(*points.T, "o", ms=4, mfc="none", color=PALETTE[number % len(PALETTE)])
         table += [f"{number},{x:.3f},{y:.3f}" for x, y in points]
-    axis.set_aspect("equal")
-    axis.set_xlabel("x (m)")
-    axis.set_ylabel("y (m)")
+    axis.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
     axis.legend(fontsize=8, loc="upper left", edgecolor="white", framealpha=1.0)
     count = len(driven.selective.submaps)
     caption = f"Track of {title}, and the trees of {count} submaps, each in a colour of its own."
@@ -283,9 +261,7 @@ def draw_costs(driven: Drive) -> PublishedFigure:
         lw=1.4,
         label=SHARED,
     )
-    axis.set_yscale("log")
-    axis.set_xlabel("time (s)")
-    axis.set_ylabel("10^6 multiplications, so far")
+    axis.set(xlabel="time (s)", ylabel="10^6 multiplications, so far", yscale="log")
     axis.legend(frameon=False, fontsize=8)
     table = [f"time_s,{','.join(driven.costs)}"]
     for number, time in enumerate(times):

@@ -140,7 +140,6 @@ def compare_repeated(repeated: Repeated) -> tuple[ComparedValue, ...]:
             ComparedValue(
                 what=f"mean error of the car by {name}, {runs} worlds",
                 unit="m",
-                printed=None,
                 ours=float(errors.mean()),
                 note=f"median {np.median(errors):.2f}, worst {errors.max():.2f}; by world: "
                 f"{_each(errors, 2)}. At the end of "

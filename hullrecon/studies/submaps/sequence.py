@@ -122,21 +122,20 @@ class JoinedSequence:
     def add(self, built: EkfMap) -> None:
         """Add a submap, and join: all at once, or those made from as many submaps."""
         self._maps.append((1, plain_map(built)))
-        while len(self._maps) > 1:
-            (count, first), (last_count, last) = self._maps[-2:]
-            if self._tree and count != last_count:
-                return
-            with self._effort.stage("global"):
-                joined = join_next(first, last, self._effort, self._rng)
-            self._maps[-2:] = [(count + last_count, joined)]
+        while len(self._maps) > 1 and not (self._tree and self._maps[-2][0] != self._maps[-1][0]):
+            self._join_last()
 
     def finish(self) -> None:
         """Join what is left into one map."""
         while len(self._maps) > 1:
-            (count, first), (last_count, last) = self._maps[-2:]
-            with self._effort.stage("global"):
-                joined = join_next(first, last, self._effort, self._rng)
-            self._maps[-2:] = [(count + last_count, joined)]
+            self._join_last()
+
+    def _join_last(self) -> None:
+        """Join the last two maps."""
+        (count, first), (last_count, last) = self._maps[-2:]
+        with self._effort.stage("global"):
+            joined = join_next(first, last, self._effort, self._rng)
+        self._maps[-2:] = [(count + last_count, joined)]
 
     def last_frame(self) -> tuple[Array, Array]:
         """Compute where the last map ended, with covariance, in the mission's frame."""

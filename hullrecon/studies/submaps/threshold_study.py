@@ -113,7 +113,6 @@ def study_threshold() -> StudyResult:
         compared=(
             ComparedValue(
                 what="threshold of the least cost",
-                unit="",
                 printed=0.45,
                 ours=least.threshold,
                 note="printed: 0.40 to 0.50, in seconds. Above it hardly any two maps are fused, "
@@ -121,7 +120,6 @@ def study_threshold() -> StudyResult:
             ),
             ComparedValue(
                 what="threshold where cost stops falling fast",
-                unit="",
                 printed=0.45,
                 ours=knee(trials),
                 note="the knee of our curve; beyond it less is fused and the error grows",
@@ -137,14 +135,15 @@ def _draw(trials: list[Trial]) -> PublishedFigure:
         axis.axvspan(0.4, 0.5, color=LIGHT, alpha=0.6, label="least, as printed")
     work = [trial.multiplications / 1e6 for trial in trials]
     rows[0][0].plot(x, work, "o-", color=COLOURS["maxmix"], ms=4, label="multiplications")
-    rows[0][0].set_ylabel("10^6 multiplications")
-    rows[0][0].set_ylim(bottom=0)
+    rows[0][0].set(ylabel="10^6 multiplications", ylim=(0, None))
     rows[0][0].legend(frameon=False, fontsize=8)
     errors = [trial.error_m for trial in trials]
     rows[1][0].plot(x, errors, "o-", color=INK, ms=4)
-    rows[1][0].set_ylabel("mean error of the car (m)")
-    rows[1][0].set_ylim(bottom=0)
-    rows[1][0].set_xlabel("threshold (share of a submap's landmarks)")
+    rows[1][0].set(
+        xlabel="threshold (share of a submap's landmarks)",
+        ylabel="mean error of the car (m)",
+        ylim=(0, None),
+    )
     table = [
         "threshold,multiplications,error_m",
         *(f"{t.threshold},{t.multiplications:.0f},{t.error_m:.4f}" for t in trials),

@@ -86,8 +86,7 @@ def _world(axis: Axes, world: World, path: Array, title: str) -> None:
     axis.plot(*path.T, color=INK, lw=0.8)
     axis.set_aspect("equal")
     axis.set_title(title, fontsize=9, color=INK, loc="left")
-    axis.set_xlabel("x (m)")
-    axis.set_ylabel("y (m)")
+    axis.set(xlabel="x (m)", ylabel="y (m)")
 
 
 def draw_fusion(mission: Mission) -> PublishedFigure:
@@ -145,8 +144,7 @@ def draw_consistency(repeated: Repeated) -> PublishedFigure:
     axis.axhspan(low, high, color=LIGHT, alpha=0.6, label="95 % of chi-square, 3 degrees")
     axis.set_yscale("log")
     label_log_axis(axis.yaxis)
-    axis.set_xlabel("scan")
-    axis.set_ylabel(f"NEES of the pose, mean of {runs}")
+    axis.set(xlabel="scan", ylabel=f"NEES of the pose, mean of {runs}")
     axis.legend(frameon=False, fontsize=7, ncols=2)
     lines = ["scan," + ",".join(means)]
     for number in range(scans):

@@ -219,7 +219,6 @@ def _compare_method(mission: Mission, selective: Mission, world: World) -> list[
     return [
         ComparedValue(
             what=f"{name}'s time by that of SSJS",
-            unit="",
             printed=PRINTED_SECONDS[name] / PRINTED_SECONDS[SELECTIVE],
             ours=mission.effort.total_seconds / selective.effort.total_seconds,
             note=f"in multiplications {_work(mission, selective):.2f}",
@@ -251,8 +250,6 @@ def _work(mission: Mission, selective: Mission) -> float:
 def _blocks(mission: Mission, selective: Mission) -> ComparedValue:
     return ComparedValue(
         what="time, by that of SSJS, of one filter that leaves out zeros",
-        unit="",
-        printed=None,
         ours=mission.effort.total_seconds / selective.effort.total_seconds,
         note=f"in multiplications {_work(mission, selective):.2f}. The same numbers as EKF, which "
         "multiplies F and H with their ones and zeros, as (3.7) and (3.20) print them; the gain "
@@ -264,7 +261,6 @@ def _as_known_then(selective: Mission, world: World) -> ComparedValue:
     return ComparedValue(
         what="SSJS's mean error of the car, as known then",
         unit="m",
-        printed=None,
         ours=float(np.mean(selective.track.distances(world))),
         note="before a loop is closed: the error of a chain of submaps that use no landmark of "
         "their borders",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from hullrecon.evaluation.trajectory import rms
 from hullrecon.evaluation.truth import Truth
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
@@ -36,7 +37,7 @@ from hullrecon.studies.surfaces.regression import by_triangles, heights_over_pla
 from hullrecon.surface.build import gaussian_process
 from hullrecon.surface.from_returns import CadHull, SurfaceInputs, surface_from_survey
 from hullrecon.surface.options import SurfaceOptions
-from hullrecon.typing import Array, Mask
+from hullrecon.typing import Mask
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -70,18 +71,16 @@ def study(given: StudyDive) -> StudyResult:
         for name in INTERPOLATIONS
     }
     found = {key: measure(surface, chart, given.truth) for key, surface in surfaces.items()}
-    figures = (
-        draw_registration(placed.paths[WITHOUT_HULL], placed),
-        draw_deviations(surfaces, found, chart),
-    )
     return StudyResult(
-        figures=figures,
+        figures=(
+            draw_registration(placed.paths[WITHOUT_HULL], placed),
+            draw_deviations(surfaces, found, chart),
+        ),
         heads=("poses", "surface", "rms, mm", "95 %, mm", "waterline", "rest", "to the steel"),
         rows=tuple(
             (*key, *(f"{1e3 * v:.1f}" for v in (d.rms, d.p95, d.rms_top, d.rms_rest, d.rms_true)))
             for key, d in found.items()
         ),
-        compared=tuple(value for figure in figures for value in figure.compared),
     )
 
 
@@ -109,11 +108,11 @@ def measure(surface: Surface, chart: Chart, truth: Truth) -> Deviation:
     top = girth > np.quantile(girth, 1 - TOP_SHARE)
     steel = truth.built.closest(at).distance
     return Deviation(
-        rms=_rms(off),
+        rms=rms(off),
         p95=float(np.percentile(np.abs(off), 95)),
-        rms_top=_rms(off[top]),
-        rms_rest=_rms(off[~top]),
-        rms_true=_rms(steel),
+        rms_top=rms(off[top]),
+        rms_rest=rms(off[~top]),
+        rms_true=rms(steel),
     )
 
 
@@ -148,8 +147,7 @@ def draw_registration(path: PlacedPath, placed: PlacedPaths) -> PublishedFigure:
                 points[few, a], points[few, b], s=4, color=ink, linewidths=0,
                 label=f"returns, {word}: {1e3 * np.mean(distance):.0f} mm off",
             )  # fmt: skip
-        axis.set(xlabel=names[0], ylabel=names[1])
-        axis.set_aspect("equal", adjustable="datalim")
+        axis.set(xlabel=names[0], ylabel=names[1], aspect="equal", adjustable="datalim")
     axes[0][1].legend(fontsize=8, frameon=True, edgecolor="none", loc="lower left", markerscale=2)
     table = ["when,returns,mean_m,p95_m"]
     table += [
@@ -169,7 +167,6 @@ def draw_registration(path: PlacedPath, placed: PlacedPaths) -> PublishedFigure:
             ComparedValue(
                 what="mean distance of bundle adjusted returns from the CAD model, registered",
                 unit="mm",
-                printed=None,
                 ours=1e3 * float(np.mean(off[1])),
                 note="Fig. 3.8, printed as a picture alone",
             ),
@@ -251,15 +248,9 @@ def _compare(found: Mapping[tuple[str, str], Deviation]) -> tuple[ComparedValue,
     return tuple(
         ComparedValue(
             what=what,
-            unit="",
-            printed=None,
             ours=getattr(found[one], of) / getattr(found[other], of),
             note=note,
         )
         for what, note, one, other, of in pairs
         if one in found and other in found
     )
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))

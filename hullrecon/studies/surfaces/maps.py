@@ -86,10 +86,7 @@ def study(given: StudyDive) -> StudyResult:
         maps["(d) dense stereo, merged"] = dense_map(hull)
     coarse = _lattice(survey, hull.chart, options)
     split, _ = refine(coarse, options.max_edge_m)
-    figures = (draw_maps(maps), draw_meshes(surfaces, hull.chart, coarse, split))
-    return StudyResult(
-        figures=figures, compared=tuple(value for f in figures for value in f.compared)
-    )
+    return StudyResult(figures=(draw_maps(maps), draw_meshes(surfaces, hull.chart, coarse, split)))
 
 
 def _on_chart(hull: InspectedHull, points: Array) -> OnChart:
@@ -229,8 +226,6 @@ def draw_meshes(
             ),
             ComparedValue(
                 what="turn between neighbouring faces, GP over linear",
-                unit="",
-                printed=None,
                 ours=rough["GP"] / rough["linear"],
                 note='printed "a much smoother reconstruction"',
             ),
@@ -262,8 +257,7 @@ def _draw_relief(axis: Axes, surface: Surface, chart: Chart, title: str) -> None
         at[:, 0], at[:, 1], surface.faces, facecolors=light, cmap="gray", vmin=low, vmax=high
     )
     axis.set_title(f"{title} between faces", fontsize=9)
-    axis.set_aspect("equal", adjustable="box")
-    axis.set(xlabel="along the hull (m)", ylabel="girth (m)")
+    axis.set(xlabel="along the hull (m)", ylabel="girth (m)", aspect="equal", adjustable="box")
 
 
 def _draw_triangles(axis: Axes, mesh: Mesh, title: str) -> None:
@@ -273,8 +267,11 @@ def _draw_triangles(axis: Axes, mesh: Mesh, title: str) -> None:
     )
     axis.plot(mesh.vertices[:, 0], mesh.vertices[:, 1], ".", color=INK, markersize=3)
     half = 0.5 * CLOSE_UP_M
-    axis.set_xlim(middle[0] - half, middle[0] + half)
-    axis.set_ylim(middle[1] - half, middle[1] + half)
-    axis.set_aspect("equal", adjustable="box")
+    axis.set(
+        xlim=(middle[0] - half, middle[0] + half),
+        ylim=(middle[1] - half, middle[1] + half),
+        aspect="equal",
+        adjustable="box",
+    )
     axis.set_title(title, fontsize=9)
     axis.set(xlabel="along the hull (m)", ylabel="girth (m)")

@@ -78,9 +78,7 @@ def study(given: StudyDive) -> StudyResult:
     }
     figures = [draw_close_ups(close_ups, structures, hull)]
     figures += _sonar_mosaics(given, hull)
-    return StudyResult(
-        figures=tuple(figures), compared=tuple(value for f in figures for value in f.compared)
-    )
+    return StudyResult(figures=tuple(figures))
 
 
 def _middle(hull: InspectedHull, structure: TrueStructure) -> Array:
@@ -173,7 +171,6 @@ def draw_close_ups(
             ComparedValue(
                 what="share of a structure's height in the mosaic's surface, hull as found",
                 unit="%",
-                printed=None,
                 ours=100 * float(np.mean(relief[AS_FOUND])),
                 note="printed as a picture alone",
             ),
@@ -252,15 +249,12 @@ def draw_sonar_mosaics(found: dict[str, tuple[TexelGrid, Array]]) -> PublishedFi
         (
             ComparedValue(
                 what="correlation of the sonar mosaics on CAD model and DVL's surface",
-                unit="",
-                printed=None,
                 ours=alike,
                 note='printed "nearly identical in texture"',
             ),
             ComparedValue(
                 what="area of the mosaic on the DVL's surface over that on the CAD model",
                 unit="%",
-                printed=None,
                 ours=100 * area[BY_DVL] / area[ON_CAD],
                 note='printed "smaller": no returns near the waterline',
             ),

@@ -67,10 +67,10 @@ def study(given: StudyDive) -> StudyResult:
         onto = fit_rigid(track.poses.translation, true_track.poses.translation)
         poses = ping_poses(inputs, settings, replace(track, poses=onto @ track.poses))
         maps[name] = _blend(truth, chart, painted, poses, settings)
-    figure = replace(sonar_variance(maps), name="sonar_variance_by_source")
-    figure = replace(figure, compared=compare(maps))
+    name, compared = "sonar_variance_by_source", compare(maps)
+    figure = replace(sonar_variance(maps), name=name, compared=compared)
     heads, rows = table(maps)
-    return StudyResult(figures=(figure,), compared=figure.compared, heads=heads, rows=rows)
+    return StudyResult(figures=(figure,), heads=heads, rows=rows)
 
 
 def paint(along_girth: Array) -> Floats32:
@@ -87,7 +87,6 @@ def paint_pings(
     poses: Poses,
     pings: SonarPings,
     half_elevation: float,
-    seed: int = 0,
 ) -> NDArray[np.uint8]:
     """Ping at the painted hull: each pixel is the mean paint on its arc, with speckle.
 
@@ -136,7 +135,6 @@ def compare(maps: dict[str, VarianceMap]) -> tuple[ComparedValue, ...]:
         ComparedValue(
             what=f"pixels of a variance that true poses exceed at 1 % of them, {name}",
             unit="%",
-            printed=None,
             ours=float(100 * np.mean(_seen(found) > limit)),
             note="printed: tails above 20 heavier without bundle adjustment",
         )

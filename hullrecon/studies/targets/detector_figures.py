@@ -48,8 +48,7 @@ def thresholds_by_stage(trial: ThresholdTrial) -> PublishedFigure:
         axis.imshow(picture, cmap="gray", vmin=0, vmax=top, aspect="auto", interpolation="nearest")
         axis.set_title(name, fontsize=9, loc="left")
         axis.grid(visible=False)
-        axis.set_xticks([])
-        axis.set_yticks([])
+        axis.set(xticks=[], yticks=[])
     _what_lies_there(panels[-1], trial)
     table = ["row,column"] + [f"{r},{c}" for r, c in zip(seen.row, seen.column, strict=True)]
     return finish_figure(
@@ -72,8 +71,7 @@ def _what_lies_there(axis: Axes, trial: ThresholdTrial) -> None:
     axis.plot(trial.detection.column, trial.detection.row, "x", color="white", ms=6)
     axis.set_title("what lies there, and detections", fontsize=9, loc="left")
     axis.grid(visible=False)
-    axis.set_xticks([])
-    axis.set_yticks([])
+    axis.set(xticks=[], yticks=[])
 
 
 def values_by_feature(trial: CascadeTrial) -> PublishedFigure:
@@ -104,9 +102,7 @@ def _samples(axis: Axes, trial: CascadeTrial, name: str) -> None:
     ):
         chosen = values[mask][:SHOWN]
         axis.plot(np.linspace(0, 1, len(chosen)), chosen, ".", ms=2.5, color=tint, label=label)
-    axis.set_xticks([])
-    axis.set_xlabel("sample")
-    axis.set_ylabel("difference of means")
+    axis.set(xlabel="sample", ylabel="difference of means", xticks=[])
     axis.legend(fontsize=7, loc="upper right", framealpha=0.9)
 
 
@@ -133,9 +129,11 @@ def targets_and_proportions(trial: CascadeTrial) -> PublishedFigure:
         values = [apart[f"{k}:1 {along}"] for k in PROPORTIONS]
         bars.plot(PROPORTIONS, values, "o-", color=tint, label=f"cut along {along}", ms=4)
     bars.axvline(8, color=COLOURS["naive"], lw=1, ls="--", label="8:1, as published")
-    bars.set_xlabel("proportion of the far part to the near part, k:1")
-    bars.set_ylabel("separation of targets from the rest, sigma")
-    bars.set_ylim(bottom=0)
+    bars.set(
+        xlabel="proportion of the far part to the near part, k:1",
+        ylabel="separation of targets from the rest, sigma",
+        ylim=(0, None),
+    )
     bars.legend(fontsize=8, frameon=False)
     table = ["proportion,range,track"] + [
         f"{k}:1,{apart[f'{k}:1 range']:.4f},{apart[f'{k}:1 track']:.4f}" for k in PROPORTIONS

@@ -114,5 +114,4 @@ def _show(axis: Axes, picture: Any, name: str, colours: str = "gray") -> None:
     axis.imshow(picture, cmap=colours, interpolation="nearest")
     axis.set_title(name, fontsize=9, loc="left")
     axis.grid(visible=False)
-    axis.set_xticks([])
-    axis.set_yticks([])
+    axis.set(xticks=[], yticks=[])

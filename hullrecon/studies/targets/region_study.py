@@ -125,28 +125,23 @@ def _compare(trial: RegionTrial) -> tuple[ComparedValue, ...]:
         ComparedValue(
             what="pixels of rocks inside a region, mean",
             unit="%",
-            printed=None,
             ours=100 * float(trial.recall.mean()),
             note=words,
         ),
         ComparedValue(
             what="pixels of background inside a region, mean",
             unit="%",
-            printed=None,
             ours=100 * float(trial.false.mean()),
             note=words,
         ),
         ComparedValue(
             what="images with ripples, pebbles or a soft stain alone that got a region",
             unit=f"of {trial.bare_images}",
-            printed=None,
             ours=float(trial.bare),
             note="each of the two lines alone takes some of these for a region",
         ),
         ComparedValue(
             what="matches over a turn of 90 degrees that one similarity explains, fewest",
-            unit="",
-            printed=None,
             ours=float(trial.inliers.min()),
             note=f"{100 * float(trial.right.mean()):.1f} % of them lie at the true place. The "
             "source draws its matches and does not count them. SIFT in place of SURF",

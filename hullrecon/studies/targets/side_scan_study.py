@@ -49,7 +49,6 @@ def _compare_thresholds(trial: ThresholdTrial) -> tuple[ComparedValue, ...]:
         ComparedValue(
             what="targets detected by two thresholds",
             unit="%",
-            printed=None,
             ours=100 * trial.found[Kind.TARGET],
             note=words,
         ),
@@ -63,7 +62,6 @@ def _compare_thresholds(trial: ThresholdTrial) -> tuple[ComparedValue, ...]:
         ComparedValue(
             what="false detections on bare floor",
             unit="a tile",
-            printed=None,
             ours=trial.false_per_tile,
             note=words,
         ),
@@ -109,7 +107,6 @@ def _compare_first_feature(trial: CascadeTrial) -> tuple[ComparedValue, ...]:
     return (
         ComparedValue(
             what="proportion dark to bright of the first feature",
-            unit="",
             printed=8.0,
             ours=float(first.split(":")[0]),
             note=f"AdaBoost takes {first} of 69 rectangles and 4 centroid features. Shadow to "
@@ -145,7 +142,6 @@ def _compare_layers(trial: CascadeTrial) -> tuple[ComparedValue, ...]:
         out.append(
             ComparedValue(
                 what="features of the first layer behind which at most 1 % is false",
-                unit="",
                 printed=4.0,
                 ours=float(trial.by_table.features[enough[0]]),
                 note=f"layer {enough[0] + 1} of the cascade trained by Table 4.1, whose detection "
@@ -158,14 +154,11 @@ def _compare_layers(trial: CascadeTrial) -> tuple[ComparedValue, ...]:
         ComparedValue(
             what="things bright only or dark only refused, the worse of both",
             unit="%",
-            printed=None,
             ours=refused,
             note="by all layers; the source does not count them apart",
         ),
         ComparedValue(
             what="layers until as few are false as Table 4.1 asks of the last",
-            unit="",
-            printed=None,
             ours=float(len(trial.by_table.features)),
             note="the source's false positives rise behind its third layer; layers that must all "
             "agree cannot raise them on the same patches",

@@ -25,6 +25,8 @@ CONFIDENCE = 0.99
 LEAST_PASSES = 2
 MAX_P_VALUE = 0.05  # of coincidence anywhere in the survey
 
+Cluster = dict[int, int]  # detections of one thing, by the pass: one each
+
 
 @dataclass(frozen=True, kw_only=True)
 class Sigmas:
@@ -151,13 +153,6 @@ class SonarTarget:
         }
 
 
-class _Cluster:
-    """Detections of one thing, a pass each."""
-
-    def __init__(self, of_pass: int, detection: int) -> None:
-        self.members = {of_pass: detection}
-
-
 def place_targets(
     passes: Sequence[Pass], sigmas: Sigmas, errors: ReadingErrors, area_m2: float
 ) -> tuple[list[SonarTarget], list[SonarTarget]]:
@@ -170,7 +165,7 @@ def place_targets(
     list[SonarTarget]
         The rest.
     """
-    clusters: list[_Cluster] = []
+    clusters: list[Cluster] = []
     for number, new in enumerate(passes):
         pairs: dict[int, int] = {}
         if clusters and len(new.readings):
@@ -180,9 +175,9 @@ def place_targets(
             pairs = {second: first for first, second in joint_compatibility(sets, CONFIDENCE).pairs}
         for detection in range(len(new.readings)):
             if detection in pairs:
-                clusters[pairs[detection]].members[number] = detection
+                clusters[pairs[detection]][number] = detection
             else:
-                clusters.append(_Cluster(number, detection))
+                clusters.append({number: detection})
     if not clusters:
         return [], []
     placed = _fuse(passes, clusters, sigmas, errors)
@@ -206,7 +201,7 @@ def _places(of: Pass, errors: ReadingErrors) -> tuple[Array, Array]:
 
 
 def _fuse(
-    passes: Sequence[Pass], clusters: Sequence[_Cluster], sigmas: Sigmas, errors: ReadingErrors
+    passes: Sequence[Pass], clusters: Sequence[Cluster], sigmas: Sigmas, errors: ReadingErrors
 ) -> Placed:
     """Solve for all targets, the passes' poses and the mount together, by least squares."""
     targets, size = 2 * len(clusters), 2 * len(clusters) + 3 * len(passes) + 1
@@ -219,9 +214,9 @@ def _fuse(
         points, jacobian = _places(of, errors)
         pose = targets + 3 * number
         for k, cluster in enumerate(clusters):
-            if number not in cluster.members:
+            if number not in cluster:
                 continue
-            row = cluster.members[number]
+            row = cluster[number]
             # navigated place = target - what pose and mount are off by
             by = np.zeros((2, size))
             by[:, 2 * k : 2 * k + 2] = np.eye(2)
@@ -252,13 +247,13 @@ def _against_map(placed: Placed, new: Pass, sigmas: Sigmas, errors: ReadingError
 
 def _describe(
     number: int,
-    clusters: Sequence[_Cluster],
+    clusters: Sequence[Cluster],
     placed: Placed,
     passes: Sequence[Pass],
     errors: ReadingErrors,
     area_m2: float,
 ) -> SonarTarget:
-    members = clusters[number].members
+    members = clusters[number]
     heights = [passes[p].readings.height_m[row] - errors.bias[2] for p, row in members.items()]
     block = slice(2 * number, 2 * number + 2)
     # Detections of one thing agree but for their readings, once the pose is known by the others.

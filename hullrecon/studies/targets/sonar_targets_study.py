@@ -217,14 +217,11 @@ def compare(trial: Trial) -> tuple[ComparedValue, ...]:
         ComparedValue(
             what="targets confirmed by two passes or three",
             unit="%",
-            printed=None,
             ours=100 * found / trial.targets,
             note=f"{found} of {trial.targets} in {len(trial.surveys)} surveys; {words}",
         ),
         ComparedValue(
             what="confirmed where no target lies",
-            unit="",
-            printed=None,
             ours=float(trial.false),
             note=f"of {trial.fish} shoals that look like a target in one pass, and of what is "
             "bright or dark alone; joint compatibility over the passes is the second check",
@@ -232,7 +229,6 @@ def compare(trial: Trial) -> tuple[ComparedValue, ...]:
         ComparedValue(
             what="places within three sigmas of the truth",
             unit="%",
-            printed=None,
             ours=100 * float(np.mean(trial.chi2 < three_sigmas)),
             note=f"of {len(trial.chi2)}; mean chi-square {trial.chi2.mean():.2f} for 2 degrees of "
             f"freedom, median sigma {np.median(sigma):.2f} m. Passes know their place to 0.15 m, "
@@ -241,7 +237,6 @@ def compare(trial: Trial) -> tuple[ComparedValue, ...]:
         ComparedValue(
             what="heights within three sigmas of the truth",
             unit="%",
-            printed=None,
             ours=100 * float(np.mean(np.abs(trial.height_off) < 3)),
             note="by the length of the shadow; the source does not measure it. Sigma of one "
             f"reading {np.sqrt(trial.errors.covariance[2, 2]):.3f} m",
@@ -265,9 +260,7 @@ def draw_survey(trial: Trial) -> PublishedFigure:
         ellipse = target.center[:2, None] + 3 * circle
         label = "confirmed, three sigmas" if k == 0 else None
         axis.plot(*ellipse, color=GREEN, lw=1, label=label)
-    axis.set_aspect("equal")
-    axis.set_xlabel("along the passes (m)")
-    axis.set_ylabel("to port of the first (m)")
+    axis.set(xlabel="along the passes (m)", ylabel="to port of the first (m)", aspect="equal")
     axis.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
     table = ["x_m,y_m,height_m,passes,pings,p_value,confirmed"]
     for confirmed, found in ((1, trial.confirmed[0]), (0, trial.alone[0])):

@@ -46,7 +46,6 @@ def study_convergence() -> StudyResult:
             ComparedValue(
                 what=f"landmarks that converge from {rho:.2f} 1/m",
                 unit="%",
-                printed=None,
                 ours=100 * float(trials.converged.mean()),
                 note=f"depths of 0.75 to 3 m, steps of {STEP_SHARE:g} of the depth"
                 + ("; the thesis takes 0.1 as appropriate" if rho == PUBLISHED_RHO else ""),

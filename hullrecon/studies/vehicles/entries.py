@@ -4,44 +4,25 @@
 
 from __future__ import annotations
 
-from hullrecon.studies.study import SceneStudy, StudyResult
-
-
-def _remus() -> StudyResult:
-    from hullrecon.studies.vehicles.remus_study import run_remus
-
-    return run_remus()
-
-
-def _sparus() -> StudyResult:
-    from hullrecon.studies.vehicles.sparus_study import run_sparus
-
-    return run_sparus()
-
-
-def _inverse_depth() -> StudyResult:
-    from hullrecon.studies.vehicles.convergence_study import study_convergence
-
-    return study_convergence()
-
+from hullrecon.studies.study import SceneStudy, study_of
 
 VEHICLE_STUDIES: tuple[SceneStudy, ...] = (
     SceneStudy(
         id="remus-run",
         source="[Aulinas2011 5.2, Figs 5.5 to 5.7]",
         shows="a mission with side-scan targets as landmarks of submaps, held against LBL",
-        run=_remus,
+        run=study_of("vehicles.remus_study.run_remus"),
     ),
     SceneStudy(
         id="sparus-run",
         source="[Aulinas2011 5.3, Figs 5.13, 5.16 to 5.18]",
         shows="a mission with one camera, its landmarks by inverse depth, in submaps",
-        run=_sparus,
+        run=study_of("vehicles.sparus_study.run_sparus"),
     ),
     SceneStudy(
         id="inverse-depth",
         source="[Aulinas2011 5.3.2, eqs (5.19) to (5.24); Civera2008]",
         shows="how a landmark finds its depth from little parallax",
-        run=_inverse_depth,
+        run=study_of("vehicles.convergence_study.study_convergence"),
     ),
 )

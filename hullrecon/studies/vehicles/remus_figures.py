@@ -15,6 +15,7 @@ from hullrecon.studies.figure_style import (
     INK,
     RED,
     PublishedFigure,
+    draw_ellipse,
     finish_figure,
     new_canvas,
 )
@@ -37,22 +38,19 @@ def draw_run(survey: Survey, run: Run) -> PublishedFigure:
     sonar.plot(seen.detection.column, seen.detection.row, "s", mec=GREEN, mfc="none", ms=12)
     sonar.set_title("side-scan image with detections", fontsize=9, loc="left")
     sonar.grid(visible=False)
-    sonar.set_xticks([])
-    sonar.set_yticks([])
+    sonar.set(xticks=[], yticks=[])
     _from_above(above, survey, run)
     hours = survey.mission.time_s / 3600
     time.plot(hours, run.path[:, 2], color=COLOURS["maxmix"], lw=1, label="vehicle")
     time.plot(hours, survey.mission.floor_m, color=INK, lw=1, label="floor")
     time.invert_yaxis()
-    time.set_xlabel("time, h")
-    time.set_ylabel("depth, m")
+    time.set(xlabel="time, h", ylabel="depth, m")
     time.legend(fontsize=8, frameon=False)
     side.scatter(run.path[:, 0], run.path[:, 2], c=run.submap % 10, cmap="tab10", s=1)
     points = run.map.points
     side.plot(points[:, 0] + survey.mission.truth[0, 0], points[:, 2], "+", color=RED, ms=5)
     side.invert_yaxis()
-    side.set_xlabel("x, m")
-    side.set_ylabel("depth, m")
+    side.set(xlabel="x, m", ylabel="depth, m")
     side.set_title("from the side", fontsize=9, loc="left")
     table = ["x_m,y_m,depth_m"] + [f"{x:.3f},{y:.3f},{z:.3f}" for x, y, z in points]
     return finish_figure(
@@ -66,20 +64,12 @@ def draw_run(survey: Survey, run: Run) -> PublishedFigure:
 
 def _from_above(axis: Axes, survey: Survey, run: Run) -> None:
     """Draw track by submap, landmarks and their ellipses."""
-    from matplotlib.patches import Ellipse
-
     shift = survey.mission.truth[0, :2]
     axis.scatter(run.path[:, 0], run.path[:, 1], c=run.submap % 10, cmap="tab10", s=0.4)
     for k, point in enumerate(run.map.points):
-        value, vector = np.linalg.eigh(run.map.point_covariance(k)[:2, :2])
-        angle = float(np.degrees(np.arctan2(vector[1, 1], vector[0, 1])))
-        wide, high = 6 * np.sqrt(value[::-1])
-        place = (float(point[0] + shift[0]), float(point[1] + shift[1]))
-        axis.add_patch(Ellipse(place, wide, high, angle=angle, fill=False, ec=RED, lw=0.8))
+        draw_ellipse(axis, point[:2] + shift, run.map.point_covariance(k)[:2, :2], 3, RED, 0.8)
     axis.plot(*survey.targets[:, :2].T, "+", color=INK, ms=4)
-    axis.set_aspect("equal")
-    axis.set_xlabel("x, m")
-    axis.set_ylabel("y, m")
+    axis.set(xlabel="x, m", ylabel="y, m", aspect="equal")
     axis.set_title("from above, targets black", fontsize=9, loc="left")
 
 
@@ -94,8 +84,7 @@ def draw_pieces(survey: Survey, run: Run, reckoned: Array) -> PublishedFigure:
         part = slice(first, last)
         axis.plot(*reckoned[part, :2].T, color=COLOURS["geva"], lw=1.2, label="dead reckoning")
         axis.plot(*run.path[part, :2].T, color=COLOURS["maxmix"], lw=1.2, label="submaps")
-        axis.set_aspect("equal", adjustable="datalim")
-        axis.set_xlabel("x, m")
+        axis.set(xlabel="x, m", aspect="equal", adjustable="datalim")
         for step, fix in zip(survey.lbl_step[fixes], survey.lbl[fixes], strict=True):
             row = np.r_[fix, reckoned[step, :2], run.path[step, :2]]
             table.append(f"{step}," + ",".join(f"{value:.3f}" for value in row))

@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from hullrecon.studies.figure_style import (
@@ -14,14 +12,12 @@ from hullrecon.studies.figure_style import (
     INK,
     RED,
     PublishedFigure,
+    draw_ellipse,
     finish_figure,
     new_canvas,
 )
 from hullrecon.studies.vehicles.sparus import CAMERA, PIXEL_SIGMA, Prediction, Run, Survey
 from hullrecon.typing import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 FRAMES = 5
 MARGIN_PX = 45.0  # around the landmarks in a frame
@@ -72,8 +68,8 @@ def draw_frames(run: Run) -> PublishedFigure:
     table = ["frame,label,again,expected_u,expected_v,seen_u,seen_v,area_px2"]
     for axis, (step, seen) in zip(axes[0], frames, strict=True):
         for prediction in seen:
-            _ellipse(axis, prediction.expected, prediction.spread, RED)
-            _ellipse(axis, prediction.seen, PIXEL_SIGMA**2 * np.eye(2), "#d8a200")
+            draw_ellipse(axis, prediction.expected, prediction.spread, 3, RED)
+            draw_ellipse(axis, prediction.seen, PIXEL_SIGMA**2 * np.eye(2), 3, "#d8a200")
             axis.plot(*prediction.expected, "+", color=RED, ms=7)
             axis.plot(*prediction.seen, "x", color="#d8a200", ms=6)
             area = 9 * np.pi * np.sqrt(np.linalg.det(prediction.spread))
@@ -82,9 +78,7 @@ def draw_frames(run: Run) -> PublishedFigure:
                 f"{step},{prediction.label},{prediction.again},"
                 + ",".join(f"{value:.2f}" for value in numbers)
             )
-        axis.set_xlim(low[0], high[0])
-        axis.set_ylim(high[1], low[1])
-        axis.set_aspect("equal")
+        axis.set(xlim=(low[0], high[0]), ylim=(high[1], low[1]), aspect="equal")
         axis.set_title(f"frame {step - first + 1}", fontsize=9, loc="left")
         axis.set_xlabel("u, px")
     axes[0][0].set_ylabel("v, px")
@@ -113,17 +107,6 @@ def _five_frames(
     raise AssertionError("no five frames show a landmark and then two")
 
 
-def _ellipse(axis: Axes, middle: Array, covariance: Array, tint: str) -> None:
-    """Draw an ellipse of 3 sigma."""
-    from matplotlib.patches import Ellipse
-
-    value, vector = np.linalg.eigh(covariance)
-    wide, high = 6 * np.sqrt(value[::-1])
-    angle = float(np.degrees(np.arctan2(vector[1, 1], vector[0, 1])))
-    place = (float(middle[0]), float(middle[1]))
-    axis.add_patch(Ellipse(place, wide, high, angle=angle, fill=False, ec=tint, lw=1))
-
-
 def draw_map(survey: Survey, run: Run) -> PublishedFigure:
     """Draw map and track from above and from the front [Aulinas2011 Fig. 5.17]."""
     canvas, axes = new_canvas(10.0, 7.0, 2, 2, height_ratios=(3.0, 1.0))
@@ -137,7 +120,7 @@ def draw_map(survey: Survey, run: Run) -> PublishedFigure:
             if column == 0:
                 for k, point in enumerate(points):
                     covariance = run.map.point_covariance(k)[np.ix_([i, j], [i, j])]
-                    _ellipse(axis, point[[i, j]], covariance, RED)
+                    draw_ellipse(axis, point[[i, j]], covariance, 3, RED)
             axis.set_xlabel("x, m")
         axes[0][column].plot(*survey.points[:, :2].T, ".", color=INK, ms=2)
         axes[0][column].set_aspect("equal")

@@ -69,15 +69,12 @@ def _compare(survey: sparus.Survey, run: sparus.Run, reckoned: Array) -> tuple[C
         ),
         ComparedValue(
             what="images",
-            unit="",
             printed=3199.0,
             ours=float(len(truth)),
             note="3 a second. With 17 minutes that makes 3,060",
         ),
         ComparedValue(
             what="dead reckoning's distance from the true end over that of SLAM",
-            unit="",
-            printed=None,
             ours=ends[0] / ends[1],
             note=f"{ends[0]:.2f} m and {ends[1]:.2f} m; the source shows dead reckoning ending far "
             "from its start, and SLAM near it, without numbers",
@@ -85,14 +82,11 @@ def _compare(survey: sparus.Survey, run: sparus.Run, reckoned: Array) -> tuple[C
         ComparedValue(
             what="steps of which each coordinate lies within 3 sigma of the truth",
             unit="%",
-            printed=None,
             ours=100 * inside(survey, run),
             note="the source has no reference for this run",
         ),
         ComparedValue(
             what="area of a predicted ellipse at the fifth time seen again over that at the first",
-            unit="",
-            printed=None,
             ours=float(shrunk[4] / shrunk[0]),
             note=f"new landmarks start from {PUBLISHED_RHO} 1/m; the source shows five frames in "
             "which ellipses shrink",
@@ -100,7 +94,6 @@ def _compare(survey: sparus.Survey, run: sparus.Run, reckoned: Array) -> tuple[C
         ComparedValue(
             what="landmarks' distance from their true places, median",
             unit="m",
-            printed=None,
             ours=float(np.median(np.linalg.norm(places, axis=1))),
         ),
     )
