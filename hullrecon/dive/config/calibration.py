@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -30,7 +31,7 @@ from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 
-READ_MODELS = ("plumb_bob", "none", "rational_polynomial", "")
+READ_MODELS = ("plumb_bob", "radtan", "none", "rational_polynomial", "")  # radtan: of Kalibr
 # the names of a camera_info YAML, those of the message and those of OpenCV's samples
 FISHEYES = ("fisheye", "equidistant")  # whose coefficients mean something else than plumb_bob's
 NAMES = {
@@ -39,6 +40,12 @@ NAMES = {
     "camera_matrix": ("k", "K", "cameraMatrix", "Camera_Matrix"),
     "distortion_coefficients": ("d", "D", "distCoeffs", "Distortion_Coefficients"),
 }
+RADIAL_COUNT = 3  # coefficients of a radial distortion; OpenCV's third is no radial one
+WIDEST_RAY = np.tan(np.radians(80.0))  # x/z of rays on which a distortion is looked at
+CAMERA_INFO = (
+    "give a camera_info YAML: image_width, image_height, camera_matrix (fx 0 cx, 0 fy cy, 0 0 1) "
+    "and distortion_coefficients (k1 k2 p1 p2 k3)"
+)
 LEAST_BENT_PX = 1.0  # at the corners of an image; calibrations are wrong by less
 REGION_KEYS = ("binning_x", "binning_y", "roi")
 
@@ -192,7 +199,7 @@ def _add_distortion(camera: CameraModel, data: Mapping[str, object], where: str)
     """
     lens = data.get("camera_model")  # camera_calibration of ROS 1 names a fisheye by this alone
     model = lens if lens in FISHEYES else data.get("distortion_model", "plumb_bob")
-    if not isinstance(model, str) or model not in READ_MODELS:
+    if not isinstance(model, str) or re.sub(r"[ -]", "_", model.lower()) not in READ_MODELS:
         shown = shorten(model) if isinstance(model, str) else show_value(model)
         raise InputError(
             f"the distortion model {shown} is not read",
@@ -204,8 +211,36 @@ def _add_distortion(camera: CameraModel, data: Mapping[str, object], where: str)
     values = _read_numbers(data, "distortion_coefficients", None, where)
     if any(values[PLUMB_BOB_COUNT:]):
         return convert_rational(camera, values, where)
+    if len(values) == RADIAL_COUNT and values[-1]:
+        raise InputError(
+            f"it has {RADIAL_COUNT} distortion coefficients, which may be k1 k2 p1 or k1 k2 k3",
+            where=where,
+            remedy="give k1 k2 p1 p2 k3, with 0 for what it does not have",
+        )
     k1, k2, p1, p2, k3 = (values + [0.0] * PLUMB_BOB_COUNT)[:PLUMB_BOB_COUNT]
-    return replace(camera, k1=k1, k2=k2, p1=p1, p2=p2, k3=k3)
+    bent = replace(camera, k1=k1, k2=k2, p1=p1, p2=p2, k3=k3)
+    _refuse_folded(bent, where)
+    return bent
+
+
+@np.errstate(all="ignore")  # coefficients of any size
+def _refuse_folded(camera: CameraModel, where: str) -> None:
+    """Raise InputError for a distortion that folds the picture before an edge of it is reached.
+
+    Coefficients of coordinates in pixels or millimetres do, and so do those of another order. A
+    fold in the corners, where few calibrations have points, is accepted.
+    """
+    r = np.linspace(0.0, WIDEST_RAY, 500)
+    radial = r * (1 + r**2 * (camera.k1 + r**2 * (camera.k2 + r**2 * camera.k3)))
+    grows = np.diff(radial) > 0
+    reached = float(radial[np.argmin(grows)]) if not grows.all() else np.inf
+    if reached < 0.5 * min(camera.width / camera.fx, camera.height / camera.fy):
+        raise InputError(
+            f"its distortion folds the picture {reached * camera.fx:.0f} px from the middle",
+            where=where,
+            remedy="give k1 k2 p1 p2 k3 in this order, of coordinates x/z and y/z, as OpenCV has "
+            "them",
+        )
 
 
 def _read_numbers(
@@ -215,7 +250,7 @@ def _read_numbers(
 
     Raises InputError unless these are `count` finite numbers, or any count where that is None.
     """
-    found = data.get(key)
+    found = _require(data, key, where)
     found = found.get("data") if isinstance(found, Mapping) else found
     if isinstance(found, list):
         found = [v for row in found for v in (row if isinstance(row, list) else [row])]
@@ -224,15 +259,23 @@ def _read_numbers(
     except (TypeError, ValueError, OverflowError):
         values = None
     if values is None:
-        raise InputError(f"{key} holds no numbers", where=where) from None
+        raise InputError(f"{key} holds no numbers", where=where, remedy=CAMERA_INFO) from None
     if (count is not None and len(values) != count) or not np.isfinite(values).all():
-        raise InputError(f"{key} is not {count or 'some'} finite numbers", where=where)
+        what = f"{key} is not {count or 'some'} finite numbers"
+        raise InputError(what, where=where, remedy=CAMERA_INFO)
     return values
+
+
+def _require(data: Mapping[str, object], key: str, where: str) -> object:
+    """Return what a key holds. Raises InputError where it is missing."""
+    if key not in data:
+        raise InputError(f"it has no {key}", where=where, remedy=CAMERA_INFO)
+    return data[key]
 
 
 def _whole(data: Mapping[str, object], key: str, where: str) -> int:
     """Read a number of pixels, at least one. Raises InputError for anything else."""
-    value = data.get(key)
+    value = _require(data, key, where)
     if not isinstance(value, int) or isinstance(value, bool) or not 0 < value < 100_000:
         raise InputError(f"{key} is {show_value(value)}, not a number of pixels", where=where)
     return value

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ruamel.yaml import YAML
 from ruamel.yaml.constructor import SafeConstructor
+from ruamel.yaml.error import MarkedYAMLError
 from ruamel.yaml.nodes import Node
 
 from hullrecon.dive.config.config_errors import shorten
@@ -22,6 +23,7 @@ ROOM = 10_000  # values that a document may hold beyond one for each character o
 MOST_VALUES = 20_000  # the parser takes some 60 us for each: more than a second in all
 DEEPEST = 100  # brackets within each other: the parser looks through all of them at every value
 OPENCV_MATRIX = "tag:yaml.org,2002:opencv-matrix"  # a table of rows, cols, dt and data
+ENDS = re.compile(r"(\n---[ \t\r]*)+\s*\Z")  # of a document, after which none follows
 BRACKETS = re.compile(r"[\[{\]}]")
 
 
@@ -46,7 +48,7 @@ def read_yaml(path: Path) -> Mapping[str, object]:
 
 
 def parse_yaml(text: str) -> object:
-    """Parse YAML text, also with the head that OpenCV writes.
+    """Parse YAML text, also with OpenCV's head, or the end that `ros2 topic echo` writes.
 
     Raises ValueError for text that is no YAML, nests too deeply, holds too many values, or whose
     aliases stand for too many.
@@ -56,14 +58,21 @@ def parse_yaml(text: str) -> object:
     yaml.Constructor = _BoundedConstructor
     yaml.constructor.largest_count = len(text) + ROOM
     try:
-        data: object = yaml.load(text.removeprefix("%YAML:1.0\n"))
+        data: object = yaml.load(ENDS.sub("\n", text.removeprefix("%YAML:1.0\n")))
     except RecursionError:
         raise ValueError("nested too deeply") from None
     # ruamel raises whatever damaged text leads it to, beside its own errors
     except Exception as error:
-        first = (str(error).splitlines() or [type(error).__name__])[0]
-        raise ValueError(first) from None
+        raise ValueError(_describe(error)) from None
     return data
+
+
+def _describe(error: Exception) -> str:
+    """Say in one line what the parser stumbled over, and in which line of the text."""
+    said = error.problem if isinstance(error, MarkedYAMLError) else None
+    first = (str(said or error).splitlines() or [type(error).__name__])[0]
+    mark = error.problem_mark if isinstance(error, MarkedYAMLError) else None
+    return first if mark is None else f"{first}, in line {mark.line + 1}"
 
 
 def refuse_floods(text: str) -> None:

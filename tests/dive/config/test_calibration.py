@@ -67,6 +67,8 @@ def test_a_rational_model_whose_denominator_is_one_is_read(calibration, tmp_path
         ({"camera_matrix": "[0.78, 0, 0.5, 0, 0.8, 0.5, 0, 0, 1]"}, "shares of the image's size"),
         ({"camera_matrix": "[50, 0, 23.5, 0, 51, 31.5, 0, 0, 1]"}, "width and height of the calib"),
         ({"camera_matrix": "[50, 0, 51, 0, 31.5, 23.5, 0, 0, 1]"}, "cx = 31.5 and cy = 23.5"),
+        ({"distortion_coefficients": "[0.1, 0.02, 0.3]"}, "may be k1 k2 p1 or k1 k2 k3"),
+        ({"distortion_coefficients": "[-6.5, 3.5, 0.06, -0.04, 0]"}, "folds the picture"),
         ({"roi": "{x_offset: 10, width: 64}"}, "roi, 64 x 48 pixels from 10, 0 on, lies outside"),
     ],
 )
@@ -75,6 +77,22 @@ def test_what_is_no_pinhole_is_refused_with_its_key(calibration, tmp_path, more,
         read_camera(calibration(tmp_path / "c.yaml", **more))
     # plumb_bob, row by row, in pixels, at the size of the images
     assert read_camera(calibration(tmp_path / "c.yaml")).fx == 50.0
+
+
+def test_a_key_that_lacks_is_asked_for_until_it_is_there(tmp_path):
+    path = tmp_path / "c.yaml"
+    size = "image_width: 64\nimage_height: 48\n"
+    path.write_text(f"{size}fx: 50\nfy: 51\ncx: 31.5\ncy: 23.5\n")
+    with pytest.raises(InputError, match="it has no camera_matrix") as refused:
+        read_camera(path)
+    assert "camera_matrix (fx 0 cx, 0 fy cy, 0 0 1)" in refused.value.remedy
+    path.write_text(f"{size}camera_matrix: [50, 0, 31.5, 0, 51, 23.5, 0, 0, 1]\n")
+    assert read_camera(path).cx == 31.5
+
+
+@pytest.mark.parametrize("name", ["radtan", "Plumb Bob"])
+def test_other_names_of_plumb_bob_are_read(calibration, tmp_path, name):
+    assert read_camera(calibration(tmp_path / "c.yaml", distortion_model=name)).k1 == -0.1
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,24 @@ def test_the_head_that_opencv_writes_is_left_out():
     assert parse_yaml("%YAML:1.0\n---\na: 1\n") == {"a": 1}
 
 
+def test_the_end_that_ros_topic_echo_writes_is_left_out():
+    assert parse_yaml("a: 1\n---\n") == {"a": 1}
+    assert parse_yaml("a: 1\n---\n---") == {"a": 1}
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a: 1\n---\na: 2\n", "found another document, in line 2"),
+        ("a: 1\na: 2\n", 'found duplicate key "a".*, in line 2'),
+        ("a:\n\tb: 1\n", "cannot start any token, in line 2"),
+    ],
+)
+def test_what_is_no_yaml_is_told_with_its_line(text, words):
+    with pytest.raises(ValueError, match=words):
+        parse_yaml(text)
+
+
 def test_aliases_as_programs_write_them_are_read():
     assert parse_yaml("a: &id001 [1, 2]\nb: *id001\n") == {"a": [1, 2], "b": [1, 2]}
     assert parse_yaml("a: &a {x: 1}\nb:\n  <<: *a\n  y: 2\n") == {
