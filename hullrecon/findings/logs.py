@@ -195,6 +195,8 @@ NOTES: dict[str, Words] = {
     "and were left out",
     "quaternions-scaled": "its quaternions are all {length:.5g} long, as in an instrument's whole "
     "numbers: they were scaled to 1",
+    "quaternions-completed": "the w of its quaternions is {w:g} in all {count} messages; x, y and "
+    "z turn as the rates do where they are {form}, and were read so",
     "attitudes-lacking": "{lacking} of {count} readings have no attitude and were left out",
     "attitudes-held": "{held} readings repeat the one before for more than a second, the first at "
     "{start}: the IMU or its driver stood still, and they were left out",

@@ -51,6 +51,7 @@ FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a 
     "axes, {value} the other way",
     ("IMU's orientation", "negated"): "orientation, rates and accelerations have {value} with the "
     "other sign",
+    ("IMU's orientation", "angle"): "it turns by {value} the angle that the vehicle does",
     ("IMU's orientation", "sign"): "the orientation has its {value} with the other sign",
     ("IMU's acceleration", "axes"): "the accelerations are along {value} of the orientation's axes",
     ("IMU's acceleration", "global"): "the accelerations are along the global axes",
@@ -65,16 +66,19 @@ FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a 
     "{value} of the pictures",
     ("tray's angle", "unit"): "the angle is in {value}, not in {unit}",
     ("tray's angle", "zero"): "the angle's zero is off by {value} degrees",
+    ("tray's angle", "reversed"): "the angle grows the other way, and its zero is off by {value} "
+    "degrees",
     ("tray's angle", "sign"): "the angle grows the other way",
 }
 # The unit that was expected, by the one that was found. For a pressure it is Pa.
-UNITS = {"cm": "m", "mm": "m", "ft": "m", "deg": "rad", "rad": "deg"}
+UNITS = {"cm": "m", "mm": "m", "ft": "m", "deg": "rad", "rad": "deg", "turns": "rad"}
 # What to do about a sensor that is wrong in no way that is known
 LEFT_AWAY = {"pressure": "leave topics.pressure away, or name the topic of the water's pressure"}
 DONE = {
     "constant": "they are left out",
     "repeated": "they are left out",
     "order": "it was put right",
+    "angle": "it was put right",
     "sign": "it was put right",
 }
 # By what was compared, how two sensors contradict each other. `first` and `second` are what either

@@ -78,7 +78,7 @@ STAGES = (
         summary="read the logs, the calibration and the CAD model",
         inputs=(),
         parameters=NoOptions,
-        version=21,
+        version=22,
         run=_later("ingest"),
         uses=INGEST_KEYS,
         external=files_to_ingest,
@@ -88,7 +88,7 @@ STAGES = (
         summary="compute the dead-reckoned trajectory",
         inputs=("ingest",),
         parameters=NoOptions,
-        version=34,
+        version=35,
         run=_later("navigate"),
         uses=(
             *SENSOR_KEYS,

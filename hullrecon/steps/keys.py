@@ -52,7 +52,7 @@ WATER_KEYS = ("pressure.density", "pressure.gravity", "pressure.atmosphere")
 # Keys by which sensors are compared with each other.
 SENSOR_KEYS = (
     *RIG_KEYS, *WATER_KEYS, "imu.frame", "imu.mount_deg", "tray.joint_unit", "tray.positive",
-    "tray.sigma_deg", "topics",
+    "tray.offset_deg", "tray.sigma_deg", "topics",
 )  # fmt: skip
 READOUT_KEYS = ("camera.top.readout_s", "camera.bottom.readout_s")
 # Keys of the rig that place a sensor. A step that uses the adjusted mounts needs the tray's alone.

@@ -92,6 +92,7 @@ def judge_sensors(
         imu_frame=str(settings["imu.frame"]),
         imu_mount_deg=mount_deg if isinstance(mount_deg, tuple) else None,
         tray_positive=str(settings["tray.positive"]),
+        tray_offset_deg=_number(settings["tray.offset_deg"]),
     )
     judged = judge(records, rig, atmosphere_m, topics, flows, given)
     still = doubtful_angles(

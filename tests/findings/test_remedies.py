@@ -108,12 +108,16 @@ FOLLOWED = {
     "test_rectified_pictures_are_not_rectified_once_more",
     "dive/config/calibration.py::_refuse_foreign": "dive/config/test_calibration.py::"
     "test_calibration_of_another_program_is_named",
+    "dive/config/calibration.py::_require": "dive/config/test_calibration.py::"
+    "test_a_key_that_lacks_is_asked_for_until_it_is_there",
     "dive/config/camchain.py::camera_info_of": "dive/config/test_camchain.py::"
     "test_other_models_of_a_camchain_are_refused_by_their_name",
     **dict.fromkeys(
         (
             "dive/config/calibration.py::_crop_to_region",
             "dive/config/calibration.py::_add_distortion",
+            "dive/config/calibration.py::_read_numbers",
+            "dive/config/calibration.py::_refuse_folded",
             "dive/config/camera_matrix.py::read_pinhole",
             "dive/config/lens_models.py::convert_rational",
             "dive/config/lens_models.py::_as_plumb_bob",
@@ -185,6 +189,8 @@ FOLLOWED = {
     "test_without_rates_the_heading_stays_the_orientations",
     "dive/logs/positions.py::_refuse_other_units": "dive/logs/test_positions.py::"
     "test_places_in_another_unit_than_degrees_are_refused_until_they_are",
+    "dive/logs/quaternion_forms.py::complete_quaternions": "dive/logs/test_quaternion_forms.py::"
+    "test_parts_of_quaternions_without_rates_are_refused_until_whole",
     "dive/logs/read_streams.py::refuse_two": "dive/logs/test_read_streams.py::"
     "test_two_sensors_on_one_topic_are_refused",
     "dive/logs/read_streams.py::_translate": "dive/logs/test_read_streams.py::"

@@ -167,7 +167,9 @@ def test_sensors_that_agree_are_not_accused(seed):
     assert judged(dive(seed), flows()).findings == []
 
 
-@pytest.mark.parametrize(("unit", "factor"), [("rad", np.pi / 180), ("deg", 180 / np.pi)])
+@pytest.mark.parametrize(
+    ("unit", "factor"), [("rad", np.pi / 180), ("deg", 180 / np.pi), ("turns", 0.5 / np.pi)]
+)
 def test_tray_angle_in_the_other_unit_is_converted(unit, factor):
     found = judged(on_tray(dive(), factor), flows())
     (finding,) = found.findings
@@ -188,6 +190,44 @@ def test_tray_whose_zero_is_eighths_of_a_turn_off_is_put_right(off_deg):
     (finding,) = found.findings
     assert (finding.code, finding.values["value"]) == ("sensor-mended", f"+{off_deg}")
     np.testing.assert_allclose(found.records.tray.angle, right.tray.angle)
+
+
+def test_tray_that_grows_down_from_another_zero_is_named_with_the_keys_that_heal():
+    right = on_tray(dive())
+    off = replace(right.tray, angle=np.pi / 2 - right.tray.angle)
+    (finding,) = judged(replace(right, tray=off), flows()).findings
+    assert finding.severity == "error"
+    ((positive, offset_deg),) = re.findall(
+        r'give tray\.positive = "(\w+)" and tray\.offset_deg = ([-\d]+)', finding.sentence
+    )
+    sense = {"up": 1.0, "down": -1.0}[positive]
+    np.testing.assert_allclose(
+        sense * off.angle + np.radians(float(offset_deg)), right.tray.angle, atol=1e-12
+    )
+
+
+def test_a_tray_that_hardly_moves_about_a_quarter_of_a_turn_is_in_no_degrees():
+    """They would be the thirtieth part of a degree, by which no servo moves."""
+    imu_ns = dive().imu.t_ns
+    angle = np.pi / 2 + 0.02 * np.sin(0.2 * imu_ns / NS)
+    found = judge(
+        replace(dive(), tray=JointSamples(t_ns=imu_ns, angle=angle)), RIG, AIR_M, flows=flows()
+    )
+    (finding,) = found.findings
+    assert (finding.values["fault"], finding.values["value"]) == ("zero", "+90")
+
+
+def test_orientation_of_half_the_angle_is_put_right_and_of_twice_is_named():
+    true = dive()
+    turns = Rotation.from_quat(true.imu.quaternion).as_rotvec()
+    half = judged(with_imu(true, quaternion=Rotation.from_rotvec(turns / 2).as_quat()))
+    assert [finding.code for finding in half.findings] == ["sensor-mended"]
+    mended = Rotation.from_quat(half.records.imu.quaternion).as_rotvec()
+    np.testing.assert_allclose(mended, turns, atol=1e-12)
+    twice = judged(with_imu(true, quaternion=Rotation.from_rotvec(turns * 2).as_quat()))
+    (finding,) = twice.findings
+    assert (finding.code, finding.values["value"]) == ("sensor-wrong", "twice")
+    assert judged(true).findings == []  # the quaternion of the angle itself
 
 
 @pytest.mark.parametrize(("unit", "pascal"), [("0.1 mbar", 10.0), ("kPa", 1000.0)])

@@ -114,11 +114,15 @@ def doubtful_angles(tray: JointSamples | None, unit: str, sigma_rad: float) -> l
     if not span_rad:
         values = {"count": len(angle), "angle_deg": float(np.degrees(angle[0])) + 0.0}
         return [Finding("tray-still", values)]
-    has_moved = len(np.unique(angle)) > MOVED and span_rad > MOVED * _flicker(angle)
-    if unit != "deg" or not has_moved or span_rad > sigma_rad:
+    if unit != "deg" or not has_moved(angle) or span_rad > sigma_rad:
         return []
     values = {"span_deg": float(np.degrees(span_rad)), "sigma_deg": float(np.degrees(sigma_rad))}
     return [Finding("tray-little", values)]
+
+
+def has_moved(angle: Array) -> bool:
+    """Tell whether a servo's angles (n,), three or more, are those of a motion and not of noise."""
+    return len(np.unique(angle)) > MOVED and float(np.ptp(angle)) > MOVED * _flicker(angle)
 
 
 def frozen_readings(angle: Array) -> Mask:

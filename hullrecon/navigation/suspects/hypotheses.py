@@ -18,9 +18,11 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.streams.imu import FRD_FROM_FLU, NED_FROM_ENU
 from hullrecon.dive.logs.streams.pressure import DEEPEST_HULL_M, METRES, PASCALS
+from hullrecon.dive.logs.turns import scale_between, turns_within_seconds
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.rotations import mount_angles_deg
-from hullrecon.navigation.suspects.comparisons.comparison import SHARED, Sensor
+from hullrecon.navigation.sensors.servo import FEW_READINGS, LEAST_TRAVEL_RAD, has_moved
+from hullrecon.navigation.suspects.comparisons.comparison import Sensor
 from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.records.clock import NS
 from hullrecon.records.sensors import (
@@ -94,6 +96,7 @@ class Conventions:
     imu_frame: str = "ned"  # or "enu"
     imu_mount_deg: tuple[float, float, float] | None = None  # roll, pitch, yaw in the vehicle
     tray_positive: str = "up"  # or "down"
+    tray_offset_deg: float = 0.0
 
     @property
     def vehicle_from_imu(self) -> Rotation:
@@ -308,24 +311,12 @@ def _fit_rates(imu: ImuSamples) -> tuple[float | None, Array]:
     Each is fitted by itself by least squares. The factor is None where rates and turns do not go
     together, as where one of them stands still.
     """
-    known = np.isfinite(imu.angular_velocity).all(axis=1)
-    t_ns, rates = imu.t_ns[known], imu.angular_velocity[known]
-    if len(t_ns) < 2:
+    by_rates, turned, lasts_s = turns_within_seconds(
+        imu.t_ns, Rotation.from_quat(imu.quaternion), imu.angular_velocity
+    )
+    if not len(lasts_s):
         return None, np.zeros(3)
-    lasts_s = np.diff(t_ns) / NS
-    total = np.concatenate(
-        [np.zeros((1, 3)), np.cumsum(0.5 * (rates[1:] + rates[:-1]) * lasts_s[:, None], axis=0)]
-    )
-    rows = np.unique(np.searchsorted(t_ns, np.arange(t_ns[0], t_ns[-1], NS)))
-    attitude = Rotation.from_quat(imu.quaternion[known][rows])
-    by_rates, turned = (
-        np.diff(total[rows], axis=0),
-        (attitude[:-1].inv() * attitude[1:]).as_rotvec(),
-    )
-    squares, product = float((by_rates**2).sum()), float((by_rates * turned).sum())
-    together = product > 0 and product**2 > SHARED * squares * float((turned**2).sum())
-    bias = (by_rates - turned).sum(axis=0) / (t_ns[rows[-1]] - t_ns[rows[0]]) * NS
-    return product / squares if together else None, np.asarray(bias)
+    return scale_between(by_rates, turned), (by_rates - turned).sum(axis=0) / lasts_s.sum()
 
 
 def _imu_faults(
@@ -341,6 +332,8 @@ def _imu_faults(
     turned = {
         ("order", "inverse"): given.read(logged.inv()),
         ("order", "w x y z"): given.read(Rotation.from_quat(logged.as_quat()[:, [1, 2, 3, 0]])),
+        ("angle", "half"): given.read(Rotation.from_rotvec(2 * logged.as_rotvec())),
+        ("angle", "twice"): given.read(Rotation.from_rotvec(logged.as_rotvec() / 2)),
         ("order", "of roll and pitch exchanged"): Rotation.from_euler("ZYX", angles[:, [0, 2, 1]]),
         ("frame", "global axes"): NED_FROM_ENU * attitude,
         ("frame", "the orientation's axes alone"): NED_FROM_ENU * attitude * FRD_FROM_FLU,
@@ -363,7 +356,9 @@ def _imu_faults(
             fault=fault,
             value=value,
             mended=mended,
-            exact=fault in ("order", "sign"),  # the others may turn the heading as well
+            # The others may turn the heading as well. Half of a doubled angle is not known beyond a
+            # quarter of a turn
+            exact=fault in ("order", "sign") or (fault, value) == ("angle", "half"),
         )
     for clock in _clock_faults(imu.t_ns):
         yield clock.hypothesis(Sensor.ATTITUDE, replace(records, imu=clock.correct(imu)))
@@ -435,19 +430,33 @@ def _left_handed(
 
 
 def _tray_faults(records: SensorRecords, tray: JointSamples) -> Iterator[Hypothesis]:
-    """Yield faults of the tray's angles: zeros off by eighths of a turn, units, signs."""
+    """Yield faults of the tray's angles: zeros off by eighths of a turn, units, signs, and both."""
     degree = np.pi / 180
     for off_deg in (90, -90, 180, 45, -45, 135, -135):
-        mended = replace(records, tray=replace(tray, angle=tray.angle - degree * off_deg))
-        yield Hypothesis(
-            sensor=Sensor.TRAY, fault="zero", value=f"{off_deg:+d}", mended=mended, exact=True
-        )
+        angle = tray.angle - degree * off_deg
+        for fault, sense in (("zero", 1), ("reversed", -1)):
+            yield Hypothesis(
+                sensor=Sensor.TRAY,
+                fault=fault,
+                value=f"{off_deg:+d}",
+                mended=replace(records, tray=replace(tray, angle=sense * angle)),
+                exact=fault == "zero",
+                faults=1 if fault == "zero" else 2,
+            )
+    # In the right unit a servo that was moved turned by LEAST_TRAVEL_RAD or more, and by less than
+    # a whole turn
+    known = tray.angle[np.isfinite(tray.angle)]
+    farthest_rad = float(np.abs(known).max(initial=0.0))
+    span_rad = float(np.ptp(known)) if len(known) >= FEW_READINGS and has_moved(known) else np.inf
     for fault, value, factor, exact in (
         ("unit", "deg", degree, True),
         ("unit", "rad", 1 / degree, True),
+        ("unit", "turns", 2 * np.pi, True),
         ("sign", "", -1.0, False),
         ("sign", "deg", -degree, False),
     ):
+        if abs(factor) * span_rad < LEAST_TRAVEL_RAD or abs(factor) * farthest_rad > 2 * np.pi:
+            continue
         mended = replace(records, tray=replace(tray, angle=factor * tray.angle))
         yield Hypothesis(
             sensor=Sensor.TRAY,

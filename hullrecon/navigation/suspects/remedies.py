@@ -39,6 +39,10 @@ def find_remedy(
     if (sensor, fault) == (Sensor.TRAY, "sign"):
         unit = f' and tray.joint_unit = "{value}"' if value else ""
         return f'give tray.positive = "{OTHER[given.tray_positive]}"{unit}'
+    if (sensor, fault) == (Sensor.TRAY, "reversed"):
+        offset_deg = float(value) - given.tray_offset_deg
+        positive = f'tray.positive = "{OTHER[given.tray_positive]}"'
+        return f"give {positive} and tray.offset_deg = {offset_deg:g}"
     if sensor is not Sensor.ATTITUDE:
         return ""
     vehicle_from_imu = given.vehicle_from_imu
@@ -56,6 +60,8 @@ def find_remedy(
         return (
             f"give {_mount_key(turn * vehicle_from_imu)}, or correct dvl.mount where that is wrong"
         )
+    if fault == "angle":
+        return "log the quaternion of the angle itself"
     if fault == "body":
         angles_deg = [float(angle) for angle in value.split(", ")]
         turn = Rotation.from_euler("ZYX", angles_deg[::-1], degrees=True)

@@ -194,7 +194,7 @@ def _rank_by_usualness(one: Hypothesis) -> int:
         # A reading near 1.57 is a zero that is off by a quarter of a turn, or a small angle in
         # degrees. Where both explain as much, the zero counts: a tray that is logged in degrees
         # would swing by 57 times as much.
-        return int(one.fault != "zero")
+        return int(one.fault not in ("zero", "reversed"))
     return USUAL.get(one.fault, len(USUAL)) if one.sensor is Sensor.PRESSURE else 0
 
 

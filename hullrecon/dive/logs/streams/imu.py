@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.heading import heading_by_rates
 from hullrecon.dive.logs.lost_values import UNFILLED, is_false_attitude, is_held
+from hullrecon.dive.logs.quaternion_forms import complete_quaternions
 from hullrecon.dive.logs.samples import ImuSample, stamps
 from hullrecon.dive.logs.two_sensors import refuse_two_sensors, windows
 from hullrecon.errors import InputError
@@ -65,15 +66,16 @@ def imu_samples(
         attitude is the DVL's and mount_deg is missing.
     """
     t_ns = stamps(samples)
-    quaternion = _of_unit_length(np.array([s.quaternion for s in samples]).reshape(-1, 4), notes)
+    quaternion = np.array([s.quaternion for s in samples]).reshape(-1, 4)
     rates = np.array([s.rates for s in samples]).reshape(-1, 3)
+    rates = np.radians(rates) if rates_unit == "deg/s" else rates
     acceleration = np.array([s.acceleration for s in samples]).reshape(-1, 3)
+    quaternion = _of_unit_length(complete_quaternions(t_ns, quaternion, rates, notes), notes)
     good = _are_attitudes(t_ns, quaternion, rates, acceleration, notes)
     t_ns, quaternion = t_ns[good], quaternion[good]
     rates, acceleration = rates[good], acceleration[good]
 
-    # what the driver wrote in other units, or did not fill in
-    rates = np.radians(rates) if rates_unit == "deg/s" else rates
+    # what the driver did not fill in, or wrote in other units
     _refuse_unfilled(quaternion, rates)
     if len(rates) >= LEAST_ATTITUDES and not rates.any() and np.ptp(quaternion, axis=0).any():
         notes.append(Finding("rates-unfilled", {"count": len(rates)}, "imu"))

@@ -16,13 +16,13 @@ from functools import cached_property
 
 import numpy as np
 
+from hullrecon.dive.logs.turns import SHARED
 from hullrecon.navigation.sensors.motion_signals import is_still
 from hullrecon.records.clock import NS
 from hullrecon.typing import Array, Ints
 
 # What decides:
 CLIP = 4.0  # sigmas at which a residual is clipped
-SHARED = 0.8  # squared correlation from which on one signal is a scaled copy of the other
 GAIN = 25.0  # of chi-square above its mean: five sigmas, as in navigation/clocks
 # of chi-square over the rows: 1.2 at most on 17 faultless dives, 3.3 to 11 with faults
 MISFIT = 2.0
