@@ -8,7 +8,8 @@ import difflib
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import get_args, get_type_hints
+from datetime import date
+from typing import get_args, get_origin, get_type_hints
 
 import msgspec
 from msgspec import Struct
@@ -19,6 +20,12 @@ ONE_LINE = (
     # a pattern of the schema: what reaches a terminal, a path or a report's line
     r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]*\Z"
 )
+NAME = r"^[A-Za-z0-9_][A-Za-z0-9._-]*\Z"  # a pattern of the schema: a folder's name anywhere
+# What is expected of a text, by the pattern of the schema that it has to match
+PATTERNS = {
+    ONE_LINE: "text on one line, without control characters",
+    NAME: "letters A to Z, digits and _, and behind the first also . and -",
+}
 LONGEST_SHOWN = 60  # characters of a foreign value in a message
 LONGEST_REASON = 200  # characters of what a parser says
 TYPES = {  # names of types in msgspec's messages, and the words for them
@@ -73,10 +80,12 @@ def explain_error(
         wanted = re.sub(rf"\b{name}\b", word, wanted)
     if text.startswith("Invalid enum value"):
         wanted = f"expected {_values_of(kind, path)}"
-    if text == "Invalid RFC3339 encoded datetime":
+    wanted = wanted.replace(" | null", "").replace(" | ", " or ")  # TOML has no null
+    if text == "Invalid RFC3339 encoded datetime" or text.startswith("Expected `datetime"):
         wanted = "expected a date and time such as 2026-05-04T09:30:00Z"
-    if text.endswith(f"matching regex {ONE_LINE!r}"):
-        wanted = "expected text on one line, without control characters"
+    for pattern, words in PATTERNS.items():
+        if text.endswith(f"matching regex {pattern!r}"):
+            wanted = f"expected {words}"
     shown = show_value(_look_up(raw, path))
     return UsageError(
         f"{shorten(dotted) or 'the file'} = {shown}: {shorten(wanted, LONGEST_REASON)}", where=file
@@ -131,7 +140,14 @@ def _values_of(kind: type, path: Sequence[str]) -> str:
     for name in path:
         hints = get_type_hints(_struct_of(found)) if not name.startswith("[") else {}
         found = hints.get(name, found)
-    return " or ".join(f'"{value}"' for value in _literals(found)) or "another value"
+    texts = [f'"{value}"' for value in _literals(found)]
+    lists = ["a list of numbers"] if _has_list(found) else []
+    return " or ".join([*lists, *texts]) or "another value"
+
+
+def _has_list(kind: object) -> bool:
+    """Tell whether a type has a list of numbers among its alternatives."""
+    return get_origin(kind) in (tuple, list) or any(_has_list(part) for part in get_args(kind))
 
 
 def _struct_of(kind: object) -> type:
@@ -215,6 +231,8 @@ def _look_up(raw: object, path: Sequence[str]) -> object:
 
 def show_value(value: object) -> str:
     """Format an untrusted value for a message."""
+    if isinstance(value, date):
+        return value.isoformat()
     try:
         return "a table" if isinstance(value, Mapping) else shorten(repr(value))
     except ValueError:  # Python prints no whole number of more than some thousand digits

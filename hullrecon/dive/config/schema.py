@@ -17,7 +17,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct, field
 
-from hullrecon.dive.config.config_errors import ONE_LINE
+from hullrecon.dive.config.config_errors import NAME, ONE_LINE
 
 Positive = Annotated[float, Meta(gt=0)]
 NotNegative = Annotated[float, Meta(ge=0)]
@@ -92,7 +92,7 @@ class Dive(Section, frozen=True):
     name: Annotated[
         str,
         Meta(
-            pattern=r"^[A-Za-z0-9_][A-Za-z0-9._-]*\Z",
+            pattern=NAME,
             max_length=100,
             description="name of the dive and of its folder of results",
         ),

@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+from datetime import date
+
 import msgspec
 import pytest
 
@@ -53,6 +55,33 @@ def test_a_step_section_has_its_name_in_front():
         told({"clahe": "x"}, Step, "features")
         == "features.clahe = 'x': expected a number, got text (dive.toml)"
     )
+
+
+@pytest.mark.parametrize(
+    ("raw", "line"),
+    [
+        (
+            {"dive": {"name": "dive 1"}},
+            "dive.name = 'dive 1': expected letters A to Z, digits and _, and behind the "
+            "first also . and - (dive.toml)",
+        ),
+        (
+            {"dive": {"name": "x", "date": date(2026, 5, 4)}},
+            "dive.date = 2026-05-04: expected a date and time such as 2026-05-04T09:30:00Z "
+            "(dive.toml)",
+        ),
+        (
+            {"dvl": {"mount": "0 0 0 0 90 0"}},
+            "dvl.mount = '0 0 0 0 90 0': expected a list of numbers or \"tf_static\" (dive.toml)",
+        ),
+        (
+            {"hull": {"mesh": "x.stl", "pose_sigma": 1.0}},
+            "hull.pose_sigma = 1.0: expected a list, got a number (dive.toml)",
+        ),
+    ],
+)
+def test_what_a_key_takes_is_said_in_the_words_of_toml(raw, line):
+    assert told(PLAIN | raw) == line
 
 
 def test_a_key_that_is_gone_is_to_be_deleted():
