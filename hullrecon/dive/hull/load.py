@@ -76,6 +76,7 @@ OTHER_KINDS = (
     (re.compile(rb"glTF"), ("a glb file", _SAY_SO)),
 )
 DECIMAL_COMMA = re.compile(rb"^\s*(?:vertex|v)\s+[-+]?\d+,\d", re.MULTILINE)
+ZERO_INDEX = re.compile(rb"(?m)^f[ \t](?:[^\n]*[ \t])?0(?:/|[ \t\r]|$)")  # of a face's vertex
 # as Fortran writes numbers of double precision
 FORTRAN_EXPONENT = re.compile(rb"(\d)[Dd]([-+]?\d)")
 ROOM = 1_000_000  # values or faces that a file may claim beyond one for each of its bytes
@@ -200,6 +201,12 @@ def _refuse_other_kind(data: bytes, kind: str, path: Path) -> None:
     is_binary = kind == "stl" and is_binary_stl(data)
     if is_binary and len(data) >= STL_HEAD:
         claimed, held = claimed_faces(data), (len(data) - STL_HEAD) // STL_FACE
+        if int.from_bytes(data[STL_HEAD - 4 : STL_HEAD], "big") == held != claimed:
+            raise InputError(
+                f"the numbers of {path.name} begin with their high bytes, as those of no STL do",
+                where=str(path.parent),
+                remedy=COPY_AGAIN,
+            )
         if claimed > held:
             raise InputError(
                 f"the CAD model {path.name} is cut off: it holds {held} of {claimed} faces",
@@ -247,7 +254,8 @@ def _parse_mesh(data: bytes, kind: str, path: Path) -> tuple[Array, Ints]:
                 f"it has vertices of {vertices.shape[1:]} and faces of {faces.shape[1:]} numbers"
             )
     except Exception as error:  # trimesh's parsers raise whatever damaged bytes lead them to
-        reason = shorten(f"{type(error).__name__} {error}", 120)
+        said = f"{error}" if type(error) is ValueError else f"{type(error).__name__} {error}"
+        reason = shorten(said, 120)
         raise InputError(
             f"the CAD model {path.name} is no {kind.upper()}, or damaged: {reason}",
             where=str(path.parent),
@@ -422,6 +430,8 @@ def prepare(data: bytes, kind: str) -> bytes:
         raise ValueError(f"its header has more than {MOST_PROPERTIES} properties")
     if kind in ("stl", "obj") and DECIMAL_COMMA.search(data[:MIB]):
         raise ValueError("its numbers have decimal commas: export it with points")
+    if kind == "obj" and ZERO_INDEX.search(data):
+        raise ValueError("its faces count vertices from 0, and those of an OBJ count from 1")
     if kind == "stl" and is_binary_stl(data):
         return data[: STL_HEAD + STL_FACE * claimed_faces(data)]  # some programs write more behind
     if kind in ("stl", "obj", "off"):

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import gzip
 import re
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -440,6 +441,24 @@ def test_decimal_commas_of_an_stl_are_named(tmp_path):
     text = trimesh.exchange.stl.export_stl_ascii(trimesh.Trimesh(*tube_arrays()))
     (tmp_path / "hull.stl").write_text(text.replace(".", ","))
     with pytest.raises(InputError, match="decimal commas"):
+        read_hull(tmp_path / "hull.stl", "m", [])
+
+
+def test_an_obj_that_counts_from_zero_is_refused(tmp_path):
+    vertices, faces = tube_arrays()
+    lines = [f"v {x} {y} {z}" for x, y, z in vertices]
+    for first, refused in ((0, True), (1, False)):
+        of_faces = [f"f {a}//1 {b}//1 {c}//1" for a, b, c in faces + first]
+        (tmp_path / "hull.obj").write_text("\n".join([*lines, *of_faces]))
+        with pytest.raises(InputError, match="from 0") if refused else nullcontext():
+            assert len(read_hull(tmp_path / "hull.obj", "m", []).faces)
+
+
+def test_a_binary_stl_of_the_other_order_of_bytes_is_named(tmp_path):
+    whole = trimesh.Trimesh(*tube_arrays()).export(file_type="stl")
+    count = len(tube_arrays()[1])
+    (tmp_path / "hull.stl").write_bytes(whole[:80] + count.to_bytes(4, "big") + whole[84:])
+    with pytest.raises(InputError, match="begin with their high bytes"):
         read_hull(tmp_path / "hull.stl", "m", [])
 
 

@@ -140,7 +140,7 @@ def test_gravity_that_a_filter_took_off_is_added_by_the_orientation():
 
 
 def test_accelerations_that_nobody_filled_in_are_left_out():
-    still = [imu(t, [0, 0, 1e-3 * t, 1], acceleration=(0, 0, 0)) for t in range(50)]
+    still = [imu(t, [0, 0, 1e-4 * t, 1], acceleration=(0, 0, 0)) for t in range(50)]
     assert np.isnan(imu_samples(still, "ned", []).acceleration).all()
 
 
@@ -157,7 +157,7 @@ def test_quaternions_of_whole_numbers_are_scaled_to_unit_length():
     logged = [imu(t, np.round(16384 * q)) for t, q in enumerate(turned)]
     np.testing.assert_allclose(imu_samples(logged, "ned", notes).quaternion, turned, atol=1e-4)
     assert "16384 long" in notes[0].sentence
-    euler = [imu(t, [0.01 * t, 0.0, 1.0 + 0.01 * t, 0.0]) for t in range(60)]
+    euler = [imu(t, [0.0, 0.01 * t, 0.0, 1.0 + 0.01 * t]) for t in range(60)]
     with pytest.raises(InputError, match="are they angles"):
         imu_samples(euler, "ned", [])
 
@@ -179,7 +179,7 @@ TURNED = np.array([0.0, 0.0, 0.6, 0.8])
 def test_an_orientation_that_is_never_filled_in_is_refused(quaternion, rates, why):
     with pytest.raises(InputError, match=f"the same, .* in all 50 readings, .*{why}"):
         imu_samples([imu(t, quaternion, rates) for t in range(50)], "ned", [])
-    turning = [imu(t, [0, 0, 1e-3 * t, 1], rates) for t in range(50)]
+    turning = [imu(t, [0, 0, 1e-4 * t, 1], rates) for t in range(50)]
     assert len(imu_samples(turning, "ned", []).t_ns) == 50
 
 
