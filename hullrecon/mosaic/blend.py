@@ -228,12 +228,11 @@ def _block(patch: SurfacePatch, window: Window, tile: Window) -> _Block:
 
 def _texels(patch: SurfacePatch, rows: Ints) -> SurfacePatch:
     """Take texels by their flat indices (n,), as a patch of shape (n, 1)."""
-    point, normal = (field.reshape(-1, 3)[rows][:, None] for field in (patch.point, patch.normal))
     return SurfacePatch(
-        point=point,
-        normal=normal,
-        face=patch.face.ravel()[rows][:, None],
-        free_below=patch.free_below.ravel()[rows][:, None],
+        point=patch.point.reshape(-1, 1, 3).take(rows, axis=0),
+        normal=patch.normal.reshape(-1, 1, 3).take(rows, axis=0),
+        face=patch.face.reshape(-1, 1).take(rows, axis=0),
+        free_below=patch.free_below.reshape(-1, 1).take(rows, axis=0),
     )
 
 
@@ -257,14 +256,23 @@ def _blocks(
     Views are sorted by the lower bound of their cost, so that a ranking can stop early.
     """
     squares, center, radius = _bounding_balls(patch, window)
-    least = {k: image_view.least_ratio(center, radius) for k, image_view in image_views.items()}
-    for place, square in enumerate(squares):
-        near = sorted(
-            (float(least[k][place]), k)
-            for k in image_views
-            if least[k][place] < np.inf and not windows[k].meet(square).empty
-        )
-        candidates = [_Candidate(view=k, window=windows[k], least=low) for low, k in near]
+    views = sorted(image_views)
+    least = np.array([image_views[k].least_ratio(center, radius) for k in views])
+    least = least.reshape(len(views), len(squares)).T  # (squares, views)
+    top, bottom, left, right = (
+        np.array([(w.top, w.bottom, w.left, w.right) for w in (windows[k] for k in views)], int)
+        .reshape(-1, 4)
+        .T
+    )
+    for square, low in zip(squares, least, strict=True):
+        rows = np.minimum(bottom, square.bottom) > np.maximum(top, square.top)
+        columns = np.minimum(right, square.right) > np.maximum(left, square.left)
+        near = np.flatnonzero((low < np.inf) & rows & columns)
+        near = near[np.argsort(low[near], kind="stable")]
+        candidates = [
+            _Candidate(view=views[i], window=windows[views[i]], least=float(low[i]))
+            for i in near.tolist()
+        ]
         yield _block(patch, square, window), candidates
 
 
@@ -338,13 +346,12 @@ def _find_hidden(
 
     Texels that no point of the surface can occlude (`free_below` is inf) are not tested.
     """
-    doubtful = np.isfinite(patch.free_below[:, 0])
-    hidden = np.zeros(len(doubtful), bool)
-    for k in np.unique(best.view[:, doubtful]).tolist():
-        if k >= 0:
-            rows = np.flatnonzero((best.view == k).any(axis=0) & doubtful)
-            free, _ = find_visible(surface, patch, rows, image_views[k].center, limits.min_cosine)
-            hidden[rows[~free]] = True
+    doubtful = np.flatnonzero(np.isfinite(patch.free_below[:, 0]))
+    hidden = np.zeros(len(patch.free_below), bool)
+    for k, which in _texels_by_view(best.view[:, doubtful]):
+        rows = doubtful[which]
+        free, _ = find_visible(surface, patch, rows, image_views[k].center, limits.min_cosine)
+        hidden[rows[~free]] = True
     return np.flatnonzero(hidden)
 
 
@@ -360,7 +367,7 @@ def view_cost(
     _, ratio = image_view.project(patch.point[:, 0])
     free = np.isfinite(ratio)
     if surface is None:
-        cosine = patch.cosines(slice(None), image_view.center)
+        cosine = patch.cosines(None, image_view.center)
         free &= cosine > limits.min_cosine
     else:
         rows, cosine = np.flatnonzero(free), np.zeros(len(free))
@@ -393,7 +400,7 @@ def blend(
     shape = choice.view.shape[1:]
     sums = BlendSums.zero(len(STEEPNESS), channels, shape[0] * shape[1])
     point = patch.point.reshape(-1, 3)
-    for k, rows in _texels_by_view(choice):
+    for k, rows in _texels_by_view(choice.view):
         pixel, ratio = image_views[k].project(point.take(rows, axis=0))
         part, at = crop_around(pixel, image_views[k].size)
         picture = image_views[k].picture(part)
@@ -406,14 +413,15 @@ def blend(
     )
 
 
-def _texels_by_view(choice: BestViews) -> Iterator[tuple[int, Ints]]:
+def _texels_by_view(best: Ints32) -> Iterator[tuple[int, Ints]]:
     """Yield each view with the flat indices of the texels that it was chosen for.
 
-    So each picture is read once for a tile. Views chosen for no texel are left out.
+    Views chosen for no texel are left out. best (4, ...): numbers of the views of each texel, -1
+    where fewer see it.
     """
-    chosen = choice.view.reshape(VIEWS, -1) >= 0
+    chosen = best.reshape(VIEWS, -1) >= 0
     texel = np.broadcast_to(np.arange(chosen.shape[1], dtype=np.int32), chosen.shape)[chosen]
-    view = choice.view[choice.view >= 0]
+    view = best[best >= 0]
     used = np.flatnonzero(np.bincount(view))
     # Views are renumbered in 16 bits, which NumPy sorts in a fraction of the time
     new_number = np.zeros(used.max(initial=0) + 1, np.uint16)

@@ -79,9 +79,19 @@ class SurfacePatch:
             free_below=self.free_below[which],
         )
 
-    def cosines(self, rows: Ints | slice, sensor: Array) -> Array:
-        """Compute cosines (n,) of the incidence of a sensor (3,) m at flat indices (n,)."""
-        return incidence(self.point.reshape(-1, 3)[rows], self.normal.reshape(-1, 3)[rows], sensor)
+    def cosines(self, rows: Ints | None, sensor: Array) -> Array:
+        """Compute cosines (n,) of the incidence of a sensor (3,) m at flat indices (n,).
+
+        rows: all texels if None.
+        """
+        return incidence(*self.at(rows), sensor)
+
+    def at(self, rows: Ints | None) -> tuple[Array, Array]:
+        """Take points and normals (n, 3) by flat indices, all if None."""
+        point, normal = self.point.reshape(-1, 3), self.normal.reshape(-1, 3)
+        if rows is None:
+            return point, normal
+        return point.take(rows, axis=0), normal.take(rows, axis=0)
 
 
 def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> SurfacePatch:
@@ -192,13 +202,13 @@ def find_visible(
     visible, cosine
         (n,) whether each texel is seen, and the cosine of its incidence.
     """
-    cosine = patch.cosines(rows, sensor)
+    point, normal = patch.at(rows)
+    cosine = incidence(point, normal, sensor)
     visible = cosine > min_cosine
     tangent = np.sqrt(np.maximum(1 - cosine**2, 0)) / np.maximum(cosine, 1e-6)
-    doubtful = visible & (tangent >= patch.free_below.ravel()[rows])
-    rows = rows[doubtful]
+    doubtful = np.flatnonzero(visible & (tangent >= patch.free_below.ravel().take(rows)))
     visible[doubtful] = find_unobstructed(
-        surface, patch.point.reshape(-1, 3)[rows], patch.normal.reshape(-1, 3)[rows], sensor
+        surface, point.take(doubtful, axis=0), normal.take(doubtful, axis=0), sensor
     )
     return visible, cosine
 

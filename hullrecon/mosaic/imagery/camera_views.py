@@ -89,9 +89,8 @@ class CameraView:
     def project(self, points: Array) -> tuple[Array, Array]:
         """Project points. The best place is the image's middle, and R is half its diagonal."""
         return project_into(
-            points, self._camera_from_frame, self.center, self.camera.parameters(), self.size,
-            self._widest(),
-        )  # fmt: skip
+            points, self._camera_from_frame, self.center, self._parameters, self.size, self._widest
+        )
 
     def least_ratio(self, center: Array, radius: Array) -> Array:
         """Compute a lower bound (n,) of r / R, as of `ImageView.project`, over the points of balls.
@@ -150,6 +149,11 @@ class CameraView:
     def _camera_from_frame(self) -> Array:
         return np.asarray(self.pose.rotation.as_matrix()[0].T)
 
+    @cached_property
+    def _parameters(self) -> Array:
+        return self.camera.parameters()
+
+    @cached_property
     def _widest(self) -> float:
         """Compute the largest tangent (x / z) of rays that are projected.
 
