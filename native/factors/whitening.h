@@ -3,50 +3,44 @@
 // Whitens residuals. Sigmas act here and nowhere else.
 #pragma once
 
-#include <Eigen/Core>
+#include <cstddef>
 
 namespace hullrecon {
+
+// A whitening multiplies `rows` from the left, in place: a residual or its derivative, row major. No templates: residuals of
+// every size meet every kind of whitening.
 
 // One sigma for all rows: W = 1 / sigma.
 struct Scalar {
   double inverse_sigma;
 
-  template <class Rows>
-  void operator()(Rows&& m) const {
-    m *= inverse_sigma;
-  }
+  void operator()(double* rows, int count, int columns) const;
 };
 
-template <int N>
+// One sigma a row.
 struct Diagonal {
-  Eigen::Matrix<double, N, 1> inverse_sigma;
+  const double* sigma;
 
-  template <class Rows>
-  void operator()(Rows&& m) const {
-    m.array().colwise() *= inverse_sigma.array();
-  }
+  void operator()(double* rows, int count, int columns) const;
 };
 
-// Square root of the information: W with W' W = covariance^-1.
-template <int N>
+// Square root of the information: W with W' W = covariance^-1. Row major, `stride` numbers a row.
 struct Full {
-  Eigen::Matrix<double, N, N> root;
+  static constexpr int kMostRows = 7, kMostColumns = 8;
+  const double* root;
+  int stride;
 
-  template <class Rows>
-  void operator()(Rows&& m) const {
-    m = (root * m).eval();
-  }
+  void operator()(double* rows, int count, int columns) const;
 };
 
 // Residual and derivatives, whitened. sizes: of the blocks. False: the point cannot be evaluated.
 template <class Residual, class Whitening, class Sizes>
 bool whitened(const Residual& residual, const Whitening& whitening, const Sizes& sizes, const double* const* x, double* r,
               double* const* J) {
-  using Rows = Eigen::Matrix<double, Residual::kRows, Eigen::Dynamic, Eigen::RowMajor>;
   if (!residual(x, r, J)) return false;
-  whitening(Eigen::Map<Eigen::Matrix<double, Residual::kRows, 1>>(r));
+  whitening(r, Residual::kRows, 1);
   for (size_t k = 0; J && k < sizes.size(); ++k) {
-    if (J[k]) whitening(Eigen::Map<Rows>(J[k], Residual::kRows, sizes[k]));
+    if (J[k]) whitening(J[k], Residual::kRows, sizes[k]);
   }
   return true;
 }

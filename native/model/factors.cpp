@@ -9,15 +9,10 @@
 namespace hullrecon {
 namespace {
 
-// Rows of the tables as matrices, and their whitening.
+// Rows of the tables as matrices.
 template <int Rows, int Columns>
 Eigen::Matrix<double, Rows, Columns> matrix(const double* data) {
   return Eigen::Map<const Eigen::Matrix<double, Rows, Columns, Columns == 1 ? Eigen::ColMajor : Eigen::RowMajor>>(data);
-}
-
-template <int N>
-Diagonal<N> diagonal(const double* sigma) {
-  return {matrix<N, 1>(sigma).cwiseInverse()};
 }
 
 Odometry odometry(const Tables& t, int64_t i) {
@@ -51,26 +46,26 @@ template <class Use>
 void Model::visit_prior(int64_t row, const Use& use) const {
   const Tables& t = tables_;
   if (row < t.prior_pose_node.rows()) {
-    return use(MotionPrior<8>{Motion(t.prior_pose.row(row))}, Full<6>{matrix<6, 6>(t.prior_pose_sqrt.row(row))});
+    return use(MotionPrior<8>{Motion(t.prior_pose.row(row))}, Full{t.prior_pose_sqrt.row(row), 6});
   }
   const int k = global_priors_[row - t.prior_pose_node.rows()];
-  if (k == kNavigation) return use(VectorPrior<6>{{}}, diagonal<6>(t.prior_navigation_sigma.data));
-  if (k == kWorld) return use(VectorPrior<3>{{}}, diagonal<3>(t.prior_world_sigma.data));
+  if (k == kNavigation) return use(VectorPrior<6>{{}}, Diagonal{t.prior_navigation_sigma.data});
+  if (k == kWorld) return use(VectorPrior<3>{{}}, Diagonal{t.prior_world_sigma.data});
   if (k >= kTopLens) {
     VectorPrior<kLensNumbers> prior;
     std::copy_n(t.lens_expected.row(k - kTopLens), kLensNumbers, prior.expected.begin());
-    return use(prior, diagonal<kLensNumbers>(t.lens_sigma.row(k - kTopLens)));
+    return use(prior, Diagonal{t.lens_sigma.row(k - kTopLens)});
   }
   if (k >= kTopIntrinsics) {
     VectorPrior<9> prior;
     std::copy_n(&intrinsics_start_[9 * (k - kTopIntrinsics)], 9, prior.expected.begin());
-    return use(prior, diagonal<9>(t.prior_intrinsics_sigma.data));
+    return use(prior, Diagonal{t.prior_intrinsics_sigma.data});
   }
   const std::array<std::pair<const Table<double>*, const Table<double>*>, 4> motions{{{&t.prior_T_g_M, &t.prior_T_g_M_sqrt},
                                                                                       {&t.prior_T_s_ct, &t.prior_T_s_ct_sqrt},
                                                                                       {&t.prior_T_ct_cb, &t.prior_T_ct_cb_sqrt},
                                                                                       {&t.prior_T_s_d, &t.prior_T_s_d_sqrt}}};
-  use(MotionPrior<7>{Motion(motions[k].first->data)}, Full<6>{matrix<6, 6>(motions[k].second->data)});
+  use(MotionPrior<7>{Motion(motions[k].first->data)}, Full{motions[k].second->data, 6});
 }
 
 template <class Use>
@@ -79,14 +74,13 @@ void Model::visit_link(int64_t row, const Use& use) const {
   const CameraPair pair{Vec3(t.tray_origin.data), Motion(t.link_measured.row(row)), t.link_camera_first.data[row] == 1,
                         t.link_camera_second.data[row] == 1};
   const auto under_kernel = [&]<class Link>(const Link& link) {
+    const double* const root = t.link_sqrt.row(row);  // of a bearing its first rows and columns
+    if (t.link_kernel.data[row] != kSwitch) return use(link, Full{root, 6});
     constexpr int n = Link::kRows;
-    const Eigen::Matrix<double, n, n> root = matrix<6, 6>(t.link_sqrt.row(row)).template topLeftCorner<n, n>();
-    if (t.link_kernel.data[row] == kSwitch) {
-      Full<n + 1> with_switch{Eigen::Matrix<double, n + 1, n + 1>::Zero()};
-      with_switch.root.template topLeftCorner<n, n>() = root, with_switch.root(n, n) = std::sqrt(options_.link_phi);
-      return use(SwitchedLink<Link>{link}, with_switch);
-    }
-    use(link, Full<n>{root});
+    std::array<double, (n + 1) * (n + 1)> with_switch{};
+    for (int k = 0; k < n; ++k) std::copy_n(root + 6 * k, n, &with_switch[(n + 1) * k]);
+    with_switch.back() = std::sqrt(options_.link_phi);
+    use(SwitchedLink<Link>{link}, Full{with_switch.data(), n + 1});
   };
   t.link_scaled.data[row] == 1 ? under_kernel(ScaledLink{pair}) : under_kernel(BearingLink{pair});
 }
@@ -100,12 +94,11 @@ void Model::visit(int64_t factor, const Use& use) const {
     case Kind::Prior:
       return visit_prior(i, use);
     case Kind::Attitude:
-      return use(Attitude{Vec3(t.pressure_origin.data), Vec3(t.attitude_measured.row(i))},
-                 diagonal<3>(t.attitude_sigma.row(i)));
+      return use(Attitude{Vec3(t.pressure_origin.data), Vec3(t.attitude_measured.row(i))}, Diagonal{t.attitude_sigma.row(i)});
     case Kind::Tray:
       return use(Tray{t.tray_measured.data[i], t.tray_direction.data[i]}, Scalar{1 / t.tray_sigma.data[i]});
     case Kind::Odometry:
-      return use(odometry(t, i), Full<6>{matrix<6, 6>(t.odometry_sqrt.row(i))});
+      return use(odometry(t, i), Full{t.odometry_sqrt.row(i), 6});
     case Kind::Stereo:
       return use(Stereo{tray, matrix<4, 1>(t.stereo_pixel.row(i)), t.has_lens() ? t.lens_image_size.data : nullptr},
                  Scalar{1 / t.stereo_sigma_px(i)});
@@ -126,16 +119,16 @@ void Model::visit(int64_t factor, const Use& use) const {
     case Kind::Plane:
       return use(PlaneSighting{Vec3(t.sighting_measured.row(i)),
                                t.sighting_node.data[i] == t.plane_anchor.data[t.sighting_plane.data[i]]},
-                 Full<3>{matrix<3, 3>(t.sighting_sqrt.row(i))});
+                 Full{t.sighting_sqrt.row(i), 3});
     case Kind::PlanePair:
       return use(PlanePair{Vec3(t.pair_measured.row(i)), Vec3(t.pair_point.row(i)), Vec3(t.pair_place.row(i)),
                            matrix<3, 3>(t.pair_by_place.row(i)),
                            t.plane_anchor.data[t.pair_first.data[i]] == t.plane_anchor.data[t.pair_second.data[i]]},
-                 Full<3>{matrix<3, 3>(t.pair_sqrt.row(i))});
+                 Full{t.pair_sqrt.row(i), 3});
     case Kind::PlaneRange:
       return use(plane_range(t, i), Scalar{1 / t.plane_range_sigma.data[i]});
     case Kind::Velocity:
-      return use(Velocity{t.velocity_before.data[i], t.velocity_after.data[i]}, diagonal<6>(t.velocity_sigma.row(i)));
+      return use(Velocity{t.velocity_before.data[i], t.velocity_after.data[i]}, Diagonal{t.velocity_sigma.row(i)});
     case Kind::Position:
       return use(Position{Vec3(t.position_antenna.row(i)), matrix<2, 1>(t.position_measured.row(i))},
                  Scalar{1 / t.position_sigma.data[i]});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "common/errors.h"
 #include "common/parallel.h"
@@ -25,18 +26,6 @@ std::shared_ptr<const MeshIndex> index_mesh(const Tables& t) {
   for (size_t i = 0; i < faces.size(); ++i) std::copy_n(t.faces.row(i), 3, faces[i].begin());
   return std::make_shared<const MeshIndex>(std::move(vertices), std::move(faces));
 }
-
-namespace {
-
-// Summed as Eigen sums a vector of so many rows.
-template <int Rows = kMostRows>
-double squared_norm(const double* r, int rows) {
-  if (rows == Rows) return Eigen::Matrix<double, Rows, 1>(r).squaredNorm();
-  if constexpr (Rows > 1) return squared_norm<Rows - 1>(r, rows);
-  return 0;
-}
-
-}  // namespace
 
 Model::Model(const Tables& tables, const Options& options, std::shared_ptr<const MeshIndex> mesh,
              std::pmr::memory_resource* pages)
@@ -338,7 +327,7 @@ std::array<double, kKindNames.size()> Model::costs() const {
     for (int32_t b : blocks) x.push_back(blocks_[b].data);
     double rho = 0, slope;
     double r[kMostRows];
-    if (evaluate(i, {}, x.data(), r, nullptr)) robust(i)(squared_norm(r, rows_of(i)), rho, slope);
+    if (evaluate(i, {}, x.data(), r, nullptr)) robust(i)(std::inner_product(r, r + rows_of(i), r, 0.0), rho, slope);
     return 0.5 * rho;
   };
   const auto work = [&](int64_t begin, int64_t end) {

@@ -16,13 +16,14 @@ TEST_CASE("whitening multiplies residual and derivative alike") {
   double r[6], raw[36];
   double* J[] = {raw};
   const std::array sizes{6};
-  Eigen::Matrix<double, 6, 6> root = Eigen::Matrix<double, 6, 6>::Zero();
-  root(0, 5) = 3;
-  CHECK(whitened(VectorPrior<6>{{}}, Full<6>{root}, sizes, x, r, J));
+  double root[36] = {};
+  root[5] = 3;
+  CHECK(whitened(VectorPrior<6>{{}}, Full{root, 6}, sizes, x, r, J));
   CHECK((r[0] == 3 && r[5] == 0));
   CHECK((raw[5] == 3 && raw[0] == 0));
-  CHECK(whitened(VectorPrior<6>{{}}, Diagonal<6>{{1, 2, 3, 4, 5, 6}}, sizes, x, r, J));
-  CHECK((r[5] == 6 && raw[35] == 6 && raw[34] == 0));
+  const double sigma[] = {1, 0.5, 0.25, 1, 1, 0.125};
+  CHECK(whitened(VectorPrior<6>{{}}, Diagonal{sigma}, sizes, x, r, J));
+  CHECK((r[5] == 8 && raw[35] == 8 && raw[34] == 0));
   CHECK(whitened(VectorPrior<6>{{}}, Scalar{0.5}, sizes, x, r, nullptr));
   CHECK(r[3] == 0.5);
 }
