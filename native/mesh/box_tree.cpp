@@ -48,7 +48,6 @@ int32_t BoxTree::split(Range range) {
 }
 
 int32_t BoxTree::build(Range range) {
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const auto at = static_cast<int32_t>(nodes_.size());
   nodes_.emplace_back();
   const int32_t half = split(range);

@@ -7,11 +7,14 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 #include "mesh/triangle.h"
 
 namespace hullrecon {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();  // a distance or range where nothing is met
 
 using Four = double __attribute__((vector_size(32)));
 

@@ -25,7 +25,6 @@
 namespace hullrecon {
 namespace {
 
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kSure = 0.99;
 constexpr double kLeast = 4e-6;
 constexpr double kNoise = 1e-12;   // of the mesh's size: far more than heights are rounded, far less than kLeast

@@ -19,7 +19,6 @@ namespace {
 // no product is fused with a sum.
 #define HULLRECON_SEARCH __attribute__((flatten, target_clones("avx2", "default")))
 
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kOnSurface = 1e-9;  // m; nearer than this the direction to the closest point is rounding noise
 
 // Squared distance of the point to each of four boxes.

@@ -10,6 +10,11 @@
 #include "factors/camera.h"
 
 namespace hullrecon {
+
+struct OneCamera {
+  const double *intrinsics, *lens, *image_size;  // the last two null: no displacement
+};
+
 namespace {
 
 constexpr int64_t kChunk = 1024;  // landmarks whose costs are summed before the chunks are, in order: the same for any threads
@@ -22,10 +27,6 @@ struct Observation {
   std::array<LensModes, 2> modes;  // of top and bottom, where lenses have a displacement
   int rows;
   bool in_front;
-};
-
-struct OneCamera {
-  const double *intrinsics, *lens, *image_size;  // the last two null: no displacement
 };
 
 // One image's two rows.

@@ -13,9 +13,9 @@
 namespace hullrecon {
 namespace {
 
-using Pairs = std::vector<uint64_t>;
+using BlockPairs = std::vector<uint64_t>;
 
-void unique(Pairs& pairs) {
+void unique(BlockPairs& pairs) {
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
 }
@@ -37,18 +37,19 @@ class Cliques {
     unique(pairs_);
     limit_ = std::max<size_t>(1 << 24, 2 * pairs_.size());
   }
-  Pairs take() {
+  BlockPairs take() {
     unique(pairs_);
     return std::move(pairs_);
   }
 
  private:
-  Pairs pairs_;
+  BlockPairs pairs_;
   size_t limit_ = 1 << 24;
 };
 
 // Fill-reducing order of the blocks below `border`; those of the border (the globals, met by nearly all) come last.
-std::vector<int> fill_reducing_order(const Pairs& pairs, const std::vector<int>& blocks, const std::vector<char>& in_border) {
+std::vector<int> fill_reducing_order(const BlockPairs& pairs, const std::vector<int>& blocks,
+                                     const std::vector<char>& in_border) {
   std::vector<int> inner, local(in_border.size(), -1);
   for (int b : blocks) {
     if (in_border[b]) continue;
@@ -159,7 +160,7 @@ BlockMatrix Information::pattern(const Model& model) {
   for (int32_t b : blocks) {
     if (kept(hull)) cliques.add({b, hull});
   }
-  const Pairs met = cliques.take();
+  const BlockPairs met = cliques.take();
   order_ = fill_reducing_order(met, blocks, border);
   position_.assign(model.blocks().size(), -1);
   std::vector<int> width;
@@ -167,7 +168,7 @@ BlockMatrix Information::pattern(const Model& model) {
     position_[order_[p]] = static_cast<int>(p);
     width.push_back(model.blocks()[order_[p]].tangent);
   }
-  Pairs placed;
+  BlockPairs placed;
   placed.reserve(met.size());
   for (uint64_t pair : met) {
     const auto [column, row] = std::minmax({position_[pair >> 32], position_[static_cast<uint32_t>(pair)]});

@@ -16,7 +16,7 @@ namespace {
 constexpr int kColumnsCost = 16;  // poses per column: from so many on, the inverse on the factor's pattern costs less
 constexpr int kTogether = 8;      // poses whose columns are solved for side by side: neighbours in the tree share the way up
 
-using Pairs = std::vector<std::array<int32_t, 2>>;
+using PosePairs = std::vector<std::array<int32_t, 2>>;
 
 // One pose whose columns are solved for, and what is read from them.
 struct Hub {
@@ -38,7 +38,7 @@ struct Scalars {
 };
 
 // In how many pairs each pose is named.
-std::vector<int32_t> times_named(const Pairs& pairs, int64_t poses) {
+std::vector<int32_t> times_named(const PosePairs& pairs, int64_t poses) {
   std::vector<int32_t> met(poses, 0);
   for (const auto& [i, j] : pairs) ++met[i], ++met[j];
   return met;
@@ -51,7 +51,7 @@ int64_t count_named(const std::vector<int32_t>& named) {
 // Each pair is given to that end which more pairs have. Poses that are named and are given none are hubs too where they are
 // few: columns for all would cost the square of their number where one pose is paired with all others, and the inverse on the
 // factor's pattern, which holds their own blocks as well, costs as much as some columns a hundred poses. In the tree's order.
-std::vector<Hub> hubs_of(const Pairs& pairs, const std::vector<int32_t>& named, const Information& information,
+std::vector<Hub> hubs_of(const PosePairs& pairs, const std::vector<int32_t>& named, const Information& information,
                          const SupernodalFactor& factor) {
   std::vector<Hub> hubs;
   std::vector<int32_t> at(named.size(), -1);
@@ -102,7 +102,7 @@ void put(const InverseColumns& inverse, const Scalars& scalars, int i, int j, in
 
 }  // namespace
 
-PairCovariance pair_covariance(Model& model, const Pairs& pairs) {
+PairCovariance pair_covariance(Model& model, const PosePairs& pairs) {
   const BlasGuard guard;
   model.refresh(false, true);
   Information information(model);
