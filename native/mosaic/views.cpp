@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/wide.h"
 #include "factors/camera.h"
 
 namespace hullrecon {
@@ -42,21 +43,55 @@ float band_weight(double ratio, double steepness) {
   return static_cast<float>(fall / (1 + fall * fall));
 }
 
+// Points are projected four at a time.
+constexpr size_t kLanes = 4;
+using Lanes = double __attribute__((vector_size(8 * kLanes)));
+using Flags = int64_t __attribute__((vector_size(8 * kLanes)));  // -1 where something holds
+
+// `project` and the bounds of `project_into` for a whole number of kLanes points.
+HULLRECON_WIDE void project_lanes(const PlacedImage& image, const double* points, size_t count, double* pixel, double* ratio) {
+  const auto& turn = image.camera_from_frame;
+  const auto [fx, fy, cx, cy, k1, k2, p1, p2, k3] = image.lens;
+  const double half_diagonal = 0.5 * std::hypot(image.width, image.height);
+  for (size_t i = 0; i < count; i += kLanes) {
+    const double* at = points + 3 * i;
+    const Lanes from_x = Lanes{at[0], at[3], at[6], at[9]} - image.center[0];
+    const Lanes from_y = Lanes{at[1], at[4], at[7], at[10]} - image.center[1];
+    const Lanes from_z = Lanes{at[2], at[5], at[8], at[11]} - image.center[2];
+    const Lanes right = turn(0, 0) * from_x + turn(0, 1) * from_y + turn(0, 2) * from_z;
+    const Lanes down = turn(1, 0) * from_x + turn(1, 1) * from_y + turn(1, 2) * from_z;
+    const Lanes depth = turn(2, 0) * from_x + turn(2, 1) * from_y + turn(2, 2) * from_z;
+    const Lanes x = right / depth, y = down / depth, r2 = x * x + y * y;
+    const Lanes radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+    const Lanes u = fx * (x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)) + cx;
+    const Lanes v = fy * (y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y) + cy;
+    const Flags ahead = depth > kInFront;
+    const Lanes widest = image.widest * depth;
+    const Flags held = ahead & (right < widest) & (-right < widest) & (down < widest) & (-down < widest) & (u >= 1) &
+                       (u <= image.width - 2) & (v >= 1) & (v <= image.height - 2);
+    const Lanes off_u = u - (image.width - 1) / 2, off_v = v - (image.height - 1) / 2;
+    const Lanes squared = off_u * off_u + off_v * off_v;
+    for (size_t k = 0; k < kLanes; ++k) {
+      pixel[2 * (i + k)] = ahead[k] ? u[k] : kNaN, pixel[2 * (i + k) + 1] = ahead[k] ? v[k] : kNaN;
+      ratio[i + k] = held[k] ? std::sqrt(squared[k]) / half_diagonal : kNaN;
+    }
+  }
+}
+
 }  // namespace
 
 void project_into(const PlacedImage& image, std::span<const double> points, double* pixel, double* ratio) {
-  const double half_diagonal = 0.5 * std::hypot(image.width, image.height);
-  const Eigen::Vector2d middle{(image.width - 1) / 2, (image.height - 1) / 2};
-  for (size_t i = 0; i < points.size() / 3; ++i) {
-    const Eigen::Vector3d inside = image.camera_from_frame * (Eigen::Map<const Eigen::Vector3d>(&points[3 * i]) - image.center);
-    Projection seen;
-    const bool ahead = project(image.lens.data(), inside, false, seen);
-    const double u = ahead ? seen.pixel[0] : kNaN, v = ahead ? seen.pixel[1] : kNaN;
-    const bool held = inside.head<2>().cwiseAbs().maxCoeff() < image.widest * inside[2] && u >= 1 && u <= image.width - 2 &&
-                      v >= 1 && v <= image.height - 2;
-    pixel[2 * i] = u, pixel[2 * i + 1] = v;
-    ratio[i] = held ? (seen.pixel - middle).norm() / half_diagonal : kNaN;
-  }
+  const size_t count = points.size() / 3, whole = count / kLanes * kLanes;
+  project_lanes(image, points.data(), whole, pixel, ratio);
+  if (whole == count) return;
+  // The last few, and in place of those that are missing the first of them.
+  std::array<double, 3 * kLanes> last;
+  std::array<double, 2 * kLanes> pixel_of_last;
+  std::array<double, kLanes> ratio_of_last;
+  for (size_t k = 0; k < kLanes; ++k) std::copy_n(&points[3 * (whole + k < count ? whole + k : whole)], 3, &last[3 * k]);
+  project_lanes(image, last.data(), kLanes, pixel_of_last.data(), ratio_of_last.data());
+  std::copy_n(pixel_of_last.data(), 2 * (count - whole), pixel + 2 * whole);
+  std::copy_n(ratio_of_last.data(), count - whole, ratio + whole);
 }
 
 void incidence(std::span<const double> points, std::span<const double> normals, const Eigen::Vector3d& sensor, double* cosine) {

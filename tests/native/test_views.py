@@ -25,7 +25,7 @@ def twin_weight(ratio: np.ndarray, steepness: float) -> np.ndarray:
 
 def test_projection_equals_its_twin() -> None:
     random = np.random.default_rng(1)
-    points = random.normal(size=(3000, 3))
+    points = random.normal(size=(3001, 3))
     rotation, center = Rotation.random(random_state=2).as_matrix(), np.array([0.1, -0.2, 0.3])
     pixel, ratio = project_into(points, rotation, center, CAMERA.parameters(), (40, 30), 1.0)
     inside = (points - center) @ rotation.T
