@@ -53,6 +53,9 @@ def test_a_folder_with_something_in_it_is_refused_before_any_work(tmp_path: Path
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(StorageError, match="not empty"), new_folder(tmp_path):
         raise AssertionError("no work may be done")
+    with new_folder(tmp_path / "new") as folder:
+        (folder / "a").touch()
+    assert (tmp_path / "new" / "a").exists()
 
 
 @pytest.mark.parametrize("name", [".", "empty", "empty/.", "../here", "link"])

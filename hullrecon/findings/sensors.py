@@ -72,6 +72,10 @@ FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a 
 }
 # The unit that was expected, by the one that was found. For a pressure it is Pa.
 UNITS = {"cm": "m", "mm": "m", "ft": "m", "deg": "rad", "rad": "deg", "turns": "rad"}
+# What a found unit may be in its place, as motion does not tell the two apart
+NEAR_UNITS = {
+    ("pressure", "bar"): ' (or in kgf/cm2, 2 % less: then give pressure.unit = "kgf/cm2")'
+}
 # What to do about a sensor that is wrong in no way that is known
 LEFT_AWAY = {"pressure": "leave topics.pressure away, or name the topic of the water's pressure"}
 DONE = {
@@ -113,7 +117,8 @@ def _evidence(kind: object, first: float, second: float) -> str:
 
 
 def _fault(sensor: str, fault: str, value: str) -> str:
-    return FAULTS[sensor, fault].format(value=value, unit=UNITS.get(value, "Pa"))
+    said = FAULTS[sensor, fault].format(value=value, unit=UNITS.get(value, "Pa"))
+    return f"{said}{NEAR_UNITS.get((sensor, value), '')}"
 
 
 def _wrong(

@@ -254,6 +254,9 @@ def test_a_solve_that_did_not_converge_is_warned_of():
     found = solved(max_iterations=1, rounds=1)
     assert not found.outcome.summary["converged"]
     assert any("adjust.max_iterations" in warning for warning in found.outcome.warnings)
+    raised = solved().outcome
+    assert raised.summary["converged"]
+    assert not any("adjust.max_iterations" in warning for warning in raised.warnings)
 
 
 def test_landmarks_mostly_off_the_hull_are_warned_of():

@@ -56,6 +56,7 @@ def test_a_folder_with_anything_else_in_it_is_left_alone(
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(StorageError, match="not empty"):
         api.write_change(tmp_path, found)
+    assert api.write_change(tmp_path / "new", found)
 
 
 def test_the_command_prints_the_verdict_first(

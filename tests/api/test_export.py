@@ -160,10 +160,14 @@ def test_a_folder_with_something_in_it_is_left_alone(run: Path, tmp_path: Path) 
 
 
 def test_an_image_that_is_gone_leaves_no_folder(run: Path, tmp_path: Path) -> None:
-    (run / "ingest" / "images_camera_bottom.bin").write_bytes(b"no image")
+    images = run / "ingest" / "images_camera_bottom.bin"
+    whole = images.read_bytes()
+    images.write_bytes(b"no image")
     with pytest.raises(InputError, match="camera_bottom does not decode"):
         export_colmap(run, tmp_path / "out")
     assert not any(p.name.startswith((".out", "out")) for p in tmp_path.iterdir())
+    images.write_bytes(whole)  # as the run leaves it again
+    export_colmap(run, tmp_path / "out")
 
 
 @pytest.mark.parametrize(

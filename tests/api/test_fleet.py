@@ -294,6 +294,7 @@ def test_a_second_fleet_gives_way_to_the_first(
         run_fleet(dives, runs)
     assert ran(trace) == []
     assert preview_fleet(dives, runs).count("to do") == 1
+    assert run_fleet(dives, runs).exit_code == 0  # once the first has ended
 
 
 def test_a_preview_writes_nothing(dive: Dive, dives: Path, runs: Path, trace: Path) -> None:

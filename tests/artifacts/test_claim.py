@@ -102,6 +102,7 @@ def test_a_folder_of_somebody_else_is_not_adopted(
     with pytest.raises(UsageError, match="not empty and holds no run"):
         toy.run(package, workspace)
     assert os.listdir(workspace.root) == ["thesis.tex"]
+    assert toy.run(package, Workspace(workspace.root.parent / "other"))
 
 
 def test_an_empty_folder_is_adopted(toy: ModuleType, package: Path, workspace: Workspace) -> None:
@@ -155,6 +156,7 @@ def test_a_run_may_lie_inside_its_package(toy: ModuleType, package: Path) -> Non
 def test_a_place_that_takes_no_folders_is_said(toy: ModuleType, package: Path) -> None:
     with pytest.raises(StorageError, match="cannot write"):
         toy.run(package, Workspace(Path("/proc/hullrecon/dive")))
+    assert toy.run(package, Workspace(package.parent / "elsewhere" / "dive"))
 
 
 def test_a_name_that_no_file_system_takes_is_said(

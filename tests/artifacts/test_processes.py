@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
@@ -11,7 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from hullrecon.artifacts import processes
 from hullrecon.artifacts.processes import one_thread_each
+from hullrecon.errors import StageError
 
 
 def test_the_parents_environment_is_as_before(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -20,6 +23,20 @@ def test_the_parents_environment_is_as_before(monkeypatch: pytest.MonkeyPatch) -
     with one_thread_each():
         assert os.environ["MKL_NUM_THREADS"] == "1"
     assert dict(os.environ) == before
+
+
+def test_processes_start_once_tmpdir_may_be_written(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse() -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as full:
+        full.setattr(processes, "_choose_folder_of_sockets", refuse)
+        with pytest.raises(StageError, match=r"No space left .*: TMPDIR must name a folder"):
+            processes.clean_context()
+    process = processes.clean_context().Process(target=print)
+    process.start()
+    process.join()
+    assert process.exitcode == 0
 
 
 def test_processes_start_where_the_path_of_tmpdir_is_too_long_for_a_socket(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -50,6 +51,8 @@ def test_external_files_are_listed_by_path_in_the_package(tmp_path: Path) -> Non
 def test_a_missing_file_is_an_input_error_that_names_it(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"dive\.mcap is missing .*correct dive\.toml"):
         recipe_of(tmp_path, "dive.mcap")
+    (tmp_path / "dive.mcap").touch()
+    assert list(recipe_of(tmp_path, "dive.mcap").external) == ["dive.mcap"]
 
 
 def test_impossible_file_name_is_a_short_input_error(tmp_path: Path) -> None:
@@ -74,6 +77,8 @@ def test_impossible_file_name_in_external_is_an_input_error(tmp_path: Path) -> N
     )
     with pytest.raises(InputError, match="File name too long"):
         external_files(read, settings_for(read, {}), tmp_path, HashCache())
+    named = replace(read, external=lambda settings, source: [])  # a name that can be
+    assert external_files(named, settings_for(named, {}), tmp_path, HashCache()) == {}
 
 
 def test_key_depends_on_content_of_input_not_its_place(

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import pytest
 
-from hullrecon.artifacts.stage import StageSettings
+from hullrecon.artifacts.stage import StageSettings, resolve_settings
+from hullrecon.errors import UsageError
 
 SETTINGS = StageSettings(
     "find", {"imu.frame": "ned", "tray": None, "dvl.sigma_range": 1, "dvl.mount": (0.0, 1.0)}
@@ -16,6 +17,12 @@ SETTINGS = StageSettings(
 def test_a_value_is_read_with_its_type() -> None:
     assert SETTINGS.read("imu.frame", str) == "ned"
     assert SETTINGS.read("dvl.mount", tuple) == (0.0, 1.0)
+
+
+def test_a_number_that_is_not_finite_is_refused_until_it_is() -> None:
+    with pytest.raises(UsageError, match=r"option a.b is nan .*: give a finite number"):
+        resolve_settings({"a": {"b": float("nan")}})
+    assert resolve_settings({"a": {"b": 1.0}}) == {"a": {"b": 1.0}}
 
 
 def test_whole_number_is_read_as_float() -> None:

@@ -278,6 +278,9 @@ def test_init_of_a_log_whose_name_is_not_utf8_is_an_input_error(capsys, package,
     assert code == 3
     assert "the name is not UTF-8" in line
     assert not (tmp_path / "new").exists()
+    named.rename(tmp_path / "renamed")
+    (tmp_path / "new").mkdir()
+    assert call(capsys, "init", tmp_path / "renamed", "--out", tmp_path / "new")[0] == 0
 
 
 def test_init_of_what_is_no_log_is_an_input_error(capsys, tmp_path):

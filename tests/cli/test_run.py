@@ -169,6 +169,7 @@ def test_a_runs_folder_stands_for_the_package_that_it_read(
     answer = program("status", runs / "toy")
     assert answer.code == 3
     assert "does not say which dive package" in answer.err
+    assert program("status", package, "--runs", runs).code == 0  # the package's folder
 
 
 def test_explain_says_which_option_and_from_what_to_what(
@@ -230,13 +231,16 @@ def test_too_little_space_is_said_before_anything_is_done(
     program, package: Path, runs: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     program("run", package, "--runs", runs)
-    monkeypatch.setattr(shutil, "disk_usage", lambda folder: shutil._ntuple_diskusage(10, 9, 1))
-    answer = program("run", package, "--runs", runs, "--set", "navigate.times=2")
+    with monkeypatch.context() as full:
+        full.setattr(shutil, "disk_usage", lambda folder: shutil._ntuple_diskusage(10, 9, 1))
+        answer = program("run", package, "--runs", runs, "--set", "navigate.times=2")
     assert answer.code == 6
     assert "only 0 MB are free" in answer.err
     assert set(states(program("status", package, "--runs", runs, "--json")).values()) == {
         "up to date"
     }
+    # space was freed
+    assert program("run", package, "--runs", runs, "--set", "navigate.times=2").code == 0
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Each finding, and each error about a package, that says what to do has a test that does it and
-sees that it heals.
+"""Each finding, and each error of a run or a command, that says what to do has a test that does it
+and sees that it heals.
 """
 
 import ast
@@ -14,15 +14,18 @@ import pytest
 from hullrecon.findings.finding import WORDS
 
 TESTS = Path(__file__).parents[1]
-LIBRARY = TESTS.parent / "hullrecon"
-# Whose errors are about a dive package: what an operator reads of it
-ABOUT_PACKAGES = ("dive", "navigation", "vision", "adjustment", "surface", "geometry", "rig.py")
+LIBRARY, COMMANDS = TESTS.parent / "hullrecon", TESTS.parent / "cli"
+# Whose errors an operator reads: of a dive package, of a run and its folder
+READ_BY_OPERATORS = (
+    *("dive", "navigation", "vision", "adjustment", "surface", "geometry", "rig.py"),
+    *("steps", "artifacts", "api", "change", "report", "new_folder.py"),
+)
 # What asks a reader to do something
 ADVICE = re.compile(
     r"\b(to fill in|give\b|set dvl|set \{|log (its|one|it as)|leave the|take \[|put it there"
     r"|name it in|write them|add it to|states it|are they in|in metres|says in which|off \(\{key"
     r"|gives the path|by that alone|column altitude|tray\.\w+ =|to tray\."
-    r"|said\}: \{remedy|TRAY_READINGS"
+    r"|said\}: \{remedy|TRAY_READINGS|REMEDIES"
     r"|of this.{0,6}type are|it is \"\{other)",
     re.DOTALL,
 )
@@ -71,6 +74,8 @@ APPLIED = {
     "test_a_ship_under_water_is_named_and_afloat_again_when_turned_over",
     "tray-offset": "dive/test_ingest.py::"
     "test_a_tray_that_grows_down_from_another_zero_is_counted_up_from_level",
+    "contradiction": "steps/test_links_without_camera.py::"
+    "test_positions_in_another_unit_are_named_and_the_remedy_heals",
     "other-tray": "dive/test_ingest.py::"
     "test_a_tray_that_grows_down_from_another_zero_is_counted_up_from_level",
     "sensor-wrong": "navigation/test_suspects.py::"
@@ -272,12 +277,122 @@ FOLLOWED = {
 }
 
 
+# Errors of commands, runs and their folders, by the function that raises them
+FOLLOWED_IN_RUNS = {
+    "api/change.py::write_change": "api/test_change.py::"
+    "test_a_folder_with_anything_else_in_it_is_left_alone",
+    "api/dive_run.py::package_of": "cli/test_run.py::"
+    "test_a_runs_folder_stands_for_the_package_that_it_read",
+    "api/dive_run.py::_refuse_script_without_guard": "api/test_notebook.py::"
+    "test_a_script_without_a_main_guard_is_told_of_it",
+    "api/dive_run.py::_refuse_full_disk": "cli/test_run.py::"
+    "test_too_little_space_is_said_before_anything_is_done",
+    "api/export.py::encoded": "api/test_export.py::test_an_image_that_is_gone_leaves_no_folder",
+    "api/fleet/fleet.py::_lock": "api/test_fleet.py::test_a_second_fleet_gives_way_to_the_first",
+    "api/fleet/packages.py::require_packages": "api/test_fleet.py::"
+    "test_runs_may_lie_beside_the_packages",
+    "api/fleet/packages.py::dive_names": "api/test_fleet.py::"
+    "test_package_taking_a_delivered_name_changes_nothing",
+    "api/package.py::init": "cli/test_dive.py::test_init_does_not_replace_a_configuration_unasked",
+    "api/package.py::_require_utf8": "cli/test_dive.py::"
+    "test_init_of_a_log_whose_name_is_not_utf8_is_an_input_error",
+    "artifacts/chain.py::unknown_step": "artifacts/test_plan.py::"
+    "test_an_unknown_step_is_refused_with_the_nearest_or_all",
+    "artifacts/disk.py::storage_errors": "artifacts/test_full_disk.py::"
+    "test_a_disk_that_is_full_from_any_call_on_loses_nothing",
+    "artifacts/disk.py::make_folder": "artifacts/test_claim.py::"
+    "test_a_place_that_takes_no_folders_is_said",
+    "artifacts/executor.py::_refuse_address": "artifacts/test_cluster.py::"
+    "test_a_cluster_with_tls_needs_certificates",
+    **dict.fromkeys(
+        (
+            "artifacts/executor.py::_refuse_unreachable",
+            "artifacts/executor.py::_no_scheduler",
+        ),
+        "artifacts/test_cluster.py::test_no_scheduler_at_the_address_is_said",
+    ),
+    "artifacts/executor.py::map": "artifacts/test_executor.py::"
+    "test_work_that_kills_two_workers_is_a_stage_error_and_the_next_map_works",
+    "artifacts/machine.py::refuse_small_address_space": "cli/test_error_reporting.py::"
+    "test_a_small_address_space_is_one_line",
+    "artifacts/processes.py::clean_context": "artifacts/test_processes.py::"
+    "test_processes_start_once_tmpdir_may_be_written",
+    "artifacts/recipe.py::external_files": "artifacts/test_recipe.py::"
+    "test_impossible_file_name_in_external_is_an_input_error",
+    "artifacts/recipe.py::_external_record": "artifacts/test_recipe.py::"
+    "test_a_missing_file_is_an_input_error_that_names_it",
+    "artifacts/recipe.py::_refuse": "artifacts/test_source_watch.py::"
+    "test_the_next_run_reads_the_changed_package_as_a_whole",
+    "artifacts/stage.py::resolve_settings": "artifacts/test_stage_settings.py::"
+    "test_a_number_that_is_not_finite_is_refused_until_it_is",
+    **dict.fromkeys(
+        ("artifacts/step_call.py::_call", "artifacts/step_process.py::_ended_early"),
+        "artifacts/test_step_process.py::test_work_of_a_killed_worker_is_done_again",
+    ),
+    "artifacts/workspace.py::removed_meanwhile": "artifacts/test_chain_runner.py::"
+    "test_a_run_whose_folder_was_removed_ends_in_one_line",
+    "artifacts/workspace.py::_acquire": "artifacts/test_lock.py::"
+    "test_a_writer_that_waits_gets_its_turn",
+    **dict.fromkeys(
+        (
+            "artifacts/workspace.py::_refuse_foreign",
+            "artifacts/workspace.py::refuse_package",
+        ),
+        "artifacts/test_claim.py::test_a_folder_of_somebody_else_is_not_adopted",
+    ),
+    **dict.fromkeys(
+        ("change/compare_surveys.py::compare_surveys", "change/offset.py::_too_little_error"),
+        "change/test_compare_surveys.py::test_changing_places_of_the_dives_turns_new_into_gone",
+    ),
+    **dict.fromkeys(
+        ("new_folder.py::_is_there", "new_folder.py::_refuse_content", "new_folder.py::new_folder"),
+        "test_new_folder.py::test_a_folder_with_something_in_it_is_refused_before_any_work",
+    ),
+    "report/about.py::read_logo": "report/test_about.py::"
+    "test_a_logo_that_is_no_picture_is_refused_in_one_line",
+    "steps/artifacts.py::missing": "steps/test_matches.py::test_links_that_are_damaged_are_named",
+    "steps/change.py::read_survey": "steps/test_hull_survey.py::"
+    "test_a_run_without_a_cad_model_cannot_be_compared",
+    "steps/change.py::compare_runs": "steps/test_hull_survey.py::"
+    "test_cad_models_of_one_hull_may_differ_by_rounding",
+    "steps/change.py::_refuse_damaged": "steps/test_hull_survey.py::"
+    "test_a_file_that_is_gone_is_damage_too",
+    "steps/change.py::_compare": "steps/test_change.py::"
+    "test_once_the_earlier_run_is_back_the_chapter_is_too",
+    "steps/change.py::_earlier_dive": "steps/test_change.py::"
+    "test_a_dive_is_not_compared_with_itself",
+    # a dive without its cameras
+    "steps/features.py::run": "dive/check/test_package_check.py::"
+    "test_cameras_that_logged_nothing_are_in_the_way_until_left_out",
+    "steps/finished_run.py::workspace_of": "steps/test_hull_survey.py::"
+    "test_a_folder_that_is_no_run_is_refused",
+    "steps/finished_run.py::finished_steps": "steps/test_hull_survey.py::"
+    "test_a_run_that_did_not_come_to_its_objects_is_not_finished",
+    "steps/finished_run.py::failed_delivery": "steps/test_report_step.py::"
+    "test_failed_deliverable_is_warned_of_and_reported_by_run",
+    "steps/matches.py::run": "steps/test_matches.py::test_links_that_are_damaged_are_named",
+    "steps/navigate.py::_by_dvl": "steps/test_navigate.py::"
+    "test_neither_dvl_nor_stereo_is_an_error_in_words",
+    "cli/commands/clean.py::_ask": "cli/test_clean.py::"
+    "test_clean_without_terminal_or_steps_removes_nothing",
+    "cli/commands/package.py::_check_run": "cli/test_check.py::"
+    "test_what_check_found_a_run_that_reads_data_makes_anew",
+    "cli/commands/study.py::_sample": "studies/test_study_run.py::"
+    "test_the_sample_dive_is_taken_where_no_dive_is_given",
+    "cli/error_reporting.py::_as_known": "cli/test_error_reporting.py::"
+    "test_a_small_address_space_is_one_line",
+    "cli/state.py::_file_handler": "cli/test_error_reporting.py::"
+    "test_a_log_file_that_cannot_be_is_one_line",
+}
+
+
 def raising_functions() -> set[str]:
-    """The functions that raise or make an error about a package with a remedy."""
+    """The functions that raise or make an error with a remedy of their own."""
     found = set()
-    for path in sorted(LIBRARY.rglob("*.py")):
-        place = path.relative_to(LIBRARY)
-        if place.parts[0] not in ABOUT_PACKAGES:
+    for path in (*sorted(LIBRARY.rglob("*.py")), *sorted(COMMANDS.rglob("*.py"))):
+        is_command = path.is_relative_to(COMMANDS)
+        place = path.relative_to(COMMANDS.parent if is_command else LIBRARY)
+        if not is_command and place.parts[0] not in READ_BY_OPERATORS:
             continue
         for function in ast.walk(ast.parse(path.read_text())):
             if isinstance(function, ast.FunctionDef) and any(
@@ -290,7 +405,9 @@ def raising_functions() -> set[str]:
 
 
 def says_what(remedy: ast.expr) -> bool:
-    return not (isinstance(remedy, ast.Constant) and not remedy.value)
+    """False of none, and of that of another error, which is passed on."""
+    is_passed_on = isinstance(remedy, ast.Attribute) and remedy.attr == "remedy"
+    return not is_passed_on and not (isinstance(remedy, ast.Constant) and not remedy.value)
 
 
 def words_of(code: str) -> str:
@@ -303,11 +420,13 @@ def test_each_finding_with_advice_has_a_test_that_follows_it():
     assert advising == set(APPLIED)
 
 
-def test_each_error_about_a_package_has_a_test_that_does_what_it_says():
-    assert raising_functions() == set(FOLLOWED)
+def test_each_error_with_advice_has_a_test_that_does_what_it_says():
+    assert raising_functions() == {*FOLLOWED, *FOLLOWED_IN_RUNS}
 
 
-@pytest.mark.parametrize("node", sorted({*APPLIED.values(), *FOLLOWED.values()}))
+@pytest.mark.parametrize(
+    "node", sorted({*APPLIED.values(), *FOLLOWED.values(), *FOLLOWED_IN_RUNS.values()})
+)
 def test_the_test_that_follows_advice_exists(node):
     file, _, name = node.partition("::")
     tree = ast.walk(ast.parse((TESTS / file).read_text()))

@@ -83,6 +83,7 @@ def test_a_logo_that_is_no_picture_is_refused_in_one_line(
     with pytest.raises(InputError, match=r"report\.logo cannot be used: logo") as caught:
         read_logo(tmp_path / name)
     assert len(str(caught.value).splitlines()) == 1
+    assert read_logo(picture(tmp_path / "right.png"))
 
 
 def test_a_logo_too_large_to_be_one_is_refused(tmp_path: Path) -> None:

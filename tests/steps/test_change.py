@@ -210,6 +210,9 @@ def test_a_dive_is_not_compared_with_itself(compared: Compared) -> None:
     second = compared[1]
     second.earlier = "../../runs/june"
     assert "that is this dive's own run" in absent(second)
+    second.earlier = EARLIER
+    second.run()
+    assert second.summary()["absent"] == {}
 
 
 def test_dive_of_another_hull_gives_a_reason_not_a_failure(compared: Compared) -> None:

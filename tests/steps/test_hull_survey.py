@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -41,11 +42,13 @@ def finished(name: str, mesh: Mesh) -> FinishedRun:
 def test_a_folder_that_is_no_run_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="this is no run"):
         read_run(tmp_path / "nothing")
+    assert read_run(write_run(tmp_path / "may")).survey.name == "may"
 
 
 def test_a_run_that_did_not_come_to_its_objects_is_not_finished(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="not finished: it has no step surface"):
         read_run(manifests(tmp_path / "may", ingest={}, adjust={}))
+    assert read_run(write_run(tmp_path / "finished")).survey.name == "finished"
 
 
 def test_a_run_whose_adjustment_was_rerun_alone_is_not_finished(tmp_path: Path) -> None:
@@ -80,6 +83,8 @@ def test_a_file_that_is_gone_is_damage_too(tmp_path: Path) -> None:
     (run / "detect" / "deviation.npz").unlink()
     with pytest.raises(InputError, match=r"detect/deviation\.npz is damaged"):
         read_run(run)
+    shutil.rmtree(run)
+    assert read_run(write_run(tmp_path / "may")).survey.name == "may"
 
 
 def test_run_is_read_from_listed_files_only(tmp_path: Path) -> None:
@@ -94,6 +99,7 @@ def test_run_is_read_from_listed_files_only(tmp_path: Path) -> None:
 def test_a_run_without_a_cad_model_cannot_be_compared(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no CAD model that fits"):
         read_run(write_run(tmp_path / "may", cad_model=False))
+    assert read_run(write_run(tmp_path / "june")).survey.name == "june"
 
 
 def test_different_cad_models_are_refused_by_geometry() -> None:

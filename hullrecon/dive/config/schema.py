@@ -207,7 +207,8 @@ class Pressure(Section, frozen=True):
 
     origin: Origin = FROM_LOG
     unit: Annotated[
-        Literal["Pa", "hPa", "mbar", "kPa", "psi", "dbar", "bar", "m", "cm", "mm", "ft"] | None,
+        Literal["Pa", "hPa", "mbar", "kPa", "psi", "dbar", "bar", "kgf/cm2", "m", "cm", "mm", "ft"]
+        | None,
         Meta(
             description="of what the topic holds: a pressure, or a depth; absent: Pa for types of "
             "pressures, m for others"

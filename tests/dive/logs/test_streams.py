@@ -1,5 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +21,7 @@ from hullrecon.dive.logs.streams.joints import joint_samples
 from hullrecon.dive.logs.streams.pressure import PressureModel, pressure_samples
 from hullrecon.dive.logs.streams.sonar import sonar_pings
 from hullrecon.errors import InputError
-from hullrecon.findings.finding import sentences
+from hullrecon.findings.finding import Finding, sentences
 
 S, C = 0.5, np.sqrt(0.75)
 BEAMS = np.array([[-S, 0, C], [S, 0, C], [0, S, C], [0, -S, C]])
@@ -163,6 +164,7 @@ def test_quaternions_of_whole_numbers_are_scaled_to_unit_length():
 
 
 MODEL = PressureModel(1025.0, 9.81, 101325.0)
+DEPTHS = {"kind": "depth", "first": 0.1, "second": 0.1, "misfit": 0.0}  # compared with a way
 
 
 TURNED = np.array([0.0, 0.0, 0.6, 0.8])
@@ -228,6 +230,17 @@ def test_a_pressure_of_another_unit_is_refused_with_one_that_heals(unit, reading
         pressure_samples(samples, MODEL, [])
     healed = pressure_samples(samples, replace(MODEL, unit=unit), [])
     assert healed.depth == pytest.approx([0.0, 20_000 / (1025 * 9.81)], abs=1e-9)
+
+
+def test_a_technical_atmosphere_is_read_where_it_is_given_and_named_beside_the_bar():
+    """Motion does not tell the two apart: one is 2 % more than the other."""
+    bar = Finding(
+        "sensor-mended", {"sensor": "pressure", "fault": "unit", "value": "bar", **DEPTHS}
+    )
+    (unit,) = re.findall(r'then give pressure\.unit = "(.*?)"', bar.sentence)
+    samples = [PressureSample(0, 121325 / 98066.5)]
+    read = pressure_samples(samples, replace(MODEL, unit=unit), [])
+    assert read.depth == pytest.approx([20_000 / (1025 * 9.81)])
 
 
 def test_hectopascals_logged_as_depths_are_asked_for():

@@ -28,6 +28,8 @@ HIGHEST_DECK_M = 6.0  # from which a vehicle is launched; zero pascal is 10 m ab
 SPIKE_READINGS, SPIKE_M, FASTEST_DIVE_M_S = 5, 2.0, 4.0
 DEEPEST_HULL_M = 40.0  # the largest ships draw 25 m
 PASCALS = {"Pa": 1.0, "mbar": 1e2, "hPa": 1e2, "kPa": 1e3, "psi": 6894.757, "dbar": 1e4, "bar": 1e5}
+# Units that are read where dive.toml gives them, and never guessed: too near to another one
+GIVEN_PASCALS = PASCALS | {"kgf/cm2": 98066.5}
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
 
 
@@ -39,7 +41,7 @@ class PressureModel:
     gravity: float  # m/s2
     atmosphere: float  # Pa
     z_axis: str | None = None  # "up" or "down", of logged depths; None: as their type has it
-    unit: str | None = None  # of PASCALS or METRES; None: as the type has it
+    unit: str | None = None  # of GIVEN_PASCALS or METRES; None: as the type has it
 
 
 @np.errstate(all="ignore")
@@ -81,7 +83,11 @@ def pressure_samples(
     refuse_two_sensors("pressure", np.abs(cut - cut[:, :1]), "m", leave_away)
     _refuse_unclear_numbers(samples, model)
     if np.median(depth) < -HIGHEST_M:
-        if compared and (model.unit or "Pa") in PASCALS and isinstance(samples[0], PressureSample):
+        if (
+            compared
+            and (model.unit or "Pa") in GIVEN_PASCALS
+            and isinstance(samples[0], PressureSample)
+        ):
             return PressureSamples(t_ns=t_ns, depth=depth)
         raise _above_water(samples, model)
     in_water = depth > -HIGHEST_DECK_M
@@ -155,8 +161,8 @@ def _depth_m(sample: PressureSample | DepthSample, model: PressureModel) -> floa
     is_pressure = isinstance(sample, PressureSample)
     value = sample.pascal if isinstance(sample, PressureSample) else sample.height
     unit = model.unit or ("Pa" if is_pressure else "m")
-    if unit in PASCALS:
-        return (value * PASCALS[unit] - model.atmosphere) / (model.density * model.gravity)
+    if unit in GIVEN_PASCALS:
+        return (value * GIVEN_PASCALS[unit] - model.atmosphere) / (model.density * model.gravity)
     is_up_by_type = isinstance(sample, DepthSample) and sample.is_up
     is_up = is_up_by_type if model.z_axis is None else model.z_axis == "up"
     return -value * METRES[unit] if is_up else value * METRES[unit]
@@ -173,7 +179,7 @@ def _above_water(
     unit = model.unit or ("Pa" if isinstance(samples[0], PressureSample) else "m")
     height = -float(np.median([_depth_m(s, model) for s in samples]))
     what = f"half of the depths lie {height:.1f} m or more above the water"
-    if unit not in PASCALS:
+    if unit not in GIVEN_PASCALS:
         other = "down" if samples[0].is_up else "up"  # type: ignore[union-attr]
         if model.z_axis is not None:
             other = "down" if model.z_axis == "up" else "up"
