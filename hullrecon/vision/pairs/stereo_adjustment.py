@@ -215,10 +215,13 @@ def _cluster_factor(information: Array, gradient: Array, variance: float, cell: 
 
 
 def image_cells(xy: Array, size: float) -> Ints:
-    """Assign ideal coordinates (m, 2) to square cells of that size. Returns cell numbers (m,)."""
-    return np.asarray(
-        np.unique(np.floor(xy / size), axis=0, return_inverse=True)[1], np.int64
-    ).ravel()
+    """Assign ideal coordinates (m, 2) to square cells of that size.
+
+    Returns the numbers (m,) of the cells, column by column. A cell without features has one, too.
+    """
+    column, row = np.floor(xy / size).astype(np.int64).T
+    row = row - row.min(initial=0)
+    return np.asarray((column - column.min(initial=0)) * (row.max(initial=0) + 1) + row)
 
 
 def _inliers(system: native.ReducedFeatures) -> Mask:
