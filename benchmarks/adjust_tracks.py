@@ -12,7 +12,6 @@ exponents of the number of pairs from the smallest dive to the largest.
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 import sys
@@ -23,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.arguments import keep, parser_for
 from benchmarks.partition import pixels_of, status_mb, views_of
 from benchmarks.problems import NOISE_PX, Truth, simulate
 from benchmarks.subprocess_runner import call, run
@@ -273,9 +273,7 @@ def main() -> int:
         found = measure(Path(sys.argv[2]), sys.argv[3])
         Path(sys.argv[4]).write_text(json.dumps(found, default=float), encoding="utf-8")
         return 0
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("--pairs", type=int, nargs="+", default=[250, 1000, 4000])
     parser.add_argument("--landmarks-a-pair", type=int, default=100)
     parser.add_argument("--views", type=float, default=7.0)
@@ -300,8 +298,7 @@ def main() -> int:
         times = math.log(rows[-1]["pairs"] / rows[0]["pairs"])
         for name in ("cpu_s", "peak_mb"):
             print(f"growth of {name}: {math.log(rows[-1][name] / rows[0][name]) / times:.2f}")
-    if args.json:
-        args.json.write_text(json.dumps(rows, indent=1), encoding="utf-8")
+    keep(rows, args.json)
     return 0
 
 

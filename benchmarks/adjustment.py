@@ -23,6 +23,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from benchmarks.arguments import keep, parser_for
 from benchmarks.subprocess_runner import call, run
 
 METHODS = ("naive", "geva", "maxmix")
@@ -127,9 +128,7 @@ def main() -> int:
     if sys.argv[1:2] == ["--write"]:
         write_problem(sys.argv[2], int(sys.argv[3]), Path(sys.argv[4]))
         return 0
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("--size", choices=("small", "small_mono", "mono", "stereo"), default="mono")
     parser.add_argument("--core", choices=("schur", "ceres"), default="schur")
     parser.add_argument("--threads", type=int, default=2)
@@ -149,8 +148,7 @@ def main() -> int:
         found = {"size": args.size, "core": args.core, "threads": args.threads} | measure(
             path, args, options
         )
-    if args.json:
-        args.json.write_text(json.dumps(found, indent=1))
+    keep(found, args.json)
     return 0
 
 

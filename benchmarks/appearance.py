@@ -17,7 +17,6 @@ where a false link was accepted.
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from collections.abc import Callable, Sequence
@@ -28,6 +27,7 @@ import numpy as np
 from scipy.special import gammaln
 
 from benchmarks import fabmap
+from benchmarks.arguments import keep, parser_for
 from benchmarks.false_links import Dive, read_dive
 from benchmarks.legs import OTHER_LEG_M, OVERLAPPING, NoErrors
 from benchmarks.links_in_graph import select, solved_graph
@@ -149,9 +149,7 @@ def truly_overlapping(dive: Dive, scene: LinkedScene, found: Recognition) -> Mas
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("package", type=Path)
     parser.add_argument("run", type=Path)
     parser.add_argument("--json", type=Path)
@@ -177,8 +175,7 @@ def main() -> int:
         "closed": closed(dive, scene, keyframes, alone),
     }
     print(json.dumps(row))
-    if args.json:
-        args.json.write_text(json.dumps(row, indent=1))
+    keep(row, args.json)
     result = row["closed"]
     return int(isinstance(result, dict) and bool(result.get("false_accepted")))
 

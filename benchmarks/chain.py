@@ -11,7 +11,6 @@ largest: 1 is in proportion.
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 import sys
@@ -19,6 +18,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from benchmarks.arguments import parser_for
 from benchmarks.legs import hullrecon
 from hullrecon.steps.artifacts import NavigateArtifact
 from hullrecon.steps.chain import NAMES
@@ -89,9 +89,7 @@ def growth(dives: Mapping[str, dict[str, Any]]) -> dict[str, Figures]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("folder", type=Path, nargs="?")
     parser.add_argument("--sizes", nargs="+", choices=SIZES, default=["patch", "side"])
     parser.add_argument("--runs", nargs="+", type=Path, default=[], help="finished runs instead")

@@ -11,7 +11,6 @@ seconds of both, and ours as a share of theirs.
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import tempfile
@@ -19,6 +18,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from benchmarks.arguments import parser_for
 from benchmarks.legs import hullrecon
 from benchmarks.peers import THEIRS
 from benchmarks.subprocess_runner import run
@@ -58,9 +58,7 @@ def full_opencv(camera: CameraModel) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("package", type=Path)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--json", type=Path)

@@ -12,7 +12,6 @@ JSON: by seed what was found, missed and false, and the growth.
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from pathlib import Path
@@ -20,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.arguments import parser_for
 from hullrecon.api.change import RunComparison, diff
 from hullrecon.api.dive_run import run
 from hullrecon.geometry.poses import Poses, from_matrix
@@ -152,9 +152,7 @@ def compare(folder: Path, seed: int, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--first-seed", type=int, default=1)

@@ -9,7 +9,6 @@ milliseconds that an image takes either, and the share of the numbers that diffe
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import time
@@ -18,6 +17,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from benchmarks.arguments import parser_for
 from hullrecon.typing import Pixels
 from hullrecon.vision.features.extraction import (
     CONTRAST_THRESHOLD,
@@ -40,9 +40,7 @@ def by_opencv(levelled: Pixels, max_features: int) -> Pixels:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("image", type=Path)
     parser.add_argument("--features", type=int, default=FeatureOptions().max_features)
     parser.add_argument("--repeat", type=int, default=9)

@@ -14,7 +14,6 @@ with the truth: the vehicle's error in its own sigmas, and what was said of it.
 
 from __future__ import annotations
 
-import argparse
 import json
 import re
 import shutil
@@ -29,6 +28,7 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 from scipy.spatial.transform import Rotation
 
+from benchmarks.arguments import keep, parser_for
 from benchmarks.legs import Figures, figures, hullrecon, without_cad_model
 from hullrecon.synthetic.logs import store
 
@@ -242,9 +242,7 @@ def line(name: str, row: Figures) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("package", type=Path)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--only", nargs="+", choices=NAMES, default=list(DISTURBANCES))
@@ -270,8 +268,7 @@ def main() -> int:
         if args.free:
             free, free_runs = without_cad_model(copy, runs / name)
             measure(f"{name}, no CAD model", free, free_runs, free_runs / name)
-    if args.json:
-        args.json.write_text(json.dumps(rows, indent=1))
+    keep(rows, args.json)
     return 0
 
 

@@ -13,9 +13,7 @@ that their packages state, as a test of those sigmas needs.
 
 from __future__ import annotations
 
-import argparse
 import gzip
-import json
 import re
 import shutil
 import statistics
@@ -26,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.arguments import keep, parser_for
 from hullrecon.evaluation.score import score_run
 from hullrecon.evaluation.truth import read_truth
 from hullrecon.geometry.poses import Poses
@@ -216,9 +215,7 @@ def consistency(values: list[float]) -> dict[str, float]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--hulls", type=Path)
     parser.add_argument("--cameras", choices=("stereo", "mono"), default="stereo")
@@ -246,12 +243,7 @@ def main() -> int:
     together = consistency([row["nees"] for row in rows.values()])
     print("\n".join(table(rows)))
     print("NEES {dives:.0f} dives: {sum:.1f}, 95 % band {low:.1f} to {high:.1f}".format(**together))
-    if args.json:
-        args.json.write_text(
-            json.dumps(
-                {"cameras": args.cameras, "dives": rows, "nees": together}, indent=1, default=float
-            )
-        )
+    keep({"cameras": args.cameras, "dives": rows, "nees": together}, args.json)
     return 0
 
 

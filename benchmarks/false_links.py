@@ -21,7 +21,6 @@ kept a false link.
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from collections.abc import Sequence
@@ -30,6 +29,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.arguments import keep, parser_for
 from benchmarks.legs import NoErrors, cast, nearest_frames, true_revisits
 from benchmarks.links_in_graph import kept_by_graph, links_of, solved_graph
 from hullrecon.dive.config.load import LoadedConfig, load_config
@@ -256,9 +256,7 @@ def as_run(dive: Dive, offer: Offer, solved: GraphSolution) -> Offer:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("package", type=Path)
     parser.add_argument("run", type=Path)
     parser.add_argument("--pairs", type=int, default=1000)
@@ -285,8 +283,7 @@ def main() -> int:
         row |= {"false_as_run": row_of(ran), "false_in_graph": in_graph}
         kept += in_graph["kept"]
     print(json.dumps(row))
-    if args.json:
-        args.json.write_text(json.dumps(row, indent=1))
+    keep(row, args.json)
     return int(kept > 0)
 
 

@@ -14,7 +14,6 @@ sum; ends with 1 where a case fails.
 
 from __future__ import annotations
 
-import argparse
 import json
 import random
 import resource
@@ -27,6 +26,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from benchmarks.arguments import keep, parser_for
 from benchmarks.lasting_bytes import different_files, flip_bit
 from hullrecon.artifacts.checking import check_workspace
 from hullrecon.artifacts.workspace import Workspace
@@ -310,9 +310,7 @@ def fresh(folder: Path) -> Path:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument(
         "--to", default="report", choices=NAMES, help="last step of the chain that is run"
@@ -339,8 +337,7 @@ def main() -> int:
             )
     failed = sum(bool(case.wrong) for case in cases)
     print(f"{len(cases)} cases, {failed} wrong")
-    if arguments.json is not None:
-        arguments.json.write_text(json.dumps([asdict(case) for case in cases], indent=1) + "\n")
+    keep([asdict(case) for case in cases], arguments.json)
     return int(failed > 0)
 
 

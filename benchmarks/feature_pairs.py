@@ -11,13 +11,13 @@ the same.
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import time
 
 import numpy as np
 
+from benchmarks.arguments import parser_for
 from hullrecon import native
 from hullrecon.typing import Array, Floats32, Ints
 from hullrecon.vision.features.descriptors import sparse_distance
@@ -85,9 +85,7 @@ def plain(scene: Scene) -> Found:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("--features", type=int, default=2000, help="of an image")
     parser.add_argument("--repeat", type=int, default=15)
     args = parser.parse_args()

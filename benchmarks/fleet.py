@@ -11,7 +11,6 @@ nothing to do. Prints JSON: what was delivered, what failed, exit codes, seconds
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import shutil
@@ -23,6 +22,8 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+
+from benchmarks.arguments import parser_for
 
 SMALL = (
     "--form plain --no-sonar --legs 2 --leg-length-m 1 --leg-spacing-m 0.4 --image-width 320 "
@@ -167,9 +168,7 @@ def measure(
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("--dives", type=int, default=100)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--cameras", choices=("stereo", "mono", "none"), default="none")

@@ -13,7 +13,6 @@ image, and what was said of the CAD model.
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import re
@@ -29,6 +28,7 @@ import numpy as np
 from mcap.reader import make_reader
 from scipy.sparse import csr_array
 
+from benchmarks.arguments import keep, parser_for
 from hullrecon.evaluation.deliverables import TimedPoses
 from hullrecon.evaluation.trajectory import hull_from_start
 from hullrecon.evaluation.truth import Truth, read_truth
@@ -281,9 +281,7 @@ def line(name: str, row: Figures) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--dives", nargs="+", choices=DIVES, default=["stereo18", "stereo45"])
     parser.add_argument("--seeds", nargs="+", type=int, default=[1])
@@ -300,8 +298,7 @@ def main() -> int:
                 package = simulate(name, seed, drift, args.folder, first)
                 rows[package.name] = dive(package, args.folder, args.free)
                 print(line(package.name, rows[package.name]), flush=True)
-                if args.json:
-                    args.json.write_text(json.dumps(rows, indent=1))
+                keep(rows, args.json)
     return 0
 
 

@@ -13,8 +13,6 @@ by kind, and for each size and rig the rms over its seeds. `mono` takes the lowe
 
 from __future__ import annotations
 
-import argparse
-import json
 import sys
 import time
 from dataclasses import replace
@@ -23,6 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.arguments import keep, parser_for
 from benchmarks.legs import in_sigmas, rigid_rms_mm
 from benchmarks.wrong_cad import measurements
 from hullrecon.adjustment.bundle_adjustment import adjust
@@ -172,9 +171,7 @@ def judge(measured: Measurements, options: AdjustOptions, truth: Truth) -> Row:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("package", type=Path)
     parser.add_argument("run", type=Path)
     parser.add_argument("--px", type=float, nargs="+", default=[0.05, 0.1, 0.2])
@@ -198,8 +195,7 @@ def main() -> int:
         print(f"{px:g} px {cameras}: " + " ".join(f"{n} {v:.2f}" for n, v in worst.items()))
         failed |= max(worst.values()) > MOST_SIGMAS
         rows[f"{px:g} px {cameras}"] = {"cases": cases, "rms": worst}
-    if args.json:
-        args.json.write_text(json.dumps(rows, indent=1))
+    keep(rows, args.json)
     return int(failed)
 
 

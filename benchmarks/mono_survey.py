@@ -14,7 +14,6 @@ pose. Exit code 1 where one of them is not as asked.
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import time
@@ -22,6 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.arguments import keep, parser_for
 from benchmarks.disturbed import disturb
 from benchmarks.dives import nees
 from benchmarks.false_links import read_dive
@@ -175,9 +175,7 @@ def asked(row: dict[str, object]) -> dict[str, bool]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--legs", type=int, default=7)
     parser.add_argument("--leg-length-m", type=float, default=30.0)
@@ -200,8 +198,7 @@ def main() -> int:
         row |= measure(package, runs / package.name)
         row["asked"] = asked(row)
     print(json.dumps(row, indent=1))
-    if args.json:
-        args.json.write_text(json.dumps(row, indent=1))
+    keep(row, args.json)
     return int(code != 0 or not all(asked(row).values()))
 
 

@@ -15,12 +15,12 @@ alignment with the truth, parts, pairs joined across legs, and what appearance w
 
 from __future__ import annotations
 
-import argparse
 import json
 import shutil
 import sys
 from pathlib import Path
 
+from benchmarks.arguments import keep, parser_for
 from benchmarks.disturbed import Disturbance, disturb, said
 from benchmarks.legs import Figures, hullrecon, rigid_rms_mm
 from hullrecon.evaluation.truth import read_truth
@@ -52,9 +52,7 @@ def figures(package: Path, run: Path) -> Figures:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("package", type=Path)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--from-s", type=float, default=-20.0)
@@ -81,8 +79,7 @@ def main() -> int:
         )
         rows[name] = {"exit_code": code} | ({} if code else figures(copy, runs / copy.name))
     print(json.dumps(rows))
-    if args.json:
-        args.json.write_text(json.dumps(rows, indent=1))
+    keep(rows, args.json)
     return 0
 
 

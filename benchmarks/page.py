@@ -11,7 +11,6 @@ and of all that it needs, time to the first paint, time of a sort measured insid
 
 from __future__ import annotations
 
-import argparse
 import json
 import statistics
 import tempfile
@@ -19,6 +18,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from benchmarks.arguments import parser_for
 from benchmarks.chromium import browser, visit
 
 if TYPE_CHECKING:
@@ -118,9 +118,7 @@ def _spread(values: list[float]) -> dict[str, float] | None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("run", type=Path)
     parser.add_argument("package", type=Path)
     parser.add_argument("--objects", type=int, default=500)

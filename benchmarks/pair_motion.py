@@ -11,7 +11,6 @@ relative to the largest number.
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import time
@@ -20,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.arguments import parser_for
 from hullrecon import native
 from hullrecon.geometry.poses import exp
 from hullrecon.geometry.rotations import cross
@@ -217,9 +217,7 @@ def difference(found: list[Array], plain: list[Array]) -> float:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("--features", type=int, default=500, help="that both nodes have")
     parser.add_argument("--repeat", type=int, default=50)
     args = parser.parse_args()

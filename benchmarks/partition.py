@@ -10,7 +10,6 @@ parts runs in a process of its own: `solver_mb` is the peak beyond the problem t
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import tempfile
@@ -22,6 +21,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
+from benchmarks.arguments import keep, parser_for
 from benchmarks.problems import NOISE_PX, Truth, project, simulate, within
 from benchmarks.subprocess_runner import call, load, run, save
 from benchmarks.survey import CAMERA, STEP_M, TRAY_FROM_TOP, Size, tracks
@@ -161,9 +161,7 @@ def main() -> int:
         found = measure(load(Path(path)), int(parts), int(iterations), int(threads))
         Path(out).write_text(json.dumps(found), encoding="utf-8")
         return 0
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("--poses", type=int, default=1000)
     parser.add_argument("--landmarks", type=int, default=100_000)
     parser.add_argument("--legs", type=int, default=8)
@@ -186,8 +184,7 @@ def main() -> int:
     }
     found = size | {"rows": [compare(row, rows[0]) for row in rows]}
     print(json.dumps(found, indent=1))
-    if args.json:
-        args.json.write_text(json.dumps(found, indent=1), encoding="utf-8")
+    keep(found, args.json)
     return 0
 
 

@@ -12,7 +12,6 @@ Sigma and error are the rms in mm that they give the path after rigid alignment.
 
 from __future__ import annotations
 
-import argparse
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,6 +20,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from benchmarks.arguments import parser_for
 from benchmarks.wrong_cad import measurements
 from hullrecon import native
 from hullrecon.adjustment.bundle_adjustment import adjust
@@ -163,9 +163,7 @@ def figures(package: Path, run: Path) -> dict[str, object]:
 
 def main() -> None:
     """Print the modes of one run."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("package", type=Path, help="the simulated dive")
     parser.add_argument("run", type=Path, help="its folder of results")
     args = parser.parse_args()

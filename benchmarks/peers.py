@@ -12,7 +12,6 @@ Python.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import tempfile
 from pathlib import Path
@@ -20,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.arguments import keep, parser_for
 from benchmarks.bundle import Bundle
 from benchmarks.subprocess_runner import ROOT, run
 
@@ -66,9 +66,7 @@ def write_bundle(size: str, path: Path, libmv: Path | None) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument(
         "--libmv", type=Path, help="a libmv problem file instead of a field problem"
     )
@@ -92,10 +90,7 @@ def main() -> int:
         for solver in args.repeat * args.solvers.split(","):
             rows.append(solve(solver, path, args))
             print(f"{name} {line(rows[-1])}", flush=True)
-    if args.json:
-        args.json.write_text(
-            json.dumps({"problem": name, "threads": args.threads, "solvers": rows}, indent=1)
-        )
+    keep({"problem": name, "threads": args.threads, "solvers": rows}, args.json)
     return 0
 
 

@@ -12,7 +12,6 @@ FOLDER/distance_to_cad_model.png shows its DVL returns laid onto the CAD model [
 
 from __future__ import annotations
 
-import argparse
 import json
 import shutil
 import statistics
@@ -21,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.arguments import parser_for
 from hullrecon.api.dive_run import run
 from hullrecon.evaluation.deliverables import TimedPoses
 from hullrecon.evaluation.trajectory import hull_from_start
@@ -101,9 +101,7 @@ def score(path: LinkedPath, t_ns: Ints, truth: Truth) -> dict[str, float]:
 
 def main() -> int:
     """Print the figures of all dives; write the picture of the last."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--dives", type=int, default=len(DRIFTS))
     parser.add_argument("--json", type=Path)

@@ -13,7 +13,6 @@ brings them nearest to the truth.
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import tempfile
@@ -24,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.arguments import parser_for
 from benchmarks.bundle import peak_mb
 from benchmarks.peers import THEIRS
 from benchmarks.subprocess_runner import call, load, load_truth, run, save
@@ -233,9 +233,7 @@ def main() -> int:
     if sys.argv[1:2] == ["--solve"]:
         solve(Path(sys.argv[2]), int(sys.argv[3]), Path(sys.argv[4]))
         return 0
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("--nodes", type=int, default=45_000, help=f"a multiple of {LEG_NODES}")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--json", type=Path)

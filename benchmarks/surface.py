@@ -10,7 +10,6 @@ far the surface lies off the plate in its own sigmas. The default is an hour: 10
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import time
@@ -18,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.arguments import keep, parser_for
 from benchmarks.bundle import peak_mb
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.surface.build import SurfacePoints, build_surface
@@ -41,9 +41,7 @@ def shape(at: Array, rng: np.random.Generator) -> Array:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("--legs", type=int, default=10)
     parser.add_argument("--leg-length-m", type=float, default=100.0)
     parser.add_argument("--json", type=Path)
@@ -63,8 +61,7 @@ def main() -> int:
     point = base + normal * off[:, None]
     row = measure(plate, at, point)
     print(json.dumps(row, indent=1))
-    if args.json:
-        args.json.write_text(json.dumps(row, indent=1))
+    keep(row, args.json)
     return 0
 
 

@@ -16,8 +16,6 @@ where the guess has it.
 
 from __future__ import annotations
 
-import argparse
-import json
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
@@ -25,6 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.arguments import keep, parser_for
 from benchmarks.legs import in_sigmas, rigid_rms_mm
 from hullrecon.adjustment.bundle_adjustment import (
     join_path_and_place,
@@ -228,9 +227,7 @@ def outcome(
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_for(__doc__)
     parser.add_argument("package", type=Path)
     parser.add_argument("run", type=Path)
     parser.add_argument("--other", type=Path, nargs="+", default=[], help="meshes of other ships")
@@ -251,8 +248,7 @@ def main() -> int:
             path, replace(measured, cad_model=change(measured.cad_model)), solver, truth
         )
         print(f"{name}: {rows[name]}", flush=True)
-    if args.json:
-        args.json.write_text(json.dumps(rows, indent=1))
+    keep(rows, args.json)
     return int(any(row["verdict"] == "WRONG" for row in rows.values()))
 
 

@@ -25,7 +25,7 @@ def score_objects(found: Sequence[ReportedObject], truth: Truth, motion: Poses) 
 
     `motion`: the rigid motion that aligns the delivered trajectory with the true one.
     """
-    reports = [_move(found_object, motion) for found_object in found]
+    reports = [move_object(found_object, motion) for found_object in found]
     structures, due = truth.structures(), truth.due()
     painted = [o for o in truth.objects if o.painted]
     matches: list[Match] = [(report, _nearest(report, structures)) for report in reports]
@@ -60,7 +60,7 @@ def find_reported(
     structure: TrueStructure, found: Sequence[ReportedObject], truth: Truth, motion: Poses
 ) -> ReportedObject | None:
     """Find the report of a structure, of several that with most images. None if it was missed."""
-    moved = [_move(found_object, motion) for found_object in found]
+    moved = [move_object(found_object, motion) for found_object in found]
     own = [
         d
         for d in moved
@@ -74,7 +74,8 @@ def reach_m(structure: TrueStructure) -> float:
     return 0.10 + 0.5 * max(structure.extent)
 
 
-def _move(found: ReportedObject, motion: Poses) -> ReportedObject:
+def move_object(found: ReportedObject, motion: Poses) -> ReportedObject:
+    """Move a reported object by a rigid motion, a batch of one."""
     x, y, z = motion.apply([found.center])[0].tolist()
     return replace(found, center=(x, y, z))
 

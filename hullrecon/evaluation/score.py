@@ -19,7 +19,7 @@ from hullrecon.evaluation.deliverables import (
     read_cloud,
     read_trajectory,
 )
-from hullrecon.evaluation.objects import score_objects
+from hullrecon.evaluation.objects import move_object, score_objects
 from hullrecon.evaluation.surfaces import score_landmarks, score_surface
 from hullrecon.evaluation.trajectory import (
     Figures,
@@ -121,12 +121,7 @@ class _DeliveryReader:
         except msgspec.MsgspecError as error:
             raise InputError(f"objects.json cannot be read: {error}", where=str(path)) from error
         moved = self._hull_from_delivered
-        return found if moved is None else [replace(o, center=_move(moved, o)) for o in found]
-
-
-def _move(motion: Poses, found: ReportedObject) -> tuple[float, float, float]:
-    x, y, z = motion.apply([found.center])[0].tolist()
-    return x, y, z
+        return found if moved is None else [move_object(o, moved) for o in found]
 
 
 def unit_of(name: str) -> str:

@@ -4,20 +4,17 @@
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as Canvas
+from matplotlib.patches import Ellipse
 
+from hullrecon.report.figures.style import png_bytes, style_axes
+from hullrecon.studies.study import ComparedValue
 from hullrecon.typing import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
-    from matplotlib.figure import Figure as Canvas
-
-    from hullrecon.studies.study import ComparedValue
 
 Share = Literal["none", "all", "row", "col"]
 
@@ -47,35 +44,18 @@ def new_canvas(
     height_ratios: tuple[float, ...] | None = None,
 ) -> tuple[Canvas, list[list[Axes]]]:
     """Make a matplotlib figure and its axes (rows, columns), without pyplot's global state."""
-    from matplotlib.figure import Figure as Canvas
-
     figure = Canvas(figsize=(width_in, height_in), dpi=150, layout="constrained")
     axes = figure.subplots(
         rows, columns, squeeze=False, sharex=sharex, sharey=sharey, height_ratios=height_ratios
     )
     for axis in axes.flat:
-        axis.spines[["top", "right"]].set_visible(False)
-        axis.spines[["left", "bottom"]].set_color("#7b8794")
-        axis.tick_params(colors=INK, labelsize=8)
-        axis.grid(True, color="#e3e8ee", linewidth=0.7)
-        axis.set_axisbelow(True)
-        axis.xaxis.label.set_size(9)
-        axis.yaxis.label.set_size(9)
+        style_axes(axis)
     return figure, axes.tolist()
 
 
 def colour(method: str) -> str:
     """Choose the colour of a method, given its name with or without the weighting."""
     return next((value for name, value in COLOURS.items() if method.startswith(name)), INK)
-
-
-def label_log_axis(axis: Axis) -> None:
-    """Label a logarithmic axis with plain numbers, not powers of ten."""
-    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
-
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=12))
-    axis.set_major_formatter(StrMethodFormatter("{x:,g}"))
-    axis.set_minor_formatter(NullFormatter())
 
 
 def finish_figure(
@@ -88,7 +68,7 @@ def finish_figure(
     """Join a drawn figure's picture and its table's lines as CSV."""
     return PublishedFigure(
         name=name,
-        png=render_png(canvas),
+        png=png_bytes(canvas),
         csv="\n".join(table) + "\n",
         caption=caption,
         compared=compared,
@@ -99,20 +79,8 @@ def draw_ellipse(
     axis: Axes, middle: Array, covariance: Array, sigmas: float, ink: str, width_pt: float = 1.0
 ) -> None:
     """Draw the ellipse of so many sigmas that a covariance (2, 2) makes around a point (2,)."""
-    from matplotlib.patches import Ellipse
-
     values, vectors = np.linalg.eigh(covariance)
     high, wide = 2 * sigmas * np.sqrt(np.maximum(values, 0))
     turn = float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))
     place = (float(middle[0]), float(middle[1]))
     axis.add_patch(Ellipse(place, wide, high, angle=turn, fill=False, ec=ink, lw=width_pt))
-
-
-def render_png(canvas: Canvas) -> bytes:
-    """Render a matplotlib figure as PNG without date or version."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    FigureCanvasAgg(canvas)
-    buffer = io.BytesIO()
-    canvas.savefig(buffer, format="png", metadata={"Software": None})
-    return buffer.getvalue()

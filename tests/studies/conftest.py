@@ -33,7 +33,7 @@ def pictures() -> None:
 def _no_other_pictures(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave the pictures of figures away, which cost far more than their tables and captions."""
     if "pictures" not in request.fixturenames:
-        monkeypatch.setattr("hullrecon.studies.figure_style.render_png", lambda _: b"")
+        monkeypatch.setattr("hullrecon.studies.figure_style.png_bytes", lambda _: b"")
 
 
 @pytest.fixture

@@ -4,9 +4,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
 
 from hullrecon.studies.association.methods import joint_compatibility, nearest_neighbours
 from hullrecon.studies.association.point_sets import Association, PointSets, chi_square
@@ -30,9 +29,6 @@ from hullrecon.studies.figure_style import (
 )
 from hullrecon.studies.study import ComparedValue, StudyResult
 from hullrecon.typing import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 METHODS = {NN: COLOURS["geva"], JCBB: COLOURS["maxmix"], RJC: GREEN}
 HEADS = (

@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from hullrecon.studies.association.trunks import (
     BEARINGS,
@@ -30,9 +30,6 @@ from hullrecon.studies.figure_style import (
 )
 from hullrecon.studies.study import ComparedValue, StudyResult
 from hullrecon.typing import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 RANGE_SIGMA_M = 0.01  # the public files of Victoria Park count centimetres
 DISTANCES_M = (5.0, 10.0, 15.0, 20.0, 30.0, 38.0)

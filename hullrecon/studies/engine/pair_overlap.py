@@ -17,14 +17,13 @@ import numpy as np
 from hullrecon.geometry.frames import Camera
 from hullrecon.rows import spread_rows
 from hullrecon.studies.engine.one_camera import OneCameraDive, read_one_camera
-from hullrecon.studies.engine.pair_stages import show_side_by_side
+from hullrecon.studies.engine.pair_stages import expect_features, show_side_by_side
 from hullrecon.studies.figure_style import PublishedFigure, finish_figure, new_canvas
 from hullrecon.studies.study import ComparedValue, StudyDive, StudyResult
-from hullrecon.typing import Array, Ints, Mask
+from hullrecon.typing import Array, Mask
 from hullrecon.vision.features.descriptors import Putative, match_descriptors
 from hullrecon.vision.pairs import two_view
-from hullrecon.vision.pairs.gating import in_ellipse, transfer
-from hullrecon.vision.pairs.matching import GATE_CHI2, VERIFY_PX
+from hullrecon.vision.pairs.matching import VERIFY_PX
 from hullrecon.vision.stereo.node_view import NodeView
 
 PAIRS = 40  # of two legs, evenly from all of them
@@ -99,7 +98,7 @@ def compare_pair(
     `gated`: search where navigation expects a feature, else everywhere.
     """
     first, second = dive.view(nodes[0]), dive.view(nodes[1])
-    allowed = _candidates(dive, nodes, first, second) if gated else None
+    allowed = expect_features(dive, nodes)[2] if gated else None
     putative = match_descriptors(first, second, allowed)
     focal = dive.worker.rig.focal_px(Camera.TOP)
     tolerance = VERIFY_PX / focal
@@ -108,19 +107,6 @@ def compare_pair(
     if both is None:
         return None
     return _by_truth(dive, nodes, putative, (first, second), both, tolerance)
-
-
-def _candidates(
-    dive: OneCameraDive, nodes: tuple[int, int], first: NodeView, second: NodeView
-) -> tuple[Ints, Ints]:
-    """Pair the features (m,), (m,) that navigation allows."""
-    sigma = dive.worker.options.sigma_px / dive.worker.rig.focal_px(Camera.TOP)
-    mean, covariance = transfer(
-        dive.track.motion(*nodes), first.xy, first.depth, first.depth_sigma, sigma
-    )
-    known = np.flatnonzero(np.isfinite(mean).all(axis=1))
-    a, b = in_ellipse(mean[known], covariance[known], second.xy, GATE_CHI2)
-    return known[a], b
 
 
 def _by_truth(

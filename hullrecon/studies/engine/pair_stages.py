@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from scipy.spatial.transform import Rotation
 
 from hullrecon.errors import InputError
@@ -30,9 +30,6 @@ from hullrecon.vision.pairs import mono_inliers, two_view
 from hullrecon.vision.pairs.gating import Motion, in_ellipse, transfer
 from hullrecon.vision.pairs.matching import GATE_CHI2, VERIFY_PX
 from hullrecon.vision.stereo.node_view import NodeView
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 RIGHT_PX = 3.0  # of a match from where its point lies in truth
 ELLIPSES = 25  # drawn of a pair
@@ -67,16 +64,10 @@ def register_pair(dive: OneCameraDive, nodes: tuple[int, int]) -> PairStages:
     """
     first, second = dive.view(nodes[0]), dive.view(nodes[1])
     prior = dive.track.motion(*nodes)
-    focal = dive.worker.rig.focal_px(Camera.TOP)
-    mean, covariance = transfer(
-        prior, first.xy, first.depth, first.depth_sigma, dive.worker.options.sigma_px / focal
-    )
-    known = np.flatnonzero(np.isfinite(mean).all(axis=1))
-    a, b = in_ellipse(mean[known], covariance[known], second.xy, GATE_CHI2)
-    candidates = known[a], b
+    mean, covariance, candidates = expect_features(dive, nodes)
     putative = match_descriptors(first, second, candidates)
     matched = first.xy[putative.first], second.xy[putative.second]
-    tolerance = VERIFY_PX / focal
+    tolerance = VERIFY_PX / dive.worker.rig.focal_px(Camera.TOP)
     both = two_view.fit_both(*matched, tolerance)
     if both is None:
         raise InputError(f"images {nodes[0]} and {nodes[1]} have too few matches for two views")
@@ -101,6 +92,24 @@ def register_pair(dive: OneCameraDive, nodes: tuple[int, int]) -> PairStages:
         motion=motion,
         inlier=inlier,
     )
+
+
+def expect_features(
+    dive: OneCameraDive, nodes: tuple[int, int]
+) -> tuple[Array, Array, tuple[Ints, Ints]]:
+    """Find where navigation expects one node's features in another's image.
+
+    Returns mean (n, 2) and covariance (n, 2, 2) in ideal coordinates, and the pairs of features
+    inside the ellipses.
+    """
+    first, second = dive.view(nodes[0]), dive.view(nodes[1])
+    sigma = dive.worker.options.sigma_px / dive.worker.rig.focal_px(Camera.TOP)
+    mean, covariance = transfer(
+        dive.track.motion(*nodes), first.xy, first.depth, first.depth_sigma, sigma
+    )
+    known = np.flatnonzero(np.isfinite(mean).all(axis=1))
+    a, b = in_ellipse(mean[known], covariance[known], second.xy, GATE_CHI2)
+    return mean, covariance, (known[a], b)
 
 
 def five_numbers(second_from_first: Array) -> Array:

@@ -13,11 +13,11 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
+from hullrecon.report.figures.style import label_log_axis
 from hullrecon.studies.figure_style import (
     COLOURS,
     PublishedFigure,
     finish_figure,
-    label_log_axis,
     new_canvas,
 )
 from hullrecon.studies.scenes import scene_figures as scenes
@@ -123,9 +123,7 @@ def _views(rng: np.random.Generator, radius_m: float) -> tuple[Array, Array]:
     points = np.column_stack(
         [across + np.array([0.5 * scenes.BASELINE_M, 0.0]), scenes.DISTANCE_M + bent]
     )
-    noise = SIGMA_PX * scenes.PIXEL_IDEAL * rng.standard_normal((2, MATCHES, 2))
-    there = scenes.SECOND_FROM_FIRST.apply(points)
-    return points[:, :2] / points[:, 2:] + noise[0], there[:, :2] / there[:, 2:] + noise[1]
+    return scenes.seen_twice(rng, points, SIGMA_PX * scenes.PIXEL_IDEAL)
 
 
 def bend(across: Array, radius_m: float) -> Array:

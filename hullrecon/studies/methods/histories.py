@@ -6,24 +6,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from hullrecon.records.iterations import broken, count
+from hullrecon.report.figures.style import label_log_axis
 from hullrecon.studies.figure_style import (
     COLOURS,
     PublishedFigure,
     colour,
     finish_figure,
-    label_log_axis,
     new_canvas,
 )
 from hullrecon.studies.study import ComparedValue
 from hullrecon.typing import Array, Ints
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 _NEAR = 0.001  # of its last cost
 # [Ozog2016 Fig. 4.13, 4.4.1], of the stereo dataset

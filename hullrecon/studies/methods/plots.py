@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.studies.figure_style import (
@@ -24,9 +24,6 @@ from hullrecon.studies.figure_style import (
 )
 from hullrecon.studies.study import ComparedValue
 from hullrecon.typing import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 EXPLAINED = {
     "naive": "naive: no surface factors",

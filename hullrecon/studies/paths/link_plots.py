@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from hullrecon.evaluation.deliverables import TimedPoses
 from hullrecon.evaluation.trajectory import hull_from_start, rms_length
@@ -20,6 +20,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.records.links import NodePairs
 from hullrecon.records.trajectory import VehicleTrack
+from hullrecon.report.figures.style import label_log_axis
 from hullrecon.rows import spread_rows
 from hullrecon.studies.figure_style import (
     COLOURS,
@@ -29,13 +30,9 @@ from hullrecon.studies.figure_style import (
     RED,
     PublishedFigure,
     finish_figure,
-    label_log_axis,
     new_canvas,
 )
 from hullrecon.typing import Array, Ints
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 ELLIPSES = 40  # drawn along a path
 OF_PATHS = (COLOURS["geva"], COLOURS["maxmix"], GREEN)

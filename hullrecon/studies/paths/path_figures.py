@@ -5,11 +5,13 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hullrecon.adjustment.hull_pose.registration import register
 from hullrecon.adjustment.problem.measurements import CadModel
@@ -19,11 +21,11 @@ from hullrecon.artifacts.stage import settings_for
 from hullrecon.artifacts.workspace import Workspace
 from hullrecon.evaluation.truth import Truth
 from hullrecon.geometry.charts.chart import chart_for_hull
-from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rigid_fit import fit_rigid
+from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.output.tile_store import TileStore
 from hullrecon.navigation.planes.planar_graph import PlanarSolution, planar_graph
 from hullrecon.records.links import LinkedPath, no_links
@@ -33,7 +35,7 @@ from hullrecon.steps.links import pose_graph
 from hullrecon.steps.links import run as run_links
 from hullrecon.steps.mosaic_sonar import blend_pings, ping_poses
 from hullrecon.steps.mosaics import read_mosaic_inputs
-from hullrecon.studies.dive_steps import build_step, inputs_of_step, with_stages, workspace_beside
+from hullrecon.studies.dive_steps import build_beside, inputs_of_step, with_stages, workspace_beside
 from hullrecon.studies.figure_style import (
     COLOURS,
     GREEN,
@@ -241,13 +243,8 @@ def draw_path_figures(
 def linked_track(trajectory: Trajectory, path: LinkedPath) -> VehicleTrack:
     """Make a track in g of a path that links or planes tie."""
     found = path.path()
-    return VehicleTrack(
-        t_ns=trajectory.t_ns,
-        poses=found.poses,
-        tray=found.tray,
-        covariance=path.covariance,
-        image=trajectory.image,
-        frame=Frame.GLOBAL,
+    return replace(
+        trajectory.track(), poses=found.poses, tray=found.tray, covariance=path.covariance
     )
 
 
@@ -299,13 +296,11 @@ def by_two_view_model(
     """Solve the path with links of each two-view model, where out of date."""
     found: dict[str, LinkedBy] = {}
     for model, words in MODEL_WORDS.items():
-        links_of = partial(run_links, strategy=TWO_VIEW_MODELS[model])
-        chain = with_stages(dive.chain, replace(dive.chain.stage("links"), run=links_of))
-        workspace = workspace_of_model(dive, model)
-        with dive.workspace.lock():
-            build_step("links", chain, dive.workspace, workspace, run_context)
-            run_context.hashes.save()
-        links = LinksArtifact(workspace.artifact("links"))
+        if model != "automatic":
+            links_of = partial(run_links, strategy=TWO_VIEW_MODELS[model])
+            chain = with_stages(dive.chain, replace(dive.chain.stage("links"), run=links_of))
+            build_beside(dive, f"links {model}", "links", chain, run_context)
+        links = LinksArtifact(workspace_of_model(dive, model).artifact("links"))
         found[words] = LinkedBy(
             track=linked_track(trajectory, links.path), joined=int(links.pairs.joined.sum())
         )
@@ -359,14 +354,26 @@ def _variances(dive: DiveRun, tracks: Mapping[str, VehicleTrack]) -> dict[str, V
 
 def variance_map(store: TileStore) -> VarianceMap:
     """Map the variance of the pixels in which more than one view was blended."""
+    variance = join_tiles(store, store.variance, least=2)
+    return VarianceMap(variance=variance, extent=extent_m(store.grid))
+
+
+def join_tiles(
+    store: TileStore, tiles: Iterable[NDArray[Any]], least: int, channels: tuple[int, ...] = ()
+) -> Array:
+    """Join tiles (size, size, *channels) of a mosaic, NaN where fewer views were blended."""
     grid = store.grid
-    variance = np.full((grid.height, grid.width), np.nan)
-    for window, tile, views in zip(
-        grid.tiles(store.size), store.variance, store.counts, strict=True
-    ):
+    joined = np.full((grid.height, grid.width, *channels), np.nan)
+    for window, tile, views in zip(grid.tiles(store.size), tiles, store.counts, strict=True):
         inside = window.meet(grid.whole)
         height, width = inside.shape
-        part = np.where(np.asarray(views[:height, :width], int) > 1, tile[:height, :width], np.nan)
-        variance[inside.top : inside.bottom, inside.left : inside.right] = part
+        known = np.asarray(views[:height, :width], int) >= least
+        part = joined[inside.top : inside.bottom, inside.left : inside.right]
+        part[known] = tile[:height, :width][known]
+    return joined
+
+
+def extent_m(grid: TexelGrid) -> tuple[float, float, float, float]:
+    """Give left, right, bottom and top of a mosaic on the chart, m, as matplotlib draws it."""
     right, bottom = grid.west + grid.width * grid.step_m, grid.north - grid.height * grid.step_m
-    return VarianceMap(variance=variance, extent=(grid.west, right, bottom, grid.north))
+    return grid.west, right, bottom, grid.north

@@ -93,7 +93,12 @@ def views_of_peaks(rng: np.random.Generator, peak_m: float) -> tuple[Array, Arra
     across = PEAKS_SIZE_M * rng.uniform(-0.5, 0.5, (PEAKS_POINTS, 2))
     height = peak_m * peaks(*(6 * across / PEAKS_SIZE_M).T)
     points = np.column_stack([across + np.array([0.5 * BASELINE_M, 0.0]), DISTANCE_M - height])
-    noise = PIXEL_IDEAL * rng.standard_normal((2, PEAKS_POINTS, 2))
+    return seen_twice(rng, points, PIXEL_IDEAL)
+
+
+def seen_twice(rng: np.random.Generator, points: Array, sigma: float) -> tuple[Array, Array]:
+    """Project points (n, 3) into both views (n, 2), with noise in ideal coordinates."""
+    noise = sigma * rng.standard_normal((2, len(points), 2))
     there = SECOND_FROM_FIRST.apply(points)
     return points[:, :2] / points[:, 2:] + noise[0], there[:, :2] / there[:, 2:] + noise[1]
 

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from hullrecon.studies.figure_style import (
     COLOURS,
@@ -21,9 +21,6 @@ from hullrecon.studies.figure_style import (
 )
 from hullrecon.studies.study import ComparedValue
 from hullrecon.typing import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 GATE_CHI2 = -2 * np.log(0.01)  # 99 % of two degrees of freedom
 MOST_DRAWN = 250  # samples of a point

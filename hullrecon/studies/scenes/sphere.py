@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from hullrecon.evaluation.trajectory import rms, rms_length
 from hullrecon.geometry.rigid_fit import fit_rigid
@@ -24,9 +24,6 @@ from hullrecon.studies.figure_style import (
 from hullrecon.studies.paths.link_plots import path_length
 from hullrecon.studies.study import ComparedValue
 from hullrecon.typing import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 INSET_M = 1.0
 RECKONED, PLANES = "dead reckoning", "with planes"

@@ -8,9 +8,9 @@ OpenCV's semi-global matching [Hirschmueller2008] on single pairs. The product d
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from hullrecon.errors import InputError
 from hullrecon.evaluation.truth import TrueStructure, Truth
@@ -32,9 +32,6 @@ from hullrecon.studies.structures.steps import best_view
 from hullrecon.studies.study import ComparedValue, StudyDive, StudyResult
 from hullrecon.typing import Array, Floats32, Pixels
 from hullrecon.vision.stereo.matching import Rectification, rectify
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 BLOCK_PX = 7  # side of the blocks that are compared
 NEAR, FAR = 0.5, 2.0  # of the usual distance, between which disparities are sought

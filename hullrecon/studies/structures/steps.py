@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from hullrecon.detection.as_found.shapes import (
     ALPHA_RADIUS_M,
@@ -34,9 +34,6 @@ from hullrecon.studies.methods.variants import find_objects
 from hullrecon.studies.structures.inspected import InspectedHull, inspect
 from hullrecon.studies.study import ComparedValue, StudyDive, StudyResult
 from hullrecon.typing import Array, Ints, Ints32, Pixels
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 AROUND_M = 0.4  # where bare hull tells how far it lies over the CAD model
 

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
+from matplotlib.axes import Axes
 
 from hullrecon.detection.as_found.hull_as_found import refine_near
 from hullrecon.detection.options import DetectOptions
@@ -33,9 +33,6 @@ from hullrecon.studies.structures.inspected import InspectedHull, inspect
 from hullrecon.studies.study import ComparedValue, StudyDive, StudyResult
 from hullrecon.studies.surfaces.regression import fuse_shapes
 from hullrecon.typing import Array, Mask
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 THRESHOLDS_M = np.linspace(0.0, 0.1, 11)
 SHOWN_M = (0.0, 0.06)  # [Ozog2016 Fig. 4.17 b, c]

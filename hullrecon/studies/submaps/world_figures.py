@@ -4,10 +4,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
 
+from hullrecon.report.figures.style import label_log_axis
 from hullrecon.studies.figure_style import (
     COLOURS,
     GREEN,
@@ -16,7 +16,6 @@ from hullrecon.studies.figure_style import (
     RED,
     PublishedFigure,
     finish_figure,
-    label_log_axis,
     new_canvas,
 )
 from hullrecon.studies.study import StudyResult
@@ -42,9 +41,6 @@ from hullrecon.studies.submaps.world_study import (
 )
 from hullrecon.studies.submaps.worlds import World, dead_reckon
 from hullrecon.typing import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 SMALL = 40  # landmarks of a fused map that a figure shows
 METHOD_COLOURS = {

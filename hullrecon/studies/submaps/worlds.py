@@ -88,11 +88,7 @@ class Survey:
 
 def lawnmower_controls(survey: Survey) -> Array:
     """Make speed and steering (n, 2) of the track: legs, joined by half circles."""
-    car, step_m = Car(), survey.speed_m_s * survey.step_s
-    leg = np.zeros((round(survey.leg_m / step_m), 2))
-    steps = round(np.pi * survey.leg_spacing_m / 2 / step_m)
-    half_circle = np.zeros((steps, 2))
-    half_circle[:, 1] = np.arctan(np.pi * car.wheelbase_m / (steps * step_m))
+    leg, half_circle = _leg(survey), _turn(survey, np.pi)
     parts = [leg]
     for number in range(survey.legs - 1):
         parts += [half_circle * (1.0 if number % 2 == 0 else -1.0), leg]
@@ -120,13 +116,22 @@ def simulate_survey(survey: Survey, noise: Noise, seed: int) -> World:
 
 def loop_controls(survey: Survey, laps: float) -> Array:
     """Make speed and steering (n, 2) of laps around a square, to the left."""
-    car, step_m = Car(), survey.speed_m_s * survey.step_s
-    steps = round(np.pi * survey.leg_spacing_m / 4 / step_m)
-    corner = np.zeros((steps, 2))
-    corner[:, 1] = np.arctan(np.pi / 2 * car.wheelbase_m / (steps * step_m))
-    side = [np.zeros((round(survey.leg_m / step_m), 2)), corner]
-    controls = np.concatenate(side * round(4 * laps))
+    controls = np.concatenate([_leg(survey), _turn(survey, np.pi / 2)] * round(4 * laps))
     controls[:, 0] = survey.speed_m_s
+    return controls
+
+
+def _leg(survey: Survey) -> Array:
+    """Go straight on: steering (n, 2), the speed yet to be set."""
+    return np.zeros((round(survey.leg_m / (survey.speed_m_s * survey.step_s)), 2))
+
+
+def _turn(survey: Survey, angle_rad: float) -> Array:
+    """Turn left on a circle that is as wide as legs are apart: steering (n, 2), as `_leg`."""
+    step_m = survey.speed_m_s * survey.step_s
+    steps = round(angle_rad * survey.leg_spacing_m / 2 / step_m)
+    controls = np.zeros((steps, 2))
+    controls[:, 1] = np.arctan(angle_rad * Car().wheelbase_m / (steps * step_m))
     return controls
 
 

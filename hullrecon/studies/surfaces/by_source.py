@@ -6,9 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 
 from hullrecon.evaluation.trajectory import rms
 from hullrecon.evaluation.truth import Truth
@@ -38,10 +40,6 @@ from hullrecon.surface.build import gaussian_process
 from hullrecon.surface.from_returns import CadHull, SurfaceInputs, surface_from_survey
 from hullrecon.surface.options import SurfaceOptions
 from hullrecon.typing import Mask
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.cm import ScalarMappable
 
 INTERPOLATIONS = {"linear": by_triangles, "GP": gaussian_process}
 RANGE_SIGMA_M = 0.01

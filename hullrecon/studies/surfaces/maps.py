@@ -9,9 +9,10 @@ the chart, not an implicit function.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
@@ -43,9 +44,6 @@ from hullrecon.surface.build import GRID_STEP_M, supported_lattice
 from hullrecon.surface.from_returns import CadHull, SurfaceInputs, surface_from_survey
 from hullrecon.surface.options import SurfaceOptions
 from hullrecon.typing import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 EVERY = 5  # views whose pairs are matched densely
 CELL_M = 0.05  # of the chart, in which dense points are merged

@@ -6,10 +6,11 @@ from __future__ import annotations
 
 import tempfile
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import msgspec
 import numpy as np
+from matplotlib.axes import Axes
 
 from hullrecon.artifacts.stage import settings_for
 from hullrecon.evaluation.truth import TrueStructure
@@ -32,13 +33,11 @@ from hullrecon.steps.mosaics import REACH_M
 from hullrecon.studies.dive_steps import inputs_of_step
 from hullrecon.studies.figure_style import PublishedFigure, finish_figure, new_canvas
 from hullrecon.studies.methods.variants import find_objects
+from hullrecon.studies.paths.path_figures import extent_m, join_tiles
 from hullrecon.studies.structures.inspected import InspectedHull, inspect
 from hullrecon.studies.study import ComparedValue, StudyDive, StudyResult
 from hullrecon.threads import in_threads
 from hullrecon.typing import Array, Mask
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 CLOSE_UP_M, TEXEL_M = 1.0, 0.004  # side of a close-up, and its texels
 SONAR_TEXEL_M = 0.02
@@ -113,16 +112,8 @@ def _images_near(hull: InspectedHull, at: Array) -> CameraImages:
 
 def read_store(store: TileStore) -> Array:
     """Join the tiles of a mosaic to its colours (h, w, channels), NaN where nothing was seen."""
-    grid = store.grid
-    color = np.full((grid.height, grid.width, store.channels), np.nan)
-    for window, tile, counts in zip(grid.tiles(store.size), store.color, store.counts, strict=True):
-        inside = window.meet(grid.whole)
-        height, width = inside.shape
-        seen = np.asarray(counts[:height, :width], int) > 0
-        color[inside.top : inside.bottom, inside.left : inside.right] = np.where(
-            seen[..., None], np.asarray(tile[:height, :width, : store.channels], float), np.nan
-        )
-    return color
+    colors = (tile[..., : store.channels] for tile in store.color)  # without alpha
+    return join_tiles(store, colors, 1, (store.channels,))
 
 
 def _heights(surface: MosaicSurface, grid: TexelGrid) -> Array:
@@ -188,12 +179,8 @@ def _draw_close_up(axis: Axes, found: CloseUp, title: str) -> None:
     hue = mpl.colormaps["turbo"](np.clip(height / 0.14, 0, 1))[..., :3]
     share = np.clip(height / 0.06, 0, 1)[..., None] * 0.35
     picture = np.nan_to_num(found.color, nan=255.0) / 255 * light
-    grid = found.grid
-    axis.imshow(
-        np.clip((1 - share) * picture + share * hue, 0, 1),
-        extent=(grid.west, grid.west + grid.width * grid.step_m,
-                grid.north - grid.height * grid.step_m, grid.north),
-    )  # fmt: skip
+    picture = np.clip((1 - share) * picture + share * hue, 0, 1)
+    axis.imshow(picture, extent=extent_m(found.grid))
     axis.grid(False)
     axis.set_title(title, fontsize=9)
     axis.set(xlabel="along the hull (m)", ylabel="girth (m)")
@@ -229,11 +216,7 @@ def draw_sonar_mosaics(found: dict[str, tuple[TexelGrid, Array]]) -> PublishedFi
     area = {}
     for row, (name, (grid, picture)) in zip(axes, found.items(), strict=True):
         area[name] = float(np.isfinite(picture).sum() * grid.step_m**2)
-        row[0].imshow(
-            picture, cmap="gray", vmin=0, vmax=200,
-            extent=(grid.west, grid.west + grid.width * grid.step_m,
-                    grid.north - grid.height * grid.step_m, grid.north),
-        )  # fmt: skip
+        row[0].imshow(picture, cmap="gray", vmin=0, vmax=200, extent=extent_m(grid))
         row[0].grid(False)
         row[0].set_title(f"sonar mosaic {name}: {area[name]:.1f} m²", fontsize=9)
         row[0].set(ylabel="girth (m)")

@@ -4,9 +4,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
 
 from hullrecon.studies.figure_style import (
     COLOURS,
@@ -20,9 +19,6 @@ from hullrecon.studies.targets.detector_trials import CascadeTrial, ThresholdTri
 from hullrecon.studies.targets.haar import PROPORTIONS
 from hullrecon.studies.targets.side_scan import Kind, column_of, row_of
 from hullrecon.typing import Array, Floats32, Mask
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 UNSUITED = ("8:1 track", "1:8 track", "1:8 range")
 SUITED = ("4:1 range", "6:1 range", "8:1 range")

@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from hullrecon.studies.figure_style import (
     COLOURS,
@@ -18,9 +19,6 @@ from hullrecon.studies.figure_style import (
 )
 from hullrecon.studies.targets.regions import even_out, find_regions, match_regions
 from hullrecon.studies.targets.sea_floor import WIDTH, View
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 LINES = 60  # of the inliers that are drawn
 

@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from hullrecon.studies.figure_style import (
     COLOURS,
@@ -22,9 +22,6 @@ from hullrecon.studies.figure_style import (
 from hullrecon.studies.targets.detector_trials import try_thresholds
 from hullrecon.studies.vehicles.remus import Run, Survey, discrepancy
 from hullrecon.typing import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 PIECES = ((4000, 4050), (9000, 9050), (15000, 15050))  # steps
 
