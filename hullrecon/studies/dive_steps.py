@@ -37,12 +37,17 @@ def workspace_beside(dive: DiveRun, name: str) -> Workspace:
 
 
 def build_beside(
-    dive: DiveRun, name: str, step: str, chain: Chain, run_context: RunContext
+    dive: DiveRun,
+    name: str,
+    step: str,
+    chain: Chain,
+    run_context: RunContext,
+    replaced: Mapping[str, Path] = MappingProxyType({}),
 ) -> Workspace:
     """Bring a step of a variant's chain up to date beside the dive's own. Returns where it lies."""
     workspace = workspace_beside(dive, name)
     with dive.workspace.lock():
-        build_step(step, chain, dive.workspace, workspace, run_context)
+        build_step(step, chain, dive.workspace, workspace, run_context, replaced)
         run_context.hashes.save()
     return workspace
 

@@ -13,11 +13,11 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from hullrecon.report.figures.style import label_log_axis
 from hullrecon.studies.figure_style import (
     COLOURS,
     PublishedFigure,
     finish_figure,
+    label_log_axis,
     new_canvas,
 )
 from hullrecon.studies.scenes import scene_figures as scenes

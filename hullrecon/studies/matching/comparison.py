@@ -19,7 +19,7 @@ from hullrecon.evaluation.truth import Truth
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.steps import features, links
 from hullrecon.steps.artifacts import LinksArtifact, NavigateArtifact
-from hullrecon.studies.dive_steps import build_step, with_stages, workspace_beside
+from hullrecon.studies.dive_steps import build_beside, with_stages
 from hullrecon.studies.matching.corners import MatchWithCorners, extract_with_corners
 from hullrecon.typing import Array
 from hullrecon.vision.pairs.matching import MatchStrategy
@@ -100,18 +100,14 @@ def link_table(figures: Mapping[str, Figures]) -> tuple[list[str], list[list[str
 
 def _build(dive: DiveRun, name: str, variant: LinkVariant, run_context: RunContext) -> Workspace:
     """Bring a variant's steps up to date in RUNS/<dive>/compare."""
-    workspace = workspace_beside(dive, name)
     runs = {"links": variant.links, "features": variant.features}
     stages = (replace(dive.chain.stage(step), run=run) for step, run in runs.items() if run)
     chain = with_stages(dive.chain, *stages)
     own: dict[str, Path] = {}
-    with dive.workspace.lock():
-        if variant.features is not None:
-            build_step("features", chain, dive.workspace, workspace, run_context)
-            own = {"features": workspace.artifact("features")}
-        build_step("links", chain, dive.workspace, workspace, run_context, own)
-        run_context.hashes.save()
-    return workspace
+    if variant.features is not None:
+        found = build_beside(dive, name, "features", chain, run_context)
+        own = {"features": found.artifact("features")}
+    return build_beside(dive, name, "links", chain, run_context, own)
 
 
 def _score(workspace: Workspace, true: Array) -> Figures:

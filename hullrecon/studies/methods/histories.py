@@ -11,12 +11,12 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from hullrecon.records.iterations import broken, count
-from hullrecon.report.figures.style import label_log_axis
 from hullrecon.studies.figure_style import (
     COLOURS,
     PublishedFigure,
     colour,
     finish_figure,
+    label_log_axis,
     new_canvas,
 )
 from hullrecon.studies.study import ComparedValue

@@ -20,7 +20,6 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.records.links import NodePairs
 from hullrecon.records.trajectory import VehicleTrack
-from hullrecon.report.figures.style import label_log_axis
 from hullrecon.rows import spread_rows
 from hullrecon.studies.figure_style import (
     COLOURS,
@@ -30,6 +29,7 @@ from hullrecon.studies.figure_style import (
     RED,
     PublishedFigure,
     finish_figure,
+    label_log_axis,
     new_canvas,
 )
 from hullrecon.typing import Array, Ints

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 
-from hullrecon.report.figures.style import label_log_axis
 from hullrecon.studies.figure_style import (
     COLOURS,
     GREEN,
     INK,
     PublishedFigure,
     finish_figure,
+    label_log_axis,
     new_canvas,
 )
 from hullrecon.typing import Array

@@ -7,7 +7,6 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from hullrecon.report.figures.style import label_log_axis
 from hullrecon.studies.figure_style import (
     COLOURS,
     GREEN,
@@ -16,6 +15,7 @@ from hullrecon.studies.figure_style import (
     RED,
     PublishedFigure,
     finish_figure,
+    label_log_axis,
     new_canvas,
 )
 from hullrecon.studies.study import StudyResult
