@@ -436,10 +436,13 @@ def test_a_position_without_a_place_is_refused(tmp_path):
 
 def test_a_table_of_another_name_is_named_as_not_read(tmp_path):
     (tmp_path / "pressure.csv").write_text("t,pascal\n1777887000,101325\n")
-    (tmp_path / "usbl.csv").write_text("t,x,y\n")
+    for name in ("usbl.csv", "dvl.csv.gz", "IMU.CSV", "sonar.oculus"):  # the last one is no table
+        (tmp_path / name).write_text("t,x,y\n")
     log = PlainLog(tmp_path)
     assert len(list(log.messages())) == 1
-    assert [note.partition(";")[0] for note in sentences(log.notes)] == ["not read: usbl.csv"]
+    assert [note.partition(";")[0] for note in sentences(log.notes)] == [
+        "not read: IMU.CSV, dvl.csv.gz, usbl.csv"
+    ]
 
 
 def test_a_date_and_time_with_its_zone_is_a_stamp(tmp_path):

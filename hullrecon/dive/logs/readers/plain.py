@@ -40,6 +40,8 @@ COLUMNS = {
     "sonar": ("t", "file"),
     "position": ("t",),
 }
+# ends of the names of tables that are packed, or of another form than CSV
+OTHER_FORMS = (".gz", ".bz2", ".xz", ".zst", ".zip", ".tsv", ".txt", ".xls", ".xlsx", ".ods")
 UNITS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
 EARLIEST_S, LATEST_S = 3e8, 4.2e9  # 1979 and 2103: no log of a dive lies outside
 # Mean time between two readings that no sensor is faster than, and rows that tell it. Stamps that
@@ -85,7 +87,7 @@ class PlainLog:
         self.notes, self._losses = [], []
         self._pings, self._ping_files, self._videos = set(), set(), {}
         self._ping_bytes_left = PING_FREE_BYTES
-        others = sorted(p.name for p in self.path.glob("*.csv") if p.stem not in COLUMNS)
+        others = self._other_tables()
         if others:
             shown = ", ".join(others[:LISTED_LINES]) + (
                 ", ..." if len(others) > LISTED_LINES else ""
@@ -110,6 +112,26 @@ class PlainLog:
     def tables(self) -> list[str]:
         """List the CSVs of the folder that are read."""
         return [f"{sensor}.csv" for sensor in COLUMNS if (self.path / f"{sensor}.csv").exists()]
+
+    def _other_tables(self) -> list[str]:
+        """List the files of the folder that may be tables and are not read.
+
+        They have another name, or that of a sensor and are packed or of another program.
+        """
+        read = self.tables()
+        return sorted(
+            file.name
+            for file in self.path.iterdir()
+            if file.name not in read
+            and file.is_file()
+            and (
+                file.suffix.lower() == ".csv"
+                or (
+                    file.suffix.lower() in OTHER_FORMS
+                    and file.name.partition(".")[0].lower() in COLUMNS
+                )
+            )
+        )
 
     def named_files(self) -> list[Path]:
         """List the existing images, videos and pings that tables name.
