@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hullrecon.geometry.neighbours import Around, count_within, nearest
+from hullrecon.geometry.neighbours import MANY, Around, count_within, nearest
 
 SEEDS = st.integers(0, 10**6)
 
@@ -34,6 +34,14 @@ def test_one_tree_answers_for_many_places() -> None:
 
 def test_neighbours_within_reach_are_counted() -> None:
     assert count_within(LINE, np.array([[0.5, 0], [9, 9]]), 0.6).tolist() == [2, 0]
+
+
+def test_many_places_are_answered_as_few_are() -> None:
+    wanted = np.random.default_rng(1).uniform(-1, 4, (MANY + 1, 2))
+    halves = [nearest(LINE, half, 2, 1.0) for half in np.split(wanted, [MANY // 2])]
+    for found, parts in zip(nearest(LINE, wanted, 2, 1.0), zip(*halves, strict=True), strict=True):
+        np.testing.assert_array_equal(found, np.concatenate(parts))
+    assert count_within(LINE, wanted, 1.0).max() == 2
 
 
 @given(SEEDS, st.integers(1, 6), st.floats(0.1, 3.0))
