@@ -19,6 +19,7 @@ from hullrecon.adjustment.cad_acceptance import lying_side, sunk
 from hullrecon.adjustment.cad_placement import Placement, place_cad_model
 from hullrecon.adjustment.contradictions import (
     accept_corrections,
+    believe_place,
     doubt_tray,
     explain_refusal,
     is_sheared,
@@ -135,6 +136,7 @@ def solve_path_and_place(measured: Measurements, solver: RoundSolver) -> Phase:
                 placed = replace(placed, verdict=replace(placed.verdict, reason=reason))
             solver.report(f"the CAD model is left out: {placed.verdict.reason}")
         else:
+            believe_place(path, placed, measured.rig, solver)
             placed = doubt_tray(path, placed)
     return join_path_and_place(path, placed)
 

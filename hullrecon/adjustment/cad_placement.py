@@ -20,6 +20,7 @@ from hullrecon.adjustment.cad_acceptance import (
     add_fitting_unit_and_heading,
     lying_side,
 )
+from hullrecon.adjustment.exceeded_priors import widen_exceeded_priors
 from hullrecon.adjustment.hull_pose import estimate, registration
 from hullrecon.adjustment.hull_pose.segments import Segments, find_segments, register_segments
 from hullrecon.adjustment.hull_pose.shape_comparison import ShapeComparison, compare_shape
@@ -62,8 +63,16 @@ def place_cad_model(path: Phase, cad_model: CadModel, solver: RoundSolver) -> Ph
     rounds = solver.coarse_rounds(placed.estimate, min(1, solver.options.rounds - 1))
     if not rounds:
         return placed
-    placed = Phase.of(rounds, placed.estimate, accept_round(rounds[-1], solver), placed.placement)
-    return estimate_hull_pose(rounds[-1], placed, solver) if placed.verdict.accepted else placed
+    # Ranges and CAD model may contradict a prior that the path alone tells too little of.
+    widened, conflict = widen_exceeded_priors(Phase.of(rounds, rounds[-1].after), solver), None
+    if widened is not None and widened.last is not None:
+        rounds, conflict = (*rounds, widened.last), widened.verdict.length_conflict
+    verdict = accept_round(rounds[-1], solver)
+    if not verdict.accepted:
+        return Phase.of(rounds, placed.estimate, verdict, placed.placement)
+    verdict = replace(verdict, length_conflict=conflict)
+    placed = Phase.of(rounds, placed.estimate, verdict, placed.placement)
+    return estimate_hull_pose(rounds[-1], placed, solver)
 
 
 def register(
@@ -253,6 +262,9 @@ def estimate_hull_pose(last: RoundResult, placed: Phase, solver: RoundSolver) ->
     return replace(
         placed,
         estimate=replace(ready, state=replace(ready.state, hull=hull)),
-        verdict=accept_shape(shape, placement.registration.sigmas_off),
+        verdict=replace(
+            accept_shape(shape, placement.registration.sigmas_off),
+            length_conflict=placed.verdict.length_conflict,
+        ),
         placement=replace(placement, evidence=evidence, shape=shape),
     )

@@ -104,6 +104,28 @@ def accept_corrections(path: Phase, corrected: Phase, solver: RoundSolver) -> Ph
     return replace(corrected, verdict=replace(corrected.verdict, suspects=trials))
 
 
+def believe_place(path: Phase, placed: Phase, stated: Rig, solver: RoundSolver) -> None:
+    """Believe corrections that were found with the CAD model, as `accept_corrections` does.
+
+    Parameters
+    ----------
+    path, placed
+        The path, solved without the CAD model, and the phase of the accepted CAD model.
+    stated
+        The rig with the priors of the package.
+    solver
+        Its options are those of the trials' solves, and it reports each trial.
+
+    Raises
+    ------
+    ContradictionError
+        Where a correction is larger than its sensor can be wrong by.
+    """
+    beyond = list(_beyond_belief(stated, placed))
+    if beyond and path.first is not None and solver.strategy.systematic_errors:
+        _refuse(path.verdict.suspects or _try_all(path, solver), beyond, solver)
+
+
 def is_sheared(path: Phase, solver: RoundSolver) -> bool:
     """Tell whether a solved path would fit better if image rows were exposed one after another.
 

@@ -44,6 +44,7 @@ LEAST_READOUT_S, MOST_READOUT_S = 0.005, 0.2
 WHOLES = {
     "pressure": {"pressure-scale"},
     "dvl-velocities": {"dvl-scale", "dvl-mount"},
+    "imu-turns": {"imu"},
     "focal-length": {"focal-length-top", "focal-length-bottom"},
     "principal-point": {"principal-point-bottom"},
 }
@@ -338,9 +339,10 @@ def _suspects(problem: native.Problem) -> list[_Suspect]:
         found.append(_Suspect("dvl-ranges", _without_planes, len(problem.plane_ranges.plane)))
     if len(problem.positions.node):
         found.append(_Suspect("positions", _without_positions, 2 * len(problem.positions.node)))
-    if not has_images:  # then only velocities give the path, and cannot be left out
+    if not has_images:  # then only velocities and turns give the path, and cannot be left out
         return found
     found.append(_Suspect("dvl-velocities", _without_velocities, 3 * steps))
+    found.append(_Suspect("imu-turns", _without_turns, 3 * steps))
     found += _lenses(problem)
     if problem.priors.T_s_ct is not None:
         found.append(_Suspect("camera-mount", _free_mount("T_s_ct"), 6, _turn("T_s_ct")))
@@ -469,6 +471,13 @@ def _without_positions(problem: native.Problem) -> native.Problem:
 def _without_velocities(problem: native.Problem) -> native.Problem:
     rows = problem.odometry.sqrt_information.copy()
     rows[:, :3] /= LEFT_OUT
+    return replace(problem, odometry=replace(problem.odometry, sqrt_information=rows))
+
+
+def _without_turns(problem: native.Problem) -> native.Problem:
+    """Leave out the turns of the odometry. Its upper rows hold what the velocities tell alone."""
+    rows = problem.odometry.sqrt_information.copy()
+    rows[:, 3:] /= LEFT_OUT
     return replace(problem, odometry=replace(problem.odometry, sqrt_information=rows))
 
 

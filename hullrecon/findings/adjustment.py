@@ -97,6 +97,7 @@ SUSPECTS: Mapping[str, Callable[[float | None], str]] = {
     "dvl-mount": _turned("dvl.mount"),
     "dvl-ranges": lambda _: "without the DVL's ranges",
     "imu": _turned("the IMU"),
+    "imu-turns": lambda _: "without the IMU's turns",
     "tray": lambda _: "without the tray's angles",
     "positions": lambda _: "without the positions from outside",
     "camera-mount": _turned("camera.top.mount"),

@@ -185,12 +185,15 @@ def _shifted(seconds: float, shared_s: float, length_s: float, key: str) -> str:
     )
 
 
-def _moved(seconds: float) -> str:
+LEAPS = {18: "GPS time is 18 s ahead of UTC", 37: "TAI is 37 s ahead of UTC"}
+
+
+def _moved(seconds: float, compared: str = "depth and DVL") -> str:
     side = "late" if seconds > 0 else "early"
-    leap = " (GPS time is 18 s ahead of UTC)" if abs(abs(seconds) - 18) < 0.5 else ""
+    leap = next((f" ({words})" for s, words in LEAPS.items() if abs(abs(seconds) - s) < 0.5), "")
     return (
         f"its stamps are {abs(seconds):.1f} s {side}{leap}: so its log begins and ends beside the "
-        "others, and depth and DVL show one motion; they were put right"
+        f"others, and {compared} show one motion; they were put right"
     )
 
 

@@ -139,7 +139,7 @@ STAGES = (
         optional=("links", "matches"),
         uses=(*RIG_SECTIONS, "hull"),
         parameters=AdjustOptions,
-        version=41,
+        version=42,
         run=_later("adjust"),
     ),
     Stage(

@@ -23,6 +23,7 @@ from hullrecon.navigation.suspects.comparisons.comparison import Sensor
 from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.depth_steps import depth_steps
 from hullrecon.navigation.suspects.hypotheses import Conventions
+from hullrecon.navigation.suspects.shifted_imu import mend_shifted_imu
 from hullrecon.navigation.suspects.suspects import Judged, judge
 from hullrecon.records.clock import NS
 from hullrecon.records.sensors import ImageIndex, SensorRecords
@@ -75,6 +76,8 @@ def judge_sensors(
     if apart:
         return Judged(records=records, findings=apart, tried=[])
     records, mended = mend_shifted(records, level)
+    records, moved = mend_shifted_imu(records, rig, flows)
+    mended += moved
 
     # Readings that the tray's driver repeats, and steps in the level of the depths.
     records, frozen = leave_out_frozen(records)

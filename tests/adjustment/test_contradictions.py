@@ -22,6 +22,7 @@ from adjustment.simulated_dive import (
     simulate,
 )
 from adjustment.solved_dives import solved
+from scipy.spatial.transform import Rotation
 
 from hullrecon.adjustment import contradictions
 from hullrecon.adjustment.bundle_adjustment import adjust, solve_path
@@ -126,6 +127,18 @@ def test_a_mount_that_is_turned_by_15_degrees_is_named():
     said = refused(with_turned(simulate(**CAMERA_ONLY).measured, "tray_from_top", 15.0))
     assert "camera.top.mount turned by 1" in said
     assert "dvl.mount" not in said
+
+
+def test_a_heading_that_swings_names_the_imu_and_not_the_dvl():
+    dive = simulate(**CAMERA_ONLY)
+    odometry = dive.measured.odometry
+    swing_deg = 6 * np.sin(np.arange(len(odometry.first) + 1) / 3)
+    swung = Rotation.from_quat(odometry.quaternion) * Rotation.from_euler(
+        "z", np.diff(swing_deg)[:, None], degrees=True
+    )
+    odometry = replace(odometry, quaternion=swung.as_quat())
+    said = refused(replace(dive.measured, odometry=odometry))
+    assert said.endswith("all else agrees without the IMU's turns")
 
 
 def test_a_dive_without_imu_and_depths_suspects_others():

@@ -22,8 +22,8 @@ from adjustment.simulated_dive import (
 from adjustment.solved_dives import solved
 from scipy.spatial.transform import Rotation
 
-from hullrecon.adjustment.bundle_adjustment import adjust
-from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.bundle_adjustment import adjust, solve_path_and_place
+from hullrecon.adjustment.options import PRODUCT, AdjustOptions
 from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.adjustment.results.unexpected_errors import (
     MountFit,
@@ -31,6 +31,7 @@ from hullrecon.adjustment.results.unexpected_errors import (
     navigation_warnings,
     scale_warning,
 )
+from hullrecon.adjustment.rounds import RoundSolver
 from hullrecon.geometry.poses import from_mount
 from hullrecon.rig import mount_prior
 
@@ -253,6 +254,36 @@ def test_turned_rig_does_not_hide_dvl_error():
     assert len([w for w in outcome.warnings if SAID[0] in w]) == 1
     sigma = outcome.summary["navigation_sigma"]["dvl_scale"]
     assert abs(adjusted.state.navigation[0] - (1 - 1.08 * (1 - NAVIGATION[0]))) < 2.5 * sigma < 0.02
+
+
+@pytest.mark.parametrize(
+    ("cad", "sigma_times"), [(False, 5.0), (True, 10.0)], ids=["path", "place"]
+)
+def test_scale_that_depths_hardly_tell_is_found(cad, sigma_times):
+    """Velocities 10 % too long. Of the prior's variance depths take away an eighth, or less: then
+    ranges and CAD model tell it.
+    """
+    dive = simulate(cad=cad, stereo=False, landmarks=150)
+    odometry, attitude = dive.measured.odometry, dive.measured.attitude
+    by_navigation = odometry.by_navigation * np.r_[np.full(3, 1.1), np.ones(3)][:, None]
+    sigma = np.r_[0.003, NAVIGATION_SIGMA[1:]]
+    measured = replace(
+        dive.measured,
+        odometry=replace(
+            odometry, translation=1.1 * odometry.translation, by_navigation=by_navigation
+        ),
+        attitude=replace(attitude, sigma=attitude.sigma * np.r_[sigma_times, 1.0, 1.0]),
+        rig=dive.measured.rig.with_priors(navigation_sigma=sigma),
+    )
+    options = AdjustOptions(rounds=2)
+    solver = RoundSolver(
+        calibrated=measured.rig, options=options, strategy=PRODUCT, report=lambda _: None
+    )
+    placed = solve_path_and_place(measured, solver)
+    assert placed.verdict.accepted
+    assert placed.verdict.length_conflict == pytest.approx(0.09, abs=0.03)
+    true = 1 - 1.1 * (1 - NAVIGATION[0])
+    assert placed.estimate.state.navigation[0] == pytest.approx(true, abs=0.02)
 
 
 def test_priors_that_hold_are_left_alone():

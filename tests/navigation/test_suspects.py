@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from hullrecon.dive.check.time_overlap import shifted_streams
 from hullrecon.dive.logs.dvl_beams import tilted_beams
 from hullrecon.dive.logs.heading import heading_by_rates
 from hullrecon.dive.logs.samples import ImuSample
@@ -17,7 +18,9 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_mount
 from hullrecon.navigation.suspects.comparisons.comparison import GAIN, Sensor
 from hullrecon.navigation.suspects.comparisons.images import Flow
+from hullrecon.navigation.suspects.comparisons.motions import Motions, compare
 from hullrecon.navigation.suspects.hypotheses import Conventions, Hypothesis
+from hullrecon.navigation.suspects.shifted_imu import mend_shifted_imu
 from hullrecon.navigation.suspects.suspects import Tried, explain_best, judge
 from hullrecon.records.sensors import (
     DvlPings,
@@ -607,6 +610,56 @@ def test_dvl_that_looks_aside_is_named_by_images_with_the_mount_that_heals():
     assert (finding.values["sensor"], finding.values["fault"]) == ("DVL", "mount")
     (mount,) = re.findall(r"give dvl\.mount = (\[.*\])", finding.sentence)
     assert json.loads(mount) == [0, 0, 0.08, 0, 90, 0]  # that of the dive
+
+
+@pytest.mark.parametrize(("turned_deg", "named"), [(0, False), (4, False), (20, True)])
+def test_accelerations_tell_a_dvl_that_looks_a_little_aside(turned_deg, named):
+    """All residuals are small for their sigmas, which allow for thrusters that shake."""
+    true = dive()
+    start_s = true.imu.t_ns / NS
+    surge = np.array([[0.0, 0.15, 0.0]])  # m/s, of a velocity along the hull that comes and goes
+    felt = (
+        Rotation.from_quat(true.imu.quaternion)
+        .inv()
+        .apply(0.8 * np.cos(0.8 * start_s)[:, None] * surge)
+    )
+    heard = true.dvl.t_ns / NS
+    faster = (
+        (attitude(heard) * RIG.tray_from_dvl.rotation)
+        .inv()
+        .apply(np.sin(0.8 * heard)[:, None] * surge)
+    )
+    surging = replace(
+        true,
+        imu=replace(true.imu, acceleration=true.imu.acceleration + felt),
+        dvl=replace(true.dvl, velocity=true.dvl.velocity + faster),
+    )
+    aside = replace(RIG, tray_from_dvl=from_mount([0, 0, 0, 0, 90, turned_deg]))
+    (push,) = compare(Motions(surging, aside), {"push"})
+    assert push.accuses == named
+
+
+@pytest.mark.parametrize("late_s", [18.0, -12.0])
+def test_imu_late_at_both_ends_is_moved_where_motion_agrees(late_s):
+    true = dive()
+    imu = true.imu
+    off = replace(true, imu=replace(imu, t_ns=imu.t_ns + round(late_s * NS)))
+    records, (said,) = mend_shifted_imu(off, RIG, flows())
+    assert np.abs(records.imu.t_ns - imu.t_ns).max() < 0.15 * NS
+    assert said.values["seconds"] == pytest.approx(late_s, abs=0.15)
+    assert "its accelerations and the DVL show one motion" in said.sentence
+
+
+def test_imu_that_was_switched_on_and_off_late_is_not_moved():
+    true = dive()
+    end_ns, since_ns = 22 * NS, 18 * NS
+    records = SensorRecords(
+        imu=true.imu.take(true.imu.t_ns >= since_ns),
+        dvl=true.dvl.take(true.dvl.t_ns < end_ns),
+        pressure=true.pressure.take(true.pressure.t_ns < end_ns),
+    )
+    assert shifted_streams(records.by_name())
+    assert mend_shifted_imu(records, RIG, [])[1] == []
 
 
 def test_two_faults_of_a_tray_explain_no_better_than_one():

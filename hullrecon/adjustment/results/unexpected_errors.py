@@ -10,14 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hullrecon.adjustment.exceeded_priors import MANY_OF_ITS_OWN, MANY_SIGMAS, displacement
+from hullrecon.adjustment.exceeded_priors import (
+    MANY_OF_ITS_OWN,
+    MANY_SIGMAS,
+    displacement,
+    scale_without_prior,
+)
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
-LEAST_TOLD = 0.01  # of the prior's variance, that a dive takes away if it measures the scale at all
-# Sigmas beyond which an error is not chance, as in navigation/suspects: 78 dives without a wrong
-# scale had 2.2 at most, one with velocities 15 % too short had 10.9
-SURPRISING = 5.0
 ALONG = 2  # index of the shift along an instrument's axis
 TRAY_AXIS = 0.9  # least component along y of a unit turn that is about the tray's axis
 ALIKE = 0.25  # largest difference of two turns that count as equal, as a share of the greater
@@ -77,19 +78,15 @@ def navigation_warnings(correction: Array, allowed: Array, covariance: Array) ->
 def scale_warning(correction: Array, allowed: Array, covariance: Array) -> list[str]:
     """Warn of a scale of the DVL that the dive contradicts though its prior keeps it small.
 
-    With a right prior of sigma p, an estimate with posterior variance P scatters with the variance
-    p^2 - P. So an estimate may be small and still be too large for that. `navigation_warnings`,
-    which has the same parameters, warns of large scales. Empty where there is no such scale, or
-    where the dive says next to nothing of it (LEAST_TOLD).
+    An estimate may be small and still be too large for what the dive says of it
+    (`scale_without_prior`). `navigation_warnings`, which has the same parameters, warns of large
+    scales. Empty where there is no such scale.
     """
-    x, prior, posterior = correction[SCALE], allowed[SCALE] ** 2, covariance[SCALE, SCALE]
-    gained = 1 - posterior / prior  # share of the prior's variance that the dive takes away
-    if not np.isfinite(prior) or gained < LEAST_TOLD or abs(x) > MANY_SIGMAS * np.sqrt(prior):
+    x = float(correction[SCALE])
+    found = scale_without_prior(correction, allowed, covariance)
+    if found is None or abs(x) > MANY_SIGMAS * allowed[SCALE]:
         return []
-    if abs(x) <= SURPRISING * np.sqrt(gained * prior):
-        return []
-    # The estimate without its prior, in per cent (`exceeded_priors`)
-    alone, sigma = -100 * x / gained, 100 * np.sqrt(posterior / gained)
+    alone, sigma = -100 * found.correction, 100 * found.sigma
     return [
         f"All else together says that the DVL measures distances {abs(alone):.0f} ± {sigma:.0f} % "
         f"too {'long' if alone > 0 else 'short'}, which contradicts dvl.scale_sigma. By that sigma "

@@ -26,6 +26,10 @@ CLIP = 4.0  # sigmas at which a residual is clipped
 GAIN = 25.0  # of chi-square above its mean: five sigmas, as in navigation/clocks
 # of chi-square over the rows: 1.2 at most on 17 faultless dives, 3.3 to 11 with faults
 MISFIT = 2.0
+# A turn between two sensors that accuses: beyond what the adjustment believes of a mount
+# (adjustment/contradictions), by five of its own sigmas
+LARGEST_TURN_RAD = np.radians(5.0)
+MANY_SIGMAS = 5.0
 # Windows in which motions are compared
 LEAST_WINDOWS, MOST_WINDOWS = 4, 2000
 LONGEST_GAP_S = 1.5  # between two readings of a window
@@ -62,6 +66,8 @@ class Comparison:
     # sign only
     is_coarse: bool = False
     if_reversed: Array | None = None  # (n,) the residual if the first sensor had the other sign
+    # (n,) change of the residual by a turn of the first sensor about the vertical, for 1 rad
+    by_turn: Array | None = None
 
     @property
     def accuses(self) -> bool:
@@ -72,13 +78,15 @@ class Comparison:
     def is_contradiction(self) -> bool:
         """Tell whether the residuals are larger than those of faultless sensors.
 
-        Their chi-square is too large, or the nuisances would have to be, or a sign is reversed.
+        Their chi-square is too large, or the nuisances would have to be, or a sign is reversed, or
+        one of the sensors sits turned.
         """
         remaining, nuisances = self._fit
         rows, chi2 = len(self.residual), _clipped_chi2(remaining)
         # both significant, and more than somewhat too small sigmas would give
         beyond = chi2 - rows > GAIN and chi2 > MISFIT * rows
-        return beyond or bool((nuisances**2).sum() > GAIN) or self.is_reversed
+        far = bool((nuisances**2).sum() > GAIN)
+        return beyond or far or self.is_reversed or self.is_turned
 
     @property
     def is_reversed(self) -> bool:
@@ -92,6 +100,28 @@ class Comparison:
         rows = len(self.residual) - self.by_nuisance.shape[1]
         # of a noise that is estimated, twice the log likelihood ratio of the two signs
         return bool(rows * np.log((as_is + 1e-9) / (other + 1e-9)) > GAIN)
+
+    @property
+    def is_turned(self) -> bool:
+        """Tell whether the first sensor sits turned about the vertical against the others.
+
+        The turn is fitted with the nuisances. It may be plain where all residuals together are
+        small for their sigmas, which hold for any vehicle: so the noise is taken as unknown here
+        too, and the remaining residuals tell it.
+        """
+        if self.by_turn is None:
+            return False
+        design = np.column_stack([self.by_turn, self.by_nuisance]) / self.sigma[:, None]
+        prior = np.diag(np.r_[0.0, np.ones(design.shape[1] - 1)])
+        normal = design.T @ design + prior
+        z = self.residual / self.sigma
+        if normal[0, 0] <= 0:
+            return False  # nothing moved across the vertical
+        found = np.linalg.solve(normal, design.T @ z)
+        remaining = z - design @ found
+        noise = float(remaining @ remaining) / max(len(z) - len(found), 1)
+        sigma_rad = np.sqrt(noise * np.linalg.inv(normal)[0, 0])
+        return bool(abs(found[0]) > LARGEST_TURN_RAD + MANY_SIGMAS * sigma_rad)
 
     def _squares(self, residual: Array) -> float:
         """Sum the squares of residuals, in sigmas, after a fit of the nuisances."""

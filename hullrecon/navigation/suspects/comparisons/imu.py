@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.streams.imu import GRAVITY_M_S2
 from hullrecon.geometry.robust import robust_sigma
+from hullrecon.geometry.rotations import cross
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral
 from hullrecon.navigation.sensors.motion_signals import acceleration_in_global, is_still
 from hullrecon.navigation.sensors.smoothing import local_line
@@ -169,4 +170,5 @@ def compare_acceleration(acceleration: Integral, track: Track) -> Comparison | N
         by_nuisance=np.concatenate([biased.reshape(-1, 3), late.reshape(-1, 1)], axis=1),
         first=by_dvl.ravel(),
         second=by_imu.ravel(),
+        by_turn=cross(np.array([0.0, 0.0, 1.0]), by_dvl).ravel(),
     )
