@@ -22,7 +22,7 @@ from hullrecon.adjustment.contradictions import (
     believe_place,
     doubt_tray,
     explain_refusal,
-    is_sheared,
+    is_ill_timed,
 )
 from hullrecon.adjustment.exceeded_priors import contradicts_priors, widen_exceeded_priors
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions, Strategy
@@ -163,7 +163,7 @@ def solve_path(measured: Measurements, solver: RoundSolver) -> Phase:
 
     # Corrections stop at what is believable, and where a faulty sensor explains more. A path that
     # nothing corrected (`then` returned it unchanged) and nothing contradicts is taken as it is.
-    if corrected is path and not contradicts_priors(path) and not is_sheared(path, solver):
+    if corrected is path and not contradicts_priors(path) and not is_ill_timed(path, solver):
         return path
     return accept_corrections(path, corrected, solver)
 

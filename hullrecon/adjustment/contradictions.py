@@ -16,6 +16,7 @@ import numpy as np
 from scipy.special import chdtri  # not scipy.stats, which takes a quarter of a second to load
 
 from hullrecon import native
+from hullrecon.adjustment.dvl_delay import VelocityChange, velocity_change
 from hullrecon.adjustment.exceeded_priors import MANY_SIGMAS, MOUNTS, ROTATION, displacement
 from hullrecon.adjustment.hull_pose.other_beams import find_fitting_beams
 from hullrecon.adjustment.hull_pose.other_tray import find_fitting_tray, find_tray_offset
@@ -23,7 +24,14 @@ from hullrecon.adjustment.hull_pose.registration import Registration
 from hullrecon.adjustment.problem.lens import MOST_CALIBRATIONS
 from hullrecon.adjustment.readout import RowMotion, motion_by_row
 from hullrecon.adjustment.rounds import Estimate, Phase, RoundResult, RoundSolver
-from hullrecon.adjustment.suspects import Trial, best_explanations, least_readout_gain, try_suspects
+from hullrecon.adjustment.suspects import (
+    MOST_DELAY_S,
+    Trial,
+    best_explanations,
+    least_delay_gain,
+    least_readout_gain,
+    try_suspects,
+)
 from hullrecon.errors import ContradictionError
 from hullrecon.findings.finding import Finding
 from hullrecon.records.trajectory import Returns
@@ -74,6 +82,9 @@ LEAST_WEIGHT = 1e-3  # of depths, whose estimated weight is zero on a path witho
 # Chi-square that a shear of the images explains at least, beyond which sensors are suspected: 0.3
 # at most where lenses are 0.3 px off, 4 and more with 20 px of principal point or 20 ms of readout
 SHEARED = 2.0
+# Chi-square that a delay of the DVL explains at least, beyond which sensors are suspected: five
+# sigmas, as in navigation/clocks. 0.2 on a dive with right clocks, 757 with 0.14 s
+DELAYED = 25.0
 
 
 def accept_corrections(path: Phase, corrected: Phase, solver: RoundSolver) -> Phase:
@@ -126,16 +137,20 @@ def believe_place(path: Phase, placed: Phase, stated: Rig, solver: RoundSolver) 
         _refuse(path.verdict.suspects or _try_all(path, solver), beyond, solver)
 
 
-def is_sheared(path: Phase, solver: RoundSolver) -> bool:
-    """Tell whether a solved path would fit better if image rows were exposed one after another.
+def is_ill_timed(path: Phase, solver: RoundSolver) -> bool:
+    """Tell whether a solved path would fit better with other times, which exceed no prior.
 
-    Each leg's motion shears its images then (`readout`). Legs that lie beside each other show this
-    before any prior is exceeded.
+    Those are image rows that were exposed one after another: each leg's motion shears its images
+    then (`readout`), and legs that lie beside each other show it. Or those of a DVL whose readings
+    were stamped late beside the images (`dvl_delay`).
     """
     if path.first is None:
         return False
-    problem, by_row = _prepare_trials(path.first)
-    return least_readout_gain(problem, solver.settings, by_row) > SHEARED
+    problem, by_row, by_delay = _prepare_trials(path.first)
+    return (
+        least_readout_gain(problem, solver.settings, by_row) > SHEARED
+        or least_delay_gain(problem, solver.settings, by_delay) > DELAYED
+    )
 
 
 def explain_refusal(path: Phase, placed: Phase, solver: RoundSolver) -> Phase:
@@ -281,14 +296,23 @@ def _refuse_misread_tray(solved: Estimate, found: Registration | None) -> None:
 def _try_all(path: Phase, solver: RoundSolver) -> tuple[Trial, ...]:
     """Solve the first round of a path without each suspect in turn."""
     assert path.first is not None
-    problem, by_row = _prepare_trials(path.first)
-    return try_suspects(problem, solver.settings, by_row)
+    problem, by_row, by_delay = _prepare_trials(path.first)
+    return try_suspects(problem, solver.settings, by_row, by_delay)
 
 
-def _prepare_trials(first: RoundResult) -> tuple[native.Problem, RowMotion]:
-    """Prepare the trials of suspects: the round's problem, and how features move with readout."""
+def _prepare_trials(first: RoundResult) -> tuple[native.Problem, RowMotion, VelocityChange]:
+    """Prepare the trials of suspects.
+
+    Returns
+    -------
+    tuple
+        The round's problem, how its features move with a readout time, and how its odometry
+        changes with a delay of the DVL.
+    """
     measured, state = first.after.measured, first.after.state
-    return _with_stated_sigmas(first), motion_by_row(first.problem, measured, state)
+    by_row = motion_by_row(first.problem, measured, state)
+    by_delay = velocity_change(first.problem, measured.trajectory.t_ns)
+    return _with_stated_sigmas(first), by_row, by_delay
 
 
 def _with_stated_sigmas(solved: RoundResult) -> native.Problem:
@@ -347,6 +371,7 @@ def _is_believable(trial: Trial, calibrated: Rig) -> bool:
         "camera-mount": LARGEST_TURN_RAD,
         "imu": LARGEST_ERRORS[2],
         "stereo-rig": LARGEST_BASELINE_SHARE,
+        "dvl-clock": MOST_DELAY_S,
         "distortion": MOST_CALIBRATIONS * max(calibrated.priors.calibration_sigma_px),
     }
     if trial.suspect.startswith("principal-point"):

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon import native
+from hullrecon.adjustment.dvl_delay import VelocityChange
 from hullrecon.adjustment.readout import RowMotion
 from hullrecon.findings.adjustment import CORRECTED
 from hullrecon.geometry.frames import Camera
@@ -31,6 +33,9 @@ TOLERANCE = 1e-5  # relative change of cost that ends a trial
 HELD, HELD_PX = 1e-6, 1e-3  # prior sigmas of intrinsics that are held
 READOUT_S = 0.01  # a trial has this readout time and its negative; cameras have 5 to 50 ms
 SLOPE_S = 0.002  # step of the derivatives by the readout time
+DELAY_S = 0.05  # a trial has this delay of the DVL and its negative
+# navigation/clocks puts right what is more than a quarter of a second: twice that is no delay
+MOST_DELAY_S = 0.5
 # A suspect explains as much as the best one if its trial lowers chi-square by this share of it
 EXPLAINS = 0.9
 CERTAIN = 3.0  # sigmas of what chi-square loses where rows without error are left out
@@ -43,7 +48,7 @@ LEAST_READOUT_S, MOST_READOUT_S = 0.005, 0.2
 # Suspects that stand for a whole sensor, and the suspects that are single errors of it
 WHOLES = {
     "pressure": {"pressure-scale"},
-    "dvl-velocities": {"dvl-scale", "dvl-mount"},
+    "dvl-velocities": {"dvl-scale", "dvl-mount", "dvl-clock"},
     "imu-turns": {"imu"},
     "focal-length": {"focal-length-top", "focal-length-bottom"},
     "principal-point": {"principal-point-bottom"},
@@ -89,7 +94,10 @@ class _Suspect:
 
 
 def try_suspects(
-    problem: native.Problem, settings: native.Options, by_row: RowMotion
+    problem: native.Problem,
+    settings: native.Options,
+    by_row: RowMotion,
+    by_delay: VelocityChange,
 ) -> tuple[Trial, ...]:
     """Solve a path again without each suspect, the best explanation first.
 
@@ -101,6 +109,8 @@ def try_suspects(
         The options with which it was solved.
     by_row
         How its features move if images are read out row by row.
+    by_delay
+        How its odometry changes if the DVL's readings were stamped late.
 
     Returns
     -------
@@ -114,6 +124,16 @@ def try_suspects(
         _try_readout(name, cameras, problem, settings, before, by_row)
         for name, cameras in _readouts(problem).items()
     ]
+    if _has_images(problem) and len(problem.odometry.first):
+        trials.append(
+            _try_time(
+                "dvl-clock",
+                lambda late_s: _solved(by_delay.punctual(problem, late_s), settings)[0],
+                before,
+                DELAY_S,
+                (-MOST_DELAY_S, MOST_DELAY_S),
+            )
+        )
     return tuple(sorted(trials, key=lambda trial: -trial.gain))
 
 
@@ -123,25 +143,50 @@ def least_readout_gain(
     """Estimate by how much a readout time would lower chi-square at least, without a solve.
 
     The trials of all suspects take a solve each. So this tells beforehand whether they are worth it
-    on a path that contradicts no prior (`is_sheared` of contradictions).
+    on a path that contradicts no prior (`is_ill_timed` of contradictions).
 
     Chi-square is taken as a parabola of the readout time, with all other unknowns held. At the
     solution its slope is right. Its curvature is too large, since the other unknowns would follow:
     some twenty times too large on two legs. So chi-square falls at least to the parabola's minimum.
     Parameters are those of `try_suspects`. Zero without images.
     """
+    return max(
+        (
+            _least_gain(partial(by_row.moved, problem, cameras=cameras), settings, SLOPE_S)
+            for cameras in _readouts(problem).values()
+        ),
+        default=0.0,
+    )
+
+
+def least_delay_gain(
+    problem: native.Problem, settings: native.Options, by_delay: VelocityChange
+) -> float:
+    """Estimate by how much a delay of the DVL would lower chi-square at least, without a solve.
+
+    As `least_readout_gain` does. Zero without images, as nothing else tells the delay.
+    """
+    if not _has_images(problem):
+        return 0.0
+    return _least_gain(partial(by_delay.punctual, problem), settings, DELAY_S)
+
+
+def _least_gain(
+    shifted: Callable[[float], native.Problem], settings: native.Options, step_s: float
+) -> float:
+    """Compute the fall of chi-square to the minimum of its parabola, with all unknowns held.
+
+    shifted: makes the problem with a time, s. step_s: of the derivatives by that time.
+    """
     naive = replace(settings, method="naive")
-    gains, here = [0.0], _chi2(problem, naive)
-    for cameras in _readouts(problem).values():
-        less, more = (
-            _chi2(by_row.moved(problem, readout_s, cameras), naive)
-            for readout_s in (-SLOPE_S, SLOPE_S)
-        )
-        curvature = more + less - 2 * here
-        if curvature > 0:
-            # A parabola falls by slope^2 / (2 curvature). The slope is half the difference
-            gains.append(float((more - less) ** 2 / (8 * curvature)))
-    return max(gains)
+    less, here, more = (_chi2(shifted(time_s), naive) for time_s in (-step_s, 0.0, step_s))
+    curvature = more + less - 2 * here
+    # A parabola falls by slope^2 / (2 curvature). The slope is half the difference
+    return float((more - less) ** 2 / (8 * curvature)) if curvature > 0 else 0.0
+
+
+def _has_images(problem: native.Problem) -> bool:
+    return len(problem.stereo.node) + len(problem.mono.node) > 0
 
 
 def _readouts(problem: native.Problem) -> dict[str, Sequence[Camera]]:
@@ -163,10 +208,7 @@ def _try_readout(
     before: float,
     by_row: RowMotion,
 ) -> Trial:
-    """Estimate a readout time as the minimum of a parabola through three solves.
-
-    Chi-square is about a parabola of the readout time. It is solved for no readout time and for
-    one on either side. Where the minimum lies outside of these, three solves around it follow.
+    """Estimate a readout time (`_try_time`).
 
     Parameters
     ----------
@@ -183,13 +225,41 @@ def _try_readout(
     def chi2(readout_s: float) -> float:
         return _solved(by_row.moved(problem, readout_s, cameras), settings)[0]
 
+    return _try_time(name, chi2, before, READOUT_S, (LEAST_READOUT_S, MOST_READOUT_S))
+
+
+def _try_time(
+    name: str,
+    chi2: Callable[[float], float],
+    before: float,
+    step_s: float,
+    possible_s: tuple[float, float],
+) -> Trial:
+    """Estimate a time as the minimum of a parabola through three solves.
+
+    Chi-square is about a parabola of the time. It is solved for none and for one on either side.
+    Where the minimum lies outside of these, three solves around it follow.
+
+    Parameters
+    ----------
+    name
+        The suspect.
+    chi2
+        Solves with a time, s, and computes chi-square.
+    before
+        Chi-square without one.
+    step_s
+        The time on either side.
+    possible_s
+        Least and largest time that the suspect may have.
+    """
     middle_s, here = 0.0, before
     while True:
-        less, more = chi2(middle_s - READOUT_S), chi2(middle_s + READOUT_S)
+        less, more = chi2(middle_s - step_s), chi2(middle_s + step_s)
         slope, curvature = (more - less) / 2, more + less - 2 * here
-        step = -slope / curvature if curvature > 0 else 0.0  # to the minimum, in READOUT_S
-        found_s = middle_s + READOUT_S * step
-        if middle_s or abs(step) < 1 or not LEAST_READOUT_S < found_s < MOST_READOUT_S:
+        step = -slope / curvature if curvature > 0 else 0.0  # to the minimum, in step_s
+        found_s = middle_s + step_s * step
+        if middle_s or abs(step) < 1 or not possible_s[0] < found_s < possible_s[1]:
             break
         middle_s, here = found_s, chi2(found_s)
     lowest = here + slope * step + curvature * step**2 / 2
@@ -301,6 +371,8 @@ def _is_impossible(trial: Trial) -> bool:
     """Tell whether the estimated error is of a size that no such sensor has."""
     if trial.suspect == "dvl-scale" and trial.found is not None:
         return not LEAST_SCALE < 1 + trial.found < MOST_SCALE
+    if trial.suspect == "dvl-clock" and trial.found is not None:
+        return abs(trial.found) > MOST_DELAY_S
     if trial.suspect.startswith("readout") and trial.found is not None:
         return not LEAST_READOUT_S < trial.found < MOST_READOUT_S
     return False
@@ -325,7 +397,6 @@ def _suspects(problem: native.Problem) -> list[_Suspect]:
 
     Depths and readout times are tried by functions of their own (`try_suspects`).
     """
-    has_images = len(problem.stereo.node) + len(problem.mono.node) > 0
     steps = len(problem.odometry.first)
     found = [
         _Suspect("dvl-scale", _free_navigation({SCALE: FREE_SHARE}), 1, _found_scale),
@@ -339,7 +410,9 @@ def _suspects(problem: native.Problem) -> list[_Suspect]:
         found.append(_Suspect("dvl-ranges", _without_planes, len(problem.plane_ranges.plane)))
     if len(problem.positions.node):
         found.append(_Suspect("positions", _without_positions, 2 * len(problem.positions.node)))
-    if not has_images:  # then only velocities and turns give the path, and cannot be left out
+    if not _has_images(
+        problem
+    ):  # then only velocities and turns give the path, and cannot be left out
         return found
     found.append(_Suspect("dvl-velocities", _without_velocities, 3 * steps))
     found.append(_Suspect("imu-turns", _without_turns, 3 * steps))

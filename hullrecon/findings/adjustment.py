@@ -87,6 +87,14 @@ def _distortion(found_px: float | None) -> str:
     return f"with another distortion than the calibration's{apart}"
 
 
+def _dvl_clock(found_s: float | None) -> str:
+    late_s = found_s or 0.0
+    return (
+        f"with the DVL's stamps {abs(late_s):.2f} s {'late' if late_s > 0 else 'early'} beside the "
+        f"images' (dvl.time_offset = {-late_s:.2f}, or camera.top.time_offset = {late_s:.2f})"
+    )
+
+
 # By suspect: what makes all other measurements agree. The argument is the suspect's own error,
 # where the adjustment estimated it
 SUSPECTS: Mapping[str, Callable[[float | None], str]] = {
@@ -95,6 +103,7 @@ SUSPECTS: Mapping[str, Callable[[float | None], str]] = {
     "dvl-velocities": lambda _: "without the DVL's velocities",
     "dvl-scale": _scaled,
     "dvl-mount": _turned("dvl.mount"),
+    "dvl-clock": _dvl_clock,
     "dvl-ranges": lambda _: "without the DVL's ranges",
     "imu": _turned("the IMU"),
     "imu-turns": lambda _: "without the IMU's turns",

@@ -34,6 +34,7 @@ from hullrecon.adjustment.suspects import Trial, best_explanations
 from hullrecon.errors import ContradictionError
 from hullrecon.findings.adjustment import REMEDIES, SUSPECTS
 from hullrecon.geometry.frames import Camera
+from hullrecon.records.clock import seconds
 
 OPTIONS = AdjustOptions(rounds=2)
 STEREO = {"landmarks": 250}
@@ -139,6 +140,27 @@ def test_a_heading_that_swings_names_the_imu_and_not_the_dvl():
     odometry = replace(odometry, quaternion=swung.as_quat())
     said = refused(replace(dive.measured, odometry=odometry))
     assert said.endswith("all else agrees without the IMU's turns")
+
+
+def test_a_dvl_stamped_late_is_named_with_the_keys_that_heal():
+    """Only where the velocity changes, so at the turn between the legs, does it show."""
+    dive = simulate(**CAMERA_ONLY)
+    measured = dive.measured
+    t_s = seconds(measured.trajectory.t_ns, int(measured.trajectory.t_ns[0]))
+    velocity = np.gradient(dive.global_from_vehicle[:, :3, 3], t_s, axis=0)
+    odometry = measured.odometry
+    change = np.einsum(
+        "nji,nj->ni",
+        dive.global_from_vehicle[odometry.first, :3, :3],
+        velocity[odometry.second] - velocity[odometry.first],
+    )
+    late = replace(odometry, translation=odometry.translation - 0.2 * change)
+    solver = solver_of(measured.rig)
+    path = solve_path(replace(measured, odometry=late), solver)
+    (said,) = explained_as_well(path.verdict.suspects)
+    (late_s,) = re.findall(r"late beside the images' \(dvl\.time_offset = -(\S+),", said)
+    assert float(late_s) == pytest.approx(0.2, abs=0.03)
+    assert not solve_path(measured, solver).verdict.suspects
 
 
 def test_a_dive_without_imu_and_depths_suspects_others():
