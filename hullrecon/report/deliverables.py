@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.outside_map import OutsideMap
@@ -40,7 +40,6 @@ from hullrecon.report.export.geometry import (
 )
 from hullrecon.report.export.las import las_bytes
 from hullrecon.report.export.layers import Layer, geojson, geopackage, object_layers, photo_name
-from hullrecon.report.export.summary import FileEntry
 from hullrecon.report.export.tables import (
     Table,
     csv_metadata,
@@ -58,26 +57,10 @@ from hullrecon.report.foxglove.dive_result import dive_result_mcap
 from hullrecon.report.render import render_page, render_pdf, why_no_pdf
 from hullrecon.report.stream import Stream
 from hullrecon.report.survey import Survey
+from hullrecon.report.writer import DeliverableWriter
 
 SCHEMAS = "schemas"
 Required = TypeVar("Required")
-
-
-class FileSink(Protocol):
-    """Writes files below deliver/ and lists them."""
-
-    @property
-    def entries(self) -> Mapping[str, FileEntry]:
-        """Size and hash of each file written so far, by name."""
-
-    def write(self, name: str, data: bytes | str) -> None:
-        """Write a file."""
-
-    def write_json(self, name: str, value: object) -> None:
-        """Write a document."""
-
-    def copy(self, name: str, source: Path) -> None:
-        """Copy a file of a step."""
 
 
 @dataclass
@@ -89,7 +72,7 @@ class Delivery:
     """
 
     survey: Survey
-    out: FileSink
+    out: DeliverableWriter
     stream: Stream  # computes many results, on several processes where there are
     failed: dict[str, str] = field(default_factory=dict)  # reason by name of the deliverable
 

@@ -7,28 +7,15 @@ from __future__ import annotations
 import io
 import logging
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import redirect_stdout
 from importlib import resources
 from pathlib import Path
-from typing import TypedDict, cast
+from typing import Any
 
 _FONT = "font:"  # scheme of the fonts named in print.css
 MAX_CARDS = 40  # with more objects the PDF has a photo and a line for each, and an annex of numbers
 _PICTURES = "/* Pictures */"  # mark in print.css after which the rules of plan and ship begin
-
-
-class _Card(TypedDict):
-    rows: Sequence[tuple[str, str]]
-
-
-class _Shown(TypedDict):
-    """The variables of the page that Python reads for the PDF. The template takes all."""
-
-    sections: Sequence[tuple[str, str]]
-    cards: Sequence[_Card]
-    plan: str | None
-    ship: tuple[str, str] | None
 
 
 def render_page(context: Mapping[str, object]) -> str:
@@ -72,7 +59,7 @@ def why_no_pdf() -> str | None:
     return None
 
 
-def render_pdf(context: Mapping[str, object]) -> bytes:
+def render_pdf(context: Mapping[str, Any]) -> bytes:
     """Render the report as PDF, tagged for screen readers, from the variables of page_context.
 
     The same context gives the same bytes. Raises OSError if Pango is missing.
@@ -86,24 +73,25 @@ def render_pdf(context: Mapping[str, object]) -> bytes:
     return bytes(document.write_pdf(dpi=200, **options))
 
 
-def render_html(context: Mapping[str, object]) -> str:
+def render_html(context: Mapping[str, Any]) -> str:
     """Render the HTML that the PDF is made of.
 
     The 3-D view is left out. The SVG pictures get their style rules inside, as those of the page do
     not apply there.
     """
-    shown = cast(_Shown, context)
     # rules of the page do not apply inside a picture
     style, _, pictures = read_template("print.css").partition(_PICTURES)
-    sections = [section for section in shown["sections"] if section[0] != "view"]
-    plan, ship = shown["plan"], shown["ship"]
+    sections = [section for section in context["sections"] if section[0] != "view"]
+    plan, ship = context["plan"], context["ship"]
     more = {
         "sections": sections,
         "number": {name: k for k, (name, _) in enumerate(sections, start=1)},
         "plan": plan and _with_style(plan, pictures),
         "ship": ship and (_with_style(ship[0], pictures), ship[1]),
-        "compact": len(shown["cards"]) > MAX_CARDS,
-        "columns": list(dict.fromkeys(name for card in shown["cards"] for name, _ in card["rows"])),
+        "compact": len(context["cards"]) > MAX_CARDS,
+        "columns": list(
+            dict.fromkeys(name for card in context["cards"] for name, _ in card["rows"])
+        ),
     }
     return render_template("print.html", {**context, **more, "style": style, "dict": dict})
 

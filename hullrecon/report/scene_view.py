@@ -28,9 +28,9 @@ import numpy as np
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.geometry.meshes.local_origin import local_origin
 from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
-from hullrecon.geometry.open3d_import import import_open3d
-from hullrecon.memory import return_free_memory
+from hullrecon.geometry.meshes.thinning import thin_mesh
 from hullrecon.records.deliverables import ReportedObject
+from hullrecon.report.content.page_data import rounded
 from hullrecon.report.figures.hull_map import HullMap
 from hullrecon.report.survey import Surfaces, Survey
 from hullrecon.typing import Array, Ints, Ints32, Mask
@@ -148,7 +148,7 @@ def _decimate(part: ScenePart | None, most: int) -> ScenePart | None:
     mesh = Mesh(found, part.faces)
     if len(mesh.faces) > MAX_AT_ONCE:
         mesh = _thin_stripes(mesh, 2 * most)
-    mesh = _thin_mesh(mesh, most)
+    mesh = thin_mesh(mesh, most)
     # The hull as found was thinned. Take the form off again, which the page adds
     nearest = np.asarray(cKDTree(found).query(mesh.vertices)[1], np.int64)
     vertices = mesh.vertices - part.form[nearest, None] * part.normals[nearest]
@@ -168,26 +168,13 @@ def _thin_stripes(mesh: Mesh, most: int) -> Mesh:
     points, faces, count = [], [], 0
     for stripe in stripes:
         used, index = _used_vertices(mesh.faces[stripe], len(mesh.vertices))
-        thin = _thin_mesh(Mesh(mesh.vertices[used], index), round(most * len(stripe) / len(order)))
+        thin = thin_mesh(Mesh(mesh.vertices[used], index), round(most * len(stripe) / len(order)))
         points.append(thin.vertices)
         faces.append(thin.faces + count)
         count += len(thin.vertices)
     # Equal vertices of neighbouring stripes become one
     joined, number = np.unique(np.concatenate(points), axis=0, return_inverse=True)
     return Mesh(joined, number.ravel()[np.concatenate(faces)].astype(np.int32))
-
-
-def _thin_mesh(mesh: Mesh, most: int) -> Mesh:
-    """Thin a mesh to about `most` triangles by collapsing edges, the flattest first."""
-    o3d = import_open3d()
-    full = o3d.geometry.TriangleMesh(
-        o3d.utility.Vector3dVector(mesh.vertices), o3d.utility.Vector3iVector(mesh.faces)
-    )
-    thin = full.simplify_quadric_decimation(target_number_of_triangles=most)
-    out = Mesh(np.array(thin.vertices), np.array(thin.triangles, np.int32))
-    del full, thin
-    return_free_memory()
-    return out
 
 
 def relief_of(points: Array, form: Array) -> Array:
@@ -260,7 +247,7 @@ def make_scene(survey: Survey, view: HullMap | None) -> SceneView | None:
         "rest": None if rest is None else _pack(rest, outside, block, origin),
         "has_form": surveyed.has_form,
         "has_cad": survey.is_in_hull_frame,
-        "path": _rounded((path - origin)[:: max(1, -(-len(survey.track.t_ns) // MAX_PATH))]),
+        "path": rounded((path - origin)[:: max(1, -(-len(survey.track.t_ns) // MAX_PATH))]),
         "objects": [
             _object(o, origin)
             for o in survey.findings.objects or ()
@@ -308,17 +295,12 @@ def _object(found: ReportedObject, origin: Array) -> SceneDocument:
     return {
         "id": found.id,
         "kind": "protrusion" if found.height >= 0 else "recess",
-        "at": _rounded(np.array(found.center, float) - origin),
-        "normal": _rounded(np.array(found.normal, float)),
-        "outline": _rounded(_finite_rows(np.array(found.outline, float).reshape(-1, 3) - origin)),
+        "at": rounded(np.array(found.center, float) - origin),
+        "normal": rounded(np.array(found.normal, float)),
+        "outline": rounded(_finite_rows(np.array(found.outline, float).reshape(-1, 3) - origin)),
     }
 
 
 def _finite_rows(points: Array) -> Array:
     """Drop points (n, 3) with a NaN."""
     return points[np.isfinite(points).all(axis=1)]
-
-
-def _rounded(values: Array) -> list[object]:
-    """Round to 0.1 mm, for JSON."""
-    return list(np.round(np.asarray(values, float), 4).tolist())

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 from PIL import Image
+from report_pages import page_context
 
 from hullrecon.errors import InputError
 from hullrecon.report.about import AboutInspection, read_logo
-from hullrecon.report.content.page_context import page_context
 from hullrecon.report.render import render_page
 from hullrecon.report.survey import Survey
 

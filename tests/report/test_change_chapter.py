@@ -12,12 +12,12 @@ from html import unescape
 import pytest
 from pypdf import PdfReader
 from report.change.conftest import MOVE, T_NS, hull_change, object_change
+from report_pages import page_context
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.report.change.chapter import change_chapter
 from hullrecon.report.change.files import change_files
 from hullrecon.report.content.headline import headline
-from hullrecon.report.content.page_context import page_context
 from hullrecon.report.render import render_html, render_page, render_pdf
 from hullrecon.report.survey import EarlierComparison, Survey
 

@@ -17,8 +17,9 @@ import pytest
 from hullrecon.errors import InputError
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.report import deliverables
-from hullrecon.report.deliver import DeliverableWriter, deliver
+from hullrecon.report.deliver import deliver
 from hullrecon.report.survey import Provenance, Survey
+from hullrecon.report.writer import DeliverableWriter
 
 
 class Folder:

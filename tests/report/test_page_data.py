@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from report_pages import page_context
 
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.links import NodePairs
-from hullrecon.report.content.page_context import page_context
 from hullrecon.report.content.page_data import script_json
 from hullrecon.report.export.layers import object_layers
 from hullrecon.report.render import render_page

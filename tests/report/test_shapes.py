@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 import rasterio
 from PIL import Image
+from report_pages import page_context
 
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.report.content.objects import jpeg_uri
-from hullrecon.report.content.page_context import page_context
 from hullrecon.report.figures.hull_map import Extent, hull_map
 from hullrecon.report.figures.map_pictures import (
     MapLayer,

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import json
 import math
-from base64 import b64encode
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from hullrecon.report.change.chapter import change_chapter, verdict
 from hullrecon.report.change.map import change_png
 from hullrecon.report.export.layers import Fields, Layer, geojson, geopackage
 from hullrecon.report.export.tables import csv_text
+from hullrecon.report.figures.style import picture_uri
 from hullrecon.report.render import render_template
 from hullrecon.typing import Array
 
@@ -75,8 +75,8 @@ def comparison_files(change: HullChange, outside: OutsideMap, t_ns: int) -> dict
 
 def change_page(change: HullChange, png: bytes) -> str:
     """Render the changes as a self-contained page in which the map, a PNG, is embedded."""
-    picture = "data:image/png;base64," + b64encode(png).decode()
-    return render_template("change.html", {"change": change_chapter(change), "change_map": picture})
+    variables = {"change": change_chapter(change), "change_map": picture_uri(png)}
+    return render_template("change.html", variables)
 
 
 def change_csv(change: HullChange) -> str:

@@ -4,13 +4,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.records.change import CHANGED, ChangeMap, HullChange, ObjectChange
+from hullrecon.report.figures.plan_view import nice_below
 from hullrecon.report.figures.style import GRAY, INK, new_figure, png_bytes
 from hullrecon.typing import Array
 
@@ -27,21 +27,12 @@ CHANGED_OBJECT, OTHER_OBJECT, MOVED_HULL, ONE_DIVE_ONLY = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True, kw_only=True)
-class OutlineStyle:
-    """How an outline is drawn."""
-
-    line: str  # colour
-    width: float = 1.0  # points
-    dashed: bool = False
-    fill: str = "none"  # colour inside
-
-
-OUTLINES = {
-    CHANGED_OBJECT: OutlineStyle(line=INK, width=1.4),
-    OTHER_OBJECT: OutlineStyle(line=GRAY, width=0.8),
-    MOVED_HULL: OutlineStyle(line=INK, dashed=True),
-    ONE_DIVE_ONLY: OutlineStyle(line="none", fill="#dadada"),
+# How matplotlib draws each kind of outline: inside, line, its width in points
+OUTLINES: dict[str, dict[str, Any]] = {
+    CHANGED_OBJECT: {"fc": "none", "ec": INK, "lw": 1.4},
+    OTHER_OBJECT: {"fc": "none", "ec": GRAY, "lw": 0.8},
+    MOVED_HULL: {"fc": "none", "ec": INK, "lw": 1.0, "ls": "--"},
+    ONE_DIVE_ONLY: {"fc": "#dadada", "ec": "none", "lw": 1.0},
 }
 
 
@@ -129,8 +120,7 @@ def _draw_object(axis: Axes, row: ObjectChange, outside: OutsideMap) -> None:
 def _draw_scale(axis: Axes) -> None:
     """Draw a bar of a round length in the lower left corner."""
     (left, right), (bottom, top) = axis.get_xlim(), axis.get_ylim()
-    span = 10.0 ** np.floor(np.log10((right - left) / 4))
-    span *= max(factor for factor in (1, 2, 5) if factor * span <= (right - left) / 4)
+    span = nice_below((right - left) / 4)
     start, level = left + 0.02 * (right - left), bottom + 0.05 * (top - bottom)
     axis.plot([start, start + span], [level, level], color=INK, lw=2.5, solid_capstyle="butt")
     axis.annotate(
@@ -148,10 +138,7 @@ def _outline(ring: Array, kind: str) -> Polygon:
     """Make the patch of an outline, ring (n, 2) on the map, in the style of its kind."""
     from matplotlib.patches import Polygon
 
-    style = OUTLINES[kind]
-    return Polygon(
-        ring, fc=style.fill, ec=style.line, lw=style.width, ls="--" if style.dashed else "-"
-    )
+    return Polygon(ring, **OUTLINES[kind])
 
 
 def _label(row: ObjectChange) -> str:

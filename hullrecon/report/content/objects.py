@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -18,6 +17,7 @@ from hullrecon.records.sensors import ImageIndex
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.report.content.phrases import count, length, probability, with_sigma
 from hullrecon.report.figures.plan_view import nice_below
+from hullrecon.report.figures.style import picture_uri
 from hullrecon.report.survey import ImageSource, Survey
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Pixels
@@ -201,8 +201,7 @@ def jpeg_uri(picture: Pixels, min_width: int = 560, quality: int = 88) -> str:
         picture = np.asarray(
             cv2.resize(picture, None, fx=factor, fy=factor, interpolation=cv2.INTER_CUBIC), np.uint8
         )
-    data = b64encode(_jpeg(np.asarray(picture, np.uint8), quality))
-    return "data:image/jpeg;base64," + data.decode()
+    return picture_uri(_jpeg(np.asarray(picture, np.uint8), quality), "jpeg")
 
 
 def _enlargement(width: int, height: int, min_width: int) -> float:

@@ -4,10 +4,9 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
-from typing import cast
+from typing import Any
 
 import numpy as np
 
@@ -23,22 +22,22 @@ from hullrecon.report.content.headline import (
     weak_sentences,
 )
 from hullrecon.report.content.objects import Crop, card_context, jpeg_uri, object_rows
-from hullrecon.report.content.page_data import image_id, image_uri, page_data, script_json
+from hullrecon.report.content.page_data import image_id, page_data, script_json
 from hullrecon.report.content.phrases import area_words, length
 from hullrecon.report.content.quality import quality_tables
 from hullrecon.report.content.rejected import rejected_groups, settings_rows
-from hullrecon.report.figures.hull_map import HullMap, hull_map
+from hullrecon.report.figures.hull_map import HullMap
 from hullrecon.report.figures.map_pictures import form_png, survey_layers
 from hullrecon.report.figures.map_tiles import index_tiles
 from hullrecon.report.figures.plan_view import survey_plan
 from hullrecon.report.figures.ship_view import ship_svg
-from hullrecon.report.figures.style import Plot
+from hullrecon.report.figures.style import Plot, picture_uri
 from hullrecon.report.scene_view import BLOCK, make_scene
 from hullrecon.report.survey import Mosaic, Survey
 from hullrecon.typing import Pixels
 from hullrecon.version import version
 
-PageContext = Mapping[str, object]
+PageContext = Mapping[str, Any]
 SECTIONS = (
     ("plan", "Map of the hull"),
     ("view", "The hull in 3-D"),
@@ -55,30 +54,6 @@ SECTIONS = (
 )
 
 
-def page_context(
-    survey: Survey,
-    plots: Sequence[Plot],
-    deliverables: Mapping[str, object],
-    photos: Mapping[int, Crop],
-) -> PageContext:
-    """Build the variables of the page's template.
-
-    Parameters
-    ----------
-    survey
-        All that the steps found.
-    plots
-        Plots of the appendix.
-    deliverables
-        Files written so far, by name.
-    photos
-        Pictures of objects by the object's number.
-    """
-    view = hull_map(survey)
-    printed = print_context(survey, view, plots, deliverables, photos)
-    return join_drawings(printed, draw_page(survey, view, deliverables))
-
-
 def print_context(
     survey: Survey,
     view: HullMap | None,
@@ -88,7 +63,18 @@ def print_context(
 ) -> PageContext:
     """Build the variables that page and PDF share.
 
-    Parameters are those of `page_context`. view: the map of the hull.
+    Parameters
+    ----------
+    survey
+        All that the steps found.
+    view
+        The map of the hull.
+    plots
+        Plots of the appendix.
+    deliverables
+        Files written so far, by name.
+    photos
+        Pictures of objects by the object's number.
     """
     quality, mosaics = quality_tables(survey), survey.mosaics.named()
     sections = _sections(
@@ -131,7 +117,7 @@ def draw_page(
     """Draw what only the page shows: the layers of its map, and the hull in 3-D.
 
     Most of it runs outside the interpreter, so that another thread gets on meanwhile. view: the map
-    of the hull. deliverables: as of `page_context`, of which the tiles of mosaics are shown.
+    of the hull. deliverables: files written so far, of which the tiles of mosaics are shown.
     """
     tiles = index_tiles(survey, deliverables)
     layers = survey_layers(survey, view, tiles) if view else []
@@ -140,15 +126,16 @@ def draw_page(
     return {
         "data": script_json(data),
         "has_scene": scene is not None,
-        "layers": [(image_id(layer), image_uri(layer)) for layer in layers]
+        "layers": [(image_id(layer), picture_uri(layer.webp, "webp")) for layer in layers]
         + ([(BLOCK, scene.block)] if scene else []),
     }
 
 
 def join_drawings(printed: PageContext, drawn: PageContext) -> PageContext:
     """Join the variables that page and PDF share with the drawings of the page."""
-    listed = cast(Sequence[tuple[str, str]], printed["sections"])
-    sections = [section for section in listed if section[0] != "view" or drawn["has_scene"]]
+    sections = [
+        section for section in printed["sections"] if section[0] != "view" or drawn["has_scene"]
+    ]
     number = {name: k for k, (name, _) in enumerate(sections, start=1)}
     return {**printed, **drawn, "sections": sections, "number": number}
 
@@ -169,7 +156,7 @@ def _title_context(survey: Survey) -> PageContext:
     return {
         "title": f"Hull survey: {dive.name}",
         "about": about,
-        "logo": png_uri(about.logo) if about.logo else None,
+        "logo": picture_uri(about.logo) if about.logo else None,
         "date": _date_words(dive.date) if dive.date is not None else "",
         "ship": draw_ship(survey),
         "verdict": verdict(survey),
@@ -225,7 +212,7 @@ def _plot_context(plot: Plot) -> PageContext:
     return {
         "title": plot.title,
         "alt": plot.alt,
-        "src": png_uri(plot.png),
+        "src": picture_uri(plot.png),
         "csv": f"plots/{plot.name}.csv",
     }
 
@@ -239,7 +226,7 @@ def _date_words(date: datetime) -> str:
 def _change_context(survey: Survey) -> PageContext:
     """Build the variables of the chapter on change, None without an earlier dive."""
     found = survey.change
-    return {"change": found and found.chapter, "change_map": found and png_uri(found.map)}
+    return {"change": found and found.chapter, "change_map": found and picture_uri(found.map)}
 
 
 def _coverage_context(survey: Survey) -> PageContext:
@@ -266,17 +253,12 @@ def draw_ship(survey: Survey) -> tuple[str, str] | None:
     return ship_svg(chart.mesh, Mesh(surface.vertices @ chart.axes.T, seen)) if len(seen) else None
 
 
-def png_uri(png: bytes) -> str:
-    """Encode a PNG as a data URI."""
-    return "data:image/png;base64," + b64encode(png).decode()
-
-
 def deviation_map(survey: Survey, view: HullMap) -> str | None:
     """Draw the deviation's form as a data URI. None without a CAD model or a hull as found."""
     split = survey.surfaces.deviation
     if split is None or view.found is None or not survey.is_in_hull_frame:
         return None
-    return png_uri(form_png(view.found, split, view)) if np.isfinite(split.form).any() else None
+    return picture_uri(form_png(view.found, split, view)) if np.isfinite(split.form).any() else None
 
 
 def position_sentence(survey: Survey) -> str:

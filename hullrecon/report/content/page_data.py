@@ -16,7 +16,6 @@ it when it is first shown.
 from __future__ import annotations
 
 import json
-from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
@@ -64,11 +63,6 @@ def image_id(layer: MapLayer) -> str:
     return f"layer-{layer.name}"
 
 
-def image_uri(layer: MapLayer) -> str:
-    """Encode a layer's picture as a data URI."""
-    return "data:image/webp;base64," + b64encode(layer.webp).decode()
-
-
 def _map(
     survey: Survey,
     view: HullMap,
@@ -79,13 +73,13 @@ def _map(
     hull, in_ship = survey.facts.hull, survey.is_in_hull_frame
     outside = view.extent.outside
     return {
-        "bounds": _rounded(np.array(view.extent.bounds)),
+        "bounds": rounded(np.array(view.extent.bounds)),
         "x_sign": outside.x_sign,
         "y_sign": outside.y_sign,
         "axes": ["along", "girth"] if in_ship else ["along", "across"],
         "frame_spacing": hull.frame_spacing if hull is not None and in_ship else None,
         "layers": [_layer(layer, tiles.get(layer.name)) for layer in layers],
-        "path": [_rounded(outside.to_map(piece)) for piece in _pieces(view.path)],
+        "path": [rounded(outside.to_map(piece)) for piece in _pieces(view.path)],
         "links": _links(survey.facts.node_pairs, view),
     }
 
@@ -130,9 +124,9 @@ def _object(placed: ChartedObject, view: HullMap) -> PageData:
         "id": found.id,
         "kind": "protrusion" if found.height >= 0 else "recess",
         "height": round(found.height, 4),
-        "at": _rounded(outside.to_map(at[None])[0]) if on_chart else None,
-        "outline": _rounded(outside.to_map(outline[np.isfinite(outline).all(axis=1)])),
-        "ellipse": [] if ellipse is None else _rounded(outside.to_map(at + ellipse.ring())),
+        "at": rounded(outside.to_map(at[None])[0]) if on_chart else None,
+        "outline": rounded(outside.to_map(outline[np.isfinite(outline).all(axis=1)])),
+        "ellipse": [] if ellipse is None else rounded(outside.to_map(at + ellipse.ring())),
     }
 
 
@@ -160,11 +154,12 @@ def _links(pairs: NodePairs | None, view: HullMap) -> list[PageData]:
         "between legs": kept & pairs.across,
     }
     return [
-        {"kind": name, "segments": _rounded(ends[which])}
+        {"kind": name, "segments": rounded(ends[which])}
         for name, which in kinds.items()
         if which.any()
     ]
 
 
-def _rounded(values: Array) -> list[object]:
+def rounded(values: Array) -> list[object]:
+    """Round to 0.1 mm, for JSON."""
     return list(np.round(np.asarray(values, float), 4).tolist())

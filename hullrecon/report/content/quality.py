@@ -126,39 +126,20 @@ def _sensor_errors(
     tray's backlash is left out: in simulation its error exceeds its sigma.
     """
     facts, degree = survey.facts, math.degrees(1.0)
-    per_hour = 3600 * degree
-    errors = (
-        (
-            facts.dvl is not None,
-            "Scale error of the DVL's velocities",
-            (-100 * found.dvl_scale, 100 * sigma.dvl_scale, " %"),
-        ),
-        (
-            facts.has_attitude,
-            "Drift of the heading",
-            (
-                -per_hour * found.heading_drift_rad_s,
-                per_hour * sigma.heading_drift_rad_s,
-                "° per hour",
-            ),
-        ),
-        (
-            facts.has_attitude,
-            "Bias of roll",
-            (degree * found.roll_bias_rad, degree * sigma.roll_bias_rad, "°"),
-        ),
-        (
-            facts.has_attitude,
-            "Bias of pitch",
-            (degree * found.pitch_bias_rad, degree * sigma.pitch_bias_rad, "°"),
-        ),
-        (
-            facts.has_depth,
-            "Bias of the depth",
-            (1000 * found.depth_bias_m, 1000 * sigma.depth_bias_m, " mm"),
-        ),
+    dvl, attitude, depth = facts.dvl is not None, facts.has_attitude, facts.has_depth
+    errors = (  # whether it was carried, name, field, factor from that to the error in its unit
+        (dvl, "Scale error of the DVL's velocities", "dvl_scale", -100, " %"),
+        (attitude, "Drift of the heading", "heading_drift_rad_s", -3600 * degree, "° per hour"),
+        (attitude, "Bias of roll", "roll_bias_rad", degree, "°"),
+        (attitude, "Bias of pitch", "pitch_bias_rad", degree, "°"),
+        (depth, "Bias of the depth", "depth_bias_m", 1000, " mm"),
     )
-    return [(name, error_with_sigma(*numbers)) for carried, name, numbers in errors if carried]
+    rows = list[tuple[str, str]]()
+    for carried, name, field, factor, unit in errors:
+        if carried:
+            error, one_sigma = (factor * getattr(values, field) for values in (found, sigma))
+            rows.append((name, error_with_sigma(error, abs(one_sigma), unit)))
+    return rows
 
 
 def _times(survey: Survey) -> WordTable:

@@ -32,18 +32,12 @@ def ply_bytes(
 
     Raises KeyError for a property that is not float32, float64, uint8 or int32.
     """
-    columns = {name: np.asarray(values) for name, values in vertex.items()}
-    count = len(next(iter(columns.values())))
+    rows = pack_rows(vertex)
     header = ["ply", "format binary_little_endian 1.0", *(f"comment {line}" for line in comments)]
     header += [
-        f"element vertex {count}",
-        *(f"property {_NAMES[v.dtype.name]} {n}" for n, v in columns.items()),
+        f"element vertex {len(rows)}",
+        *(f"property {_NAMES[values.dtype.name]} {name}" for name, values in vertex.items()),
     ]
-    rows = np.empty(
-        count, [(name, values.dtype.newbyteorder("<")) for name, values in columns.items()]
-    )
-    for name, values in columns.items():
-        rows[name] = values
     body = rows.tobytes()
     if faces is not None:
         header += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
@@ -53,12 +47,26 @@ def ply_bytes(
     return "\n".join([*header, "end_header", ""]).encode("ascii", "replace") + body
 
 
+def pack_rows(columns: Mapping[str, NDArray[np.generic]]) -> NDArray[np.void]:
+    """Pack columns (n,) into rows (n,) without gaps, little endian."""
+    types = [(name, values.dtype.newbyteorder("<")) for name, values in columns.items()]
+    rows = np.empty(len(next(iter(columns.values()))), types)
+    for name, values in columns.items():
+        rows[name] = values
+    return rows
+
+
 def columns(points: NDArray[np.float64]) -> dict[str, NDArray[np.generic]]:
     """Split points (n, 3) into columns x, y, z of double precision.
 
     Single precision has steps of 4 mm at a ship's length from a harbour's origin.
     """
     return {name: np.ascontiguousarray(points[:, k]) for k, name in enumerate("xyz")}
+
+
+def color_columns(color: NDArray[np.generic]) -> dict[str, NDArray[np.generic]]:
+    """Split colours (n, 3) from 0 to 255 into columns red, green, blue of a byte."""
+    return {name: color[:, k].astype(np.uint8) for k, name in enumerate(("red", "green", "blue"))}
 
 
 def landmarks_in_hull(solution: Solution) -> NDArray[np.float64]:
@@ -81,20 +89,15 @@ def landmarks_ply(survey: Survey, solution: Solution) -> bytes:
     a third of the covariance's trace.
     """
     sigma = np.sqrt(np.einsum("nii->n", solution.landmarks.covariance) / 3)
-    color = {
-        name: solution.landmarks.color[:, k].astype(np.uint8)
-        for k, name in enumerate(("red", "green", "blue"))
-    }
     values = {
+        **columns(landmarks_in_hull(solution)),
+        **color_columns(solution.landmarks.color),
         "label": solution.landmarks.label.astype(np.uint8),
         "deviation": solution.landmarks.deviation.astype(np.float32),
         "sigma": sigma.astype(np.float32),
         "track": solution.landmarks.views.astype(np.int32),
     }
-    return ply_bytes(
-        {**columns(landmarks_in_hull(solution)), **color, **values},
-        comments=header_comments(survey),
-    )
+    return ply_bytes(values, comments=header_comments(survey))
 
 
 def surface_ply(survey: Survey, surface: Surface, split: DeviationSplit | None = None) -> bytes:
@@ -103,6 +106,7 @@ def surface_ply(survey: Survey, surface: Surface, split: DeviationSplit | None =
     as_found.ply also holds the form of the deviation (`split`), NaN without a CAD model.
     """
     values = {
+        **columns(surface.vertices),
         "deviation": surface.deviation.astype(np.float32),
         "sigma": surface.sigma.astype(np.float32),
         "support": surface.support.astype(np.int32),
@@ -111,9 +115,7 @@ def surface_ply(survey: Survey, surface: Surface, split: DeviationSplit | None =
         unknown = np.full(len(surface.vertices), np.nan, np.float32)
         values["form"] = unknown if split is None else split.form.astype(np.float32)
         values["form_sigma"] = unknown if split is None else split.form_sigma.astype(np.float32)
-    return ply_bytes(
-        {**columns(surface.vertices), **values}, surface.faces, header_comments(survey)
-    )
+    return ply_bytes(values, surface.faces, header_comments(survey))
 
 
 def motion_document(motion: Poses) -> dict[str, list[float]]:
@@ -217,9 +219,8 @@ def chart_mesh(chart: Chart, seen: Array) -> ChartMesh:
     points, normals = chart.from_chart(lattice.reshape(-1, 2))
     number = np.arange(len(points)).reshape(len(along), len(girth))
     corners = [
-        number[rows, columns].ravel()
-        for rows in (np.s_[:-1], np.s_[1:])
-        for columns in (np.s_[:-1], np.s_[1:])
+        part.ravel()
+        for part in (number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:])
     ]
     # Cells of which all four corners lie on the chart
     whole = np.isfinite(points[np.stack(corners, axis=1)]).all(axis=(1, 2))

@@ -4,8 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import csv
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from io import StringIO
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +23,13 @@ from hullrecon.report.survey import Survey
 from hullrecon.typing import Array
 
 QUDT = "http://qudt.org/vocab/unit/"
+WORDS = ("side", "address")  # columns of words
 UNITS = {"m": "M", "rad": "RAD", "s": "SEC", "m2": "M2", "m3": "M3"}  # names of QUDT
+
+
+Cells = tuple[str, str, str, Sequence[object]]  # name, unit, meaning and values of a column
+# name, unit and meaning of a column of objects.csv, and what gives an object's value
+ObjectColumn = tuple[str, str, str, Callable[[ReportedObject], object]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,115 +102,101 @@ def numbers(values: NDArray[np.float64], form: str = ".9f") -> list[str]:
 
 def csv_text(table: Mapping[str, Sequence[object]]) -> str:
     """Write columns as CSV. Cells with a comma, a quote or a line end are quoted (RFC 4180)."""
-    rows = zip(*table.values(), strict=True)
-    return "\n".join([",".join(table), *(",".join(_cell(c) for c in row) for row in rows), ""])
+    text = StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(table)
+    writer.writerows(zip(*table.values(), strict=True))
+    return text.getvalue()
 
 
-def _cell(value: object) -> str:
-    """Write a cell of a CSV, quoted where it has to be."""
-    text = "" if value is None else str(value)
-    return '"' + text.replace('"', '""') + '"' if any(c in text for c in ',"\n\r') else text
+def _table(file: str, title: str, cells: Iterable[Cells]) -> Table:
+    """Make a table of columns that are given as tuples."""
+    columns = [
+        Column(name=name, unit=unit, meaning=meaning, values=values, words=name in WORDS)
+        for name, unit, meaning, values in cells
+    ]
+    return Table(file=file, title=title, columns=columns)
 
 
 def objects_table(objects: Sequence[ReportedObject]) -> Table:
     """Make objects.csv (docs/deliverables.md): one row per object, as in objects.json."""
-    columns = [_column("id", "", "number, as in objects.json", [o.id for o in objects])]
-    for name, unit, meaning in (
-        ("center", "m", "on the visible surface"),
-        ("normal", "", "outward unit normal of the hull"),
-    ):
-        columns += [
-            _column(f"{name}_{a}", unit, meaning, [getattr(o, name)[k] for o in objects])
-            for k, a in enumerate("xyz")
-        ]
-    columns += [
-        _column(
-            f"extent_{k + 1}",
-            "m",
-            f"size {direction} of the part above a quarter of the height",
-            [o.extent[k] for o in objects],
-        )
-        for k, direction in enumerate(("along the hull", "over the girth"))
-    ]
-    columns += [
-        _column(name, unit, meaning, [getattr(o, name) for o in objects])
-        for name, unit, meaning in _COLUMNS
-    ]
-    columns.append(
-        _column("address", "", "place in words", [o.address for o in objects], words=True)
+    cells = (
+        (name, unit, meaning, [_object_cell(value(found)) for found in objects])
+        for name, unit, meaning, value in _OBJECT_COLUMNS
     )
-    columns.append(
-        _column(
-            "image_count", "", "images that objects.json lists", [len(o.images) for o in objects]
-        )
-    )
-    columns += [
-        _column(
-            f"extent_{k + 1}_sigma",
-            "m",
-            "one sigma of the extent",
-            [o.extent_sigma and o.extent_sigma[k] for o in objects],
-        )
-        for k in range(2)
-    ]
-    columns += [
-        _column(
-            f"position_sigma_{a}",
-            "m",
-            f"one sigma of the center along {a}",
-            [o.position_sigma and o.position_sigma[k] for o in objects],
-        )
-        for k, a in enumerate("xyz")
-    ]
-    columns += [
-        _column(name, unit, meaning, [getattr(o, name) for o in objects], words=name == "side")
-        for name, unit, meaning in _LAST_COLUMNS
-    ]
-    return Table(file="objects.csv", title="structures on the hull", columns=columns)
-
-
-# Columns of objects.csv that are fields of an object: name, unit, meaning.
-_COLUMNS = (
-    ("height", "m", "above the hull around it, negative for a recess"),
-    ("height_sigma", "m", "one sigma of the height"),
-    ("deviation", "m", "largest signed distance to the CAD model"),
-    ("area", "m2", "of the part above a quarter of the height"),
-    ("volume", "m3", "of the same part, negative for a recess"),
-    ("views", "", "images that show more than half of its top"),
-    ("p_value", "", "probability that bare hull looks so anywhere in the survey"),
-)
-_LAST_COLUMNS = (
-    ("deviation_sigma", "m", "one sigma of the deviation, the hull's position included"),
-    ("area_sigma", "m2", "one sigma of the area"),
-    ("volume_sigma", "m3", "one sigma of the volume"),
-    ("open_edge", "", "share of the outline beyond which nothing was measured"),
-    ("sigma_along", "m", "one sigma of the center along the hull"),
-    ("sigma_girth", "m", "one sigma of the center in girth"),
-    ("sigma_normal", "m", "one sigma of the center along the normal"),
-    ("along", "m", "along the hull"),
-    ("girth", "m", "girth from the keel, port positive"),
-    ("side", "", "port, starboard or keel"),
-    ("frame", "", "number of the ship's frame"),
-    ("depth", "m", "of the center below the water surface"),
-    ("depth_sigma", "m", "one sigma of the depth"),
-)
-
-
-def _column(
-    name: str, unit: str, meaning: str, values: Sequence[object], words: bool = False
-) -> Column:
-    """Make a column of objects.csv, with six significant digits of each number."""
-    return Column(
-        name=name,
-        unit=unit,
-        meaning=meaning,
-        values=[_object_cell(value) for value in values],
-        words=words,
-    )
+    return _table("objects.csv", "structures on the hull", cells)
 
 
 def _object_cell(value: object) -> object:
+    """Write a value with six significant digits if it is a number with decimals."""
     return f"{value:.6g}" if isinstance(value, float) else value
+
+
+def _parts(field: str, names: Mapping[str, str], unit: str) -> list[ObjectColumn]:
+    """Make a column for each part of a field, empty where an object lacks the field.
+
+    names: the meaning of each column by its name, in the order of the parts.
+    """
+
+    def part(k: int, found: ReportedObject) -> object:
+        parts = getattr(found, field)
+        return None if parts is None else parts[k]
+
+    return [
+        (name, unit, meaning, partial(part, k)) for k, (name, meaning) in enumerate(names.items())
+    ]
+
+
+def _fields(*columns: tuple[str, str, str]) -> list[ObjectColumn]:
+    """Make columns of fields of an object: name, unit, meaning."""
+    return [(name, unit, meaning, attrgetter(name)) for name, unit, meaning in columns]
+
+
+_OBJECT_COLUMNS = (  # in the order of the file, to which new ones are added at the end
+    *_fields(("id", "", "number, as in objects.json")),
+    *_parts("center", {f"center_{a}": "on the visible surface" for a in "xyz"}, "m"),
+    *_parts("normal", {f"normal_{a}": "outward unit normal of the hull" for a in "xyz"}, ""),
+    *_parts(
+        "extent",
+        {
+            "extent_1": "size along the hull of the part above a quarter of the height",
+            "extent_2": "size over the girth of the part above a quarter of the height",
+        },
+        "m",
+    ),
+    *_fields(
+        ("height", "m", "above the hull around it, negative for a recess"),
+        ("height_sigma", "m", "one sigma of the height"),
+        ("deviation", "m", "largest signed distance to the CAD model"),
+        ("area", "m2", "of the part above a quarter of the height"),
+        ("volume", "m3", "of the same part, negative for a recess"),
+        ("views", "", "images that show more than half of its top"),
+        ("p_value", "", "probability that bare hull looks so anywhere in the survey"),
+        ("address", "", "place in words"),
+    ),
+    ("image_count", "", "images that objects.json lists", lambda found: len(found.images)),
+    *_parts("extent_sigma", {f"extent_{k}_sigma": "one sigma of the extent" for k in (1, 2)}, "m"),
+    *_parts(
+        "position_sigma",
+        {f"position_sigma_{a}": f"one sigma of the center along {a}" for a in "xyz"},
+        "m",
+    ),
+    *_fields(
+        ("deviation_sigma", "m", "one sigma of the deviation, the hull's position included"),
+        ("area_sigma", "m2", "one sigma of the area"),
+        ("volume_sigma", "m3", "one sigma of the volume"),
+        ("open_edge", "", "share of the outline beyond which nothing was measured"),
+        ("sigma_along", "m", "one sigma of the center along the hull"),
+        ("sigma_girth", "m", "one sigma of the center in girth"),
+        ("sigma_normal", "m", "one sigma of the center along the normal"),
+        ("along", "m", "along the hull"),
+        ("girth", "m", "girth from the keel, port positive"),
+        ("side", "", "port, starboard or keel"),
+        ("frame", "", "number of the ship's frame"),
+        ("depth", "m", "of the center below the water surface"),
+        ("depth_sigma", "m", "one sigma of the depth"),
+    ),
+)
 
 
 def track_of(trajectory: Trajectory, solution: Solution | None) -> VehicleTrack:
@@ -239,9 +235,7 @@ def trajectory_table(survey: Survey) -> Table:
     """Make trajectory.csv (docs/deliverables.md): one row per node."""
     track, frame = survey.track, survey.track.frame
     where, turn = f"position of the vehicle in {frame}", f"rotation of the vehicle in {frame}"
-    cells: list[tuple[str, str, str, list[str]]] = [
-        ("t", "s", "since 1970 (UTC)", seconds(track.t_ns))
-    ]
+    cells: list[Cells] = [("t", "s", "since 1970 (UTC)", seconds(track.t_ns))]
     for name, values in zip("xyz", track.poses.translation.T, strict=True):
         cells.append((name, "m", where, numbers(values)))
     for name, values in zip(("qx", "qy", "qz", "qw"), track.poses.quaternion.T, strict=True):
@@ -250,14 +244,7 @@ def trajectory_table(survey: Survey) -> Table:
         cells.append((f"sigma_{name}", unit, f"one sigma of {what}", numbers(values, ".6g")))
     cells.append(("tray", "rad", "angle of the tray", numbers(track.tray)))
     cells += _ship_cells(survey)
-    return Table(
-        file="trajectory.csv",
-        title="the vehicle at every node",
-        columns=[
-            Column(name=name, unit=unit, meaning=meaning, values=values, words=name == "side")
-            for name, unit, meaning, values in cells
-        ],
-    )
+    return _table("trajectory.csv", "the vehicle at every node", cells)
 
 
 _SIGMAS = (
@@ -270,11 +257,8 @@ _SIGMAS = (
 )
 
 
-def _ship_cells(survey: Survey) -> list[tuple[str, str, str, list[str]]]:
-    """Make the cells of the vehicle's chart coordinates, depth and their sigmas.
-
-    Each column is name, unit, meaning and cells.
-    """
+def _ship_cells(survey: Survey) -> list[Cells]:
+    """Make the cells of the vehicle's chart coordinates, depth and their sigmas."""
     track = survey.track
     at = chart_coordinates(survey, track.poses.translation)
     along_sigma, girth_sigma = chart_sigmas(survey)

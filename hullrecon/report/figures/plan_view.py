@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import math
-from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
@@ -15,6 +14,7 @@ import numpy as np
 from hullrecon.report.content.phrases import count, with_sigma
 from hullrecon.report.figures.hull_map import Extent, HullMap, SigmaEllipse
 from hullrecon.report.figures.map_pictures import ground_png
+from hullrecon.report.figures.style import picture_uri
 from hullrecon.report.survey import Survey
 from hullrecon.typing import Array
 
@@ -118,8 +118,7 @@ def _ground(plan: Plan) -> str:
     frame = f'<rect {box} class="sea"/>'
     if plan.ground is None:
         return frame
-    data = b64encode(plan.ground).decode()
-    return f'{frame}<image {box} preserveAspectRatio="none" href="data:image/png;base64,{data}"/>'
+    return f'{frame}<image {box} preserveAspectRatio="none" href="{picture_uri(plan.ground)}"/>'
 
 
 def nice_step(span_m: float, most: int = 10) -> float:

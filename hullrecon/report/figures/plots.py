@@ -29,7 +29,6 @@ from hullrecon.report.figures.style import (
     label_counts,
     label_log_axis,
     new_figure,
-    png_bytes,
 )
 from hullrecon.report.survey import FactorResiduals, Survey
 from hullrecon.typing import Array, Arrays, Ints
@@ -261,13 +260,8 @@ def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) 
         " and ".join(name for name, measured in names.items() if measured),
         "; ".join(parts),
     )
-    return Plot(
-        name="depth_standoff",
-        title=title[0].upper() + title[1:],
-        alt=f"{alt[0].upper()}{alt[1:]}.",
-        png=png_bytes(figure),
-        table=table,
-    )
+    title, alt = f"{title[0].upper()}{title[1:]}", f"{alt[0].upper()}{alt[1:]}."
+    return finish_plot(figure, "depth_standoff", title, alt, table)
 
 
 def _while_heard(t_ns: Ints, heard_ns: Ints, value: Array) -> Array:
@@ -362,14 +356,11 @@ def deviation_histogram(
     axis.set(xlabel="distance to the CAD model, outward positive (mm)", ylabel="share (%)")
     axis.set_yscale("symlog", linthresh=0.1)
     axis.legend(fontsize=8, frameon=False)
-    return Plot(
-        name="deviation_histogram",
-        title="Deviation from the CAD model",
-        alt=f"{_form_words(*shares['form'], split)}; offset of the whole patch {offset:+.0f} mm, "
-        f"one sigma {sigma:.0f} mm.",
-        png=png_bytes(figure),
-        table=table,
+    alt = (
+        f"{_form_words(*shares['form'], split)}; offset of the whole patch {offset:+.0f} mm, "
+        f"one sigma {sigma:.0f} mm."
     )
+    return finish_plot(figure, "deviation_histogram", "Deviation from the CAD model", alt, table)
 
 
 def _form_words(form: Array, weight: Array, split: DeviationSplit) -> str:

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from dataclasses import dataclass
 from html import escape
 
@@ -13,7 +12,7 @@ import numpy as np
 from hullrecon.geometry.meshes.mesh import Mesh, face_areas, face_normals
 from hullrecon.native import draw_triangles
 from hullrecon.report.figures.plan_view import nice_below
-from hullrecon.report.figures.style import encode_png
+from hullrecon.report.figures.style import encode_png, picture_uri
 from hullrecon.report.format_limits import reduction
 from hullrecon.typing import Array
 
@@ -81,13 +80,13 @@ def ship_svg(ship: Mesh, patch: Mesh) -> tuple[str, str]:
         f"The bow is on the {'left' if side.bow_is_left else 'right'}."
     )
     surveyed = side.project(patch.vertices[np.unique(patch.faces)])
-    picture = b64encode(_render(ship, patch, side, (low, high))).decode()
+    picture = picture_uri(_render(ship, patch, side, (low, high)))
     box = f'x="{MARGIN}" y="{MARGIN}" width="{width:.1f}" height="{height:.1f}"'
     svg = (
         f'<svg class="ship" viewBox="0 0 {WIDTH:.0f} {height + 2 * MARGIN + FOOT:.0f}" role="img" '
         f'aria-label="{escape(text, quote=True)}" xmlns="http://www.w3.org/2000/svg">'
         f"<title>{escape(text)}</title>"
-        f'<image {box} preserveAspectRatio="none" href="data:image/png;base64,{picture}"/>'
+        f'<image {box} preserveAspectRatio="none" href="{picture}"/>'
         f"{_frame(surveyed, low, scale, height)}{_foot(side, scale, height)}</svg>"
     )
     return svg, side.words

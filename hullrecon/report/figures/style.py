@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
@@ -96,3 +97,8 @@ def encode_png(picture: Pixels) -> bytes:
     buffer = BytesIO()
     Image.fromarray(picture, "RGBA").save(buffer, format="PNG")
     return buffer.getvalue()
+
+
+def picture_uri(picture: bytes, form: str = "png") -> str:
+    """Write an encoded picture as a data URI. form: png, jpeg or webp."""
+    return f"data:image/{form};base64,{b64encode(picture).decode()}"

@@ -16,11 +16,11 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.gltf_axes import gltf_from
 from hullrecon.geometry.meshes.local_origin import local_origin
 from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
-from hullrecon.geometry.open3d_import import import_open3d
+from hullrecon.geometry.meshes.thinning import thin_mesh
 from hullrecon.geometry.poses import from_matrix, from_rpy, tray_poses
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.surface import Surface
-from hullrecon.report.export.geometry import landmarks_in_hull
+from hullrecon.report.export.geometry import color_columns, landmarks_in_hull
 from hullrecon.report.foxglove import messages
 from hullrecon.report.foxglove.messages import Message
 from hullrecon.report.survey import Survey
@@ -36,7 +36,7 @@ def ship_glb(mesh: Mesh) -> bytes:
     """Encode a CAD model in M as a GLB of at most about MAX_FACES triangles."""
     import trimesh
 
-    shown = _thinned(mesh)
+    shown = thin_mesh(mesh, MAX_FACES)
     material = trimesh.visual.material.PBRMaterial(
         baseColorFactor=STEEL,
         metallicFactor=0.0,
@@ -54,18 +54,6 @@ def ship_glb(mesh: Mesh) -> bytes:
     scene = trimesh.Scene()
     scene.add_geometry(ship, node_name="ship", geom_name="ship", transform=gltf_from(Z_UP))
     return bytes(scene.export(file_type="glb", include_normals=True))
-
-
-def _thinned(mesh: Mesh) -> Mesh:
-    """Thin a mesh to about MAX_FACES triangles. One that has no more is returned as it is."""
-    if len(mesh.faces) <= MAX_FACES:
-        return mesh
-    o3d = import_open3d()
-    full = o3d.geometry.TriangleMesh(
-        o3d.utility.Vector3dVector(mesh.vertices), o3d.utility.Vector3iVector(mesh.faces)
-    )
-    thin = full.simplify_quadric_decimation(target_number_of_triangles=MAX_FACES)
-    return Mesh(np.asarray(thin.vertices), np.asarray(thin.triangles, np.int32))
 
 
 FILE = "dive_result.mcap"
@@ -196,16 +184,13 @@ def _fixed_content(
     yield "/vehicle/path", {"timestamp": messages.time(t_ns), "frame_id": frame, "poses": path}
     if survey.adjusted is not None and len(survey.adjusted.solution.landmarks):
         landmarks = survey.adjusted.solution.landmarks
-        color = {
-            name: landmarks.color[:, k].astype(np.uint8)
-            for k, name in enumerate(("red", "green", "blue"))
-        }
-        more = {
+        columns = {
+            **_columns(landmarks_in_hull(survey.adjusted.solution), local),
+            **color_columns(landmarks.color),
             "alpha": np.full(len(landmarks), 255, np.uint8),
             "label": landmarks.label.astype(np.uint8),
         }
-        points = _columns(landmarks_in_hull(survey.adjusted.solution), local)
-        yield "/landmarks", messages.point_cloud(t_ns, local.name, {**points, **color, **more})
+        yield "/landmarks", messages.point_cloud(t_ns, local.name, columns)
     if surfaces.as_found is not None:
         yield "/hull/as_found", _as_found(surfaces.as_found, t_ns, local)
     if surfaces.cad_model is not None and survey.is_in_hull_frame:
@@ -258,11 +243,11 @@ def _dvl_returns(survey: Survey, local: LocalFrame) -> Iterator[TimedMessage]:
     # Rows of one ping at a time, which have the same stamp
     for rows in np.split(order, np.flatnonzero(np.diff(returns.t_ns[order])) + 1):
         t_ns = int(returns.t_ns[rows[0]])
-        more: dict[str, NDArray[np.generic]] = {
+        columns = {
+            **_columns(points[rows], local),
             "range": returns.range_m[rows].astype(np.float32),
             "flagged": returns.flagged[rows].astype(np.uint8),
         }
-        columns = {**_columns(points[rows], local), **more}
         value = messages.point_cloud(t_ns, local.name, columns)
         yield TimedMessage(t_ns=t_ns, topic="/dvl/returns", value=value)
 
@@ -276,9 +261,11 @@ def _columns(points: Array, local: LocalFrame) -> dict[str, NDArray[np.generic]]
 def _as_found(surface: Surface, t_ns: int, local: LocalFrame) -> Message:
     """Make the cloud of the hull as found, of the vertices that were seen."""
     seen = surface.support > 0
-    values = {"deviation": surface.deviation, "sigma": surface.sigma}
-    more = {name: value[seen].astype(np.float32) for name, value in values.items()}
-    columns = {**_columns(surface.vertices[seen], local), **more}
+    columns = {
+        **_columns(surface.vertices[seen], local),
+        "deviation": surface.deviation[seen].astype(np.float32),
+        "sigma": surface.sigma[seen].astype(np.float32),
+    }
     return messages.point_cloud(t_ns, local.name, columns)
 
 

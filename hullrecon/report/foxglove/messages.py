@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.poses import Poses
+from hullrecon.report.export.geometry import pack_rows
 from hullrecon.typing import Array
 
 Schema = dict[str, object]
@@ -187,12 +188,7 @@ def point_cloud(t_ns: int, frame: str, columns: Mapping[str, NDArray[np.generic]
 
     Raises ValueError for a type that is not one of numpy's uint8 to float64.
     """
-    rows = np.empty(
-        len(columns["x"]),
-        np.dtype([(name, values.dtype.newbyteorder("<")) for name, values in columns.items()]),
-    )
-    for name, values in columns.items():
-        rows[name] = values
+    rows = pack_rows(columns)
     members: Mapping[str, Any] = rows.dtype.fields or {}
     fields = [
         {
