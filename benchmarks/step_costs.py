@@ -17,13 +17,39 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
-from hullrecon.api.costs import QUANTITIES, fit_line, size_of_run
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.api.costs import QUANTITIES, size_of_run
 from hullrecon.artifacts.manifest import FILE_NAME
 from hullrecon.steps.chain import NAMES
 
 PINGS = frozenset({"mosaic-sonar"})  # all others grow with the images
+
+
+def fit_line(grown: Sequence[float], measured: Sequence[float]) -> NDArray[np.float64]:
+    """Fit the line of a cost, fixed part and slope, both non-negative.
+
+    Relative errors are minimised by least squares. From one measurement, only a slope is fitted.
+
+    Parameters
+    ----------
+    grown
+        Size of each dive.
+    measured
+        Cost in each.
+    """
+    from scipy.optimize import nnls
+
+    scale = np.maximum(np.asarray(measured, float), 1e-3)
+    columns = np.stack([np.ones(len(scale)), np.asarray(grown, float)], axis=1)
+    if len(scale) == 1:
+        columns[:, 0] = 0
+    found, _ = nnls(columns / scale[:, None], np.asarray(measured, float) / scale)
+    return np.asarray(found)
 
 
 def measured(folder: Path, timed: bool = True) -> dict[str, float] | None:

@@ -32,6 +32,12 @@ class Rows:
         kept = {name: _take(getattr(self, name), rows) for name in self._columns()}
         return replace(self, **kept)  # type: ignore[type-var]  # any dataclass
 
+    def followed_by(self, *more: Self) -> Self:
+        """Append the rows of other tables of the same kind."""
+        parts = (self, *more)
+        joined = {n: np.concatenate([getattr(p, n) for p in parts]) for n in self._columns()}
+        return replace(self, **joined)  # type: ignore[type-var]  # any dataclass
+
     def _columns(self) -> list[str]:
         names = [field.name for field in fields(self)]  # type: ignore[arg-type]  # any dataclass
         return [name for name in names if name not in self.SHARED]

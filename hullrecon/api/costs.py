@@ -18,7 +18,6 @@ from importlib import resources
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.cameras import CameraModel
@@ -97,28 +96,6 @@ def _line(coefficients: object, grown: float) -> float:
     """Evaluate a line (fixed part, slope) at the size of the dive."""
     fixed, slope = np.asarray(coefficients, float)
     return float(fixed + slope * grown)
-
-
-def fit_line(grown: Sequence[float], measured: Sequence[float]) -> NDArray[np.float64]:
-    """Fit the line of a cost, fixed part and slope, both non-negative.
-
-    Relative errors are minimised by least squares. From one measurement, only a slope is fitted.
-
-    Parameters
-    ----------
-    grown
-        Size of each dive.
-    measured
-        Cost in each.
-    """
-    from scipy.optimize import nnls
-
-    scale = np.maximum(np.asarray(measured, float), 1e-3)
-    columns = np.stack([np.ones(len(scale)), np.asarray(grown, float)], axis=1)
-    if len(scale) == 1:
-        columns[:, 0] = 0
-    found, _ = nnls(columns / scale[:, None], np.asarray(measured, float) / scale)
-    return np.asarray(found)
 
 
 def half_of_machine_gb() -> float:

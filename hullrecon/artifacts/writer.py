@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import tempfile
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO, cast
@@ -25,6 +25,24 @@ from hullrecon.artifacts.manifest import FILE_NAME
 
 _ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)  # a fixed date, the earliest of a zip: equal runs, equal bytes
 _UNIX = 3  # system in a zip member's header
+
+
+def write_blocks(
+    path: Path,
+    dtype: np.dtype[np.generic],
+    shape: tuple[int, ...],
+    blocks: Iterable[NDArray[np.generic]],
+) -> None:
+    """Write a .npy block by block, for an array that need not fit into memory.
+
+    shape: of the whole array, whose rows the blocks are in order.
+    """
+    layout = np.lib.format.dtype_to_descr(dtype)
+    with path.open("wb") as file:
+        header = {"descr": layout, "fortran_order": False, "shape": shape}
+        np.lib.format.write_array_header_1_0(file, header)
+        for block in blocks:
+            file.write(np.ascontiguousarray(block).data)
 
 
 class ArtifactWriter:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -16,6 +17,7 @@ from hullrecon.geometry.charts.tangents import tangents_at
 from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.deliverables import Point
 from hullrecon.records.solution import HullPose
 from hullrecon.records.surface import Surface
 from hullrecon.typing import Array
@@ -83,8 +85,8 @@ class HullPosition:
             along=float(self.sigma[0]), girth=float(self.sigma[1]), depth=self.depth_sigma or 0.0
         )
 
-    def as_json(self, base: BaseSurface) -> dict[str, object]:
-        """Collect the members of a position in objects.json and in coverage.json.
+    def members(self, base: BaseSurface) -> dict[str, Any]:
+        """Collect the fields of `PositionMembers`, as in objects.json and in coverage.json.
 
         Those that are unknown are None: along and girth off the chart, side and frame where the
         base is not a ship, the depth where it was not measured.
@@ -94,7 +96,7 @@ class HullPosition:
         on_ship = known and is_hull_chart(base.chart)
         return {
             "position_covariance": [[float(f"{v:.6g}") for v in row] for row in self.covariance],
-            "position_sigma": _round(np.sqrt(np.diag(self.covariance))),
+            "position_sigma": list(rounded(np.sqrt(np.diag(self.covariance)))),
             "sigma_along": round(float(self.sigma[0]), 5),
             "sigma_girth": round(float(self.sigma[1]), 5),
             "sigma_normal": round(float(self.sigma[2]), 5),
@@ -171,8 +173,10 @@ def _tangents(center: Array, normal: Array, base: BaseSurface) -> tuple[Array, A
     return along, np.cross(along, normal)
 
 
-def _round(values: Array) -> list[float]:
-    return [round(float(v), 5) for v in values]
+def rounded(point: Array) -> Point:
+    """Round the coordinates of a point (3,) to 0.01 mm, for JSON."""
+    x, y, z = (round(float(v), 5) for v in point)
+    return x, y, z
 
 
 @dataclass(frozen=True, kw_only=True)

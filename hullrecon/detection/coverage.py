@@ -22,7 +22,7 @@ from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.region import region_cells
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh, vertex_areas, vertex_normals
-from hullrecon.geometry.neighbours import nearest
+from hullrecon.geometry.neighbours import is_near, nearest
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.sensors import SonarPings
 from hullrecon.records.solution import HullPose
@@ -161,7 +161,7 @@ def locate_hole(center: Array, base: BaseSurface, track: VehicleTrack) -> Facts:
     toward = track.poses.translation[near] - center
     normal = toward / max(float(np.linalg.norm(toward)), 1e-9)
     covariance = track.covariance[near : near + 1, :3, :3]
-    return hull_position(center, normal, covariance, 0.0, CELL_M / np.sqrt(12), base).as_json(base)
+    return hull_position(center, normal, covariance, 0.0, CELL_M / np.sqrt(12), base).members(base)
 
 
 def region_facts(
@@ -283,9 +283,7 @@ def camera_facts(hull: HullPatches, seen: Visibility, focal_px: float, images: i
 
 def covered_by_surface(hull: HullPatches, vertices: Array, reach_m: float) -> Mask:
     """Tell which patches (n,) lie within `reach_m` of a vertex (k, 3) of the DVL's surface."""
-    if not len(vertices):
-        return np.zeros(len(hull.area), bool)
-    return np.asarray(np.isfinite(nearest(vertices, hull.mesh.vertices, 1, reach_m)[0][:, 0]))
+    return is_near(vertices, hull.mesh.vertices, reach_m)
 
 
 def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mask:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
@@ -97,11 +97,11 @@ def find_structures(
     found = estimate_hull_as_found(base.mesh, measured, background, views, options, fusion)
     # Structures: regions that stand off the hull beyond doubt
     objects, rejected = find_objects(found, measured, views, base, options)
-    rows: list[Facts] = [{"id": k + 1, **item.as_json()} for k, item in enumerate(objects)]
+    rows = [asdict(replace(item, id=k + 1)) for k, item in enumerate(objects)]
     facts: Facts = {
         "reference": base.description,
         "landmarks_used": len(measured),
-        "not_reported": [item.as_json() for item in rejected],
+        "not_reported": [asdict(item) for item in rejected],
     }
     as_found = as_found_surface(found, measured, base.cad_model is not None)
     bare = np.abs(found.height) < MIN_OFFSET_M

@@ -8,7 +8,7 @@ import os
 
 import numpy as np
 
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array, Ints, Mask
 
 MANY = 5000  # query points for which threads are started: 7 ms of search, to 0.1 ms for the threads
 
@@ -63,6 +63,13 @@ class Around:
         """
         center = 0.5 * (points.min(axis=0) + points.max(axis=0))
         return self(center, float(np.linalg.norm(points - center, axis=1).max()) + reach)
+
+
+def is_near(points: Array, wanted: Array, reach: float) -> Mask:
+    """Tell which query points (m, k) have one of the points (n, k) within reach."""
+    if not len(points):
+        return np.zeros(len(wanted), bool)
+    return np.asarray(np.isfinite(nearest(points, wanted, 1, reach)[0][:, 0]))
 
 
 def count_within(points: Array, wanted: Array, reach: float) -> Ints:

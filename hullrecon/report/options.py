@@ -35,3 +35,19 @@ class ReportOptions(Section, frozen=True):
     logo: Annotated[
         FileName | None, Meta(description="PNG, JPEG or WebP, relative to dive.toml")
     ] = None
+
+    def rows(self) -> list[tuple[str, str]]:
+        """List the heading and text of each block that dive.toml fills in."""
+        rows = [
+            ("Client", self.client),
+            ("Inspected by", self.operator),
+            ("Operator of the vessel", self.vessel_operator),
+            ("Equipment", "; ".join(self.equipment)),
+            ("Water", self.water),
+        ]
+        return [(name, text.strip()) for name, text in rows if text and text.strip()]
+
+    def paragraphs(self) -> list[str]:
+        """Split the conclusion into paragraphs at its blank lines."""
+        parts = (self.conclusion or "").replace("\r\n", "\n").split("\n\n")
+        return [" ".join(part.split()) for part in parts if part.strip()]

@@ -26,8 +26,8 @@ from hullrecon.records.sensors import DvlPings, ImageIndex
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import Returns, Trajectory, VehicleTrack
-from hullrecon.report.about import AboutInspection
 from hullrecon.report.change.chapter import ChangeChapter
+from hullrecon.report.options import ReportOptions
 from hullrecon.rig import Rig
 from hullrecon.typing import Arrays, Pixels
 
@@ -199,7 +199,8 @@ class DiveFacts:
     navigation: NavigationFacts = field(default_factory=NavigationFacts)
     pairs: PairFacts = field(default_factory=PairFacts)
     node_pairs: NodePairs | None = None  # all pairs whose images were compared
-    about: AboutInspection = field(default_factory=AboutInspection)
+    about: ReportOptions = field(default_factory=ReportOptions)
+    logo: bytes | None = None  # PNG
 
 
 @dataclass(frozen=True, kw_only=True)

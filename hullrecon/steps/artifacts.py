@@ -55,6 +55,7 @@ from hullrecon.records.trajectory import (
     Returns,
     Trajectory,
     TrajectoryErrorModel,
+    VehicleTrack,
 )
 from hullrecon.rig import Rig, rig_with_priors
 from hullrecon.typing import Arrays
@@ -99,20 +100,18 @@ class RequiredFile(Generic[Record]):
     Raises InputError if its file is missing.
     """
 
-    def __init__(self, name: str, kind: type[Record], *, keep: bool = False) -> None:
-        self.name, self.kind, self.keep = name, kind, keep  # keep: read once, for many accesses
+    def __init__(self, name: str, kind: type[Record]) -> None:
+        self.name, self.kind = name, kind
 
     def __get__(self, artifact: StepArtifact, owner: type) -> Record:
-        """Read the record, or take it from the artifact if it was read and is to be kept."""
+        """Read the record at the first access, and keep it as long as the artifact's object."""
         kept: dict[str, Record] = artifact.__dict__
-        if self.name in kept:
-            return kept[self.name]
-        found = artifact.read(self.name, self.kind)
-        if found is None:
-            raise artifact.missing(self.name)
-        if self.keep:
+        if self.name not in kept:
+            found = artifact.read(self.name, self.kind)
+            if found is None:
+                raise artifact.missing(self.name)
             kept[self.name] = found
-        return found
+        return kept[self.name]
 
 
 class JsonFile:
@@ -178,7 +177,7 @@ class IngestArtifact(StepArtifact):
 class NavigateArtifact(StepArtifact):
     """The dead-reckoned dive."""
 
-    trajectory = RequiredFile("trajectory.npz", Trajectory, keep=True)
+    trajectory = RequiredFile("trajectory.npz", Trajectory)
     odometry = RequiredFile("odometry.npz", Odometry)
     attitude = RequiredFile("attitude.npz", Attitude)
     error_model = RequiredFile("error_model.npz", TrajectoryErrorModel)
@@ -200,7 +199,7 @@ class LinksArtifact(StepArtifact):
     links = RequiredFile("links.npz", CameraLinks)
     stereo = RequiredFile("stereo.npz", NodeStereo)
     planes = OptionalFile("planes.npz", TiedPlanes)  # patches of hull that tie passes together
-    path = RequiredFile("path.npz", LinkedPath, keep=True)
+    path = RequiredFile("path.npz", LinkedPath)
     facts = JsonFile("links.json")
 
     @property
@@ -236,7 +235,7 @@ class MatchesArtifact(StepArtifact):
 class AdjustArtifact(StepArtifact):
     """The adjusted dive."""
 
-    solution = RequiredFile("solution.npz", Solution, keep=True)
+    solution = RequiredFile("solution.npz", Solution)
     summary = JsonFile("adjust.json")
 
     @property
@@ -378,6 +377,13 @@ class InputArtifacts:
         """
         rig = rig_with_priors(settings, self.ingest.camera_models)
         return rig.with_depth_offset(self.navigate.depth_offset_m)
+
+    @property
+    def track(self) -> VehicleTrack:
+        """The best path: adjusted in M, adjusted in g, or dead reckoned in g."""
+        adjusted = self.adjust
+        path = self.navigate.trajectory if adjusted is None else adjusted.solution
+        return path.track()
 
     @property
     def camera_models(self) -> dict[Camera, CameraModel]:

@@ -26,8 +26,8 @@ from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.solution import Solution
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import AdjustArtifact, InputArtifacts
-from hullrecon.steps.keys import SONAR_KEYS, TRAY_KEYS
-from hullrecon.steps.sonar import sonar_poses
+from hullrecon.steps.keys import TRAY_KEYS
+from hullrecon.steps.sonar import ping_poses
 from hullrecon.threads import in_threads
 
 
@@ -131,10 +131,8 @@ def _sonar_survey(
     elevation_deg = settings.read_optional("sonar.elevation_deg", float)
     if elevation_deg is None or pings is None:
         return None
-    rig = rig_from_settings({key: settings[key] for key in SONAR_KEYS})
-    joint = settings.read_optional("sonar.joint", str)
     try:
-        poses = sonar_poses(rig, solution.track(), pings.t_ns, joint, inputs.ingest.sonar_joint)
+        poses = ping_poses(inputs, settings, solution.track())
     except StageError as error:
         context.warn(f"coverage by sonar is unknown: {error}")
         return None

@@ -14,6 +14,7 @@ from typing import BinaryIO
 import numpy as np
 
 from hullrecon.artifacts.stage import Context, StageSettings
+from hullrecon.artifacts.writer import write_blocks
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.schema import Logs, Topics
 from hullrecon.dive.ingest.ingest import ingest
@@ -155,11 +156,7 @@ def _write_images(path: Path, shape: tuple[int, int, int], images: Iterator[Imag
 
     shape: (pings, beams, ranges) of all images together.
     """
-    with path.open("wb") as file:
-        description = {"descr": np.dtype(np.uint8).str, "fortran_order": False, "shape": shape}
-        np.lib.format.write_array_header_1_0(file, description)
-        for image in images:
-            file.write(np.ascontiguousarray(image).data)
+    write_blocks(path, np.dtype(np.uint8), shape, images)
     return np.asarray(np.load(path, mmap_mode="r", allow_pickle=False))
 
 

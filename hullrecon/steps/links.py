@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.artifacts.stage import Context, StageSettings
+from hullrecon.artifacts.writer import write_blocks
 from hullrecon.dive.config.schema import Tray
 from hullrecon.navigation.planes.planar_graph import PlanarSolution, planar_graph
 from hullrecon.navigation.pose_graph.graph import GraphSolution, PoseGraph
@@ -152,12 +153,8 @@ def _write_features(context: Context[LinkOptions], features: CommonFeatures) -> 
     """
     start = features.start
     context.out.arrays("features.npz", {"start": start})
-    with context.out.path(COMMON_FEATURES) as path, path.open("wb") as file:
-        layout = np.lib.format.dtype_to_descr(COMMON_FEATURE)
-        header = {"descr": layout, "fortran_order": False, "shape": (int(start[-1]),)}
-        np.lib.format.write_array_header_1_0(file, header)
-        for rows in features.blocks():
-            file.write(rows.tobytes())
+    with context.out.path(COMMON_FEATURES) as path:
+        write_blocks(path, COMMON_FEATURE, (int(start[-1]),), features.blocks())
 
 
 def _write_planes(context: Context[LinkOptions], solved: GraphSolution) -> dict[str, object]:

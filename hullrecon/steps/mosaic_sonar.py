@@ -18,12 +18,9 @@ from hullrecon.mosaic.position_sigma import PingUncertainty, median_position_sig
 from hullrecon.mosaic.sonar import SonarMosaic, sonar_mosaic
 from hullrecon.mosaic.stream import Stream
 from hullrecon.records.sensors import SonarPings
-from hullrecon.records.trajectory import VehicleTrack
-from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
-from hullrecon.steps.keys import SONAR_KEYS
 from hullrecon.steps.mosaics import read_mosaic_inputs, write_mosaic
-from hullrecon.steps.sonar import sonar_poses
+from hullrecon.steps.sonar import logged_pings, ping_poses
 from hullrecon.threads import in_threads
 
 
@@ -35,7 +32,7 @@ def run(context: Context[SonarOptions]) -> None:
     """
     artifacts = InputArtifacts(context.inputs)
     settings = artifacts.mounted(context.settings)
-    pings = _pings(artifacts)
+    pings = logged_pings(artifacts)
     inputs = read_mosaic_inputs(artifacts)
     poses = ping_poses(artifacts, settings, inputs.track)
     nodes_ns, mount_sigma = inputs.track.t_ns, np.array(settings.read("sonar.mount_sigma", tuple))
@@ -63,17 +60,6 @@ def run(context: Context[SonarOptions]) -> None:
         write_mosaic(context, inputs, mosaic.store, "Sonar mosaic", facts, scratch)
 
 
-def ping_poses(artifacts: InputArtifacts, settings: StageSettings, track: VehicleTrack) -> Poses:
-    """Compute the sonar's poses at its pings in the track's frame: result_from_sonar (n).
-
-    Raises StageError if there is no ping, or the sonar's servo was not logged. `settings`: with the
-    mounts that the log gives filled in.
-    """
-    rig = rig_from_settings({key: settings[key] for key in SONAR_KEYS})
-    joint = settings.read_optional("sonar.joint", str)
-    return sonar_poses(rig, track, _pings(artifacts).t_ns, joint, artifacts.ingest.sonar_joint)
-
-
 def blend_pings(
     surface: MosaicSurface,
     pings: SonarPings,
@@ -97,11 +83,3 @@ def blend_pings(
     except ValueError as error:
         where = f"mosaic-sonar, pings to {pings.range_m.max():.1f} m"
         raise StageError(f"no sonar mosaic: {error}", where=where) from error
-
-
-def _pings(artifacts: InputArtifacts) -> SonarPings:
-    """Take the pings that were read. Raises StageError without any."""
-    pings = artifacts.ingest.sonar
-    if pings is None:
-        raise StageError("the log holds no sonar ping", where="mosaic-sonar")
-    return pings

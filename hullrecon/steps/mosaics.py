@@ -58,8 +58,7 @@ def read_mosaic_inputs(inputs: InputArtifacts) -> MosaicInputs:
     as_found = inputs.detect.as_found if inputs.detect is not None else None
     solution = inputs.adjust.solution if inputs.adjust is not None else None
     surface = inputs.surface.surface if as_found is None else as_found
-    track = inputs.navigate.trajectory.track() if solution is None else solution.track()
-    chart = inputs.surface.chart
+    track, chart = inputs.track, inputs.surface.chart
     deviation = inputs.detect.deviation if inputs.detect is not None else None
     values = {} if as_found is None else surface_values(as_found, deviation)
     return MosaicInputs(

@@ -51,8 +51,7 @@ from hullrecon.steps.stereo_check import MotionLogs, check_rig, delay_finding
 from hullrecon.vision.odometry import (
     OdometryFrame,
     StereoOdometer,
-    image_motion,
-    image_overlap,
+    TopImages,
     stereo_odometer,
 )
 from hullrecon.vision.pairs.stereo_adjustment import DISPARITY
@@ -241,8 +240,8 @@ def _by_dvl(
     measure, overlap = None, None
     if logs.top is not None and Camera.TOP in rig.cameras:
         read = ingest.images(Camera.TOP, context.source).read
-        measure = image_motion(rig, read, CLOCK_FEATURES, INLIERS)
-        overlap = image_overlap(rig, read, FEATURES, INLIERS)
+        measure = TopImages(rig, read, CLOCK_FEATURES, INLIERS).motion
+        overlap = TopImages(rig, read, FEATURES, INLIERS).overlap
 
     def progress(frames: range) -> Iterable[int]:
         return context.progress(frames, "images followed")

@@ -14,11 +14,10 @@ from hullrecon.artifacts.stage import Context
 from hullrecon.dive.config.schema import Dive, Hull
 from hullrecon.geometry.charts.outside_map import outside_map
 from hullrecon.records.deliverables import Coverage, ReportedObject
-from hullrecon.report.about import AboutInspection, read_logo
 from hullrecon.report.change.chapter import ChangeChapter
 from hullrecon.report.deliver import deliver
 from hullrecon.report.deliverables import missing_deliverables
-from hullrecon.report.export.tables import track_of
+from hullrecon.report.logo import read_logo
 from hullrecon.report.options import ReportOptions
 from hullrecon.report.survey import (
     AdjustedDive,
@@ -91,7 +90,7 @@ def read_survey(context: Context[ReportOptions]) -> Survey:
     }
     facts = artifacts.detect.facts if artifacts.detect is not None else {}
     detect = msgspec.convert({**facts, "objects": _reason(facts)}, DetectFacts)
-    track = track_of(artifacts.navigate.trajectory, solution)
+    track = artifacts.track
     survey = Survey(
         facts=_dive_facts(
             context, artifacts, rig if solution is None else rig.with_mounts(solution.mounts)
@@ -151,7 +150,7 @@ def _dive_facts(context: Context[ReportOptions], artifacts: InputArtifacts, rig:
     The DVL is left out where the path is that of the stereo cameras. rig: with the adjusted mounts,
     if there are any.
     """
-    ingest, matches = artifacts.ingest, artifacts.matches
+    ingest, matches, logo = artifacts.ingest, artifacts.matches, context.parameters.logo
     return DiveFacts(
         dive=context.settings.read_optional("dive", Dive) or Dive(name="dive"),
         hull=context.settings.read_optional("hull", Hull),
@@ -165,18 +164,8 @@ def _dive_facts(context: Context[ReportOptions], artifacts: InputArtifacts, rig:
         navigation=msgspec.convert(artifacts.navigate.facts, NavigationFacts),
         pairs=msgspec.convert(matches.pairs if matches is not None else {}, PairFacts),
         node_pairs=artifacts.links.compared if artifacts.links is not None else None,
-        about=_about(context),
-    )
-
-
-def _about(context: Context[ReportOptions]) -> AboutInspection:
-    """Read the texts and the logo of [report] in dive.toml."""
-    options = context.parameters
-    texts = ("client", "operator", "vessel_operator", "water", "conclusion")
-    return AboutInspection(
-        **{name: getattr(options, name) or "" for name in texts},
-        equipment=options.equipment,
-        logo=None if options.logo is None else read_logo(context.source / options.logo),
+        about=context.parameters,
+        logo=None if logo is None else read_logo(context.source / logo),
     )
 
 

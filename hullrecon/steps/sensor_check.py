@@ -31,7 +31,7 @@ from hullrecon.rig import Rig, rig_from_settings
 from hullrecon.steps.image_check import check_images
 from hullrecon.steps.keys import SENSOR_KEYS, WATER_KEYS
 from hullrecon.steps.stereo_check import image_reader
-from hullrecon.vision.odometry import ReadRow, image_flow
+from hullrecon.vision.odometry import ReadRow, TopImages
 
 # Pairs of neighbouring images whose motion is compared, features of each, least matches of a pair
 PAIRS, FEATURES, INLIERS = 12, 500, 20
@@ -199,11 +199,11 @@ def image_flows(rig: Rig, index: ImageIndex, read: ReadRow) -> list[Flow]:
     t_ns, rows = usable_frames(index)
     if len(t_ns) < 2 or rig.tray_from_top is None:
         return []
-    between = image_flow(rig, read, FEATURES, INLIERS)
+    images = TopImages(rig, read, FEATURES, INLIERS)
     near = np.flatnonzero(np.diff(t_ns) < NEIGHBOURS_S * NS)
     out = []
     for k in np.unique(near[np.linspace(0, len(near) - 1, PAIRS).astype(int)]) if len(near) else ():
-        found = between(int(rows[k]), int(rows[k + 1]))
+        found = images.flow(int(rows[k]), int(rows[k + 1]))
         if found is not None:
             out.append(Flow(t_ns=(int(t_ns[k]), int(t_ns[k + 1])), first=found[0], second=found[1]))
     return out

@@ -26,13 +26,7 @@ from hullrecon.surface.build import Regression, SurfacePoints, build_surface, ga
 from hullrecon.surface.options import SurfaceOptions
 from hullrecon.typing import Array, Ints, Mask
 
-
-@dataclass(frozen=True, kw_only=True)
-class Comparison:
-    """Facts on how far the surface depends on the CAD model that it is compared with."""
-
-    reference: str  # surface from which offsets were regressed: "cad" or "survey"
-    note: str | None  # what a comparison with the CAD model is worth, None without one
+Facts = dict[str, object]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,15 +51,19 @@ class CadHull:
         """Compute signed distances (n,) m of vertices (n, 3) to the CAD model, outward positive."""
         return Scene(self.mesh).closest(vertices).distance
 
-    def comparison(self, poses_are_adjusted: bool) -> Comparison:
-        """Say how far the surface depends on the CAD model that it is compared with."""
+    def comparison(self, poses_are_adjusted: bool) -> Facts:
+        """Say how far the surface depends on the CAD model that it is compared with.
+
+        The members of surface.json are the surface from which offsets were regressed, and what a
+        comparison with the CAD model is worth.
+        """
         note = (
             "The surface is a regression of the returns' offsets from the CAD model and leans on "
             "it between and beyond returns: a comparison with the CAD model is partly circular."
         )
         if poses_are_adjusted:
             note += " The poses that place the returns were adjusted to the CAD model."
-        return Comparison(reference="cad", note=note)
+        return {"reference": "cad", "comparison": note}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,15 +82,12 @@ class UnknownHull:
         """Return NaN (n,), as there is no CAD model."""
         return np.full(len(vertices), np.nan)
 
-    def comparison(self, poses_are_adjusted: bool) -> Comparison:
+    def comparison(self, poses_are_adjusted: bool) -> Facts:
         """Say that offsets are from the survey's own chart, with no CAD model to compare with."""
-        return Comparison(reference="survey", note=None)
+        return {"reference": "survey", "comparison": None}
 
 
 HullReference = CadHull | UnknownHull
-
-
-Facts = dict[str, object]
 OUTLIER_NEIGHBOURS = 30  # neighbours with which a return is compared [Ozog2016 3.2.2.1]
 # From points (n, 3), their chart and positions of the sensors (k, 3), chooses the chart on which
 # offsets are regressed, or a plane from which heights are, with facts for surface.json
@@ -166,18 +161,18 @@ def surface_from_survey(
         returns.points if len(returns.points) else landmarks.points, sensors
     )
     observed = _add_sigmas(returns, survey, chart)
-    if options.landmarks or not len(returns.points):
-        observed = _join(observed, _measure_landmarks(landmarks, survey, chart))
+    if len(landmarks.points) and (options.landmarks or not len(returns.points)):
+        measured = _measure_landmarks(landmarks, survey, chart)
+        # Landmarks sharpen the surface where returns are, and extend it only without any returns
+        alone = np.full(len(measured), not len(returns.points))
+        observed = observed.followed_by(replace(measured, gives_support=alone))
     # The regression
     regressed_on, datum, said = reference(observed.point, chart, sensors)
     surface, facts = build_surface(observed, regressed_on, options, datum, regression)
-    comparison = survey.hull.comparison(survey.solution is not None)
-    facts |= {"reference": comparison.reference, "comparison": comparison.note, **said}
-    facts |= counts
     return ChartedResult(
         surface=replace(surface, deviation=survey.hull.deviation(surface.vertices)),
         chart=chart,
-        facts=facts,
+        facts={**facts, **survey.hull.comparison(survey.solution is not None), **said, **counts},
     )
 
 
@@ -254,17 +249,9 @@ def _measure_landmarks(
 
     Errors of the hull's pose and of the path's position are common to neighbours.
     """
-    n = len(landmarks.points)
-    if survey.solution is None or n == 0:
-        return SurfacePoints(
-            point=np.zeros((0, 3)),
-            noise=np.zeros(0),
-            pose_sigma=np.zeros(0),
-            gives_support=np.zeros(0, bool),
-        )
     _, normals = chart.from_chart(chart.to_chart(landmarks.points)[:, :2])
     # Off the chart there is no normal: such points are left out later
-    pose = survey.solution.hull_pose
+    pose = survey.solution.hull_pose if survey.solution is not None else None
     along = variance_along_normals(
         landmarks.points, np.nan_to_num(normals), landmarks.covariance, pose
     )
@@ -272,7 +259,7 @@ def _measure_landmarks(
         point=landmarks.points,
         noise=np.sqrt(along.own),
         pose_sigma=np.sqrt(along.common),
-        gives_support=np.zeros(n, bool),
+        gives_support=np.zeros(len(landmarks.points), bool),
     )
 
 
@@ -295,20 +282,6 @@ def _add_sigmas(returns: _ReturnPoints, survey: SurfaceInputs, chart: Chart) -> 
         noise=np.full(n, survey.range_sigma_m),
         pose_sigma=np.nan_to_num(shared),
         gives_support=np.ones(n, bool),
-    )
-
-
-def _join(returns: SurfacePoints, landmarks: SurfacePoints) -> SurfacePoints:
-    """Join returns and landmarks. Landmarks give support only where there are no returns at all.
-
-    So landmarks sharpen the surface where returns are, and do not extend it.
-    """
-    n, alone = len(landmarks.point), not len(returns.point)
-    return SurfacePoints(
-        point=np.vstack([returns.point, landmarks.point]),
-        noise=np.concatenate([returns.noise, landmarks.noise]),
-        pose_sigma=np.concatenate([returns.pose_sigma, landmarks.pose_sigma]),
-        gives_support=np.concatenate([returns.gives_support, np.full(n, alone)]),
     )
 
 

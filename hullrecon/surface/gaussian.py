@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
 from scipy import linalg, sparse
@@ -23,6 +23,7 @@ ROUNDS = 4  # of reweighting outliers
 # side of its border in which tiles are blended, as shares of the kernel's lengths
 MARGIN = 0.5
 BLEND = 0.25
+Solve = Callable[[Array], Array]  # solves a system for right-hand sides (n,) or (n, k)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -226,7 +227,7 @@ class Regression:
     at: Array  # (n, 2) m on the chart
     noise: Array  # (n,) m, sigma of each observation: 1/sqrt(beta) in [Ozog2016]
     weights: Array  # (n,) of the observations' kernels, whose sum is the mean
-    factor: Factor  # of the observations' covariance
+    solve: Solve  # with the observations' covariance
 
     def mean(self, wanted: Array) -> Array:
         """Predict the field at points (k, 2) [Ozog2016 eq. 3.2]."""
@@ -248,7 +249,7 @@ class Regression:
     def _explained_variance(self, wanted: Array) -> Array:
         """Compute by how much the observations lower the prior variance at points (k, 2)."""
         cross = self.kernel.matrix(self.at, wanted).toarray()
-        return np.asarray(np.einsum("nm,nm->m", cross, self.factor.solve(cross)))
+        return np.asarray(np.einsum("nm,nm->m", cross, self.solve(cross)))
 
 
 def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
@@ -264,10 +265,8 @@ def _condition(
     kernel: Kernel, covariance: sparse.csr_array, at: Array, values: Array, noise: Array
 ) -> Regression:
     """Condition as `fit` does, given the kernel's covariance (n, n) of the points."""
-    solver = factorise(covariance + sparse.diags_array(noise**2).tocsr())
-    return Regression(
-        kernel=kernel, at=at, noise=noise, weights=solver.solve(values), factor=solver
-    )
+    solve = factorise(covariance + sparse.diags_array(noise**2).tocsr())
+    return Regression(kernel=kernel, at=at, noise=noise, weights=solve(values), solve=solve)
 
 
 def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
@@ -359,62 +358,46 @@ def _log_likelihood(covariance: Array, values: Array, noise: Array) -> float:
     )
 
 
-class Factor(Protocol):
-    """A factorised symmetric positive definite matrix."""
-
-    def solve(self, right: Array) -> Array:
-        """Solve for the right-hand side (n,) or (n, k)."""
-
-
 class NotPositiveDefiniteError(StageError):
     """The matrix is no covariance."""
 
 
-def factorise(matrix: sparse.csr_array) -> Factor:
-    """Factorise a matrix. Raises NotPositiveDefiniteError when a pivot is not positive."""
+def factorise(matrix: sparse.csr_array) -> Solve:
+    """Factorise a symmetric matrix, and return what solves for right-hand sides (n,) or (n, k).
+
+    Raises NotPositiveDefiniteError when a pivot is not positive.
+    """
     n = matrix.shape[0]
-    if n <= SMALL or matrix.nnz > 0.3 * n * n:
-        return _Dense(matrix)
-    return _Sparse(matrix)
+    return _dense(matrix) if n <= SMALL or matrix.nnz > 0.3 * n * n else _sparse(matrix)
 
 
-class _Dense:
-    """A dense Cholesky factorisation by LAPACK."""
-
-    def __init__(self, matrix: sparse.csr_array) -> None:
-        try:
-            dense = matrix.toarray(order="F")  # in LAPACK's order, so that it needs no copy
-            self._factor = linalg.cho_factor(dense, lower=True, overwrite_a=True)
-        except linalg.LinAlgError as error:
-            raise _indefinite() from error
-
-    def solve(self, right: Array) -> Array:
-        return np.asarray(linalg.cho_solve(self._factor, right))
+def _dense(matrix: sparse.csr_array) -> Solve:
+    """Factorise by LAPACK's dense Cholesky."""
+    try:
+        dense = matrix.toarray(order="F")  # in LAPACK's order, so that it needs no copy
+        factor = linalg.cho_factor(dense, lower=True, overwrite_a=True)
+    except linalg.LinAlgError as error:
+        raise _indefinite() from error
+    return lambda right: np.asarray(linalg.cho_solve(factor, right))
 
 
-class _Sparse:
-    """A sparse factorisation by SuperLU with diagonal pivots: U's diagonal is then D of L D L^T."""
+def _sparse(matrix: sparse.csr_array) -> Solve:
+    """Factorise by SuperLU with diagonal pivots: U's diagonal is then D of L D L^T.
 
-    def __init__(self, matrix: sparse.csr_array) -> None:
-        """Factorise.
-
-        Raises NotPositiveDefiniteError where rows had to be exchanged or a pivot is not positive.
-        """
-        try:
-            self._factor = splu(
-                matrix.tocsc(),
-                permc_spec="MMD_AT_PLUS_A",
-                diag_pivot_thresh=0.0,
-                options={"SymmetricMode": True},
-            )
-        except RuntimeError as error:
-            raise _indefinite() from error
-        pivots = self._factor.U.diagonal()
-        if not np.array_equal(self._factor.perm_r, self._factor.perm_c) or pivots.min() <= 0:
-            raise _indefinite()
-
-    def solve(self, right: Array) -> Array:
-        return np.asarray(self._factor.solve(right))
+    The matrix is refused also where rows had to be exchanged.
+    """
+    try:
+        factor = splu(
+            matrix.tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except RuntimeError as error:
+        raise _indefinite() from error
+    if not np.array_equal(factor.perm_r, factor.perm_c) or factor.U.diagonal().min() <= 0:
+        raise _indefinite()
+    return lambda right: np.asarray(factor.solve(right))
 
 
 def _indefinite() -> NotPositiveDefiniteError:

@@ -141,14 +141,8 @@ class ComparedPairs:
 
         None of them is rejected yet.
         """
-        old = self.proposal
         return ComparedPairs(
-            proposal=Proposal(
-                first=np.concatenate([old.first, proposal.first]),
-                second=np.concatenate([old.second, proposal.second]),
-                across=np.concatenate([old.across, proposal.across]),
-                overlap=np.concatenate([old.overlap, proposal.overlap]),
-            ),
+            proposal=self.proposal.followed_by(proposal),
             found=(*self.found, *found),
             round=np.concatenate([self.round, np.full(len(proposal), number)]),
             rejected=np.concatenate([self.rejected, np.zeros(len(proposal), bool)]),

@@ -141,40 +141,43 @@ def stereo_odometer(
     )
 
 
-def image_motion(
-    rig: Rig, read: ReadRow, max_features: int, min_inliers: int
-) -> Callable[[int, int], tuple[Array, Array] | None]:
-    """Set up the measurement of the top camera's motion between two of its images.
+class TopImages:
+    """Images of the top camera, matched without any prior of the motion.
 
-    It needs no stereo pair and no prior.
-
-    Parameters
-    ----------
-    rig
-        The vehicle's sensors.
-    read
-        Reads an image by its row in the index of images. None where it cannot be read.
-    max_features
-        Features of an image.
-    min_inliers
-        Matches that a motion must have.
-
-    Returns
-    -------
-    between
-        Function of two rows of the index of images. It returns second_from_first (4, 4), whose
-        translation has an arbitrary length, and sigmas (2,), rad, of its rotation and of the
-        translation's direction, each about the least well known axis. None where features do not
-        agree.
+    Each image is given by its row in the index of images.
     """
-    match, _ = _match_top_images(rig, read, max_features, min_inliers)
 
-    def between(first: int, second: int) -> tuple[Array, Array] | None:
-        """Measure the motion from one row's image to another's. None where they do not match.
+    def __init__(self, rig: Rig, read: ReadRow, max_features: int, min_inliers: int) -> None:
+        """Set up the matching.
 
-        Returns second_from_first (4, 4), and sigmas (2,), rad, of its rotation and direction.
+        Parameters
+        ----------
+        rig
+            The vehicle's sensors.
+        read
+            Reads an image by its row. None where it cannot be read.
+        max_features
+            Features of an image.
+        min_inliers
+            Matches that a motion must have.
         """
-        found = match(first, second).motion
+        self._rig, self._read = rig, read
+        self._options = MatchOptions(min_inliers=min_inliers)
+        self._feature_options = FeatureOptions(max_features=max_features)
+        self._view = lru_cache(maxsize=2)(self._find_features)  # of the last two images
+
+    def motion(self, first: int, second: int) -> tuple[Array, Array] | None:
+        """Measure the motion from one image to another. None where they do not match.
+
+        Returns
+        -------
+        second_from_first
+            (4, 4), whose translation has an arbitrary length.
+        sigma_rad
+            (2,) of its rotation and of the translation's direction, each about the least well
+            known axis.
+        """
+        found = self._match(first, second).motion
         if found is None:
             return None
         length = float(np.linalg.norm(found.second_from_first[:3, 3]))
@@ -185,55 +188,45 @@ def image_motion(
         variance = [np.linalg.eigvalsh(c)[-1] for c in (found.covariance[3:, 3:], of_direction)]
         return found.second_from_first, np.sqrt(variance)
 
-    return between
+    def overlap(self, first: int, second: int) -> bool:
+        """Test whether two images overlap: their features move as those of one rigid scene.
 
-
-def image_overlap(
-    rig: Rig, read: ReadRow, max_features: int, min_inliers: int
-) -> Callable[[int, int], bool]:
-    """Set up the test whether two images of the top camera overlap.
-
-    As long as they do, a path may be carried on where the DVL is silent. They overlap where at
-    least min_inliers features move as those of one rigid scene. Features that stand still must also
-    fill most of the image: a visible part of the vehicle stands still in open water too. Parameters
-    are those of `image_motion`. The test takes two rows of the index of images.
-    """
-    match, view = _match_top_images(rig, read, max_features, min_inliers)
-    camera = rig.camera_models[Camera.TOP]
-
-    def overlap(first: int, second: int) -> bool:
-        """Test whether features move as of one scene.
-
-        Where they stand still, test also whether they fill most of the image.
+        As long as they do, a path may be carried on where the DVL is silent. Features that stand
+        still must also fill most of the image: a visible part of the vehicle stands still in open
+        water too.
         """
-        found = match(first, second)
+        found = self._match(first, second)
         if found.reason not in (Reason.MATCHED, Reason.NO_MOTION):
             return False
-        before, after = view(first).xy[found.first], view(second).xy[found.second]
+        camera = self._rig.camera_models[Camera.TOP]
+        before, after = self._common(first, second, found)
         moved_px = np.linalg.norm((after - before) * [camera.fx, camera.fy], axis=1)
         return bool(np.median(moved_px) > STILL_PX) or fills_most(after, camera)
 
-    return overlap
+    def flow(self, first: int, second: int) -> tuple[Array, Array] | None:
+        """Find features of one rigid scene in two images. None where features do not agree.
 
+        Returns the positions (m, 2) of the same m features in each image, in ideal coordinates.
+        """
+        found = self._match(first, second)
+        return self._common(first, second, found) if found.reason is Reason.MATCHED else None
 
-def image_flow(
-    rig: Rig, read: ReadRow, max_features: int, min_inliers: int
-) -> Callable[[int, int], tuple[Array, Array] | None]:
-    """Set up the search for features of one rigid scene in two images of the top camera.
+    def _match(self, first: int, second: int) -> PairMatch:
+        seed = (self._options.seed, first, second)
+        matcher = PairMatcher(self._rig, self._options)
+        # without a prior the whole image is searched in any case
+        return matcher.match(self._view(first), self._view(second), None, seed, full_search=False)
 
-    Parameters are those of `image_motion`. The search takes two rows of the index of images and
-    returns the positions (m, 2) of the same m features in each image, in ideal coordinates. None
-    where features do not agree.
-    """
-    match, view = _match_top_images(rig, read, max_features, min_inliers)
+    def _common(self, first: int, second: int, found: PairMatch) -> tuple[Array, Array]:
+        """Look up the positions (m, 2) of the features that two images have in common."""
+        return self._view(first).xy[found.first], self._view(second).xy[found.second]
 
-    def between(first: int, second: int) -> tuple[Array, Array] | None:
-        found = match(first, second)
-        if found.reason is not Reason.MATCHED:
-            return None
-        return view(first).xy[found.first], view(second).xy[found.second]
-
-    return between
+    def _find_features(self, row: int) -> NodeView:
+        """Find the features of an image, in ideal coordinates: none where it cannot be read."""
+        image = self._read(row)
+        found = no_features() if image is None else extract(image, self._feature_options)
+        features = NodeFeatures(top=found, bottom=no_features())
+        return view_of_node(self._rig, features, None, self._options.sigma_px)
 
 
 def fills_most(xy: Array, camera: CameraModel) -> bool:
@@ -247,40 +240,6 @@ def fills_most(xy: Array, camera: CameraModel) -> bool:
     area = 12 * np.sqrt(max(np.linalg.det(np.cov(share.T)), 0.0))
     cells = np.unique(np.clip((share * CELLS).astype(np.int64), 0, CELLS - 1), axis=0)
     return bool(area > MOST and len(cells) > MOST * CELLS**2)
-
-
-def _match_top_images(
-    rig: Rig, read: ReadRow, max_features: int, min_inliers: int
-) -> tuple[Callable[[int, int], PairMatch], Callable[[int], NodeView]]:
-    """Set up matching of the top camera's images, each given by its row in the index of images.
-
-    Parameters are those of `image_motion`.
-
-    Returns
-    -------
-    match
-        Matches two images, without a prior of the motion.
-    view
-        Features of an image, in ideal coordinates: none where it cannot be read. Those of the last
-        two images are kept.
-    """
-    options = MatchOptions(min_inliers=min_inliers)
-    feature_options = FeatureOptions(max_features=max_features)
-    matcher = PairMatcher(rig, options)
-
-    @lru_cache(maxsize=2)
-    def view(row: int) -> NodeView:
-        image = read(row)
-        found = no_features() if image is None else extract(image, feature_options)
-        features = NodeFeatures(top=found, bottom=no_features())
-        return view_of_node(rig, features, None, options.sigma_px)
-
-    def match(first: int, second: int) -> PairMatch:
-        seed = (options.seed, first, second)
-        # without a prior the whole image is searched in any case
-        return matcher.match(view(first), view(second), prior=None, seed=seed, full_search=False)
-
-    return match, view
 
 
 def _measured_motion(found: PairMatch) -> MeasuredMotion | None:

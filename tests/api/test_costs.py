@@ -10,13 +10,12 @@ from types import SimpleNamespace
 import pytest
 
 import hullrecon
-from benchmarks.step_costs import measured
+from benchmarks.step_costs import fit_line, measured
 from hullrecon.api import dive_run
 from hullrecon.api.costs import (
     QUANTITIES,
     DiveSize,
     findings_of,
-    fit_line,
     fit_together,
     predict,
     size_of_run,

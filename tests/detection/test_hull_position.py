@@ -64,20 +64,20 @@ def test_depth_has_sigma_of_separately_known_water(
 
 
 def test_its_address_is_no_finer_than_its_sigma(base: BaseSurface) -> None:
-    row = hull_position(CENTER, NORMAL, SHARED, 0.0, 0.0, base).as_json(base)
+    row = hull_position(CENTER, NORMAL, SHARED, 0.0, 0.0, base).members(base)
     assert row["address"] == "1.5 ± 0.3 m along, 2.00 ± 0.05 m across, 6.0 ± 0.1 m below waterline"
     assert (row["along"], row["girth"], row["side"], row["frame"]) == (1.5, 2.0, None, None)
 
 
 def test_without_a_pressure_sensor_no_depth_is_given(base: BaseSurface) -> None:
     dry = replace(base, depth_known=False)
-    row = hull_position(CENTER, NORMAL, SHARED, 0.0, 0.0, dry).as_json(dry)
+    row = hull_position(CENTER, NORMAL, SHARED, 0.0, 0.0, dry).members(dry)
     assert (row["depth"], row["depth_sigma"]) == (None, None)
     assert "waterline" not in str(row["address"])
 
 
 def test_off_the_chart_an_object_has_no_chart_coordinates(base: BaseSurface) -> None:
-    lost = hull_position(np.full(3, np.nan), NORMAL, SHARED, 0.0, 0.0, base).as_json(
+    lost = hull_position(np.full(3, np.nan), NORMAL, SHARED, 0.0, 0.0, base).members(
         replace(base, depth_known=False)
     )
     assert (lost["along"], lost["girth"], lost["side"]) == (None, None, None)

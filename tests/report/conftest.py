@@ -24,7 +24,6 @@ from hullrecon.records.solution import HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import Trajectory
 from hullrecon.report.content import page_context
-from hullrecon.report.export.tables import track_of
 from hullrecon.report.figures import map_pictures, plan_view, plots
 from hullrecon.report.survey import (
     AdjustedDive,
@@ -305,7 +304,7 @@ def survey(
                 start_ns=1_777_887_000_000_000_000, outages_s=((31.0, 34.2),)
             ),
         ),
-        track=track_of(trajectory, solution),
+        track=solution.track(),
         trajectory=trajectory,
         adjusted=AdjustedDive(
             solution=solution,
@@ -348,7 +347,7 @@ def bare(trajectory: Trajectory) -> Survey:
     rig = Rig(tray_origin=np.zeros(3), pressure_origin=np.zeros(3), tray_from_dvl=identity())
     return Survey(
         facts=DiveFacts(dive=Dive(name="bare"), rig=rig),
-        track=track_of(trajectory, None),
+        track=trajectory.track(),
         trajectory=trajectory,
         provenance=Provenance(missing=reasons),
     )

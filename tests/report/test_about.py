@@ -14,11 +14,12 @@ from PIL import Image
 from report_pages import page_context
 
 from hullrecon.errors import InputError
-from hullrecon.report.about import AboutInspection, read_logo
+from hullrecon.report.logo import read_logo
+from hullrecon.report.options import ReportOptions
 from hullrecon.report.render import render_page
 from hullrecon.report.survey import Survey
 
-ABOUT = AboutInspection(
+ABOUT = ReportOptions(
     client="Harbour & Sons",
     operator="Deep <Eye>",
     equipment=("A50 DVL", "two cameras"),
@@ -27,11 +28,10 @@ ABOUT = AboutInspection(
 )
 
 
-def page_of(survey: Survey, about: AboutInspection) -> str:
+def page_of(survey: Survey, about: ReportOptions, logo: bytes | None = None) -> str:
     """The page without its scripts."""
-    page = render_page(
-        page_context(replace(survey, facts=replace(survey.facts, about=about)), [], {}, {})
-    )
+    facts = replace(survey.facts, about=about, logo=logo)
+    page = render_page(page_context(replace(survey, facts=facts), [], {}, {}))
     return re.sub(r"(?s)<(script|style)\b.*?</\1>", "", page)
 
 
@@ -48,12 +48,12 @@ def test_blocks_are_shown_as_they_were_written(survey: Survey) -> None:
 
 
 def test_blocks_that_nobody_wrote_are_absent(survey: Survey) -> None:
-    page = page_of(survey, AboutInspection())
+    page = page_of(survey, ReportOptions())
     for text in ("The inspection", "Conclusion", "Client", 'class="logo"'):
         assert text not in page, text
     assert "Operator of the vessel" not in page_of(survey, ABOUT)
-    assert AboutInspection(client="  ").rows() == []
-    assert AboutInspection(conclusion=" \n\n ").paragraphs() == []
+    assert ReportOptions(client="  ").rows() == []
+    assert ReportOptions(conclusion=" \n\n ").paragraphs() == []
 
 
 def test_a_logo_is_shown_small_and_without_what_its_file_says(
@@ -69,7 +69,7 @@ def test_a_logo_is_shown_small_and_without_what_its_file_says(
         assert shown.size == (640, 64)
         assert not shown.getexif()
     assert b"somebody" not in logo
-    assert 'alt="Logo of Deep &lt;Eye&gt;"' in page_of(survey, replace(ABOUT, logo=logo))
+    assert 'alt="Logo of Deep &lt;Eye&gt;"' in page_of(survey, ABOUT, logo)
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,6 @@ from hullrecon.report.export.tables import (
     numbers,
     objects_table,
     seconds,
-    track_of,
     trajectory_table,
     trajectory_tum,
 )
@@ -133,7 +132,7 @@ def test_without_a_solution_the_trajectory_is_dead_reckoned_in_g(bare: Survey) -
 def test_without_a_cad_model_the_trajectory_is_adjusted_in_g(
     trajectory: Trajectory, solution: Solution
 ) -> None:
-    track = track_of(trajectory, replace(solution, hull_pose=None))
+    track = replace(solution, hull_pose=None).track()
     assert track.frame == "g"
     np.testing.assert_allclose(track.poses.translation, solution.global_from_vehicle.translation)
 
@@ -150,7 +149,7 @@ def test_the_tum_file_holds_the_same_poses(survey: Survey) -> None:
 def test_sigma_towards_a_direction_uses_the_whole_covariance(trajectory: Trajectory) -> None:
     covariance = trajectory.covariance.copy()
     covariance[:, 0, 1] = covariance[:, 1, 0] = covariance[:, 0, 0]  # x and y err together
-    track = track_of(replace(trajectory, covariance=covariance), None)
+    track = replace(trajectory, covariance=covariance).track()
     across = np.tile([2**-0.5, -(2**-0.5), 0.0], (5, 1))
     np.testing.assert_allclose(track.sigma_towards(across), 0, atol=1e-9)
     np.testing.assert_allclose(

@@ -15,10 +15,10 @@ from report_pages import page_context
 
 from hullrecon import __version__
 from hullrecon.dive.config.schema import Dive
-from hullrecon.report.about import AboutInspection
 from hullrecon.report.content.objects import object_crops
 from hullrecon.report.export.summary import FileEntry
 from hullrecon.report.figures.plots import draw_all_plots
+from hullrecon.report.options import ReportOptions
 from hullrecon.report.render import render_html, render_pdf
 from hullrecon.report.survey import Survey
 
@@ -31,7 +31,7 @@ def context_of(survey: Survey, plots: bool = False) -> dict[str, object]:
     return dict(page_context(survey, drawn, FILES, object_crops(survey)))
 
 
-ABOUT = AboutInspection(
+ABOUT = ReportOptions(
     client="Harbour Authority & Sons",
     operator="Divers <Ltd>",
     equipment=("ROV with DVL", "stereo rig"),

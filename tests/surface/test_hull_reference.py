@@ -36,16 +36,16 @@ def test_chart_without_model_is_a_plane_facing_sensors() -> None:
 
 def test_comparison_with_a_cad_model_is_called_circular() -> None:
     comparison = CadHull(mesh=SLAB).comparison(poses_are_adjusted=False)
-    assert comparison.reference == "cad"
-    assert "circular" in str(comparison.note)
-    assert "poses" not in str(comparison.note)
-    assert "poses" in str(CadHull(mesh=SLAB).comparison(poses_are_adjusted=True).note)
+    assert comparison["reference"] == "cad"
+    assert "circular" in str(comparison["comparison"])
+    assert "poses" not in str(comparison["comparison"])
+    assert "poses" in str(CadHull(mesh=SLAB).comparison(poses_are_adjusted=True)["comparison"])
 
 
 def test_comparison_without_a_cad_model_has_no_note() -> None:
     comparison = UnknownHull().comparison(poses_are_adjusted=True)
-    assert comparison.reference == "survey"
-    assert comparison.note is None
+    assert comparison["reference"] == "survey"
+    assert comparison["comparison"] is None
 
 
 def test_chart_is_upright_whichever_file_axis_is_up() -> None:

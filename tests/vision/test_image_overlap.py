@@ -15,7 +15,7 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import identity
 from hullrecon.rig import Rig
 from hullrecon.typing import Pixels
-from hullrecon.vision.odometry import fills_most, image_motion, image_overlap
+from hullrecon.vision.odometry import TopImages, fills_most
 
 MODEL = CameraModel(320, 256, 250.0, 250.0, 159.5, 127.5)
 RIG = Rig(
@@ -44,7 +44,7 @@ def look(along_px: int, ground: Pixels) -> Pixels:
 
 
 def goes_on(images: Sequence[Pixels | None], first: int, second: int) -> bool:
-    return image_overlap(RIG, lambda row: images[row], 2000, 15)(first, second)
+    return TopImages(RIG, lambda row: images[row], 2000, 15).overlap(first, second)
 
 
 @pytest.mark.parametrize(
@@ -103,14 +103,14 @@ def test_each_image_is_read_once_along_walk() -> None:
         read.append(row)
         return look(40 * row, seabed())
 
-    follow = image_overlap(RIG, image, 1000, 15)
+    follow = TopImages(RIG, image, 1000, 15).overlap
     assert all(follow(k, k + 1) for k in range(4))
     assert read == [0, 1, 2, 3, 4]
 
 
 def test_two_images_tell_how_camera_moved_but_not_how_far() -> None:
     images = [look(10, seabed()), look(50, seabed()), water()]
-    between = image_motion(RIG, lambda row: images[row], 1000, 15)
+    between = TopImages(RIG, lambda row: images[row], 1000, 15).motion
     found = between(0, 1)
     assert found is not None
     motion, sigma = found

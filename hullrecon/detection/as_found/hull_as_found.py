@@ -18,7 +18,7 @@ from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
 from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.meshes.tessellation import facet_sagitta, facet_turn
-from hullrecon.geometry.neighbours import nearest
+from hullrecon.geometry.neighbours import is_near, nearest
 from hullrecon.records.surface import Surface
 from hullrecon.typing import Array, Ints, Mask
 
@@ -180,11 +180,8 @@ def _mesh_with_heights(
     mesh = refine_near(mesh, mesh.vertices[high], fine, 2 * FINE_EDGE_M)
     normal = vertex_normals(mesh)
     # vertices of the coarse mesh keep their heights
-    return (
-        mesh,
-        normal,
-        coarse.append(_regress(mesh.vertices[old:], normal[old:], measured, height)),
-    )
+    fresh = _regress(mesh.vertices[old:], normal[old:], measured, height)
+    return mesh, normal, coarse.followed_by(fresh)
 
 
 def _facets_at(base: Mesh, mesh: Mesh, which: Mask) -> Array:
@@ -202,10 +199,7 @@ def _facets_at(base: Mesh, mesh: Mesh, which: Mask) -> Array:
 
 def _near_structures(mesh: Mesh, height: Array) -> Mask:
     """Tell which vertices (n,) are on structures, or so near that these may occlude them."""
-    off = np.abs(height) >= MIN_OFFSET_M
-    if not off.any():
-        return off
-    return np.asarray(np.isfinite(nearest(mesh.vertices[off], mesh.vertices, 1, SHADOW_M)[0][:, 0]))
+    return is_near(mesh.vertices[np.abs(height) >= MIN_OFFSET_M], mesh.vertices, SHADOW_M)
 
 
 def _regress(at: Array, normal: Array, measured: SurfaceLandmarks, height: Array) -> Heights:

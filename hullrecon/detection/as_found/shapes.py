@@ -12,7 +12,7 @@ from hullrecon.detection.options import MIN_CLUSTER_POINTS, MIN_OFFSET_M, Detect
 from hullrecon.detection.views import CameraViews, iterate_views
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.geometry.neighbours import nearest
+from hullrecon.geometry.neighbours import is_near, nearest
 from hullrecon.threads import in_threads
 from hullrecon.typing import Array, Ints, Ints32
 
@@ -156,8 +156,8 @@ def find_shape_hits(
     """
     # Only features off the hull make shapes, and only vertices near them can be met
     off = np.flatnonzero(np.abs(deviation) > threshold_m)
-    near = _vertices_near(vertices, features[off], 3 * ALPHA_RADIUS_M)
-    nearby = dict(iterate_views(views, vertices[near])) if len(near) and len(off) else {}
+    near = np.flatnonzero(is_near(features[off], vertices, 3 * ALPHA_RADIUS_M))
+    nearby = dict(iterate_views(views, vertices[near])) if len(near) else {}
 
     def meet(seen_by: tuple[int, Ints]) -> tuple[Ints, Array]:
         """Find where rays meet the shapes of one view, given its number and the features it saw."""
@@ -192,13 +192,6 @@ def count_shapes(
     for rows, _ in find_shape_hits(views, features, deviation, vertices, options):
         count[rows] += 1
     return count
-
-
-def _vertices_near(vertices: Array, features: Array, reach_m: float) -> Ints:
-    """List the vertices within `reach_m` of any feature off the hull: only these can be moved."""
-    if not len(features):
-        return np.zeros(0, np.int64)
-    return np.flatnonzero(np.isfinite(nearest(features, vertices, 1, reach_m)[0][:, 0]))
 
 
 def _intersections(shapes: list[Mesh], vertices: Array) -> Array:

@@ -10,7 +10,12 @@ import numpy as np
 
 from hullrecon.detection.as_found.hull_as_found import HullAsFound
 from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
-from hullrecon.detection.base_surface import MIDDLE_SHARE, BaseSurface, hull_position
+from hullrecon.detection.base_surface import (
+    MIDDLE_SHARE,
+    BaseSurface,
+    hull_position,
+    rounded,
+)
 from hullrecon.detection.objects.footprint import (
     find_open_edge,
     hidden_extent,
@@ -32,42 +37,13 @@ from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.geometry.neighbours import Around, nearest
 from hullrecon.geometry.robust import weighted_quantile
+from hullrecon.records.deliverables import RejectedRegion, ReportedObject
 from hullrecon.typing import Array, Ints, Mask
 
 MIN_AGREEMENT = 0.6  # least share of an object's landmarks that stand off the hull as it does
 IMAGES = 6  # most images that are named with an object
 # A landmark whose foot is farther from every vertex lies where the hull was not meshed
 NEAR_M = 0.02
-
-
-@dataclass(frozen=True, kw_only=True)
-class HullObject:
-    """One structure, as in objects.json (docs/deliverables.md). Lengths in m."""
-
-    center: list[float]  # in the frame of the surface, as all points
-    normal: list[float]
-    height: float
-    height_sigma: float
-    deviation: float | None  # None without a CAD model
-    deviation_sigma: float | None
-    extent: list[float]
-    extent_sigma: list[float]
-    area: float
-    area_sigma: float
-    volume: float
-    volume_sigma: float
-    open_edge: float
-    views: int
-    p_value: float
-    images: list[str]
-    outline: list[list[float]]
-    position: dict[str, object]
-
-    def as_json(self) -> dict[str, object]:
-        """Return a row of objects.json."""
-        row = asdict(self)
-        del row["position"]
-        return row | self.position
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,30 +119,13 @@ class _Landmarks:
         return self.measured.covariance[row : row + 1]
 
 
-@dataclass(frozen=True, kw_only=True)
-class UnreportedRegion:
-    """A region that was not reported, and why."""
-
-    center: list[float]
-    height: float
-    height_sigma: float
-    reason: str
-    position: dict[str, object]
-
-    def as_json(self) -> dict[str, object]:
-        """Return a row of `not_reported` in detect.json."""
-        row = asdict(self)
-        del row["position"]
-        return row | self.position
-
-
 def find_objects(
     found: HullAsFound,
     measured: SurfaceLandmarks,
     views: CameraViews,
     base: BaseSurface,
     options: DetectOptions,
-) -> tuple[list[HullObject], list[UnreportedRegion]]:
+) -> tuple[list[ReportedObject], list[RejectedRegion]]:
     """Find the regions that stand off the hull, and split them into objects and uncertain ones.
 
     Both lists begin with the highest, and may be empty. An uncertain region is returned with the
@@ -211,7 +170,7 @@ def _unreported(
     base: BaseSurface,
     landmarks: _Landmarks,
     reason: str,
-) -> UnreportedRegion:
+) -> RejectedRegion:
     """Describe a region that is not reported as an object, with its position and the reason.
 
     Without a landmark that stands off as it does, its position has the covariance of the nearest.
@@ -226,12 +185,12 @@ def _unreported(
     position = hull_position(
         center, found.normal[evidence.center], covariances, evidence.sigma, middle_sigma, base
     )
-    return UnreportedRegion(
-        center=_round(center),
+    return RejectedRegion(
+        center=rounded(center),
         height=round(region.height, 5),
         height_sigma=round(evidence.sigma, 5),
         reason=reason,
-        position=position.as_json(base),
+        **position.members(base),
     )
 
 
@@ -396,7 +355,7 @@ def _object(
     views: CameraViews,
     base: BaseSurface,
     landmarks: _Landmarks,
-) -> HullObject:
+) -> ReportedObject:
     """Measure the object of a certain region: position, size, height and their sigmas.
 
     area: of the vertices of the base (n,) m2. around: index of these vertices.
@@ -426,9 +385,9 @@ def _object(
         float(middle_sigma),
         base,
     )
-    return HullObject(
-        center=_round(center),
-        normal=_round(normal),
+    return ReportedObject(
+        center=rounded(center),
+        normal=rounded(normal),
         height=round(region.height, 5),
         height_sigma=round(evidence.sigma, 5),
         deviation=round(deviation, 5) if base.cad_model is not None else None,
@@ -437,9 +396,9 @@ def _object(
         open_edge=round(open_edge.share, 3),
         views=len(evidence.seen),
         p_value=float(f"{evidence.chance:.3g}"),
-        images=[views.name[view] for view in evidence.seen[:IMAGES]],
-        outline=[_round(point) for point in outline(found.mesh, foot)],
-        position=position.as_json(base),
+        images=tuple(views.name[view] for view in evidence.seen[:IMAGES]),
+        outline=tuple(rounded(point) for point in outline(found.mesh, foot)),
+        **position.members(base),
     )
 
 
@@ -449,7 +408,3 @@ def _top(found: HullAsFound, region: Region, center: int) -> Array:
     return np.asarray(
         foot + found.normal[center] * (region.hull.offset(foot[None])[0] + region.height)
     )
-
-
-def _round(values: Array) -> list[float]:
-    return [round(float(v), 5) for v in values]

@@ -15,7 +15,7 @@ from hullrecon.detection.as_found.hull_as_found import HullAsFound
 from hullrecon.detection.objects.regions import Region
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.geometry.neighbours import Around, nearest
+from hullrecon.geometry.neighbours import Around, is_near, nearest
 from hullrecon.typing import Array, Ints
 
 BAND_M = 0.018  # width of a band around a footprint: one and a half edges of the mesh there
@@ -64,10 +64,10 @@ def find_open_edge(found: HullAsFound, region: Region, area: Array, around: Arou
         return OpenEdge(share=0.0, beyond=np.zeros(0, np.int64), height=0.0)
     # Unmeasured vertices within reach of the gap, and the height of the footprint next to it
     hidden = near[unmeasured]
-    beside = np.isfinite(nearest(at[gap], at[foot], 1, BAND_M)[0][:, 0])
+    beside = is_near(at[gap], at[foot], BAND_M)
     return OpenEdge(
         share=float(area[gap].sum() / area[near[band]].sum()),
-        beyond=hidden[np.isfinite(nearest(at[gap], at[hidden], 1, reach)[0][:, 0])],
+        beyond=hidden[is_near(at[gap], at[hidden], reach)],
         # the rise is positive on the region's side, the height outward
         height=region.side * float(np.mean(region.rise(found, foot[beside]))),
     )
@@ -146,14 +146,10 @@ def hidden_extent(
     What is added to the extent is taken as uniform between nothing and all of that part. normal,
     chart: as for `measure_size`.
     """
-    seen, at = (
-        found.base.vertices[region.foot],
-        found.base.vertices[np.append(region.foot, open_edge.beyond)],
-    )
-    return np.asarray(
-        UNIFORM
-        * np.maximum(0.0, _extent(at, seen, normal, chart) - _extent(seen, seen, normal, chart))
-    )
+    vertices, foot = found.base.vertices, region.foot
+    seen, all_of_it = vertices[foot], vertices[np.append(foot, open_edge.beyond)]
+    more = _extent(all_of_it, seen, normal, chart) - _extent(seen, seen, normal, chart)
+    return np.asarray(UNIFORM * np.maximum(0.0, more))
 
 
 def _extent(points: Array, middle_of: Array, normal: Array, chart: Chart) -> Array:

@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.geometry.robust import NORMAL_MAD
+from hullrecon.rows import Rows
 from hullrecon.threads import in_threads
 from hullrecon.typing import Array, Ints
 
@@ -26,18 +27,13 @@ MAX_SCALE_M = 0.012
 
 
 @dataclass(frozen=True)
-class Heights:
+class Heights(Rows):
     """Regressed heights at n vertices."""
 
     value: Array  # (n,) m
     sigma: Array  # (n,) m
     count: Ints  # (n,) landmarks within reach
     agreement: Array  # (n,) share of the landmarks, by weight, that are inliers of the fit
-
-    def append(self, more: Heights) -> Heights:
-        return Heights(
-            *(np.concatenate([getattr(self, f.name), getattr(more, f.name)]) for f in fields(self))
-        )
 
 
 def local_heights(

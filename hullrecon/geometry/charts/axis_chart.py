@@ -27,6 +27,7 @@ from hullrecon.geometry.charts.sections import Sections
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.typing import Array
 
+TABLES = ("station", "angle", "radius", "girth")  # of the sections, as stored
 POINTS_AT_ONCE = 1 << 17  # points charted at once: each takes some 500 bytes meanwhile
 
 
@@ -121,11 +122,7 @@ class AxisChart:
             "vertices": self.mesh.vertices,
             "faces": self.mesh.faces,
             "axis": np.array([s.axis_y, s.axis_z, s.reach]),
-            "station": s.station,
-            "angle": s.angle,
-            "radius": s.radius,
-            "girth": s.girth,
-            "whole": s.whole,
+            **{name: getattr(s, name) for name in (*TABLES, "whole")},
             **(
                 {"aft_perpendicular": np.asarray(self.aft_perpendicular)}
                 if self.aft_perpendicular
@@ -136,26 +133,19 @@ class AxisChart:
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[np.generic]]) -> AxisChart:
         """Rebuild the chart from the arrays of `to_arrays`."""
-        number = {
-            n: np.asarray(arrays[n], float)
-            for n in ("axes", "vertices", "axis", "station", "angle", "radius", "girth")
-        }
-        axis_y, axis_z, reach = (float(v) for v in number["axis"])
-        whole = np.asarray(arrays["whole"], bool)
+        axes, vertices, axis = (
+            np.asarray(arrays[name], float) for name in ("axes", "vertices", "axis")
+        )
+        axis_y, axis_z, reach = axis.tolist()
         sections = Sections(
             axis_y=axis_y,
             axis_z=axis_z,
             reach=reach,
-            station=number["station"],
-            angle=number["angle"],
-            radius=number["radius"],
-            girth=number["girth"],
-            whole=whole,
+            whole=np.asarray(arrays["whole"], bool),
+            **{name: np.asarray(arrays[name], float) for name in TABLES},
         )
-        mesh = Mesh(number["vertices"], np.asarray(arrays["faces"], np.int32))
-        return cls(
-            number["axes"], mesh, sections, float(arrays.get("aft_perpendicular", np.zeros(())))
-        )
+        mesh = Mesh(vertices, np.asarray(arrays["faces"], np.int32))
+        return cls(axes, mesh, sections, float(arrays.get("aft_perpendicular", np.zeros(()))))
 
 
 def build_axis_chart(

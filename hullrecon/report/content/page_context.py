@@ -152,11 +152,11 @@ def _sections(survey: Survey, contents: Mapping[str, object]) -> list[tuple[str,
 
 def _title_context(survey: Survey) -> PageContext:
     """Build the variables of the page's head: dive, ship, verdict, figures and main findings."""
-    dive, about = survey.facts.dive, survey.facts.about
+    facts, dive = survey.facts, survey.facts.dive
     return {
         "title": f"Hull survey: {dive.name}",
-        "about": about,
-        "logo": picture_uri(about.logo) if about.logo else None,
+        "about": facts.about,
+        "logo": picture_uri(facts.logo) if facts.logo else None,
         "date": _date_words(dive.date) if dive.date is not None else "",
         "ship": draw_ship(survey),
         "verdict": verdict(survey),

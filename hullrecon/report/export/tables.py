@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from hullrecon.geometry.charts.address import is_hull_chart, side_of
 from hullrecon.geometry.charts.tangents import tangents_at
 from hullrecon.records.deliverables import ReportedObject
-from hullrecon.records.solution import Solution
-from hullrecon.records.trajectory import Trajectory, VehicleTrack
+from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.report.survey import Survey
 from hullrecon.typing import Array
 
@@ -197,11 +196,6 @@ _OBJECT_COLUMNS = (  # in the order of the file, to which new ones are added at 
         ("depth_sigma", "m", "one sigma of the depth"),
     ),
 )
-
-
-def track_of(trajectory: Trajectory, solution: Solution | None) -> VehicleTrack:
-    """Choose the best path available: adjusted in M, adjusted in g, or dead reckoned in g."""
-    return trajectory.track() if solution is None else solution.track()
 
 
 @dataclass(frozen=True, kw_only=True)

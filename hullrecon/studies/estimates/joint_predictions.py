@@ -46,7 +46,7 @@ def joint_covariance(regression: Regression, wanted: Array) -> Array:
     """Compute the covariance (m, m) m2 of predictions at places (m, 2) [Ozog2016 E.3]."""
     cross = regression.kernel.matrix(regression.at, wanted).toarray()
     prior = regression.kernel.matrix(wanted, wanted).toarray()
-    return np.asarray(prior - cross.T @ regression.factor.solve(cross))
+    return np.asarray(prior - cross.T @ regression.solve(cross))
 
 
 def study() -> StudyResult:
@@ -75,7 +75,7 @@ def patch_sigmas(
     )
     fields = lower @ rng.standard_normal((len(everywhere), DRAWS))
     seen = fields[:RETURNS] + NOISE_M * rng.standard_normal((RETURNS, DRAWS))
-    weights = regression.factor.solve(seen)
+    weights = regression.solve(seen)
     found: dict[str, list[float]] = {name: [] for name in PatchSigmas.__dataclass_fields__}
     start = RETURNS
     for patch in patches:

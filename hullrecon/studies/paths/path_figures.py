@@ -33,8 +33,9 @@ from hullrecon.records.trajectory import Trajectory, VehiclePath, VehicleTrack
 from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact
 from hullrecon.steps.links import pose_graph
 from hullrecon.steps.links import run as run_links
-from hullrecon.steps.mosaic_sonar import blend_pings, ping_poses
+from hullrecon.steps.mosaic_sonar import blend_pings
 from hullrecon.steps.mosaics import read_mosaic_inputs
+from hullrecon.steps.sonar import ping_poses
 from hullrecon.studies.dive_steps import build_beside, inputs_of_step, with_stages, workspace_beside
 from hullrecon.studies.figure_style import (
     COLOURS,

@@ -28,8 +28,9 @@ from hullrecon.mosaic.optical import LIMITS
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.output.tile_store import TileStore, blend_tiles
 from hullrecon.steps.artifacts import DetectArtifact, SurfaceArtifact
-from hullrecon.steps.mosaic_sonar import blend_pings, ping_poses
+from hullrecon.steps.mosaic_sonar import blend_pings
 from hullrecon.steps.mosaics import REACH_M
+from hullrecon.steps.sonar import ping_poses
 from hullrecon.studies.dive_steps import inputs_of_step
 from hullrecon.studies.figure_style import PublishedFigure, finish_figure, new_canvas
 from hullrecon.studies.methods.variants import find_objects

@@ -26,8 +26,9 @@ from hullrecon.mosaic.mosaic_surface import build_mosaic_surface
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.records.sensors import SonarPings
 from hullrecon.records.trajectory import VehicleTrack
-from hullrecon.steps.mosaic_sonar import blend_pings, ping_poses
+from hullrecon.steps.mosaic_sonar import blend_pings
 from hullrecon.steps.mosaics import REACH_M
+from hullrecon.steps.sonar import ping_poses
 from hullrecon.studies.dive_steps import inputs_of_step
 from hullrecon.studies.paths.path_figures import (
     VarianceMap,

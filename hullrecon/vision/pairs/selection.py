@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.rows import Rows
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.camera_track import CameraTrack
@@ -26,25 +27,13 @@ MOST_GAIN = 1e3  # nats; a link with more would determine a motion that is as go
 
 
 @dataclass(frozen=True, kw_only=True)
-class Proposal:
+class Proposal(Rows):
     """Pairs of nodes to be compared, sorted by (first, second)."""
 
     first: Ints  # (m,) nodes
     second: Ints  # (m,) > first
     across: Mask  # (m,) nodes of two legs, not neighbours
     overlap: Array  # (m,) of the predicted footprints, NaN where no depth is known
-
-    def __len__(self) -> int:
-        return len(self.first)
-
-    def take(self, rows: Ints | Mask) -> Proposal:
-        """Select some of the pairs."""
-        return Proposal(
-            first=self.first[rows],
-            second=self.second[rows],
-            across=self.across[rows],
-            overlap=self.overlap[rows],
-        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,11 +138,8 @@ def propose_revisits(
     keep = probability >= min_probability
     return Revisits(
         proposal=Proposal(
-            first=first[keep],
-            second=second[keep],
-            across=np.ones(int(keep.sum()), bool),
-            overlap=overlap[keep],
-        ),
+            first=first, second=second, across=np.ones(len(first), bool), overlap=overlap
+        ).take(keep),
         probability=probability[keep],
         expected_overlap=expected[keep],
     )

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon import native
+from hullrecon.rows import Rows
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.pairs.pose_from_points import apply_step
 
@@ -30,17 +31,12 @@ DISPARITY = 6  # unknowns of the disparity's error over the image, after the six
 
 
 @dataclass(frozen=True, kw_only=True)
-class NodeObservations:
+class NodeObservations(Rows):
     """Features of one node."""
 
     lead: Array  # (m, 2) in its leading camera, ideal coordinates
     other: Array  # (m, 2) of the stereo match in the bottom camera, NaN for none
     point: Array  # (m, 3) triangulated in the leading camera, m, NaN for none
-
-    def __getitem__(self, rows: Ints | Mask) -> NodeObservations:
-        return NodeObservations(
-            lead=self.lead[rows], other=self.other[rows], point=self.point[rows]
-        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,8 +76,8 @@ def adjust_stereo_motion(
     """
     # Points start where either node triangulated them.
     known = np.isfinite(first.point[:, 0]) | np.isfinite(second.point[:, 0])
-    first, second = first[known], second[known]
-    if len(first.lead) < LEAST:
+    first, second = first.take(known), second.take(known)
+    if len(first) < LEAST:
         return None
     # The second node's points, in the first camera.
     back = (second.point - motion[:3, 3]) @ motion[:3, :3]

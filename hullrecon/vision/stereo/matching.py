@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.poses import Poses
-from hullrecon.typing import Array, Floats32, Ints, Mask
+from hullrecon.rows import Rows
+from hullrecon.typing import Array, Floats32, Ints
 from hullrecon.vision.features.descriptors import MatchDescriptors
 from hullrecon.vision.pairs.gating import in_box
 
@@ -41,19 +42,12 @@ class Rectification:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StereoMatches:
+class StereoMatches(Rows):
     """Features of a node's two cameras that show one point."""
 
     top: Ints  # (m,) rows of the top camera's features, each standing for all at its pixel
     bottom: Ints  # (m,) rows of the bottom camera's
     point: Array  # (m, 3) in the top camera, m
-
-    def __len__(self) -> int:
-        return len(self.top)
-
-    def take(self, rows: Mask) -> StereoMatches:
-        """Select some of the matches."""
-        return StereoMatches(top=self.top[rows], bottom=self.bottom[rows], point=self.point[rows])
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -260,12 +260,8 @@ def _untangle(node_of: Ints32, matches: Iterable[FeatureMatches], torn: Mask) ->
     best matches (smallest distance) are kept first. torn: features (n,) of conflicting components.
     """
     of_torn = [block.take(torn[block.first]) for block in matches]
-    first, second, distance = (
-        np.concatenate([getattr(block, name) for block in of_torn])
-        for name in ("first", "second", "distance")
-    )
-    tangled = FeatureMatches(first=first, second=second, distance=distance)
-    tangled = tangled.take(np.lexsort((second, first, distance)))
+    tangled = of_torn[0].followed_by(*of_torn[1:])
+    tangled = tangled.take(np.lexsort((tangled.second, tangled.first, tangled.distance)))
     kept = tangled.take(_without_conflict(node_of, tangled.first, tangled.second))
     return _Untangled(matches, torn, kept)
 
