@@ -4,19 +4,19 @@
 
 from __future__ import annotations
 
-from hullrecon.studies.study import SceneStudy, study_of
+from hullrecon.studies.study import SceneStudy, StudyFunction
 
 AULINAS_STUDIES: tuple[SceneStudy, ...] = (
     SceneStudy(
         id="joining-schemes",
         source="[Aulinas2011 Figs 2.3 to 2.5]",
         shows="submaps joined in a tree, in a graph over a mission, and with shared variables",
-        run=study_of("schemes.schemes_study.study"),
+        run=StudyFunction("schemes.schemes_study.study"),
     ),
     SceneStudy(
         id="board-calibration",
         source="[Aulinas2011 4.5, Fig. 4.23]",
         shows="a small camera calibrated by sharp and by noisy images of a board",
-        run=study_of("calibration.board.study"),
+        run=StudyFunction("calibration.board.study"),
     ),
 )

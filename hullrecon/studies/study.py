@@ -95,15 +95,20 @@ class SceneStudy(Study):
     run: Callable[[], StudyResult]
 
 
-def study_of(path: str) -> Callable[..., StudyResult]:
-    """Import a study's function, by its path below hullrecon.studies, when it is run.
+@dataclass(frozen=True)
+class StudyFunction:
+    """A study's function, imported when it is first asked for: most commands run none."""
 
-    Most commands run none.
-    """
-    module, _, name = path.rpartition(".")
+    path: str  # below hullrecon.studies
 
-    def run(*given: object) -> StudyResult:
-        found: StudyResult = getattr(import_module(f"hullrecon.studies.{module}"), name)(*given)
+    def load(self) -> Callable[..., StudyResult]:
+        """Import the function."""
+        module, _, name = self.path.rpartition(".")
+        found: Callable[..., StudyResult] = getattr(
+            import_module(f"hullrecon.studies.{module}"), name
+        )
         return found
 
-    return run
+    def __call__(self, *given: StudyDive) -> StudyResult:
+        """Run the study, on a dive if it takes one."""
+        return self.load()(*given)

@@ -13,6 +13,7 @@ from hullrecon_cli.main import main
 
 from hullrecon.errors import UsageError
 from hullrecon.studies.registry import FIGURES, STUDIES, find_study
+from hullrecon.studies.study import StudyFunction
 
 
 def test_ids_of_studies_are_unique() -> None:
@@ -23,6 +24,12 @@ def test_ids_of_studies_are_unique() -> None:
 def test_commands_of_their_own_are_of_studies_there_are() -> None:
     tables = set(study.commands) - {"list", "run", "figures"}
     assert tables | set(FIGURES) <= {entry.id for entry in STUDIES}
+
+
+def test_every_function_named_by_its_path_is_there() -> None:
+    named = [entry.run for entry in STUDIES if isinstance(entry.run, StudyFunction)]
+    assert named
+    assert all(callable(function.load()) for function in named)
 
 
 def test_an_unknown_study_is_refused() -> None:

@@ -4,19 +4,19 @@
 
 from __future__ import annotations
 
-from hullrecon.studies.study import SceneStudy, study_of
+from hullrecon.studies.study import SceneStudy, StudyFunction
 
 ASSOCIATION_STUDIES: tuple[SceneStudy, ...] = (
     SceneStudy(
         id="association",
         source="[Aulinas2011 4.2.2, Fig. 4.6]",
         shows="which points of two surveys are the same: nearest neighbour, JCBB, RJC",
-        run=study_of("association.association_study.compare_methods"),
+        run=StudyFunction("association.association_study.compare_methods"),
     ),
     SceneStudy(
         id="tree-trunks",
         source="[Aulinas2011 4.2.1, Figs 4.4, 4.5, 4.7]",
         shows="the middles of tree trunks in a laser's half circle",
-        run=study_of("association.trunk_study.study_trunks"),
+        run=StudyFunction("association.trunk_study.study_trunks"),
     ),
 )
