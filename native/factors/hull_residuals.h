@@ -52,14 +52,15 @@ struct Range {
     const auto moment = [&](const Vec3& end, const Vec3& along) { return Vec3(-end / slope - f / (slope * slope) * along); };
     const Vec3 n_global = Motion(x[1]).q * facet->normal, n_vehicle = Motion(x[0]).q.conjugate() * n_global;
     const Vec3 n_tray = b.tray.transpose() * (offset.q.conjugate() * n_vehicle), n_dvl = Motion(x[2]).q.conjugate() * n_tray;
-    derive<1, 8>(J, 0, [&](auto& j) {
+    derive(J, 0, 1, 8, [&](Jacobian& j) {
       j << -n_global.transpose() / slope, moment(b.end_vehicle, b.along_vehicle).cross(n_vehicle).transpose(),
           n_tray.dot(turn_y(moment(b.end_tray, b.along_tray))), 0;
     });
-    derive<1, 7>(J, 1, [&](auto& j) {
+    derive(J, 1, 1, 7, [&](Jacobian& j) {
       j << n_global.transpose() / slope, facet->normal.cross(moment(b.end_hull, b.along_hull)).transpose(), 0;
     });
-    derive<1, 7>(J, 2, [&](auto& j) { j << -n_tray.transpose() / slope, moment(b.end_dvl, beam).cross(n_dvl).transpose(), 0; });
+    derive(J, 2, 1, 7,
+           [&](Jacobian& j) { j << -n_tray.transpose() / slope, moment(b.end_dvl, beam).cross(n_dvl).transpose(), 0; });
     field.derive_nodes(J, 3, on ? 1 / slope : 0.0);
     return !*refused;
   }
@@ -79,10 +80,10 @@ struct Surface {
     const Motion hull(x[1]);
     const Vec3 in_hull = hull.to_child(Eigen::Map<const Vec3>(x[0])), n_global = hull.q * facet->normal;
     r[0] = facet->normal.dot(in_hull) + facet->offset - field.value(x + 2);
-    derive<1, 3>(J, 0, [&](auto& j) { j = n_global.transpose(); });
-    derive<1, 7>(J, 1, [&](auto& j) {
-      j.template segment<3>(0) = -n_global;
-      j.template segment<3>(3) = facet->normal.cross(in_hull);
+    derive(J, 0, 1, 3, [&](Jacobian& j) { j.block<1, 3>(0, 0) = n_global.transpose(); });
+    derive(J, 1, 1, 7, [&](Jacobian& j) {
+      j.block<1, 3>(0, 0) = -n_global.transpose();
+      j.block<1, 3>(0, 3) = facet->normal.cross(in_hull).transpose();
     });
     field.derive_nodes(J, 2, -1.0);
     return true;

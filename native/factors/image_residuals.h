@@ -60,22 +60,22 @@ struct Stereo {
     const Mat3 bottom_from_top = bottom_pose.rotation().transpose();
     Eigen::Matrix<double, 4, 3> by_top;  // by the point in the top camera
     by_top << above.by_point, below.by_point * bottom_from_top;
-    derive<4, 3>(J, 0, [&](auto& j) { j = by_top * top.by_landmark; });
-    derive<4, 8>(J, 1, [&](auto& j) { j.template leftCols<7>() = by_top * top.by_pose; });
-    derive<4, 7>(J, 2, [&](auto& j) { j.template leftCols<6>() = by_top * top.by_mount; });
-    derive<4, 7>(J, 3, [&](auto& j) {
-      j.template block<2, 3>(2, 0) = -below.by_point * bottom_from_top;
-      j.template block<2, 3>(2, 3) = below.by_point * hat(in_bottom);
+    derive(J, 0, 4, 3, [&](Jacobian& j) { j.block<4, 3>(0, 0) = by_top * top.by_landmark; });
+    derive(J, 1, 4, 8, [&](Jacobian& j) { j.block<4, 7>(0, 0) = by_top * top.by_pose; });
+    derive(J, 2, 4, 7, [&](Jacobian& j) { j.block<4, 6>(0, 0) = by_top * top.by_mount; });
+    derive(J, 3, 4, 7, [&](Jacobian& j) {
+      j.block<2, 3>(2, 0) = -below.by_point * bottom_from_top;
+      j.block<2, 3>(2, 3) = below.by_point * hat(in_bottom);
     });
-    derive<4, 9>(J, 4, [&](auto& j) {
-      if (seen) j.template topRows<2>() = by_intrinsics(x[4], top.point);
+    derive(J, 4, 4, 9, [&](Jacobian& j) {
+      if (seen) j.block<2, 9>(0, 0) = by_intrinsics(x[4], top.point);
     });
-    derive<4, 9>(J, 5, [&](auto& j) {
-      if (seen) j.template bottomRows<2>() = by_intrinsics(x[5], in_bottom);
+    derive(J, 5, 4, 9, [&](Jacobian& j) {
+      if (seen) j.block<2, 9>(2, 0) = by_intrinsics(x[5], in_bottom);
     });
     for (int k = 0; image_size && k < 2; ++k) {
-      derive<4, kLensNumbers>(J, 6 + k, [&](auto& j) {
-        if (seen) put_by_lens(j.template middleRows<2>(2 * k), modes(k));
+      derive(J, 6 + k, 4, kLensNumbers, [&](Jacobian& j) {
+        if (seen) put_by_lens(j, 2 * k, modes(k));
       });
     }
     return true;
@@ -116,16 +116,16 @@ struct Mono {
     if (!J) return true;
     if (!seen) image.by_point.setZero();
     const Eigen::Matrix<double, 2, 3> by_top = image.by_point * camera.rotation().transpose();
-    derive<2, 3>(J, 0, [&](auto& j) { j = by_top * top.by_landmark; });
-    derive<2, 8>(J, 1, [&](auto& j) { j.template leftCols<7>() = by_top * top.by_pose; });
-    derive<2, 7>(J, 2, [&](auto& j) { j.template leftCols<6>() = by_top * top.by_mount; });
-    derive<2, 9>(J, 3, [&](auto& j) {
-      if (seen) j = by_intrinsics(x[3], point);
+    derive(J, 0, 2, 3, [&](Jacobian& j) { j.block<2, 3>(0, 0) = by_top * top.by_landmark; });
+    derive(J, 1, 2, 8, [&](Jacobian& j) { j.block<2, 7>(0, 0) = by_top * top.by_pose; });
+    derive(J, 2, 2, 7, [&](Jacobian& j) { j.block<2, 6>(0, 0) = by_top * top.by_mount; });
+    derive(J, 3, 2, 9, [&](Jacobian& j) {
+      if (seen) j.block<2, 9>(0, 0) = by_intrinsics(x[3], point);
     });
-    if (bottom) derive<2, 7>(J, 4, [&](auto& j) { j.template leftCols<6>() << -by_top, image.by_point * hat(point); });
+    if (bottom) derive(J, 4, 2, 7, [&](Jacobian& j) { j.block<2, 6>(0, 0) << -by_top, image.by_point * hat(point); });
     if (!image_size) return true;
-    derive<2, kLensNumbers>(J, lens, [&](auto& j) {
-      if (seen) put_by_lens(j, modes);
+    derive(J, lens, 2, kLensNumbers, [&](Jacobian& j) {
+      if (seen) put_by_lens(j, 0, modes);
     });
     return true;
   }

@@ -44,11 +44,12 @@ inline Eigen::Vector2d displacement_px(const double* lens, const LensModes& mode
   return {Eigen::Map<const LensModes>(lens).dot(modes), Eigen::Map<const LensModes>(lens + kLensModes).dot(modes)};
 }
 
-// Derivative of a residual's two rows (predicted - measured) by the numbers of the lens.
-template <class Rows>
-void put_by_lens(Rows&& rows, const LensModes& modes) {
-  rows.row(0).template head<kLensModes>() = -modes.transpose();
-  rows.row(1).template tail<kLensModes>() = -modes.transpose();
+// Derivative of a residual's two rows from `row` on (predicted - measured) by the numbers of the lens.
+template <class Jacobian>
+void put_by_lens(Jacobian& j, int row, const LensModes& modes) {
+  for (int axis = 0; axis < 2; ++axis) {
+    for (int k = 0; k < kLensModes; ++k) j(row + axis, axis * kLensModes + k) = -modes[k];
+  }
 }
 
 }  // namespace hullrecon

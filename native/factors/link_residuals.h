@@ -79,14 +79,14 @@ struct CameraPair {
     by_first.template bottomRightCorner<3, 3>() = -by_turn * (p.second.q.conjugate() * p.first.q).toRotationMatrix();
     by_second.template topLeftCorner<Rows - 3, 3>() = by_translation * from_global;
     by_second.template bottomRightCorner<3, 3>() = by_turn;
-    derive<Rows, 8>(J, 0, [&](auto& j) { j.template leftCols<7>() = by_first * p.first.by_pose; });
-    derive<Rows, 8>(J, 1, [&](auto& j) { j.template leftCols<7>() = by_second * p.second.by_pose; });
-    derive<Rows, 7>(J, 2,
-                    [&](auto& j) { j.template leftCols<6>() = by_first * p.first.by_mount + by_second * p.second.by_mount; });
+    derive(J, 0, Rows, 8, [&](Jacobian& j) { j.block<Rows, 7>(0, 0) = by_first * p.first.by_pose; });
+    derive(J, 1, Rows, 8, [&](Jacobian& j) { j.block<Rows, 7>(0, 0) = by_second * p.second.by_pose; });
+    derive(J, 2, Rows, 7,
+           [&](Jacobian& j) { j.block<Rows, 6>(0, 0) = by_first * p.first.by_mount + by_second * p.second.by_mount; });
     if (!meets_bottom()) return;
-    derive<Rows, 7>(J, 3, [&](auto& j) {
-      if (first_bottom) j.template leftCols<6>() += by_first * p.first.by_bottom;
-      if (second_bottom) j.template leftCols<6>() += by_second * p.second.by_bottom;
+    derive(J, 3, Rows, 7, [&](Jacobian& j) {
+      if (first_bottom) j.block<Rows, 6>(0, 0) += by_first * p.first.by_bottom;
+      if (second_bottom) j.block<Rows, 6>(0, 0) += by_second * p.second.by_bottom;
     });
   }
 };

@@ -25,9 +25,9 @@ struct MotionPrior {
     Eigen::Map<Vec3> top(r), bottom(r + 3);
     top = from_parent * (at.t - prior.t);
     bottom = turn;
-    derive<6, Size>(J, 0, [&](auto& j) {
-      j.template block<3, 3>(0, 0) = from_parent;
-      j.template block<3, 3>(3, 3) = log_derivative(turn);
+    derive(J, 0, 6, Size, [&](Jacobian& j) {
+      j.block<3, 3>(0, 0) = from_parent;
+      j.block<3, 3>(3, 3) = log_derivative(turn);
     });
     return true;
   }
@@ -53,12 +53,12 @@ struct Attitude {
     r[1] = std::remainder(roll + x[1][2] - measured[1], 2 * M_PI);
     r[2] = std::remainder(pitch + x[1][3] - measured[2], 2 * M_PI);
     const double s = std::sin(roll), c = std::cos(roll), tan_pitch = -R(2, 0) / cos_pitch;
-    derive<3, 8>(J, 0, [&](auto& j) {
+    derive(J, 0, 3, 8, [&](Jacobian& j) {
       j(0, 2) = 1;
-      j.template block<1, 3>(0, 3) = -R.row(2) * hat(pressure_origin);
-      j.template block<2, 3>(1, 3) << 1, s * tan_pitch, c * tan_pitch, 0, c, -s;
+      j.block<1, 3>(0, 3) = -R.row(2) * hat(pressure_origin);
+      j.block<2, 3>(1, 3) << 1, s * tan_pitch, c * tan_pitch, 0, c, -s;
     });
-    derive<3, 6>(J, 1, [](auto& j) { j(0, 4) = j(1, 2) = j(2, 3) = 1; });
+    derive(J, 1, 3, 6, [](Jacobian& j) { j(0, 4) = j(1, 2) = j(2, 3) = 1; });
     return true;
   }
 };
@@ -73,8 +73,8 @@ struct Tray {
   std::vector<int> sizes() const { return {8, 6}; }
   bool operator()(const double* const* x, double* r, double* const* J) const {
     r[0] = x[0][7] + x[1][5] * direction - measured;
-    derive<1, 8>(J, 0, [](auto& j) { j(6) = 1; });
-    derive<1, 6>(J, 1, [&](auto& j) { j(5) = direction; });
+    derive(J, 0, 1, 8, [](Jacobian& j) { j(0, 6) = 1; });
+    derive(J, 1, 1, 6, [&](Jacobian& j) { j(0, 5) = direction; });
     return true;
   }
 };
@@ -106,19 +106,19 @@ struct Odometry {
     out << step - measured.t, turn;
     out -= by_navigation * Eigen::Map<const Eigen::Vector2d>(x[2]) + by_mount * tilt + by_tray * theta;
     const Mat3 by_turn = log_derivative(turn);
-    derive<6, 8>(J, 0, [&](auto& d) {
-      d.template block<3, 3>(0, 0) = -from_global;
-      d.template block<3, 3>(0, 3) = hat(step);
-      d.template block<3, 3>(3, 3) = -by_turn * (j.q.conjugate() * i.q).toRotationMatrix();
-      d.col(6) = -0.5 * by_tray;
+    derive(J, 0, 6, 8, [&](Jacobian& d) {
+      d.block<3, 3>(0, 0) = -from_global;
+      d.block<3, 3>(0, 3) = hat(step);
+      d.block<3, 3>(3, 3) = -by_turn * (j.q.conjugate() * i.q).toRotationMatrix();
+      d.block<6, 1>(0, 6) = -0.5 * by_tray;
     });
-    derive<6, 8>(J, 1, [&](auto& d) {
-      d.template block<3, 3>(0, 0) = from_global;
-      d.template block<3, 3>(3, 3) = by_turn;
-      d.col(6) = -0.5 * by_tray;
+    derive(J, 1, 6, 8, [&](Jacobian& d) {
+      d.block<3, 3>(0, 0) = from_global;
+      d.block<3, 3>(3, 3) = by_turn;
+      d.block<6, 1>(0, 6) = -0.5 * by_tray;
     });
-    derive<6, 6>(J, 2, [&](auto& d) { d.template leftCols<2>() = -by_navigation; });
-    derive<6, 7>(J, 3, [&](auto& d) { d.template block<6, 3>(0, 3) = -by_mount * log_derivative(tilt); });
+    derive(J, 2, 6, 6, [&](Jacobian& d) { d.block<6, 2>(0, 0) = -by_navigation; });
+    derive(J, 3, 6, 7, [&](Jacobian& d) { d.block<6, 3>(0, 3) = -by_mount * log_derivative(tilt); });
     return true;
   }
 };
@@ -138,18 +138,18 @@ struct Velocity {
     const Vec3 turned = log(i.q.conjugate() * j.q), turns = log(j.q.conjugate() * k.q);
     Eigen::Map<Eigen::Matrix<double, 6, 1>>(r) << goes - came, turns / after - turned / before;
     const Mat3 by_turned = log_derivative(turned) / before, by_turns = log_derivative(turns) / after;
-    derive<6, 8>(J, 0, [&](auto& d) {
-      d.template block<3, 3>(0, 0) = from_global / before;
-      d.template block<3, 3>(3, 3) = by_turned * (j.q.conjugate() * i.q).toRotationMatrix();
+    derive(J, 0, 6, 8, [&](Jacobian& d) {
+      d.block<3, 3>(0, 0) = from_global / before;
+      d.block<3, 3>(3, 3) = by_turned * (j.q.conjugate() * i.q).toRotationMatrix();
     });
-    derive<6, 8>(J, 1, [&](auto& d) {
-      d.template block<3, 3>(0, 0) = -from_global * (1 / before + 1 / after);
-      d.template block<3, 3>(0, 3) = hat(goes - came);
-      d.template block<3, 3>(3, 3) = -by_turned - by_turns * (k.q.conjugate() * j.q).toRotationMatrix();
+    derive(J, 1, 6, 8, [&](Jacobian& d) {
+      d.block<3, 3>(0, 0) = -from_global * (1 / before + 1 / after);
+      d.block<3, 3>(0, 3) = hat(goes - came);
+      d.block<3, 3>(3, 3) = -by_turned - by_turns * (k.q.conjugate() * j.q).toRotationMatrix();
     });
-    derive<6, 8>(J, 2, [&](auto& d) {
-      d.template block<3, 3>(0, 0) = from_global / after;
-      d.template block<3, 3>(3, 3) = by_turns;
+    derive(J, 2, 6, 8, [&](Jacobian& d) {
+      d.block<3, 3>(0, 0) = from_global / after;
+      d.block<3, 3>(3, 3) = by_turns;
     });
     return true;
   }
@@ -174,13 +174,13 @@ struct Position {
     const Eigen::Vector2d turned = turn * at.head<2>();
     Eigen::Map<Eigen::Vector2d> out(r);
     out = turned + Eigen::Vector2d(x[1]) - measured;
-    derive<2, 8>(J, 0, [&](auto& j) {
-      j.template block<2, 2>(0, 0) = turn;
-      j.template block<2, 3>(0, 3) = -turn * (pose.rotation() * hat(antenna)).template topRows<2>();
+    derive(J, 0, 2, 8, [&](Jacobian& j) {
+      j.block<2, 2>(0, 0) = turn;
+      j.block<2, 3>(0, 3) = -turn * (pose.rotation() * hat(antenna)).topRows<2>();
     });
-    derive<2, 3>(J, 1, [&](auto& j) {
-      j.template block<2, 2>(0, 0).setIdentity();
-      j.col(2) << -turned[1], turned[0];
+    derive(J, 1, 2, 3, [&](Jacobian& j) {
+      j.block<2, 2>(0, 0).setIdentity();
+      j.block<2, 1>(0, 2) << -turned[1], turned[0];
     });
     return true;
   }
@@ -196,7 +196,7 @@ struct VectorPrior {
   std::vector<int> sizes() const { return {Size}; }
   bool operator()(const double* const* x, double* r, double* const* J) const {
     for (int k = 0; k < Size; ++k) r[k] = x[0][k] - expected[k];
-    derive<Size, Size>(J, 0, [](auto& j) { j.setIdentity(); });
+    derive(J, 0, Size, Size, [](Jacobian& j) { j.diagonal().setOnes(); });
     return true;
   }
 };

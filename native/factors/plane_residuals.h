@@ -68,10 +68,10 @@ struct PlaneSighting {
     Eigen::Map<Vec3> out(r);
     out = seen.pi() - measured;
     const Eigen::Matrix<double, 3, 4> by = seen.by_both();
-    derive<3, 3>(J, 0, [&](auto& j) { j = by * seen.by_plane; });
+    derive(J, 0, 3, 3, [&](Jacobian& j) { j.block<3, 3>(0, 0) = by * seen.by_plane; });
     if (at_anchor) return true;
-    derive<3, 8>(J, 1, [&](auto& j) { j.template leftCols<6>() = by * seen.by_node; });
-    derive<3, 8>(J, 2, [&](auto& j) { j.template leftCols<6>() = by * seen.by_anchor; });
+    derive(J, 1, 3, 8, [&](Jacobian& j) { j.block<3, 6>(0, 0) = by * seen.by_node; });
+    derive(J, 2, 3, 8, [&](Jacobian& j) { j.block<3, 6>(0, 0) = by * seen.by_anchor; });
     return true;
   }
 };
@@ -96,8 +96,8 @@ struct PlanePair {
     Eigen::Map<Vec3> out(r);
     out = seen.pi() - Vec3(x[0]) - measured;
     const Eigen::Matrix<double, 3, 4> by = seen.by_both();
-    derive<3, 3>(J, 0, [](auto& j) { j = -Mat3::Identity(); });
-    derive<3, 3>(J, 1, [&](auto& j) { j = by * seen.by_plane; });
+    derive(J, 0, 3, 3, [](Jacobian& j) { j.block<3, 3>(0, 0) = -Mat3::Identity(); });
+    derive(J, 1, 3, 3, [&](Jacobian& j) { j.block<3, 3>(0, 0) = by * seen.by_plane; });
     if (one_anchor) {
       out -= by_place * (point - place);
       return true;
@@ -107,15 +107,15 @@ struct PlanePair {
                node_from_anchor = (node.q.conjugate() * anchor.q).toRotationMatrix();
     const Vec3 y = node_from_global * (anchor.t - node.t) + node_from_anchor * point;
     out -= by_place * (y - place);
-    derive<3, 8>(J, 2, [&](auto& j) {
-      j.template leftCols<6>() = by * seen.by_node;
-      j.template leftCols<3>() += by_place * node_from_global;
-      j.template middleCols<3>(3) -= by_place * hat(y);
+    derive(J, 2, 3, 8, [&](Jacobian& j) {
+      j.block<3, 6>(0, 0) = by * seen.by_node;
+      j.block<3, 3>(0, 0) += by_place * node_from_global;
+      j.block<3, 3>(0, 3) -= by_place * hat(y);
     });
-    derive<3, 8>(J, 3, [&](auto& j) {
-      j.template leftCols<6>() = by * seen.by_anchor;
-      j.template leftCols<3>() -= by_place * node_from_global;
-      j.template middleCols<3>(3) += by_place * node_from_anchor * hat(point);
+    derive(J, 3, 3, 8, [&](Jacobian& j) {
+      j.block<3, 6>(0, 0) = by * seen.by_anchor;
+      j.block<3, 3>(0, 0) -= by_place * node_from_global;
+      j.block<3, 3>(0, 3) += by_place * node_from_anchor * hat(point);
     });
     return true;
   }
@@ -149,14 +149,14 @@ struct PlaneRange {
     const Vec3 n_tray = b.tray.transpose() * (offset.q.conjugate() * seen.normal), n_dvl = Motion(x[2]).q.conjugate() * n_tray;
     Eigen::Matrix<double, 1, 4> by;
     by << -b.end_vehicle.transpose() / slope, -1 / slope;
-    derive<1, 3>(J, 0, [&](auto& j) { j = by * seen.by_plane; });
-    derive<1, 8>(J, 1, [&](auto& j) {
-      if (!at_anchor) j.template leftCols<6>() = by * seen.by_node;
-      j(6) = -n_tray.dot(turn_y(b.end_tray)) / slope;
+    derive(J, 0, 1, 3, [&](Jacobian& j) { j.block<1, 3>(0, 0) = by * seen.by_plane; });
+    derive(J, 1, 1, 8, [&](Jacobian& j) {
+      if (!at_anchor) j.block<1, 6>(0, 0) = by * seen.by_node;
+      j(0, 6) = -n_tray.dot(turn_y(b.end_tray)) / slope;
     });
-    derive<1, 7>(J, 2, [&](auto& j) { j << -n_tray.transpose() / slope, -b.end_dvl.cross(n_dvl).transpose() / slope, 0; });
+    derive(J, 2, 1, 7, [&](Jacobian& j) { j << -n_tray.transpose() / slope, -b.end_dvl.cross(n_dvl).transpose() / slope, 0; });
     if (at_anchor) return true;
-    derive<1, 8>(J, 3, [&](auto& j) { j.template leftCols<6>() = by * seen.by_anchor; });
+    derive(J, 3, 1, 8, [&](Jacobian& j) { j.block<1, 6>(0, 0) = by * seen.by_anchor; });
     return true;
   }
 };

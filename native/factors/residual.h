@@ -11,6 +11,7 @@
 // and east of g's origin, heading of its x axis.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <utility>
 #include <vector>
@@ -19,15 +20,15 @@
 
 namespace hullrecon {
 
-template <int Rows, int Size>
-using Jacobian = Eigen::Map<Eigen::Matrix<double, Rows, Size, Size == 1 ? Eigen::ColMajor : Eigen::RowMajor>>;
+// Of no fixed size: each size would be a type of its own, and all that is written into it compiled again.
+using Jacobian = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
 
-// Calls fill(map) on block k's Jacobian, zeroed, when the solver wants it.
-template <int Rows, int Size, class Fill>
-void derive(double* const* J, int k, const Fill& fill) {
+// Calls fill(Jacobian&) on block k's Jacobian, zeroed, when the solver wants it.
+template <class Fill>
+void derive(double* const* J, int k, int rows, int size, const Fill& fill) {
   if (!J || !J[k]) return;
-  Jacobian<Rows, Size> j(J[k]);
-  j.setZero();
+  std::fill_n(J[k], rows * size, 0.0);
+  Jacobian j(J[k], rows, size);
   fill(j);
 }
 

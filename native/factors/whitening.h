@@ -7,8 +7,8 @@
 
 namespace hullrecon {
 
-// A whitening multiplies `rows` from the left, in place: a residual or its derivative, row major. No templates: residuals of
-// every size meet every kind of whitening.
+// Each multiplies by W from the left, in place: `count` rows, row major, of a residual (one column) or of its derivative by a
+// block. They are no templates of the size, which would compile a product for each residual.
 
 // One sigma for all rows: W = 1 / sigma.
 struct Scalar {
@@ -26,7 +26,7 @@ struct Diagonal {
 
 // Square root of the information: W with W' W = covariance^-1. Row major, `stride` numbers a row.
 struct Full {
-  static constexpr int kMostRows = 7, kMostColumns = 8;
+  static constexpr int kMostRows = 7, kMostColumns = 8;  // of a link behind a switch, by a pose
   const double* root;
   int stride;
 

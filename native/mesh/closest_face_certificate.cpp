@@ -18,7 +18,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "mesh/mesh_index.h"
 

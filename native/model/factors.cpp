@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
 // Makes residuals of rows of the tables and evaluates them. No other file of the library meets their types: they cost the
-// compiler half a minute wherever they are included.
+// compiler a quarter of a minute wherever they are included.
 #include "factors/residuals.h"
 #include "factors/whitening.h"
 #include "model/model.h"
@@ -33,6 +33,23 @@ PlaneRange plane_range(const Tables& t, int64_t i) {
           t.plane_range_node.data[i] == t.plane_anchor.data[t.plane_range_plane.data[i]]};
 }
 
+// Reads how many rows a factor's residual has and, at blocks x, evaluates it. One type for both, so that the residuals of all
+// kinds are compiled once.
+struct Evaluator {
+  std::span<const int> sizes;
+  const double* const* x = nullptr;
+  double* r = nullptr;
+  double* const* J = nullptr;
+  int rows = 0;
+  bool good = false;
+
+  template <class Residual, class Whitening>
+  void operator()(const Residual& residual, const Whitening& whitening) {
+    rows = Residual::kRows;
+    if (x) good = whitened(residual, whitening, sizes, x, r, J);
+  }
+};
+
 }  // namespace
 
 Range Model::range(int64_t i) const {
@@ -43,7 +60,7 @@ Range Model::range(int64_t i) const {
 }
 
 template <class Use>
-void Model::visit_prior(int64_t row, const Use& use) const {
+void Model::visit_prior(int64_t row, Use& use) const {
   const Tables& t = tables_;
   if (row < t.prior_pose_node.rows()) {
     return use(MotionPrior<8>{Motion(t.prior_pose.row(row))}, Full{t.prior_pose_sqrt.row(row), 6});
@@ -69,7 +86,7 @@ void Model::visit_prior(int64_t row, const Use& use) const {
 }
 
 template <class Use>
-void Model::visit_link(int64_t row, const Use& use) const {
+void Model::visit_link(int64_t row, Use& use) const {
   const Tables& t = tables_;
   const CameraPair pair{Vec3(t.tray_origin.data), Motion(t.link_measured.row(row)), t.link_camera_first.data[row] == 1,
                         t.link_camera_second.data[row] == 1};
@@ -86,7 +103,7 @@ void Model::visit_link(int64_t row, const Use& use) const {
 }
 
 template <class Use>
-void Model::visit(int64_t factor, const Use& use) const {
+void Model::visit(int64_t factor, Use& use) const {
   const Tables& t = tables_;
   const int64_t i = number_of(factor);
   const Vec3 tray(t.tray_origin.data);
@@ -136,15 +153,15 @@ void Model::visit(int64_t factor, const Use& use) const {
 }
 
 int Model::rows_of(int64_t factor) const {
-  int rows = 0;
-  visit(factor, [&](const auto& residual, const auto&) { rows = std::decay_t<decltype(residual)>::kRows; });
-  return rows;
+  Evaluator evaluator;
+  visit(factor, evaluator);
+  return evaluator.rows;
 }
 
 bool Model::evaluate(int64_t factor, std::span<const int> sizes, const double* const* x, double* r, double* const* J) const {
-  bool good = false;
-  visit(factor, [&](const auto& residual, const auto& whitening) { good = whitened(residual, whitening, sizes, x, r, J); });
-  return good;
+  Evaluator evaluator{sizes, x, r, J};
+  visit(factor, evaluator);
+  return evaluator.good;
 }
 
 std::pair<Vec3, Vec3> Model::ray(int64_t row, const double* const* x) const {

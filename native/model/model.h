@@ -134,11 +134,11 @@ class Model {
   int64_t number_of(int64_t factor) const { return factor - first_[static_cast<size_t>(kind_of(factor))]; }  // in its kind
   // Call use(residual, whitening) with the factor's own types (model/factors.cpp).
   template <class Use>
-  void visit(int64_t factor, const Use& use) const;
+  void visit(int64_t factor, Use& use) const;
   template <class Use>
-  void visit_prior(int64_t row, const Use& use) const;
+  void visit_prior(int64_t row, Use& use) const;
   template <class Use>
-  void visit_link(int64_t row, const Use& use) const;
+  void visit_link(int64_t row, Use& use) const;
   Range range(int64_t row) const;
   std::pair<Vec3, Vec3> ray(int64_t row, const double* const* x) const;  // origin and direction in M of a beam
 
