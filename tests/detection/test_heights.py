@@ -78,7 +78,7 @@ def test_without_three_landmarks_in_reach_nothing_is_known() -> None:
 def test_parts_are_put_together_in_order() -> None:
     feet = _feet()
     first, second = (_at([[x, 0.5]], feet, feet[:, 0]) for x in (0.3, 0.6))
-    assert np.allclose(first.append(second).value, [0.3, 0.6], atol=1e-3)
+    assert np.allclose(first.followed_by(second).value, [0.3, 0.6], atol=1e-3)
 
 
 def test_no_vertex_gives_no_height() -> None:

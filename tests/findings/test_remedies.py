@@ -348,7 +348,7 @@ FOLLOWED_IN_RUNS = {
         ("new_folder.py::_is_there", "new_folder.py::_refuse_content", "new_folder.py::new_folder"),
         "test_new_folder.py::test_a_folder_with_something_in_it_is_refused_before_any_work",
     ),
-    "report/about.py::read_logo": "report/test_about.py::"
+    "report/logo.py::read_logo": "report/test_about.py::"
     "test_a_logo_that_is_no_picture_is_refused_in_one_line",
     "steps/artifacts.py::missing": "steps/test_matches.py::test_links_that_are_damaged_are_named",
     "steps/change.py::read_survey": "steps/test_hull_survey.py::"
