@@ -234,7 +234,6 @@ def _adjusted(settled: Phase, last: RoundResult, solver: RoundSolver) -> Adjuste
     determines it. One of them is enough for the covariances not to exist.
     """
     state, chosen, problem, result = last.after.state, last.chosen, last.problem, last.result
-    assert last.plan is not None  # of a last round
     sound = selection.select_measurements(last.after.measured, state, LOST_PX).landmarks
     keep = np.isin(chosen.landmarks, sound)
     if not keep.all():

@@ -164,7 +164,7 @@ def _reasons_to_refuse(found: RoundResult, solver: RoundSolver) -> Iterator[str]
         # Without images the path follows navigation exactly. Its residuals are about zero, and grow
         # with any CAD model.
         return
-    growth = residual_growth(found.problem, settings)
+    growth = residual_growth(found.problem, found.plan, settings)
     worse = [name for name, ratio in growth.items() if ratio > MAX_GROWTH[name]]
     if "attitude" in worse and stated_attitude_rms(found, settings) <= 1:
         # in the sigmas that dive.toml states they are small enough (`stated_attitude_rms`)

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hullrecon import native
+from hullrecon.adjustment.partition import join
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.rounds import ACCEPTED, Phase, RoundSolver, Verdict
 from hullrecon.adjustment.stereo_calibration import DVL_SCALE, widen_ranges
@@ -106,7 +106,9 @@ def widen_exceeded_priors(path: Phase, solver: RoundSolver) -> Phase | None:
         settings = solver.settings
         if state.hull is None:
             settings = replace(settings, method="naive")
-        covariance = native.covariance(path.last.problem, settings, of_landmarks=False)
+        covariance = join.covariance(
+            path.last.problem, path.last.plan, settings, of_landmarks=False
+        )
     except StageError:
         return None  # an unknown is not determined at all; the last round reports which
     widening = {

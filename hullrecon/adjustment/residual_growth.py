@@ -9,6 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from hullrecon import native
+from hullrecon.adjustment.partition import join
+from hullrecon.adjustment.partition.plan import Plan
 from hullrecon.adjustment.rounds import RoundResult
 from hullrecon.errors import StageError
 
@@ -28,7 +30,9 @@ FREED_QUANTILE = 0.999
 FREE_ITERATIONS = 15  # of the solve without the CAD model, which starts close to its solution
 
 
-def residual_growth(problem: native.Problem, settings: native.Options) -> dict[str, float]:
+def residual_growth(
+    problem: native.Problem, plan: Plan, settings: native.Options
+) -> dict[str, float]:
     """Divide the RMS of each group's whitened residuals with the CAD model by that without it.
 
     Unknowns that the CAD model determines no longer follow the noise of navigation, so that its
@@ -39,6 +43,8 @@ def residual_growth(problem: native.Problem, settings: native.Options) -> dict[s
     ----------
     problem
         The round with the CAD model, at its solution.
+    plan
+        Its parts.
     settings
         The options with which it was solved.
 
@@ -51,7 +57,7 @@ def residual_growth(problem: native.Problem, settings: native.Options) -> dict[s
         "T_g_M", "deviation"
     )
     naive = replace(settings, method="naive")
-    free = native.solve(without, replace(naive, max_iterations=FREE_ITERATIONS))
+    free = join.solve(without, plan, replace(naive, max_iterations=FREE_ITERATIONS))
     without_cad = without.started_from(free.unknowns)
     # The same measurements, at the solution with the CAD model and at that without it
     chi2_with, chi2_without = (_chi2_by_group(p, naive) for p in (without, without_cad))
@@ -64,8 +70,8 @@ def residual_growth(problem: native.Problem, settings: native.Options) -> dict[s
         return growth
     try:
         absorbed = _absorbed_chi2(
-            native.covariance(without_cad, naive, of_landmarks=False),
-            native.covariance(problem, settings, of_landmarks=False),
+            join.covariance(without_cad, plan, naive, of_landmarks=False),
+            join.covariance(problem, plan, settings, of_landmarks=False),
         )
     except StageError:
         return growth  # an unknown is not determined at all, and there is no leverage

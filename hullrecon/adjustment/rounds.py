@@ -80,7 +80,7 @@ class RoundResult:
 
     chosen: Selection  # the measurements that entered
     weights: Weights  # sigmas and weights that were used
-    plan: Plan | None  # how the last round was divided into parts; None: not the last round
+    plan: Plan  # how the problem was divided into parts
     start: native.Problem  # the problem at its start values
     problem: native.Problem  # the problem at its solution
     result: native.Result
@@ -238,9 +238,9 @@ class RoundSolver:
         problem = intrinsics.free_intrinsics(problem, self.calibrated, self.options)
         problem = lens.free_lenses(problem, measured, weights.lens)
         began_s = time.perf_counter() - self.begun_s
-        plan = self._plan(problem, state) if final else None
+        plan = self._plan(problem, state)
         return_free_memory()  # the solver's tables come on top of what the allocator keeps
-        result = self._solve(problem, plan)
+        result = self._solve(problem, plan, final)
         history = self._record(measured, result, weights, chosen, began_s)
 
         # Sigmas and outlier limit of the next round follow from the residuals.
@@ -296,7 +296,7 @@ class RoundSolver:
         return chosen
 
     def _plan(self, problem: native.Problem, state: State) -> Plan:
-        """Plan the parts of the last round. Coarse rounds are small, and solved whole."""
+        """Plan the parts of a round. A coarse one is whole up to some 7,000 nodes."""
         if self.strategy.solve is not native.solve:
             return whole(problem, "this variant of the method is solved whole")
         plan = plan_parts(problem, state, self.options.parts)
@@ -304,15 +304,15 @@ class RoundSolver:
             self.report(f"solving in {plan.parts} parts: {plan.reason}")
         return plan
 
-    def _solve(self, problem: native.Problem, plan: Plan | None) -> native.Result:
-        """Solve a problem, in the parts of the plan where it has several. None: a coarse round."""
+    def _solve(self, problem: native.Problem, plan: Plan, final: bool) -> native.Result:
+        """Solve a problem in the parts of the plan. final: to the finer tolerance."""
         settings = replace(
             self.settings,
             max_iterations=self.options.max_iterations,
-            function_tolerance=FUNCTION_TOLERANCE if plan is not None else COARSE_TOLERANCE,
+            function_tolerance=FUNCTION_TOLERANCE if final else COARSE_TOLERANCE,
             initial_radius=INITIAL_RADIUS,
         )
-        if plan is not None and plan.parts > 1:
+        if plan.parts > 1:
             return join.solve(problem, plan, settings)
         return self.strategy.solve(problem, settings)
 

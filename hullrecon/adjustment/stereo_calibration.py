@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hullrecon import native
+from hullrecon.adjustment.partition import join
 from hullrecon.adjustment.problem.state import Weights
 from hullrecon.adjustment.rounds import Estimate, Phase, RoundSolver, Verdict
 from hullrecon.errors import StageError
@@ -73,9 +73,8 @@ def free_contradicted_rig(path: Phase, solver: RoundSolver) -> Phase | None:
     if found is None or not len(trial.problem.stereo.node):
         return None
     try:
-        marginals = native.covariance(
-            trial.problem, replace(solver.settings, method="naive"), of_landmarks=False
-        )
+        naive = replace(solver.settings, method="naive")
+        marginals = join.covariance(trial.problem, trial.plan, naive, of_landmarks=False)
     except StageError:
         return None  # an unknown is not determined at all; the last round reports which
     contradiction = compare_rigs(calibrated, found, marginals.T_ct_cb + _prior_covariance(rig))

@@ -27,6 +27,7 @@ from hullrecon.adjustment.bundle_adjustment import adjust
 from hullrecon.adjustment.cad_acceptance import accept_round
 from hullrecon.adjustment.cad_placement import register
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions
+from hullrecon.adjustment.partition.plan import whole
 from hullrecon.adjustment.problem import weighting
 from hullrecon.adjustment.problem.observations import landmark_count
 from hullrecon.adjustment.problem.state import State
@@ -192,7 +193,11 @@ def round_with(hit, on_hull, problem=None, stated_over_found=1.0):
     )
     after = SimpleNamespace(measured=SimpleNamespace(rig=rig, returns=None), state=None)
     return SimpleNamespace(
-        result=result, problem=problem or solved().adjusted.problem, weights=weights, after=after
+        result=result,
+        problem=problem or solved().adjusted.problem,
+        plan=solved().adjusted.plan,
+        weights=weights,
+        after=after,
     )
 
 
@@ -210,9 +215,13 @@ def test_round_with_few_landmarks_on_model_is_refused():
     )
 
 
+def _growth(problem: native.Problem) -> dict[str, float]:
+    return residual_growth(problem, whole(problem, "small"), native.Options())
+
+
 def test_round_on_good_model_is_accepted():
     assert accept_round(round_with(hit=100, on_hull=90), SOLVER) == Verdict()
-    growth = residual_growth(solved().adjusted.problem, native.Options())
+    growth = _growth(solved().adjusted.problem)
     # of a dive without positions from outside
     assert set(growth) == set(MAX_GROWTH) - {"positions"}
     for name, ratio in growth.items():
@@ -249,7 +258,7 @@ def with_poor_levels(seed):
 @pytest.mark.parametrize("seed", [1, 2])
 def test_residuals_of_freed_unknowns_may_grow(seed):
     tied = with_poor_levels(seed)
-    growth = residual_growth(tied, native.Options())
+    growth = _growth(tied)
     assert growth["odometry"] < MAX_GROWTH["odometry"]
     assert growth["attitude"] < MAX_GROWTH["attitude"]
     squares = native.evaluate(tied).cost_by_factor
@@ -277,7 +286,7 @@ def test_growth_of_undetermined_problem_is_taken_as_is(monkeypatch):
 
     problem = with_poor_levels(1)
     monkeypatch.setattr(native, "covariance", refuse)
-    assert residual_growth(problem, native.Options())["attitude"] > 2
+    assert _growth(problem)["attitude"] > 2
 
 
 def test_round_bent_by_shifted_model_is_refused():
@@ -289,7 +298,7 @@ def test_round_bent_by_shifted_model_is_refused():
     bent = bent.started_from(
         native.solve(bent, native.Options(method="geva", max_iterations=15)).unknowns
     )
-    growth = residual_growth(bent, native.Options())
+    growth = _growth(bent)
     assert any(growth[name] > limit for name, limit in MAX_GROWTH.items())
     assert "with it, the residuals grow: " in accept_round(round_with(100, 90, bent), SOLVER).reason
 
