@@ -44,7 +44,7 @@ class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     parts: Annotated[
         Annotated[int, Meta(ge=1, le=MOST_PARTS)] | Literal["auto"],
         Meta(
-            description="stripes across the hull in which the last round is solved, which takes "
+            description="stripes across the hull in which a round is solved, which takes "
             "less memory; auto: one until the solver takes 300 MB, then more. The result is the "
             "same but for rounding"
         ),
