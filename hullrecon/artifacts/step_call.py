@@ -25,7 +25,7 @@ from hullrecon.artifacts.recipe import Job
 from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.artifacts.writer import ArtifactWriter
 from hullrecon.errors import HullreconError, InputError, StageError
-from hullrecon.memory import keep_free_memory, return_free_memory
+from hullrecon.memory import return_free_memory
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,7 +132,6 @@ def _call(stage: Stage, context: Context[Struct], building: Path) -> JsonTable:
     Errors of disk, memory and permission get a sentence and a remedy.
     """
     return_free_memory()
-    keep_free_memory()  # a step allocates arrays of the same sizes again and again
     reset_peak_rss()
     started, begun, cpu = time.time(), time.perf_counter(), time.process_time()
     try:

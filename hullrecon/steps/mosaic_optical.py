@@ -8,6 +8,7 @@ from functools import partial
 
 from hullrecon.artifacts.stage import Context
 from hullrecon.errors import StageError
+from hullrecon.memory import keep_free_memory
 from hullrecon.mosaic.imagery.camera_views import CameraImages, images_of_camera
 from hullrecon.mosaic.optical import optical_mosaic
 from hullrecon.mosaic.options import OpticalOptions
@@ -23,6 +24,7 @@ def run(context: Context[OpticalOptions]) -> None:
 
     Raises StageError if no usable image has a pose, or none shows the surface.
     """
+    keep_free_memory()  # every tile allocates the same large arrays
     options, artifacts = context.parameters, InputArtifacts(context.inputs)
     inputs = read_mosaic_inputs(artifacts)
     cameras = _usable_images(context, artifacts, inputs)
