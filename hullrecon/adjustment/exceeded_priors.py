@@ -98,7 +98,7 @@ def widen_exceeded_priors(path: Phase, solver: RoundSolver) -> Phase | None:
     allowed, found = rig.priors.navigation_sigma, state.navigation
     priors = _prior_deviations(rig, state)
     may_be_exceeded = any(prior.may_be_exceeded() for prior in priors.values())
-    # a scale that leaves its prior by less leaves it by no more than `scale_without_prior` asks for
+    # the least deviation at which `scale_without_prior` finds a contradiction, at the least gain
     scale_may_be = abs(found[DVL_SCALE]) > SURPRISING * np.sqrt(LEAST_TOLD) * allowed[DVL_SCALE]
     if path.last is None or not (may_be_exceeded or scale_may_be):
         return None

@@ -267,7 +267,7 @@ def _read_numbers(
 
 
 def _require(data: Mapping[str, object], key: str, where: str) -> object:
-    """Return what a key holds. Raises InputError where it is missing."""
+    """Get the value of a key of a calibration. Raises InputError where the key is missing."""
     if key not in data:
         raise InputError(f"it has no {key}", where=where, remedy=CAMERA_INFO)
     return data[key]

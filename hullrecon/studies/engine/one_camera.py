@@ -55,7 +55,7 @@ class TrueCamera:
         Array
             (n, 2) px in the second image, NaN outside of it or where the ray meets no hull.
         """
-        ahead = self._ahead_of(first, second, np.hstack([xy, np.ones((len(xy), 1))]))
+        ahead = self._points_in_camera_of(first, second, np.hstack([xy, np.ones((len(xy), 1))]))
         with np.errstate(invalid="ignore"):
             pixel = self.model.project(ahead)
             inside = (pixel >= -0.5) & (pixel <= [self.model.width - 0.5, self.model.height - 0.5])
@@ -74,11 +74,14 @@ class TrueCamera:
                 np.column_stack([0 * t, h * (1 - t)]),
             ]
         )
-        ahead = self._ahead_of(second, first, self.model.rays(edge))
+        ahead = self._points_in_camera_of(second, first, self.model.rays(edge))
         return np.asarray(self.model.project(ahead[ahead[:, 2] > 0.05]))  # not where none is met
 
-    def _ahead_of(self, first: int, second: int, ray: Array) -> Array:
-        """Find where rays (n, 3) of one node's camera meet the hull, as another's camera has it."""
+    def _points_in_camera_of(self, first: int, second: int, ray: Array) -> Array:
+        """Find where rays of a camera meet the hull, in the axes of the camera at another node.
+
+        first, second: the two nodes. ray (n, 3): in the axes of the camera at the first one.
+        """
         here, there = self.hull_from_camera[first], self.hull_from_camera[second]
         direction = here.rotation.apply(ray / np.linalg.norm(ray, axis=1, keepdims=True))
         origin = np.tile(here.translation, (len(ray), 1))
