@@ -16,6 +16,18 @@ import numpy as np
 
 from hullrecon.typing import Array, Ints32
 
+# Blocks of `native.Problem` that are held where poses and landmarks alone are solved
+HELD = (
+    "T_g_M",
+    "T_s_ct",
+    "T_ct_cb",
+    "T_s_d",
+    "navigation",
+    "intrinsics_top",
+    "intrinsics_bottom",
+    "tray",
+)
+
 
 @dataclass(frozen=True)
 class Bundle:

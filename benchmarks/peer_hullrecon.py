@@ -12,19 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import bundle as bundles
-from benchmarks.bundle import Bundle
+from benchmarks.bundle import HELD, Bundle
 from hullrecon import native
 
-HELD = (
-    "T_g_M",
-    "T_s_ct",
-    "T_ct_cb",
-    "T_s_d",
-    "navigation",
-    "intrinsics_top",
-    "intrinsics_bottom",
-    "tray",
-)
 GAUGE = 1e6  # one over sigma: a micrometre, a microradian
 
 

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.arguments import parser_for
-from benchmarks.bundle import peak_mb
+from benchmarks.bundle import HELD, peak_mb
 from benchmarks.peers import THEIRS
 from benchmarks.subprocess_runner import call, load, load_truth, run, save
 from hullrecon import native
@@ -38,16 +38,6 @@ LEG_NODES, SPACING_M, LEG_SPACING_M = 1500, 0.104, 0.5
 LINK_SIGMA = np.repeat([0.005, 0.001], 3)  # m, rad
 PLANE_SIGMA_M = 0.01
 HEADING_WALK_RAD, DVL_SCALE = 1e-4, 0.003  # a step; of dead reckoning
-HELD = (
-    "T_g_M",
-    "T_s_ct",
-    "T_ct_cb",
-    "T_s_d",
-    "navigation",
-    "intrinsics_top",
-    "intrinsics_bottom",
-    "tray",
-)
 
 
 def path_of(nodes: int) -> tuple[Poses, Ints]:

@@ -1,10 +1,15 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The closed lists of coordinate frames and of cameras (docs/concepts.md)."""
+"""The closed lists of coordinate frames and of cameras (docs/concepts.md), and global axes."""
 
 from __future__ import annotations
 
 from enum import StrEnum
+
+import numpy as np
+
+# From east, north, up to north, east, down
+NED_FROM_ENU = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 
 
 class Frame(StrEnum):

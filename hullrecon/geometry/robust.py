@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Robust spread of values with outliers, and quantiles of weighted values."""
+"""Robust spread of values with outliers, quantiles of weighted values, and what is significant."""
 
 from __future__ import annotations
 
@@ -10,6 +10,9 @@ from hullrecon.typing import Array
 
 # Ratio of the sigma of normal values to their median absolute deviation: 1 / Phi^-1(3/4)
 NORMAL_MAD = 1.4826
+SIGNIFICANT = 5.0  # sigmas by which an error has to differ from zero to be believed
+GAIN = SIGNIFICANT**2  # by which chi-square has to fall for a hypothesis to be believed
+HUBER = 2.0  # sigmas of a residual beyond which its weight falls
 
 
 def robust_sigma(values: Array, about: float | None = None) -> float:
@@ -23,6 +26,12 @@ def robust_sigma(values: Array, about: float | None = None) -> float:
     distance = values - (np.median(values) if about is None else about)
     np.abs(distance, out=distance)
     return float(NORMAL_MAD * np.median(distance, overwrite_input=True))
+
+
+def huber_weight(residual: Array, sigma: float | Array) -> Array:
+    """Compute weights of residuals in least squares: 1 / sigma^2, less beyond HUBER sigmas."""
+    ratio = HUBER * sigma / np.maximum(np.abs(residual), 1e-12)
+    return np.asarray(np.minimum(1.0, ratio) / sigma**2)
 
 
 def weighted_quantile(values: Array, weight: Array, share: float) -> float:

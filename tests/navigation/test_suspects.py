@@ -16,7 +16,8 @@ from hullrecon.dive.logs.streams.imu import FRD_FROM_FLU, NED_FROM_ENU, imu_samp
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_mount
-from hullrecon.navigation.suspects.comparisons.comparison import GAIN, Sensor
+from hullrecon.geometry.robust import GAIN
+from hullrecon.navigation.suspects.comparisons.comparison import Sensor
 from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.comparisons.motions import Motions, compare
 from hullrecon.navigation.suspects.hypotheses import Conventions, Hypothesis

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.geometry.robust import robust_sigma
+from hullrecon.geometry.robust import SIGNIFICANT, robust_sigma
 from hullrecon.rows import spread_rows
 from hullrecon.typing import Array
 
@@ -16,7 +16,6 @@ MOST_BEAMS, LEAST_BEAMS = 500, 20  # that are looked at, and that must have a la
 # Largest gap that wrong mounts explain: two mounts, measured by hand to a centimetre and a degree,
 # with beams that meet the hull at 30 degrees
 LARGEST_GAP_M = 0.05
-MANY_SIGMAS = 5.0  # of the median gap, below which it may be noise
 
 
 def gap_beyond_beams(
@@ -58,6 +57,6 @@ def gap_beyond_beams(
     gap_m, reach_m = np.array(gaps).T
     middle_m = float(np.median(gap_m))
     sigma_m = robust_sigma(gap_m) / np.sqrt(len(gap_m))
-    if abs(middle_m) < max(LARGEST_GAP_M, MANY_SIGMAS * sigma_m):
+    if abs(middle_m) < max(LARGEST_GAP_M, SIGNIFICANT * sigma_m):
         return None
     return middle_m, float(np.median(gap_m / reach_m))

@@ -20,6 +20,7 @@ from hullrecon.dive.config.mounts import numbers_of
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.poses import Poses, from_mount
+from hullrecon.geometry.robust import GAIN
 from hullrecon.records.clock import NS, seconds
 from hullrecon.records.sensors import SensorRecords
 from hullrecon.typing import Array, Ints, Mask
@@ -31,8 +32,7 @@ LEAST_S = 15.0  # of motion that both measured
 LEAST_SHARE = 0.5  # of the shorter record, that both measured
 OTHER_S = 10.0  # between the best offset and the others that it has to be better than
 LEAST_CORRELATION = 0.7
-GAIN = 25.0  # by which chi-square is lower than at any other offset: five sigmas
-GAIN_OF_FEW = 9.0  # the same where few offsets are possible: three sigmas
+GAIN_OF_FEW = 9.0  # as GAIN, where few offsets are possible: three sigmas
 FAR_S = 60.0  # the step navigate finds smaller offsets
 SAME_S = 30.0  # from whole hours; the rest of the offset is found by the step navigate
 SHIFTED_S = 2.0  # between what the ends of logs and motion tell; operators start logs by hand

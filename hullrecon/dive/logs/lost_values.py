@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.findings.finding import Finding
+from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.records.clock import NS, format_time
 from hullrecon.typing import Array, Ints, Mask
 
@@ -138,7 +139,7 @@ def _is_noisy(velocity: Array) -> bool:
     """
     if len(velocity) < LEAST_PINGS:
         return False
-    noise = 1.4826 * np.median(np.abs(np.diff(velocity, 3, axis=0)), axis=0) / THIRD_DIFFERENCE
+    noise = NORMAL_MAD * np.median(np.abs(np.diff(velocity, 3, axis=0)), axis=0) / THIRD_DIFFERENCE
     smallest = np.abs(velocity[velocity != 0]).min()
     return bool(noise.min() > LEAST_NOISE * smallest)
 

@@ -22,6 +22,7 @@ from hullrecon.dive.logs.samples import (
     Sample,
 )
 from hullrecon.findings.finding import Finding
+from hullrecon.geometry.robust import SIGNIFICANT
 from hullrecon.typing import Array, Mask
 
 Kind = TypeVar("Kind", bound=Sample)
@@ -29,7 +30,6 @@ LEAST_MEASURED = 20  # readings, to tell a sensor's resolution and how much its 
 # How often a reading is published over how often the median one is. Nine in ten lie within these
 # limits: the rates of sensor and driver are no whole multiples
 EVEN = (0.5, 2.0)
-SIGNIFICANT = 5.0  # standard deviations above the number of readings that are alike by chance
 
 
 def drop_republished(name: str, samples: Sequence[Kind], notes: list[Finding]) -> list[Kind]:

@@ -12,11 +12,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hullrecon.geometry.robust import robust_sigma
+from hullrecon.geometry.robust import GAIN, robust_sigma
 from hullrecon.navigation.clocks.comparisons.comparison import ClockComparison, Offsets, Span
 from hullrecon.typing import Array
 
-GAIN = 25.0  # by which chi-square falls where a clock is wrong: five sigmas
 # offsets that are searched, and, where these do not show that clocks agree, those that are found
 NEAR_S, FAR_S = 5.0, 60.0
 # Farther offsets are evaluated but not accepted: a swell repeats itself, so that an offset within

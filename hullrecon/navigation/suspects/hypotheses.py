@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.dive.logs.streams.imu import FRD_FROM_FLU, NED_FROM_ENU
 from hullrecon.dive.logs.streams.pressure import DEEPEST_HULL_M, METRES, PASCALS
 from hullrecon.dive.logs.turns import scale_between, turns_within_seconds
+from hullrecon.findings.adjustment import WATER
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.rotations import mount_angles_deg
 from hullrecon.navigation.sensors.servo import FEW_READINGS, LEAST_TRAVEL_RAD, has_moved
@@ -57,7 +58,6 @@ FACTORS = [*np.geomspace(0.5, 0.93, 10), *np.geomspace(1.07, 2.0, 10)]
 SIZES = (0.25, 0.5, 2.0, 4.0)  # of a calibration's pictures over those logged, which were resized
 # changes of k1, in steps so small that a comparison agrees at the nearest
 RADIAL = [s * k for k in np.arange(0.05, 0.65, 0.05) for s in (1, -1)]
-WATER = 1.333  # refractive index of water: a calibration made in air has focal lengths that short
 REPEATED = 4  # pings with one velocity to the last digit: noise of 1 mm/s makes two of them rare
 # By which stamps may be late (negative: early), as far as navigation/clocks searches. Near zero the
 # steps are so small that the comparison of depths agrees at the nearest

@@ -19,7 +19,8 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.heading import heading_by_rates
 from hullrecon.findings.finding import Finding
-from hullrecon.navigation.suspects.comparisons.comparison import GAIN, Comparison, Sensor
+from hullrecon.geometry.robust import GAIN
+from hullrecon.navigation.suspects.comparisons.comparison import Comparison, Sensor
 from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.comparisons.imu import compare_rates
 from hullrecon.navigation.suspects.comparisons.motions import DEPENDS_ON, Motions, compare

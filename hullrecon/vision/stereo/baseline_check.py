@@ -13,6 +13,7 @@ import numpy as np
 
 from hullrecon.dive.check.consistency_checks import BASELINE_M
 from hullrecon.dive.logs.dvl_beams import SAME_UNIT, SMALL_UNITS
+from hullrecon.findings.adjustment import WATER
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rigid_fit import fit_rigid
@@ -32,7 +33,6 @@ from hullrecon.vision.stereo.rig_check import PAIRS, RigCheck
 # Relative difference of depths by stereo and DVL. A curved hull, relief and lever arms make some.
 MAX_DEPTH_RATIO = 0.15
 NEAR_NS = 1_000_000_000  # largest time between a ping and a pair of images that are compared
-WATER = 1.333  # refractive index
 # Relative difference between the ratio of depths and 1 / WATER up to which a calibration in air is
 # named as the cause
 MEDIUM_SHARE = 0.05

@@ -16,7 +16,7 @@ import numpy as np
 
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses, exp
-from hullrecon.geometry.robust import robust_sigma
+from hullrecon.geometry.robust import SIGNIFICANT, huber_weight, robust_sigma
 from hullrecon.rig import Rig
 from hullrecon.typing import Array
 from hullrecon.vision.pairs.two_view import essential_of, sampson_squared
@@ -25,7 +25,6 @@ from hullrecon.vision.stereo.matching import rectify, triangulate
 # Sigma of the rig's rotation and of the baseline's direction, rad. As good as unknown: what a wrong
 # calibration explains must not count as a delay.
 RIG_SIGMA_RAD = 0.05
-SIGNIFICANT = 5.0  # sigmas of a delay that is believed
 # A shorter delay moves features at usual speeds by less than calibrations are wrong
 LEAST_S = 0.002
 # Sigma of a delay that remains however many features agree, s: from changes of speed within an
@@ -37,7 +36,6 @@ FARTHEST_S, STEP_S = 0.24, 0.02
 STEPS, SETTLED = 8, 1e-5  # Gauss-Newton steps at most, and the step (rad or s) that ends them
 FEW = 60  # matches of a pair that are used to find the starting value
 DIFFERENCE = 1e-4  # rad or s, for numeric derivatives
-HUBER = 2.0  # robust sigmas of a residual beyond which its weight falls
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,7 +196,7 @@ def _normal_equations(
             ],
             axis=1,
         )
-        weight = np.minimum(1.0, HUBER * sigma / np.maximum(np.abs(r), 1e-12)) / sigma**2
+        weight = huber_weight(r, sigma)
         weighted = jacobian * weight[:, None]
         own = weighted.T @ r
         information, gradient = information + weighted.T @ jacobian, gradient + own

@@ -18,12 +18,12 @@ from hullrecon.dive.logs.readers.file_log import FileLog
 from hullrecon.dive.logs.readers.protocol import Channel, Message
 from hullrecon.dive.logs.samples import DepthSample, DvlSample, ImuSample
 from hullrecon.findings.finding import Finding
+from hullrecon.geometry.frames import NED_FROM_ENU
 from hullrecon.typing import Array
 
 CHANNEL, ATTITUDE, DEPTH = (
     Channel(sensor, "Teledyne PD0", "sample") for sensor in ("dvl", "imu", "pressure")
 )
-NED_FROM_ENU = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])
 DVL_FROM_INSTRUMENT = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])
 LOST = np.full(3, np.nan)
 AZIMUTH_RAD = np.radians([-90.0, 90.0, 0.0, 180.0])  # of beams 1 to 4 about z of `dvl`

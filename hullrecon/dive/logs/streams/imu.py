@@ -16,6 +16,7 @@ from hullrecon.dive.logs.samples import ImuSample, stamps
 from hullrecon.dive.logs.two_sensors import refuse_two_sensors, windows
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
+from hullrecon.geometry import frames
 from hullrecon.records.clock import format_time
 from hullrecon.records.sensors import ImuSamples
 from hullrecon.typing import Array, Ints, Mask
@@ -31,7 +32,7 @@ LEAST_FELT_M_S2 = GRAVITY_M_S2 / 2  # median; where it is less, a filter has tak
 MOST_FELT_M_S2 = 2 * GRAVITY_M_S2  # median; no vehicle is pushed like that for half of a dive
 # not those of a message
 ACCELERATIONS = {"g": GRAVITY_M_S2, "mg": 1e-3 * GRAVITY_M_S2, "cm/s2": 1e-2}
-NED_FROM_ENU = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
+NED_FROM_ENU = Rotation.from_matrix(frames.NED_FROM_ENU)
 FRD_FROM_FLU = Rotation.from_matrix(np.diag([1.0, -1.0, -1.0]))
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses
-from hullrecon.geometry.robust import NORMAL_MAD
+from hullrecon.geometry.robust import NORMAL_MAD, huber_weight
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.rows import spread_rows
 from hullrecon.typing import Array, Ints
@@ -25,7 +25,6 @@ LEAST_SIGMA = 0.0003  # of a feature's position, ideal coordinates: a tenth of a
 # prior sigmas of the turn (3), and of the direction of motion (2)
 FREE_RAD = np.array([0.2, 0.2, 0.2, 0.05, 0.05])
 STEPS = 3  # of Gauss-Newton
-HUBER = 2.0  # sigmas of a residual beyond which its weight falls
 
 
 def fit_turns(
@@ -70,7 +69,7 @@ def fit_turns(
         jacobian = ((b[:, None] @ by_unknown) * a[:, None]).sum(axis=3) / size[:, None]
         # one normal equation a pair
         sigma = np.maximum(NORMAL_MAD * np.nanmedian(np.abs(error), axis=1), LEAST_SIGMA)[:, None]
-        weight = np.minimum(1, HUBER * sigma / np.maximum(np.abs(error), 1e-12)) / sigma**2
+        weight = huber_weight(error, sigma)
         known = np.isfinite(error)
         weight, error = np.where(known, weight, 0.0), np.where(known, error, 0.0)
         jacobian = np.where(known[:, None], jacobian, 0.0)

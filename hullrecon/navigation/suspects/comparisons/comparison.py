@@ -17,19 +17,18 @@ from functools import cached_property
 import numpy as np
 
 from hullrecon.dive.logs.turns import SHARED
+from hullrecon.geometry.robust import GAIN, SIGNIFICANT
 from hullrecon.navigation.sensors.motion_signals import is_still
 from hullrecon.records.clock import NS
 from hullrecon.typing import Array, Ints
 
 # What decides:
 CLIP = 4.0  # sigmas at which a residual is clipped
-GAIN = 25.0  # of chi-square above its mean: five sigmas, as in navigation/clocks
 # of chi-square over the rows: 1.2 at most on 17 faultless dives, 3.3 to 11 with faults
 MISFIT = 2.0
 # A turn between two sensors that accuses: beyond what the adjustment believes of a mount
-# (adjustment/contradictions), by five of its own sigmas
+# (adjustment/contradictions), by SIGNIFICANT of its own sigmas
 LARGEST_TURN_RAD = np.radians(5.0)
-MANY_SIGMAS = 5.0
 # Windows in which motions are compared
 LEAST_WINDOWS, MOST_WINDOWS = 4, 2000
 LONGEST_GAP_S = 1.5  # between two readings of a window
@@ -121,7 +120,7 @@ class Comparison:
         remaining = z - design @ found
         noise = float(remaining @ remaining) / max(len(z) - len(found), 1)
         sigma_rad = np.sqrt(noise * np.linalg.inv(normal)[0, 0])
-        return bool(abs(found[0]) > LARGEST_TURN_RAD + MANY_SIGMAS * sigma_rad)
+        return bool(abs(found[0]) > LARGEST_TURN_RAD + SIGNIFICANT * sigma_rad)
 
     def _squares(self, residual: Array) -> float:
         """Sum the squares of residuals, in sigmas, after a fit of the nuisances."""

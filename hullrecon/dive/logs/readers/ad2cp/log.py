@@ -23,6 +23,7 @@ from hullrecon.dive.logs.readers.protocol import Channel, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError
 from hullrecon.dive.logs.samples import DvlSample, ImuSample
 from hullrecon.findings.finding import Finding
+from hullrecon.geometry.frames import NED_FROM_ENU
 from hullrecon.typing import Array
 
 # THETA: degrees off z; PHI: degrees about z from x towards y.
@@ -33,7 +34,6 @@ FARTHEST_DEG = 60.0  # a beam that leaves the axis by more is a damaged number
 # smallest singular value of the beams' unit vectors from which a velocity (3,) can be solved
 FLATTEST = 0.05
 CHANNEL, ATTITUDE = (Channel(sensor, "Nortek AD2CP", "sample") for sensor in ("dvl", "imu"))
-NED_FROM_ENU = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])
 TURNED_OVER = np.diag([1.0, -1.0, -1.0])
 
 
