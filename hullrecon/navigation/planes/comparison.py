@@ -153,9 +153,7 @@ def position_and_gap_by_poses(
         # columns 0 to 6 are the first anchor's, 7 to 13 the second's
         for sign in (1, -1):
             moved = [path.poses[a] for a in anchors]
-            moved[k // 7] = _perturb(
-                moved[k // 7], path.tray[anchors[k // 7]], k % 7, sign * step, tray_origin
-            )
+            moved[k // 7] = _perturb(moved[k // 7], k % 7, sign * step, tray_origin)
             position, _, gap, _ = _extrapolate_and_compare(
                 patches, pairs.first, pairs.second, moved[0].inverse() @ moved[1]
             )
@@ -164,7 +162,7 @@ def position_and_gap_by_poses(
     return out
 
 
-def _perturb(poses: Poses, tray: Array, column: int, step: float, tray_origin: Array) -> Poses:
+def _perturb(poses: Poses, column: int, step: float, tray_origin: Array) -> Poses:
     """Perturb the poses of what carries the patches by one coordinate of vehicle or tray.
 
     The tray's angle moves the DVL, and so the patches that it saw, about the tray's axis.
