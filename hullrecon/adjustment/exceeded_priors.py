@@ -60,10 +60,11 @@ class _PriorDeviation:
     def may_be_exceeded(self) -> bool:
         """Tell whether `widening` could widen the prior, whatever the covariance is.
 
-        The covariance is dear, so it is computed only then.
+        The covariance is expensive, so it is computed only where this is True.
         """
-        # `widening` asks for more than 8 sqrt(g (1 - g)) and 4 sqrt(g) of the prior's sigmas. The
-        # greater of the two is least at the least gain
+        # With g the share of variance gained, `widening` asks for a deviation above both
+        # MANY_OF_ITS_OWN sqrt(g (1 - g)) and MANY_SIGMAS sqrt(g). The larger of the two bounds is
+        # smallest at g = LEAST_GAINED, and there it is the first.
         return bool(
             np.abs(self.deviation).max()
             > MANY_OF_ITS_OWN * np.sqrt(LEAST_GAINED * (1 - LEAST_GAINED))
@@ -98,7 +99,7 @@ def widen_exceeded_priors(path: Phase, solver: RoundSolver) -> Phase | None:
     allowed, found = rig.priors.navigation_sigma, state.navigation
     priors = _prior_deviations(rig, state)
     may_be_exceeded = any(prior.may_be_exceeded() for prior in priors.values())
-    # the least deviation at which `scale_without_prior` finds a contradiction, at the least gain
+    # the least deviation at which `scale_without_prior` may find a contradiction
     scale_may_be = abs(found[DVL_SCALE]) > SURPRISING * np.sqrt(LEAST_TOLD) * allowed[DVL_SCALE]
     if path.last is None or not (may_be_exceeded or scale_may_be):
         return None

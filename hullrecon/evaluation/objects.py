@@ -59,7 +59,11 @@ def score_objects(found: Sequence[ReportedObject], truth: Truth, motion: Poses) 
 def find_reported(
     structure: TrueStructure, found: Sequence[ReportedObject], truth: Truth, motion: Poses
 ) -> ReportedObject | None:
-    """Find the report of a structure, of several that with most images. None if it was missed."""
+    """Find the object reported for a structure, or None if it was missed.
+
+    Of several, the one seen in most images is chosen. motion: takes reported positions to those of
+    the truth, a batch of one.
+    """
     moved = [move_object(found_object, motion) for found_object in found]
     own = [
         d

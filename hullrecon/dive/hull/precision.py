@@ -19,11 +19,11 @@ DECIMALS = 10.0 ** np.arange(2, -4, -1)  # in the mesh's unit: steps of numbers 
 
 
 def stored_step(vertices: Array, is_single: bool = False) -> float:
-    """Find the step, in the mesh's unit, in which coordinates (n, 3) far from the origin lie.
+    """Find the step, in the mesh's unit, to which coordinates (n, 3) were rounded.
 
-    Far from the origin, steps may be too coarse for a hull. Zero near the origin, where they are
-    not looked at, where coordinates lie in no steps, and for too few corners to tell. is_single:
-    the file stores single precision.
+    Far from the origin, the steps of single precision or of few decimals may be too coarse for a
+    hull. Zero near the origin, where this is not examined, where coordinates were not rounded, and
+    where there are too few corners to know. is_single: the file stores single precision.
     """
     size = np.abs(vertices).max(axis=0)
     if size.max() < FAR * np.ptp(vertices, axis=0).max():

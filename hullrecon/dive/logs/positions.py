@@ -119,8 +119,8 @@ def _refuse_other_units(samples: Sequence[PositionSample]) -> None:
 def _is_position(sample: PositionSample) -> bool:
     """Tell whether a sample holds a fix.
 
-    It does not where values are missing or beyond any latitude and longitude. Receivers send zero
-    latitude and longitude before they have a fix.
+    False where values are missing or beyond any latitude and longitude. False, too, for zero
+    latitude and longitude, which receivers send before they have a fix.
     """
     first, second = sample.place[:2]
     if not np.isfinite([first, second]).all():

@@ -95,9 +95,9 @@ class ImageWalk:
         return 1e9 * longest_pause_s(self.frames[0])
 
     def _goes_on(self, first: int, second: int) -> bool:
-        """Tell whether two frames overlap. Those with a long pause between them are not compared.
+        """Tell whether two frames overlap. False without comparing them after a long pause.
 
-        They count as not overlapping, as another place of the hull may look alike.
+        After a pause, another place of the hull may look the same.
         """
         t_ns, row = self.frames
         near = abs(int(t_ns[second] - t_ns[first])) <= self._longest_ns

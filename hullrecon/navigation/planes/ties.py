@@ -176,7 +176,7 @@ def tie_planes(patches: Patches, pairs: PatchPairs, returns: Returns) -> TiedPla
 def _predicted_covariance(
     patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array
 ) -> Array:
-    """Compute how large gaps may be by the errors of the path alone: their covariance (m, 3, 3).
+    """Predict the covariance (m, 3, 3) of gaps that errors of the path alone cause.
 
     joint (m, 14, 14): the covariance of both anchors' poses and trays.
     """

@@ -521,11 +521,11 @@ def _mounts_on_side() -> Iterator[tuple[str, Rotation]]:
 
 
 def _orientations_of_other_axes(attitude: Rotation) -> Iterator[tuple[str, Array]]:
-    """Yield orientations of other axes: of the vehicle, of `global`, or of both.
+    """Yield orientations corrected for wrong axes of the vehicle, of `global`, or of both.
 
-    Exchanged components of a quaternion, and frames that were chained in the wrong order, amount to
-    that. Global axes that differ by the heading only are not told apart, so one is tried for each
-    axis that points down.
+    Exchanged components of a quaternion, and rotations chained in the wrong order, have the same
+    effect as wrong axes. Global axes that differ only in heading cannot be distinguished, so one
+    set is tried for each axis that may point down.
 
     Yields
     ------

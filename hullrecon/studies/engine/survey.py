@@ -225,7 +225,10 @@ def _compare_draws(draws: Sequence[Draw]) -> ComparedValue:
 
 
 def _compare_links(draws: Sequence[Draw]) -> ComparedValue:
-    """Tell of the links of many draws, pair by pair, by which model they are nearer the truth."""
+    """Compare errors of links by two models, over the pairs of many draws that both link.
+
+    The models are the essential matrix alone and the choice of model for each pair.
+    """
     nearer, chi2, every, lost = [], [], [], 0
     for draw in draws:
         alone, chosen = (draw.links[model].errors for model in ("essential", "automatic"))
@@ -237,12 +240,13 @@ def _compare_links(draws: Sequence[Draw]) -> ComparedValue:
     paired, more = np.concatenate(nearer), np.concatenate(chi2)
     sigma = paired.std(ddof=1) / np.sqrt(len(paired))
     return ComparedValue(
-        what="turn of a link further off by the essential matrix alone, pairs that both join",
+        what="rotation error of links by the essential matrix alone less that by the choice, "
+        "pairs linked by both",
         unit="mrad",
         ours=float(paired.mean()),
         note=(
             f"{len(paired)} pairs of {len(draws)} draws, known to {sigma:.2f} mrad (one sigma). "
-            f"{len(more)} pairs are joined by the choice alone, {lost} by the matrix alone. "
+            f"{len(more)} pairs are linked by the choice alone, {lost} by the matrix alone. "
             f"Chi-square of the former is {more.mean():.1f} in the mean, of all by the choice "
             f"{np.mean(every):.1f}"
         ),
@@ -270,7 +274,7 @@ def _compare_models(draw: Draw) -> list[ComparedValue]:
     ]
     alone, chosen = links["essential"], links["automatic"]
     worse = ComparedValue(
-        what="further off by the essential matrix alone than by the choice",
+        what="error by the essential matrix alone less that by the choice",
         unit="m",
         printed=2.0,
         ours=off["essential"] - off["automatic"],

@@ -33,7 +33,10 @@ class Fusion:
 
 
 class SelectiveJoining:
-    """Submaps kept apart, but for those that share more than a share of a submap's size."""
+    """Joins submaps in sequence, and fuses those that see enough of the same landmarks.
+
+    Enough is `threshold` times the number of landmarks of a submap.
+    """
 
     def __init__(self, threshold: float, submap_size: int, effort: Effort) -> None:
         self.world = GlobalMap()

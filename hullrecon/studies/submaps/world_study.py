@@ -87,8 +87,8 @@ def methods(limits: Limits) -> dict[str, Callable[[Effort], Strategy]]:
 def run_missions(world: World, limits: Limits) -> list[Mission]:
     """Run the filter, and every strategy on the same submaps.
 
-    The one filter, and those that build submaps, multiply whole matrices as (3.7), (3.11) and
-    (3.20) print them. The same filter that leaves out their zeros stands beside it.
+    The filter EKF, and the filters that build submaps, multiply whole matrices, as (3.7), (3.11)
+    and (3.20) are printed. The filter BLOCKS is the same, but leaves out products with zero.
     """
     local = Effort()
     submaps = build_submaps(world.log, limits, local, whole=True)
@@ -214,11 +214,12 @@ def compare(missions: list[Mission], world: World) -> tuple[ComparedValue, ...]:
 
 
 def _compare_method(mission: Mission, selective: Mission, world: World) -> list[ComparedValue]:
+    """Compare time and errors of a method with those printed, its time as a ratio to SSJS."""
     name = mission.name
     track = mission.track if mission.final is None else mission.final
     return [
         ComparedValue(
-            what=f"{name}'s time by that of SSJS",
+            what=f"{name}'s time over that of SSJS",
             printed=PRINTED_SECONDS[name] / PRINTED_SECONDS[SELECTIVE],
             ours=mission.effort.total_seconds / selective.effort.total_seconds,
             note=f"in multiplications {_work(mission, selective):.2f}",

@@ -158,10 +158,10 @@ def fuse_shapes(
     options: DetectOptions,
     threshold_m: float = MIN_OFFSET_M,
 ) -> FusedShapes:
-    """Move vertices (n, 3) to the shapes that features (m, 3) with deviations (m,) make.
+    """Move vertices (n, 3) to the shapes that features (m, 3) off the CAD model span.
 
-    [Ozog2016 eq. 4.15] is a running mean in which the first observation replaces the prior: the
-    mean of all intersections.
+    deviation (m,): signed distances m of features from the CAD model. [Ozog2016 eq. 4.15] is a
+    running mean in which the first observation replaces the prior: the mean of all intersections.
     """
     total, count = np.zeros_like(vertices), np.zeros(len(vertices), np.int64)
     for rows, points in find_shape_hits(views, features, deviation, vertices, options, threshold_m):

@@ -208,8 +208,7 @@ def _as_seen(thing: Thing, start: Array, heading: float, mount: float) -> Thing:
 
 
 def compare(trial: Trial) -> tuple[ComparedValue, ...]:
-    """Say what was found, and how far it is off in its own sigmas."""
-    words = "the source shows one picture and no rates"
+    """Compare detection rates, and errors of place and height in their own sigmas."""
     found = trial.targets - trial.missed
     three_sigmas = chi_square(0.9973, 2)
     sigma = [np.sqrt(t.covariance.trace()) for found in trial.confirmed for t in found]
@@ -218,7 +217,8 @@ def compare(trial: Trial) -> tuple[ComparedValue, ...]:
             what="targets confirmed by two passes or three",
             unit="%",
             ours=100 * found / trial.targets,
-            note=f"{found} of {trial.targets} in {len(trial.surveys)} surveys; {words}",
+            note=f"{found} of {trial.targets} in {len(trial.surveys)} surveys; the source "
+            "shows one picture and no rates",
         ),
         ComparedValue(
             what="confirmed where no target lies",
