@@ -36,9 +36,9 @@ def diff(first: Path, second: Path, out: Path | None) -> None:
     """Say what changed on a hull from RUN1 to RUN2, both RUNS/<dive> of one hull with a CAD model.
 
     Objects that are new, gone, grown or shrunk, and bare hull that moved, each with its
-    significance. How the two dives lie beside each other is estimated from what both saw and is no
-    change. What only one dive looked at is said to be so. Leaves change.json, change.csv, layers
-    for QGIS, a map and a page.
+    significance. The offset between the two dives is estimated from hull that both saw, and is not
+    reported as a change. What only one dive looked at is said to be so. Leaves change.json,
+    change.csv, layers for QGIS, a map and a page.
     """
     from hullrecon.api import change
     from hullrecon.report.change.chapter import move_sentence, object_sentence, verdict

@@ -63,7 +63,8 @@ def place_cad_model(path: Phase, cad_model: CadModel, solver: RoundSolver) -> Ph
     rounds = solver.coarse_rounds(placed.estimate, min(1, solver.options.rounds - 1))
     if not rounds:
         return placed
-    # Ranges and CAD model may contradict a prior that the path alone tells too little of.
+    # Ranges and CAD model may contradict a prior on which the path alone has too little
+    # information.
     widened, conflict = widen_exceeded_priors(Phase.of(rounds, rounds[-1].after), solver), None
     if widened is not None and widened.last is not None:
         rounds, conflict = (*rounds, widened.last), widened.verdict.length_conflict

@@ -140,8 +140,8 @@ def believe_place(path: Phase, placed: Phase, stated: Rig, solver: RoundSolver) 
 def is_ill_timed(path: Phase, solver: RoundSolver) -> bool:
     """Tell whether a solved path would fit better with other times, which exceed no prior.
 
-    Those are image rows that were exposed one after another: each leg's motion shears its images
-    then (`readout`), and legs that lie beside each other show it. Or those of a DVL whose readings
+    Those are image rows that were exposed one after another: each leg's motion then shears its
+    images (`readout`), and adjacent legs contradict each other. Or those of a DVL whose readings
     were stamped late beside the images (`dvl_delay`).
     """
     if path.first is None:

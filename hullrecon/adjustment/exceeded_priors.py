@@ -28,17 +28,17 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
-MANY_SIGMAS = 4.0  # a prior is contradicted beyond so many of its sigmas
-# A prior is widened only where the estimate without it is off by more than so many sigmas of its
-# own, and only if the dive takes away at least this share of the prior's variance. An unknown that
-# a dive hardly determines, as a lever arm along a straight leg, seems contradicted by small errors
-# of other sensors.
+MANY_SIGMAS = 4.0  # sigmas of a prior beyond which it is contradicted
+# A prior is widened only where the estimate without it is off by more than MANY_OF_ITS_OWN of its
+# own sigmas, and only if the dive takes away at least this share of the prior's variance. An
+# unknown that a dive hardly determines, as a lever arm along a straight leg, seems contradicted by
+# small errors of other sensors.
 MANY_OF_ITS_OWN = 8.0
 LEAST_GAINED = 0.25
-# The scale of the DVL is no such unknown. With a right prior x has the variance p^2 g: 78 dives
-# without a wrong scale had 2.2 of these sigmas at most, one with velocities 15 % too short 10.9.
-# Beyond five it is no chance, as in navigation/suspects, if a dive tells the scale at all
-# (LEAST_TOLD of its prior's variance).
+# The scale of the DVL is determined better, and five of its own sigmas suffice, as in
+# navigation/suspects, if a dive determines it at all (LEAST_TOLD of its prior's variance). With a
+# right prior x has the variance p^2 g: 78 dives without a wrong scale had 2.2 of these sigmas at
+# most, one with velocities 15 % too short 10.9.
 SURPRISING = 5.0
 LEAST_TOLD = 0.01
 ROTATION = slice(3, 6)  # rows of a mount's prior
@@ -134,7 +134,7 @@ def widen_exceeded_priors(path: Phase, solver: RoundSolver) -> Phase | None:
 
 
 class ScaleWithoutPrior(NamedTuple):
-    """What a dive alone says of its DVL's scale, whose prior it contradicts."""
+    """Estimate of the DVL's scale by the dive alone, where it contradicts the scale's prior."""
 
     correction: float  # share by which distances by the DVL have to be longer
     sigma: float

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """How the features of a solved path move if the rows of images were exposed one after another.
 
-The vehicle moves between the first row and the last, so that each leg shears its images in another
-way, and legs that lie beside each other contradict each other. No calibration explains that. One
-readout time, from the first row to the last, does (docs/methods.md 6).
+The vehicle moves between the first row and the last, so the shear of images differs from leg to
+leg, and adjacent legs contradict each other. No calibration explains that. One readout time, from
+the first row to the last, does (docs/methods.md 6).
 """
 
 from __future__ import annotations

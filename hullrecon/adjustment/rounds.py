@@ -272,8 +272,9 @@ class RoundSolver:
     ) -> Selection:
         """Choose the landmarks of a round: anchors for a coarse one, nearly all for the last.
 
-        The last round leaves out landmarks off the hull that stand alone. A strategy may leave out
-        those that are far off the hull. Raises StageError with fewer than MIN_LANDMARKS.
+        The last round leaves out landmarks off the hull with few rays and few neighbours. A
+        strategy may leave out those that are far off the hull. Raises StageError with fewer than
+        MIN_LANDMARKS.
 
         state, chosen: triangulated landmarks, and the measurements that agree with them.
         """

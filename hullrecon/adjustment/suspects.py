@@ -164,7 +164,7 @@ def least_delay_gain(
 ) -> float:
     """Estimate by how much a delay of the DVL would lower chi-square at least, without a solve.
 
-    As `least_readout_gain` does. Zero without images, as nothing else tells the delay.
+    As `least_readout_gain` does. Zero without images, as nothing else determines the delay.
     """
     if not _has_images(problem):
         return 0.0

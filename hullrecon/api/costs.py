@@ -134,8 +134,8 @@ def findings_of(
     """Make the findings about the cost of a run: its figures, and a lack of memory.
 
     A step that needs more memory than the run may take gives a warning, or an error if it needs
-    MAX_ERROR times as much. Two steps beside each other are not judged, as they run so only if both
-    fit. Empty without costs.
+    MAX_ERROR times as much. Two steps at once are not judged, as they run at once only if both fit.
+    Empty without costs.
 
     Parameters
     ----------

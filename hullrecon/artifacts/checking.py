@@ -15,7 +15,7 @@ from hullrecon.artifacts.workspace import COMPARE_FOLDER, PRIVATE, Workspace, da
 
 @dataclass(kw_only=True)
 class WorkspaceCheck:
-    """Counts of what was checked, and a sentence for each file that is not as it was written."""
+    """Counts of what was checked, and a sentence for each file that was changed or is missing."""
 
     artifacts: int = 0
     files: int = 0

@@ -41,8 +41,8 @@ def difference(first: Relief, second: Relief, options: ChangeOptions) -> Differe
     """Subtract the first survey from the second, on the same cells, and split the difference.
 
     Its wide part is form, in which the hull may have been dented. The rest is of structures. The
-    sigma of a cell is that of both surveys, plus the robust sigma of all differences: so much
-    surveys differ where nothing changed.
+    sigma of a cell is that of both surveys, plus the robust sigma of all differences: surveys
+    differ by this much where nothing changed.
     """
     total, width = second.height - first.height, round(options.smooth_m / options.cell_m)
     form = local_median(total, width)

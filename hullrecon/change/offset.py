@@ -50,7 +50,7 @@ class _Samples:
 
     points: Array  # (n, 3)
     axes: Array  # (3, n, 3): unit vectors along, in girth and outward at each point
-    weight: float  # independent measurements that a point counts as
+    weight: float  # number of independent measurements that a point is weighted as
     block: Ints  # (n,) block of hull that each point belongs to
     shared_m: float  # one sigma of the errors of both surveys that a block shares
 

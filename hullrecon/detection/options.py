@@ -15,7 +15,7 @@ MIN_CLUSTER_POINTS = 3  # least number of neighbours of a cluster's core point (
 
 
 class DetectOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Hold what tells structures from the hull."""
+    """Thresholds that distinguish structures from the hull."""
 
     min_height_m: Annotated[
         Positive, Meta(description="m, height of the lowest structure that is reported")

@@ -97,7 +97,7 @@ def collect_hull_points(
 ) -> HullPoints:
     """Collect landmarks labelled on the hull and DVL returns, thinned to some hundreds.
 
-    Where outages cut the path, each segment is thinned by itself, and points between segments are
+    Where outages cut the path, each segment is thinned separately, and points between segments are
     left out.
 
     Parameters
@@ -188,7 +188,7 @@ def thin_over_surface(
     cad_model
         The surface, to which the points' distances are measured.
     most
-        Cells grow until at most so many points are left.
+        Cells grow until at most this number of points is left.
 
     Returns
     -------
@@ -409,7 +409,7 @@ def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid
     pose
         global_from_hull, fitted.
     grid
-        The grid on which the field stands.
+        The grid of the field's nodes.
 
     Returns
     -------

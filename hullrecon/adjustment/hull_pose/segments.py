@@ -77,7 +77,7 @@ def find_segments(
 ) -> Segments | None:
     """Find the segments into which outages cut a path that was solved without the CAD model.
 
-    Each of them is then registered to the CAD model by itself (`register_segments`).
+    Each of them is then registered to the CAD model separately (`register_segments`).
 
     Parameters
     ----------

@@ -25,8 +25,8 @@ MISTAKEN = 2.0  # factor by which the stated error may be exceeded (docs/adr/001
 CHANCE = 1e-3  # probability that a CAD model as good as its package states is refused
 # Probability that its sigmas are widened needlessly, which costs less than a wrong ship
 WIDENING = 1e-2
-# Points farther outside are structures and growth. Points inside are kept, as nothing can stand in
-# the steel.
+# Points farther outside are structures and growth. Points inside are kept, as no structure lies
+# inside the steel.
 OUTSIDE_SIGMAS = 3.0
 MIN_POINTS = 30  # left after the points outside are dropped
 PASSES = 4  # of refitting without the points outside
@@ -120,7 +120,7 @@ def compare_shape(evidence: HullPoseEvidence, pose: Poses) -> ShapeComparison:
     plane = _distance_to_plane(at)
     loose = evidence.distances_by_segments(pose)
     # How distances move where the pose or a segment follows the points, and with a common offset:
-    # the fit has taken out what lies along these, so it says nothing of the shape
+    # the fit has taken out what lies along these, so they hold no information on the shape
     fitted = np.c_[
         _distances_by_open_directions(jacobian, cad_model, noise),
         _beyond_noise(loose, noise),

@@ -108,7 +108,7 @@ def plan_along(problem: native.Problem, position_m: Array, axis: str, wanted: Wa
     else:
         count, reason = wanted, f"adjust.parts asks for {wanted}"
     order = np.argsort(position_m, kind="stable")
-    # Memory of all poses before each one, to its own middle: equal parts of it are the stripes
+    # Memory of all poses before each one, to its own middle: stripes have equal parts of it
     share = np.cumsum(bytes_of_pose[order]) - 0.5 * bytes_of_pose[order]
     stripe = np.empty(len(order), np.int64)
     stripe[order] = count * share / bytes_of_pose.sum()

@@ -77,7 +77,7 @@ def prior_rows(grid: DeviationGrid, sigma: float, length: tuple[float, float]) -
     Parameters
     ----------
     grid
-        On which the field b stands.
+        Grid of the nodes of the field b.
     sigma
         Sigma of the field, m, far from the grid's edge.
     length

@@ -136,7 +136,7 @@ def choose_anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
 
 
 def drop_isolated_landmarks(state: State, chosen: Selection, off: Mask) -> Selection:
-    """Drop landmarks off the hull that stand alone.
+    """Drop landmarks off the hull that have few rays and few neighbours.
 
     A mismatch along the epipolar line looks like a landmark on a structure. But it has at most
     three rays, and fewer than two neighbours off the hull within NEIGHBOURS_M.

@@ -82,7 +82,7 @@ class ResponseSigmas:
     It is interpolated linearly in the logarithms of response and sigma.
     """
 
-    pixel: float  # of all observations, taken where the response says nothing
+    pixel: float  # of all observations, taken where the response gives none
     least: float  # lower limit: no feature is located better
     corner: float | None = None  # of corners, which have no response; None: not estimated
     response: Array = field(default_factory=lambda: np.zeros(0))  # (k,) sample points, ascending

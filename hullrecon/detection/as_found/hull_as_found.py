@@ -187,7 +187,7 @@ def _mesh_with_heights(
 def _facets_at(base: Mesh, mesh: Mesh, which: Mask) -> Array:
     """Look up sagitta and turn (2, n) of the base's facets under some vertices. 0 elsewhere.
 
-    They tell how far a curved hull may stand off a CAD model of flat facets, which is no structure.
+    They bound how far a curved hull may lie off a CAD model of flat facets without a structure.
     which (n,): the vertices of the refined mesh.
     """
     out = np.zeros((2, len(mesh.vertices)))

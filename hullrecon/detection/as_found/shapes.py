@@ -131,9 +131,9 @@ def find_shape_hits(
     options: DetectOptions,
     threshold_m: float = MIN_OFFSET_M,
 ) -> Iterator[tuple[Ints, Array]]:
-    """Find where the rays to vertices meet the shapes that each view's features make.
+    """Intersect the rays to vertices with the shapes that each view's features span.
 
-    A vertex whose ray meets a shape is shown by that view to be of a structure.
+    Where the ray to a vertex hits a shape, that view shows the vertex to be on a structure.
 
     Parameters
     ----------

@@ -79,10 +79,10 @@ def p_value(height_m: float, sigma_m: float, roughness_m: float, places: float) 
 SLOPE_SIGMA = 0.05  # prior sigma of the slope of the hull's offset from the base, about zero
 # Prior sigma of its second-order terms, 1/m, about zero: 10 mm of bulge between frames 0.7 m apart
 BEND_SIGMA = 0.08
-SIDES = 8  # the ring counts as so many measurements at most, as neighbours share landmarks
+SIDES = 8  # largest number of independent measurements in the ring, as neighbours share landmarks
 MIN_SCALE_M = 0.0005  # lower limit of the robust scale of the ring's vertices
 TUKEY = 4.0  # sigmas beyond which a vertex of the ring is an outlier
-ROUNDS = 4  # of reweighting and fitting
+ROUNDS = 4  # rounds of reweighting and fitting
 # A region's height is that which this area of it reaches: small enough not to average a peak away,
 # and larger than a single vertex
 TOP_M2 = 0.0008

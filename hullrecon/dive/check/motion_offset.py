@@ -45,7 +45,7 @@ def add_motion(
 ) -> list[Finding]:
     """Add the offset that the vertical motion tells to findings of clocks that are apart.
 
-    Findings for which it tells nothing, and all others, are returned unchanged.
+    Findings about which the motion gives no information, and all others, are returned unchanged.
     """
     tray, pressure = (np.array(numbers_of(s.origin)) for s in (config.tray, config.pressure))
     level = level_of(records, tray, pressure, from_mount(numbers_of(config.dvl.mount)))
@@ -60,7 +60,7 @@ def add_motion(
 def _with_offset_by_motion(
     finding: Finding, records: SensorRecords, level: Level | None
 ) -> Finding:
-    """Replace a finding's offset by what the motion tells. It is kept where that tells nothing.
+    """Replace a finding's offset by that of the motion, if the motion determines one.
 
     An offset near the hours that the finding suspects is that of a time zone: the hours are then
     taken as exact.
@@ -80,8 +80,8 @@ def _with_offset_by_motion(
 def motions_apart(records: SensorRecords, level: Level | None) -> list[Finding]:
     """Report that the motions of DVL and pressure sensor agree only at an offset of FAR_S or more.
 
-    By their stamps the two were read at the same time, so nothing else shows a wrong clock.
-    Clocks whose sensors were not are reported elsewhere. Empty where the motion tells nothing.
+    By their stamps the two were read at the same time, so nothing else shows a wrong clock. Clocks
+    whose sensors were not are reported elsewhere. Empty where the motion gives no information.
     """
     dvl_early_s = offset_by_motion("dvl", records, level)
     gaps = clock_gaps(records.by_name())
@@ -196,7 +196,7 @@ def offset_by_motion(
     down, is_level = _on_grid(level.t_ns, level.down, at, count)
     below, _ = _on_grid(level.t_ns, level.below[:, None], at, count)
     # A lag counts from the beginning of one record to that of the other. The offset of the stamps
-    # is the lag plus by how much later, by the stamps, the pressure sensor began.
+    # is the lag plus the delay, by the stamps, with which the pressure sensor began.
     if sensor == "dvl":
         # depth of the DVL itself, as it is the one that the velocity is of
         rate, is_sunk = _rate(depth + below, is_read & is_level)

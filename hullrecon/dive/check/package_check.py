@@ -218,7 +218,7 @@ def check_package(
     bow, wrong_pose = _check_hull_pose(loaded.config.hull, found.hull, problems)
     regions, empty_regions = describe_regions(loaded.config.hull, found.hull if bow else None)
 
-    # What of it contradicts something else.
+    # Contradictions within the package.
     records, judged, suspects = found.records, list[Finding](), list[dict[str, object]]()
     if check_sensors is not None:
         records, judged, suspects = check_sensors(loaded, found, sampled)
@@ -372,8 +372,9 @@ def _leave_out_missing(
 ) -> tuple[IngestRequest, list[Finding]]:
     """Remove calibrations and a CAD model that are not there from a request, and report each.
 
-    So the rest of the package is still checked. A missing log stays: its reader says what is wrong,
-    and what may be in it is not missed elsewhere. Nor is a calibration that the logs have to hold.
+    So the rest of the package is still checked. A missing log stays: its reader reports what is
+    wrong, and sensors that it may hold are not reported as missing. Nor is a calibration that the
+    logs have to hold.
     """
     named = [
         (f"{Camera(name.removeprefix('camera_')).section}.calibration", f)

@@ -60,10 +60,10 @@ def read_pinhole(matrix: Sequence[float], size: tuple[int, int], where: str) -> 
 
 
 def _find_doubt(lens: Array, size: Array) -> str:
-    """Say what shows that a camera's numbers are not in pixels of its images. "" for nothing.
+    """Describe why a camera's numbers cannot be in pixels of its images.
 
-    Unusual numbers alone are accepted. They are doubted if another order of them, or of width and
-    height, makes a usual camera.
+    "" if they can. Unusual numbers alone are accepted. They are doubted if another order of them,
+    or of width and height, makes a usual camera.
 
     lens: (4,) fx, fy, cx, cy. size: (2,) width and height, px.
     """

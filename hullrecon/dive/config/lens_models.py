@@ -20,7 +20,7 @@ from hullrecon.typing import Array
 
 # px, at the worst pixel, mostly in a corner: half the error of a calibration under water
 LARGEST_DIFFERENCE_PX = 0.05
-# both models are compared on rays up to so far off the axis, on so many rings and spokes
+# both models are compared on rays up to this angle off the axis, on this many rings and spokes
 WIDEST_DEG, RINGS, SPOKES = 80.0, 160, 72
 PLUMB_BOB_COUNT, THIN_PRISM_COUNT = 5, 12  # coefficients, in OpenCV's order
 Distort = Callable[[Array], Array]  # ideal to distorted coordinates x/z, y/z (n, 2)

@@ -51,7 +51,7 @@ def parse_yaml(text: str) -> object:
     """Parse YAML text, also with OpenCV's head, or the end that `ros2 topic echo` writes.
 
     Raises ValueError for text that is no YAML, nests too deeply, holds too many values, or whose
-    aliases stand for too many.
+    aliases expand to too many.
     """
     refuse_floods(text)
     yaml = YAML(typ="safe", pure=True)

@@ -107,7 +107,7 @@ def _sample_unseen(mesh: Mesh, shared: SharedEdges, seen: Mask) -> Ints:
 
 
 def _are_seen(mesh: Mesh, whole: Mesh, rows: Ints, rays: int, enough: int) -> Mask:
-    """Tell of which faces enough rays leave the mesh, on one side or the other.
+    """Find faces from which enough rays leave the mesh, on one side or the other.
 
     Parameters
     ----------

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Read the CAD model: its mesh in metres, cleaned, with outward normals.
 
-trimesh believes what a file claims. Files that claim far more than they hold, or on which its
-parsers take quadratic time, are refused or rewritten before it sees them.
+trimesh does not check the sizes that a file claims. Files that claim far more than they hold, or on
+which its parsers take quadratic time, are refused or rewritten before it sees them.
 """
 
 from __future__ import annotations
@@ -373,7 +373,7 @@ def clean_mesh(mesh: Mesh, notes: list[Finding]) -> Mesh:
 
 
 def find_bodies_apart(mesh: Mesh) -> list[Finding]:
-    """Report two bodies beside each other with a gap between, each large enough to be a ship.
+    """Report two bodies with a gap between them, each large enough to be a ship.
 
     Such a file may hold two ships. Gaps are sought along each axis, and one finding is returned at
     most.

@@ -17,7 +17,7 @@ from hullrecon.typing import Array
 MOST_READINGS = 512  # of a topic, evenly over the log
 LOWEST_AIR_PA, AIR_PA = 80e3, 101325.0  # the lowest ever measured at sea is 87 kPa
 PASCALS_A_METRE = 1025 * 9.81  # of sea water
-# A still topic is no depth if another one of the dive changes by at least so many times STILL_M
+# A still topic is no depth if another one of the dive changes by at least FOLLOWS times STILL_M
 FOLLOWS = 3.0
 
 

@@ -153,7 +153,7 @@ def proposed_mounts(
     sensors = fixed_sensors(frame_tree(messages), frames, joints, frame_doubts(messages))
     found = choose_mounts(dict.fromkeys(DEFAULT_MOUNTS, FROM_LOG), sensors)
     # Doubtful mounts are not proposed: written into dive.toml they would pass for confirmed ones.
-    # Left to the log, `check` says what is wrong with them.
+    # They are left to the log, and `check` reports what is wrong with them.
     doubtful = (
         () if split_by_servo(sensors) is None else ("tray.origin", "dvl.mount", "camera.top.mount")
     )

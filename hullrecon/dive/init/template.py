@@ -219,8 +219,8 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
 def _mount_lines(summary: LogSummary, tray: str, folder: Path) -> dict[str, str]:
     """Write the lines of all mounts, by the names of their fields in the template.
 
-    A mount that neither tf_static nor a calibration tells is a comment, to be filled in. tray: name
-    of the tray's joint.
+    A mount that is neither in tf_static nor in a calibration becomes a comment, to be filled in.
+    tray: name of the tray's joint.
     """
     lines = dict(MOUNTS)
     for key, mount in proposed_mounts(summary, {"tray": tray}).items():

@@ -62,8 +62,8 @@ def _burst_starts(t_ns: Ints) -> Ints | None:
     """Find the first row (b,) of each burst among sorted stamps.
 
     A buffer that is read at a fixed rate gives bursts at even intervals. None where the stamps do
-    not come in bursts, or where the bursts follow each other at uneven or long intervals, as then
-    nothing tells over which time they gathered.
+    not come in bursts, or where the bursts follow each other at uneven or long intervals, as the
+    time over which they gathered is then unknown.
     """
     if len(t_ns) < LEAST_BURSTS * LEAST_SIZE:
         return None
@@ -95,7 +95,7 @@ def _spread_evenly(t_ns: Ints, starts: Ints) -> tuple[Ints, float]:
     """
     ends = np.r_[starts[1:], len(t_ns)]
     is_coarse = bool((t_ns[ends - 1] == t_ns[starts]).mean() > 0.5)
-    # the time that stands for each burst: where its readings began, or where they ended
+    # the time given to each burst: where its readings began, or where they ended
     at = t_ns[starts] if is_coarse else t_ns[ends - 1]
     interval = np.diff(at)
     median_interval = int(np.median(interval))

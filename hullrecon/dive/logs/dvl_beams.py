@@ -108,7 +108,7 @@ def choose_beams(
 
 
 def ask_for_beams(count: int, why: str = "") -> InputError:
-    """Make the error that asks where the DVL's beams point."""
+    """Make the error that asks for the directions of the DVL's beams."""
     why = why or f"nothing says where the DVL's {count} beams point"
     return InputError(why, where="dvl.beams", remedy=ADVICE)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Find readings that are written as numbers but stand for lost ones.
+"""Find lost readings that were written as numbers.
 
 Drivers write a lost velocity as zero, as the last one or as what a filter makes of that. Some
 mark it by a covariance that no measurement has. They write a lost range as the largest that the
@@ -43,12 +43,12 @@ CLOSE_TO_LIMIT = 0.9  # of the largest range; where that was measured, others ar
 def drop_lost_velocities(
     t_ns: Ints, velocity: Array, sigma: Array, ranges: Array, notes: list[Finding]
 ) -> tuple[Array, Array]:
-    """Replace velocities by NaN that stand for a lost bottom lock.
+    """Replace velocities by NaN that mark a lost bottom lock.
 
     These are velocities with a sigma of WORST_SIGMA_M_S or more, false zeros, repeats of the last
     velocity, and those of pings in which no beam has a range. Where every sigma is that large, the
     sigmas are dropped in place of the velocities. Where most pings have no range, ranges are not
-    asked for.
+    required.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def drop_lost_velocities(
 
 
 def _false_readings(t_ns: Ints, velocity: Array) -> tuple[Mask, Mask]:
-    """Find velocities that stand for lost ones: false zeros, and repeats of the last one.
+    """Find velocities that mark lost ones: false zeros, and repeats of the last one.
 
     Runs of equal velocities are looked at one by one. Zeros are false where the velocity jumps at
     the start or the end of their run as no vehicle starts or stops. Several zeros in a row are also
@@ -149,7 +149,7 @@ def is_false_attitude(quaternion: Array) -> Mask:
 
     quaternion: (n, 4) x, y, z, w. The vehicle may also have had just that attitude. It is therefore
     not marked where the attitudes before and after it are close to it. None is marked where most
-    attitudes are such, as of a vehicle that stands still.
+    attitudes have this value, as for a vehicle at rest.
     """
     default = (np.abs(quaternion) == UNFILLED).all(axis=1)
     others = np.flatnonzero(~default & np.isfinite(quaternion).all(axis=1))

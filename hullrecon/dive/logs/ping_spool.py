@@ -86,7 +86,7 @@ def bright_pixel(image: NDArray[np.generic]) -> NDArray[np.generic]:
     eight bits, which needs no scale, it is the brightest one. A spooled ping's stand-in has this
     value.
     """
-    # strides of zero: a stand-in, of which one pixel tells all
+    # strides of zero: a stand-in has one value in all pixels
     pixels = np.asarray(image[:1, :1] if not any(image.strides) else image)
     if pixels.dtype == np.uint8:
         return np.asarray(pixels.max(), np.uint8)

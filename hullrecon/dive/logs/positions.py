@@ -93,7 +93,7 @@ def position_fixes(
 def _refuse_other_units(samples: Sequence[PositionSample]) -> None:
     """Raise InputError where most latitudes and longitudes are in another unit than degrees.
 
-    Radians, degrees and minutes in one number, and 1e-7 degrees are told by their size.
+    Radians, degrees and minutes in one number, and 1e-7 degrees are recognised by their size.
     """
     place = np.abs(np.array([s.place[:2] for s in samples], float).reshape(-1, 2))
     place = place[np.isfinite(place).all(axis=1) & place.any(axis=1)]

@@ -227,7 +227,7 @@ def _note_joint_before(
 ) -> None:
     """Keep a joint's reading where it is the latest one before the window so far.
 
-    It tells at which angle the servo stands when the window begins (`_carry_joints_into_window`).
+    It gives the servo's angle when the window begins (`_carry_joints_into_window`).
     """
     known = out.joints_before.get(sample.name)
     if (

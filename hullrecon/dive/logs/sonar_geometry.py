@@ -171,7 +171,7 @@ def choose_directions(
 
 
 def ask_for_azimuths(beams: int) -> InputError:
-    """Make the error that asks where the sonar's beams point."""
+    """Make the error that asks for the azimuths of the sonar's beams."""
     return InputError(
         f"nothing says where the sonar's {beams} beams point",
         where="sonar.beam_azimuth_deg",

@@ -139,7 +139,7 @@ def _on_first_logger(stamp: Ints, logged: Ints, log: Ints) -> Ints:
 def _refuse_two_bases(name: str, stamp: Ints) -> None:
     """Raise InputError for stamps (n,) of which a part counts from 1970.
 
-    The clock was set, or lost its time, amid the log, and nothing tells by how much.
+    The clock was set, or lost its time, within the log, by an unknown amount.
     """
     unset = stamp < UNSET_NS
     if min(unset.sum(), (~unset).sum()) < LASTING:
@@ -274,9 +274,9 @@ def _stepped_back(stamp: Ints, logged: Ints, period: int, least: int, again: int
 def _refuse_open_step(name: str, stamp: Ints, log: Ints) -> None:
     """Raise InputError where stamps (n,) fall back so far that a gap stays before the log's start.
 
-    The clock was set back by more than the log lasted, or two recordings were put into one log, and
-    nothing tells by how much. Where the later part ends just before the earlier one begins, the two
-    were only logged in another order.
+    The clock was set back by an unknown amount, more than the log lasted, or two recordings were
+    put into one log. Where the later part ends just before the earlier one begins, the two were
+    only logged in another order.
     """
     for number in np.unique(log):
         part = stamp[log == number]

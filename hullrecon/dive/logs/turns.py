@@ -47,7 +47,7 @@ def turns_within_seconds(
 def scale_between(first: Array, second: Array) -> float | None:
     """Fit the factor from one signal (n, 3) to another by least squares.
 
-    None where the two do not go together, as where one of them stands still.
+    None where the two are not proportional, as where one of them does not change.
     """
     squares, product = float((first**2).sum()), float((first * second).sum())
     together = product > 0 and product**2 > SHARED * squares * float((second**2).sum())

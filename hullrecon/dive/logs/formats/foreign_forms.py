@@ -82,7 +82,7 @@ BY_SUFFIX = {
 def describe_file(path: Path, start: bytes) -> tuple[str, str]:
     """Name what a file is and what to do with it, for the error that refuses it as a log.
 
-    Both are told by its first bytes, else by its name. Two empty texts where that is not known.
+    Both follow from its first bytes, else from its name. Two empty texts where that is not known.
     start: those first bytes.
     """
     suffix = path.suffix.lower()
@@ -112,7 +112,7 @@ def is_page(start: bytes) -> bool:
 def describe_folder(names: Iterable[str]) -> tuple[str, str]:
     """Name what a folder without a log holds and what to do with it, for the error that refuses it.
 
-    Both are told by the names of its files. Two empty texts where that is not known.
+    Both follow from the names of its files. Two empty texts where that is not known.
     """
     names = sorted(names)
     suffixes = Counter(Path(name.lower().removesuffix(".gz")).suffix for name in names)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Read what the covariance beside a value says of it: its sigma, nothing, or that it was lost.
+"""Read from the covariance in a message the sigma of its value, or that the value was lost.
 
 One rule for all types. A negative variance (-1 by sensor_msgs) or an infinite one marks a value
 that was not measured. Zero and NaN say nothing. Some drivers mark a lost value by a variance that

@@ -27,8 +27,8 @@ CHANNELS = {
 }
 # encodings that OpenCV names by channels and type, as those of ROS
 PLAIN = {"8uc1": "mono8", "8uc3": "bgr8", "8uc4": "bgra8", "16uc1": "mono16", "16uc3": "bgr16"}
-# How much rougher 16-bit pixels are, at least, with their bytes in the wrong order. Every so many
-# rows are looked at for that, of images of so many bytes or more
+# How much rougher 16-bit pixels are, at least, with their bytes in the wrong order. Rows between
+# those looked at for that, and least bytes of an image of which rows are skipped
 ROUGH, EVERY, LEAST_BYTES = 3.0, 16, 10_000
 VIDEO_FORMS = ("h264", "h265", "hevc", "av1", "ffmpeg", "theora")
 QUICK = 1  # PNG's compression level: images are written once, and read a few times
