@@ -17,9 +17,10 @@ Made = TypeVar("Made")
 def in_threads(
     make: Callable[[Item], Made], items: Sequence[Item], label: str = "", most: int | None = None
 ) -> Iterator[Made]:
-    """Yield what is made of items in their order, begun ahead in threads.
+    """Apply a function to items in threads, ahead of use, and yield results in the items' order.
 
-    `label`: what the items are, for whom the work is shown. `most`: threads, MAX_AT_A_TIME if None.
+    `label`: what the items are. It is not used here, and is there as other functions that map show
+    it. `most`: threads, MAX_AT_A_TIME if None.
     """
     from concurrent.futures import ThreadPoolExecutor
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The version of hullrecon, which stands in pyproject.toml alone, and the commit that runs."""
+"""The version of hullrecon, stated in pyproject.toml alone, and the commit that runs."""
 
 from __future__ import annotations
 

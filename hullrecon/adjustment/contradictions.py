@@ -116,7 +116,7 @@ def accept_corrections(path: Phase, corrected: Phase, solver: RoundSolver) -> Ph
 
 
 def believe_place(path: Phase, placed: Phase, stated: Rig, solver: RoundSolver) -> None:
-    """Believe corrections that were found with the CAD model, as `accept_corrections` does.
+    """Check corrections that were found with the CAD model, as `accept_corrections` does.
 
     Parameters
     ----------
@@ -138,11 +138,11 @@ def believe_place(path: Phase, placed: Phase, stated: Rig, solver: RoundSolver) 
 
 
 def is_ill_timed(path: Phase, solver: RoundSolver) -> bool:
-    """Tell whether a solved path would fit better with other times, which exceed no prior.
+    """Tell whether a readout time or a delay of the DVL would make a solved path fit better.
 
-    Those are image rows that were exposed one after another: each leg's motion then shears its
-    images (`readout`), and adjacent legs contradict each other. Or those of a DVL whose readings
-    were stamped late beside the images (`dvl_delay`).
+    Neither has a prior that the path could contradict. With a readout time, image rows are exposed
+    one after another: each leg's motion shears its images (`readout`), and adjacent legs contradict
+    each other. With a delay, the DVL is stamped late relative to the images (`dvl_delay`).
     """
     if path.first is None:
         return False
@@ -188,7 +188,7 @@ def explain_refusal(path: Phase, placed: Phase, solver: RoundSolver) -> Phase:
 
 
 def doubt_tray(path: Phase, placed: Phase) -> Phase:
-    """Doubt the tray's angles where a CAD model was accepted against what the package states.
+    """Look for wrong angles of the tray where an accepted CAD model contradicts the package.
 
     An offset of the angles is noted in the placement, for a warning, where the CAD model lies far
     from its guess and would lie at it with the angles corrected. Otherwise the phase `placed` is

@@ -4,7 +4,7 @@
 
 Its velocities then belong to earlier times. A step measured t too late is off by as much as the
 velocity changes over it, times t: nothing on a straight leg, and most where legs turn back. Images
-that tie the nodes tell it (docs/methods.md 6).
+that link the nodes show it (docs/methods.md 6).
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class VelocityChange:
 def velocity_change(problem: native.Problem, t_ns: Ints) -> VelocityChange:
     """Compute how the velocity of a solved path changes over each step of its odometry.
 
-    Zero beside a pause, where neighbouring nodes tell no velocity. t_ns (n,): stamps of the nodes.
+    Zero next to a pause, where neighbouring nodes give no velocity. t_ns (n,): stamps of the nodes.
     """
     pose, odometry = problem.unknowns.pose, problem.odometry
     if len(t_ns) < 3 or pose is None:

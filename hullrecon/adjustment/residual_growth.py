@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""By how much residuals grow with the CAD model, against those of a path solved without it."""
+"""Growth of residuals with the CAD model, relative to those of a path solved without it."""
 
 from __future__ import annotations
 

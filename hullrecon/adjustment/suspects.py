@@ -140,10 +140,10 @@ def try_suspects(
 def least_readout_gain(
     problem: native.Problem, settings: native.Options, by_row: RowMotion
 ) -> float:
-    """Estimate by how much a readout time would lower chi-square at least, without a solve.
+    """Bound from below how far a readout time would lower chi-square, without a solve.
 
-    The trials of all suspects take a solve each. So this tells beforehand whether they are worth it
-    on a path that contradicts no prior (`is_ill_timed` of contradictions).
+    The trials of all suspects take a solve each. The bound shows beforehand whether they are
+    worthwhile on a path that contradicts no prior (`is_ill_timed` of contradictions).
 
     Chi-square is taken as a parabola of the readout time, with all other unknowns held. At the
     solution its slope is right. Its curvature is too large, since the other unknowns would follow:
@@ -162,7 +162,7 @@ def least_readout_gain(
 def least_delay_gain(
     problem: native.Problem, settings: native.Options, by_delay: VelocityChange
 ) -> float:
-    """Estimate by how much a delay of the DVL would lower chi-square at least, without a solve.
+    """Bound from below how far a delay of the DVL would lower chi-square, without a solve.
 
     As `least_readout_gain` does. Zero without images, as nothing else determines the delay.
     """

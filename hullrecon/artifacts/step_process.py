@@ -282,7 +282,7 @@ def _serve(
             logging.getLogger(name).setLevel(level)
         logging.root.addHandler(_Forward(send))
         with call.executor:
-            result = call_here(call, _ToldProgress(send), _ToldOutlook(mark, send))
+            result = call_here(call, _ReportedProgress(send), _ReportedOutlook(mark, send))
     except BaseException as error:  # the run's process raises it
         result = _Failed(_that_pickles(error), "".join(traceback.format_exception(error)))
     # The step has ended: a signal that comes now is for the run's process.
@@ -301,7 +301,7 @@ class _Forward(QueueHandler):
         self._send(record)
 
 
-class _ToldProgress(Progress):
+class _ReportedProgress(Progress):
     """Tells the run's process how many items have passed."""
 
     def __init__(self, send: Callable[[object], None]) -> None:
@@ -328,7 +328,7 @@ class _ToldProgress(Progress):
             self._send(_LoopEnded(number))
 
 
-class _ToldOutlook(Outlook):
+class _ReportedOutlook(Outlook):
     """Outlook in the step's process: has its number, and reports parts made by an earlier run."""
 
     def __init__(self, mark: str, send: Callable[[object], None]) -> None:

@@ -79,7 +79,7 @@ def shared_variance(position: Array, normal: Array, covariance: Array) -> Array:
     An error that moves all landmarks is in the covariance of every neighbour. So the common part is
     at most the second smallest of the neighbours' variances along this landmark's normal. Their
     variances along their own normals, which have other directions, would not compare: an error of
-    tens of metres, as of the depth where it was not measured, is in them to another part.
+    tens of metres, as of an unmeasured depth, enters them to a different degree.
     """
     if not len(position):
         return np.zeros(0)

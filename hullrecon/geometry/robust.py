@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Robust spread of values with outliers, quantiles of weighted values, and what is significant."""
+"""Robust spread of values, quantiles of weighted values, and thresholds of significance."""
 
 from __future__ import annotations
 

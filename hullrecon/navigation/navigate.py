@@ -94,7 +94,7 @@ def _with_remark(found: Navigated, remark: str) -> Navigated:
 
 
 def _share_reached(dvl: DvlPings, imu: ImuSamples | None, stereo: ImageIndex) -> float:
-    """Compute the share of the images that DVL and IMU reach: from its first velocity to the last.
+    """Compute the share of the images between the DVL's first velocity and its last.
 
     With a small share a path by the DVL would leave out most of the dive. Only velocities within
     the IMU's record count, and images up to REACH_S beyond them. It is 1 without a usable image.

@@ -193,7 +193,7 @@ class InitialHullPose(Checked):
 
 @dataclass(frozen=True, kw_only=True)
 class Items(Checked):
-    """What is added to the hull: so many at random places, or those of `placed`."""
+    """Items added to the hull: numbers of each kind at random places, or those of `placed`."""
 
     structures: int = describe_field(
         6, "Objects that stand out of the hull or are cut into it", "", 0, 200

@@ -3,7 +3,7 @@
 """Measure motion from images alone, without any prior, for navigation.
 
 Two cameras measure it where there is no DVL. One camera gives the direction, and whether two images
-overlap, which is how far images carry a path on where the DVL is silent.
+overlap. As long as they do, a path goes on where the DVL is silent.
 """
 
 from __future__ import annotations

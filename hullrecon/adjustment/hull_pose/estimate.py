@@ -33,7 +33,7 @@ MAX_POINTS = 800  # their covariance is dense
 
 @dataclass(frozen=True, kw_only=True)
 class LoosePoints:
-    """To which segment of a path that outages cut each point belongs, and how loose that is."""
+    """Segment of each point, on a path that outages cut, and the covariance of its pose."""
 
     segment: Ints  # (n,) of each point
     # (s, 6, 6) covariance of each segment's pose relative to the reference segment, (translation,

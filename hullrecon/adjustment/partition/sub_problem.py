@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cut a problem into parts that are problems of their own, given the part that owns each pose.
 
-A row of a table meets the poses, landmarks, planes and field nodes on which its residual depends.
-It goes to the first part that owns one of its poses. A landmark goes with all its rows to the first
-part that sees it. Poses, field nodes and planes that rows of several parts meet are copied into
-each of these parts, and are shared.
+A row of a table depends on poses, landmarks, planes and field nodes. It goes to the first part that
+owns one of its poses. A landmark goes with all its rows to the first part that sees it. Poses,
+field nodes and planes on which rows of several parts depend are copied into each of these parts,
+and are shared.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ PLANES = {
     "plane_pairs": ("first", "second"),
     "plane_sightings": ("plane",),
 }
-OF_LANDMARKS = ("stereo", "mono", "surface")  # tables whose rows meet a landmark
-IN_FIELD = ("ranges", "surface")  # tables whose rows meet the deviation field
+OF_LANDMARKS = ("stereo", "mono", "surface")  # tables whose rows depend on a landmark
+IN_FIELD = ("ranges", "surface")  # tables whose rows depend on the deviation field
 TABLES = (*NODES, "surface")
 
 
@@ -128,17 +128,17 @@ class SubProblems:
 
     @cached_property
     def shared_poses(self) -> Ints:
-        """List the poses that several parts meet."""
+        """List the poses on which rows of several parts depend."""
         return _in_several(self.poses, len(self.owner))
 
     @cached_property
     def shared_nodes(self) -> Ints:
-        """List the nodes of the deviation field that several parts meet."""
+        """List the nodes of the deviation field on which rows of several parts depend."""
         return _in_several(self.nodes, len(self.problem.unknowns.deviation))
 
     @cached_property
     def shared_planes(self) -> Ints:
-        """List the planes that several parts meet."""
+        """List the planes on which rows of several parts depend."""
         return _in_several(self.planes, len(self.problem.unknowns.plane))
 
     def _owner_of_landmarks(self) -> Ints32:
@@ -160,9 +160,9 @@ class SubProblems:
     def _owners_of_field(self) -> tuple[Ints32, Ints32]:
         """Find the owner of each node of the deviation field, and of each row of its prior.
 
-        A node goes to the first part whose measurements meet it. Nodes that no measurement meets
-        take the owner of the nodes next to them, in the rows of the prior, step by step. A row of
-        the prior goes to the first part that owns one of its nodes.
+        A node goes to the first part whose measurements depend on it. Nodes on which no measurement
+        depends take the owner of the nodes next to them, in the rows of the prior, step by step. A
+        row of the prior goes to the first part that owns one of its nodes.
         """
         prior, last = self.problem.priors.deviation, self.count
         owner = np.full(len(self.problem.unknowns.deviation), last, np.int32)
@@ -187,7 +187,7 @@ class SubProblems:
         return owner, np.where(of_row == last, 0, of_row)
 
     def _poses_and_planes(self, k: int) -> tuple[Ints, Ints]:
-        """List the poses and planes that part k owns or that its rows meet."""
+        """List the poses and planes that part k owns or that its rows depend on."""
         anchor = self.problem.planes.anchor
         planes, poses = (
             [np.flatnonzero(self.owner[anchor] == k)],
@@ -201,7 +201,7 @@ class SubProblems:
         return np.unique(np.concatenate([*poses, anchor[met_planes]])), met_planes
 
     def _nodes(self, k: int) -> Ints:
-        """List the nodes of the deviation field that part k owns or that its rows meet."""
+        """List the nodes of the deviation field that part k owns or that its rows depend on."""
         prior, met = self.problem.priors.deviation, [np.flatnonzero(self.node_owner == k)]
         for name in IN_FIELD:
             field = getattr(self.problem, name).field

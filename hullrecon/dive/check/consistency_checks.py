@@ -69,7 +69,7 @@ def check_consistency(
 def check_mount_of_attitude(config: DiveConfig, tray: JointSamples | None) -> list[Finding]:
     """Compare imu.mount_deg with dvl.mount where attitude comes from the DVL's own sensors.
 
-    Both keys then tell how one instrument sits, provided that no tray turns it.
+    Both keys then give the mount of one instrument, provided that no tray turns it.
     """
     if config.imu.mount_deg is None or tray is not None:
         return []

@@ -256,8 +256,9 @@ def _known_sensors(
 ) -> tuple[set[str], set[str]]:
     """List the sensors that are known to be there, and those that were logged.
 
-    A sensor that was logged but cannot be used counts as known where there are problems: its own is
-    reported already. Where a log was not read to its end, so do those that dive.toml names.
+    A sensor that was logged but cannot be used counts as known where there are problems, as its own
+    is among those reported. Where a log was not read to its end, the sensors that dive.toml names
+    count as known too.
     """
     streams: Mapping[str, Stream] = {**found.records.by_name(), **found.images}
     known = {
@@ -312,7 +313,7 @@ def _fill_mounts(
 def _check_hull_pose(
     hull: Hull | None, mesh: Mesh | None, problems: Problems
 ) -> tuple[list[Finding], list[Finding]]:
-    """Describe which end of the CAD model is the bow, and warn of how hull.pose lays it.
+    """Describe which end of the CAD model is the bow, and warn of a doubtful hull.pose.
 
     A pose far off, another length than is stated and a bow that the CAD model does not have are
     collected as problems. Both lists are empty for such a bow, and without a CAD model.

@@ -179,7 +179,7 @@ def _leaves(raw: Mapping[str, object], prefix: str = "") -> Iterator[str]:
 
 
 def _check_whole(config: DiveConfig) -> None:
-    """Raise UsageError for keys that are right by themselves but do not go together."""
+    """Raise UsageError for keys that are valid alone but contradict each other."""
     if config.camera.bottom is not None and config.camera.top is None:
         raise UsageError(
             "[camera.bottom] without [camera.top]",

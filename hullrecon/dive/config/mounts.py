@@ -52,7 +52,7 @@ def choose_mounts(
 ) -> dict[str, ChosenMount]:
     """Choose the mounts for the keys of DEFAULT_MOUNTS that dive.toml leaves to the log.
 
-    Those that the log does not tell, or contradicts, get their default. A mount on a servo is
+    Those that the log does not give, or gives in two ways, get their default. A mount on a servo is
     relative to the servo's axis: that of dive.toml, else the servo's own frame, else the vehicle's
     origin.
 
@@ -115,7 +115,7 @@ def _on_axis(origin: str, sensors: Mapping[str, FixedSensor]) -> list[FixedSenso
 def _servo_axis(key: str, carried: Sequence[FixedSensor]) -> ChosenMount | None:
     """Choose a servo's axis by the sensors that it carries: its own frame, else the default.
 
-    None where no sensor tells.
+    None where no sensor gives one.
     """
     for sensor in carried:
         if sensor.servo_origin is not None:

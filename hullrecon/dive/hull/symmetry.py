@@ -28,8 +28,8 @@ SYMMETRIC, ASYMMETRIC = 0.98, 0.8
 def find_lying_side(mesh: Mesh, ship_axes: Array, guess: Poses) -> Finding | None:
     """Report a CAD model that is symmetric about a level plane, and not from port to starboard.
 
-    None where that is not so, and for a mesh that ends open at its side: it may be half of a body
-    that is symmetric in both directions.
+    None for any other CAD model, and for a mesh that ends open at its side, which may be half of a
+    body that is symmetric in both directions.
 
     Parameters
     ----------

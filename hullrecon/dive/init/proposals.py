@@ -64,8 +64,8 @@ def has_attitude_of_dvl(summary: LogSummary) -> bool:
 def imu_frame(summary: LogSummary) -> tuple[str, str]:
     """Guess the convention of the logged attitude, "enu" or "ned", and say why.
 
-    Where the acceleration was logged, it tells: an accelerometer at rest measures -g, so turned by
-    the orientation it points along +z in "enu" and along -z in "ned".
+    Where the acceleration was logged, it decides: an accelerometer at rest measures -g, so turned
+    by the orientation it points along +z in "enu" and along -z in "ned".
     """
     note = _note_of(summary, "imu")
     first = None if note is None else note.first
@@ -135,7 +135,7 @@ def proposed_mounts(
 ) -> dict[str, ChosenMount]:
     """Propose mounts, by key of dive.toml, where tf_static leads from base_link to a sensor.
 
-    Mounts that tf_static does not tell, or contradicts, are left out.
+    Mounts that tf_static does not give, or gives in two ways, are left out.
 
     joints: names of the servos' joints, by record ("tray", "sonar_tray").
     """

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Find stamps that came in bursts, and spread them over the time in which they were measured.
 
-A computer that reads a serial buffer now and then stamps the readings when it received them. It,
-and a clock of whole seconds, give several readings at nearly one time, and none until the next
-ones have gathered.
+A computer that reads a serial buffer now and then stamps the readings when it received them. Such
+stamps, and those of a clock of whole seconds, put several readings at nearly one time, and none
+until the next ones have gathered.
 """
 
 from __future__ import annotations

@@ -179,9 +179,9 @@ def range_scale_sigma(
 
     Where the altitude contradicts the ranges, one of the two is wrong by that much. Where there is
     no altitude, the ranges of a table may in truth be distances along the axis, as PD0 and others
-    give them. Nothing else in a dive without cameras tells: how the ranges change with the
-    velocities does not, as a vehicle keeps its distance and a hull is curved. The sigma is then so
-    large that the error of such distances is ALONG_AXIS_SIGMAS of it.
+    give them. In a dive without cameras nothing else shows which of the two was logged. The change
+    of the ranges with the velocities does not, as a vehicle keeps its distance and a hull is
+    curved. The sigma is then so large that the error of such distances is ALONG_AXIS_SIGMAS of it.
 
     Parameters
     ----------

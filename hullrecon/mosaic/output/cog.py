@@ -3,8 +3,8 @@
 """Cloud-optimised GeoTIFFs, written block by block.
 
 GDAL's own driver copies a whole file, and on a full disk it prints and raises errors without a
-number. Here GDAL makes the tags alone. The file has the order that programs expect that read over
-a network: first the directories, then the overviews from the smallest on, the full size last.
+number. Here GDAL makes the tags alone. The file has the order that programs reading over a network
+expect: first the directories, then the overviews from the smallest on, the full size last.
 """
 
 from __future__ import annotations

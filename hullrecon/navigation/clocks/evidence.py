@@ -68,7 +68,7 @@ def _weigh_comparison(comparison: ClockComparison) -> Evidence | None:
     """Scan near offsets, and far ones too unless the near ones show that the clocks agree.
 
     They do where the best offset is near zero and any other costs GAIN more. None where the
-    comparison tells nothing (`_scan_offsets`).
+    comparison has no information (`_scan_offsets`).
     """
     steps = round(NEAR_S / GRID_S)
     near = np.asarray(GRID_S * np.arange(-steps, steps + 1), float)

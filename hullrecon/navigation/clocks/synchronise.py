@@ -254,8 +254,8 @@ def _measure_motions(
     """Measure the upper camera's motion in some runs of images of each segment.
 
     With them the clock of the images is compared with those of DVL and IMU. Motions in outages of
-    these, and beyond their records, are left out. So are those that the images do not tell. There
-    may be none.
+    these, and beyond their records, are left out. So are motions that the images do not determine.
+    There may be none.
 
     Parameters
     ----------

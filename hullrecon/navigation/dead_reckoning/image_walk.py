@@ -44,8 +44,8 @@ class ImageWalk:
     def lost_in(self, outage_ns: tuple[int, int]) -> tuple[int, int] | None:
         """Find the frames in an outage that no chain of overlapping frames joins to either side.
 
-        After a long outage nothing tells where the vehicle was then, so they get no node. Returns
-        their first and last stamp. None where there are no such frames, or no frames on one side.
+        In a long outage the position of the vehicle is unknown, so they get no node. Returns their
+        first and last stamp. None where there are no such frames, or no frames on one side.
         """
         t_ns = self.frames[0]
         begin, end = (

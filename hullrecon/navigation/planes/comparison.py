@@ -53,9 +53,9 @@ def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePa
     """Compare pairs (m,) of patches on a path.
 
     The first patch is extrapolated to the second's centre, with a curvature that changes evenly
-    from its own to the second's. The gap is the difference in height and two slopes there, nil but
-    for errors if both are one piece of hull. Its covariance has two parts, `noise` by the
-    curvatures and `fit` by the fits of both planes. The path's own errors are in neither.
+    from its own to the second's. The gap is the difference in height and two slopes there, zero up
+    to errors if both are one piece of hull. Its covariance has two parts, `noise` by the curvatures
+    and `fit` by the fits of both planes. The path's own errors are in neither.
 
     Parameters
     ----------
@@ -111,8 +111,8 @@ def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePa
 def _covariance_by_roughness(position: Array, change: Array) -> Array:
     """Compute the covariance (m, 3, 3) of gaps by roughness and by the change of curvature.
 
-    It covers what the patches' own curvatures do not tell: frames and seams of the plating, and a
-    curvature that does not change evenly.
+    It covers what the patches' own curvatures do not describe: frames and seams of the plating, and
+    a curvature that does not change evenly.
 
     position (m, 2): of the second patch in the first's axes, m. change (m, 3): second curvature
     minus the first.

@@ -121,13 +121,13 @@ class PlanarGraph:
     ) -> Offer:
         """Propose the ties between planes on a solved path.
 
-        Pairs of patches are offered that would add information, and of these such as agree become
+        Pairs of patches are offered that would add information, and those of them that agree become
         ties. With fewer than LEAST_TIES of them there are no planes.
 
         Parameters
         ----------
         alone
-            The solution without planes, whose covariance tells what a tie would add.
+            The solution without planes, whose covariance decides what a tie would add.
         solved
             The solution on whose path patches are compared.
         curvature, rough

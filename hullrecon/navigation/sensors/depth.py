@@ -129,7 +129,7 @@ def depth_at_nodes_sigma(sigma_m: float, shared: Array) -> Array:
     """Compute the sigma (n,), m, of depths at the nodes so that no reading counts twice.
 
     The sigma of a reading, sigma_m, is inflated by the square root of the nodes that share it.
-    UNKNOWN_SIGMA_M where no reading tells (`shared` is 0).
+    UNKNOWN_SIGMA_M without a reading nearby (`shared` is 0).
     """
     return np.where(shared > 0, sigma_m * np.sqrt(shared), UNKNOWN_SIGMA_M)
 

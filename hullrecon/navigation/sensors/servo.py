@@ -93,10 +93,10 @@ def servo(tray: JointSamples | None, start_ns: int) -> Servo:
 
 
 def doubtful_angles(tray: JointSamples | None, unit: str, sigma_rad: float) -> list[Finding]:
-    """Report angles that tell nothing of the tray: one alone, and radians taken for degrees.
+    """Report tray angles that cannot be right: a single one, and radians taken for degrees.
 
-    The latter are suspected where a tray moves, but by less than its own sigma. Fewer than
-    FEW_READINGS are a setting, of which nothing is reported.
+    The latter are suspected where a tray moves, but by less than its own sigma. Nothing is reported
+    for fewer than FEW_READINGS, which are a setting.
 
     Parameters
     ----------

@@ -196,7 +196,7 @@ def _pressure_faults(
         yield Hypothesis(
             sensor=Sensor.PRESSURE, fault=fault, value=value, mended=mended, exact=True
         )
-    # exact: nothing is lost with readings that say nothing
+    # exact: nothing is lost with readings without information
     without = replace(records, pressure=None)
     yield Hypothesis(sensor=Sensor.PRESSURE, fault="constant", value="", mended=without, exact=True)
     for clock in _clock_faults(pressure.t_ns):
@@ -251,8 +251,8 @@ def _dvl_mounts(
 ) -> Iterator[Hypothesis]:
     """Yield mounts of a DVL that looks to another side: it is turned about the tray's z axis.
 
-    Its beams turn with its velocity. Turns about the tray's own axis, y, are left out: they are not
-    told from a tray whose zero is off.
+    Its beams turn with its velocity. Turns about the tray's own axis, y, are left out: they cannot
+    be distinguished from a tray whose zero is off.
     """
     for angle in range(TURN_STEP_DEG - 180, 181, TURN_STEP_DEG):
         if angle:
@@ -308,8 +308,8 @@ def _rate_faults(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis
 def _fit_rates(imu: ImuSamples) -> tuple[float | None, Array]:
     """Fit a factor of the rates, and a bias (3,) rad/s, to turns of the orientation in a second.
 
-    Each is fitted by itself by least squares. The factor is None where rates and turns do not go
-    together, as where one of them stands still.
+    Each is fitted alone by least squares. The factor is None where rates and turns are not
+    proportional, as where one of them does not change.
     """
     by_rates, turned, lasts_s = turns_within_seconds(
         imu.t_ns, Rotation.from_quat(imu.quaternion), imu.angular_velocity

@@ -116,8 +116,8 @@ def draw_page(
 ) -> PageContext:
     """Draw what only the page shows: the layers of its map, and the hull in 3-D.
 
-    Most of it runs outside the interpreter, so that another thread gets on meanwhile. view: the map
-    of the hull. deliverables: files written so far, of which the tiles of mosaics are shown.
+    Most of it releases the interpreter's lock, so that another thread can work meanwhile. view: the
+    map of the hull. deliverables: files written so far, of which the tiles of mosaics are shown.
     """
     tiles = index_tiles(survey, deliverables)
     layers = survey_layers(survey, view, tiles) if view else []

@@ -53,7 +53,7 @@ RIVAL_SHARE = 1 / 3
 LEAST_REACH = 2.0
 MAX_ALIKE = 2  # pairs of the control that may match: with more, different places look alike
 # Pairs of the next round from which their matches count, and the share that must match.
-LEAST_AFTER, BORNE_OUT = 5, 0.2
+LEAST_AFTER, LEAST_MATCHED = 5, 0.2
 
 # Why no link is taken.
 TOO_FEW = "too few images that look alike confirm each other"
@@ -86,13 +86,13 @@ def is_confirmed(compared: ComparedPairs, number: int) -> bool:
 
     compared: all pairs, with those of the round `number` and of the round after it, which compared
     these images. At least LEAST_LINKS links of the round must be kept, and of the pairs of the next
-    round, if there are LEAST_AFTER, a share of BORNE_OUT.
+    round, if there are LEAST_AFTER, a share of LEAST_MATCHED.
     """
     kept = np.zeros(len(compared.found), bool)
     kept[compared.kept()] = True
     after = kept[compared.round == number + 1]
     return int(kept[compared.round == number].sum()) >= LEAST_LINKS and (
-        len(after) < LEAST_AFTER or float(after.mean()) >= BORNE_OUT
+        len(after) < LEAST_AFTER or float(after.mean()) >= LEAST_MATCHED
     )
 
 

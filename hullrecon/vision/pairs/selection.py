@@ -275,8 +275,8 @@ def _lowest_between(
 ) -> Array:
     """Find the smallest overlap (m,) of the first node with the nodes between it and the second.
 
-    It tells a revisit, where the vehicle went away and came back, from one slow pass. 0 once it
-    fell below `least`: the vehicle has left. Nodes of unknown depth are ignored.
+    It distinguishes a revisit, where the vehicle went away and came back, from one slow pass. 0
+    once it fell below `least`: the vehicle has left. Nodes of unknown depth are ignored.
 
     Parameters
     ----------

@@ -149,9 +149,9 @@ def compare_distances(
 ) -> float | None:
     """Compute the ratio of the distance travelled by stereo to that by the DVL.
 
-    It tells a wrong baseline, which scales motion and depths, from wrong focal lengths, which scale
-    depths alone. It is the median over pairs of consecutive frames. None where the vehicle hardly
-    moved, or frames have too few features in common.
+    It distinguishes a wrong baseline, which scales motion and depths, from wrong focal lengths,
+    which scale depths alone. It is the median over pairs of consecutive frames. None where the
+    vehicle hardly moved, or frames have too few features in common.
     """
     matcher = ImageMatcher(rig, frames, read)
     top_from_dvl = rig.tray_from(Camera.TOP).inverse() @ rig.tray_from_dvl

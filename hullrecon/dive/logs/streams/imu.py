@@ -109,8 +109,8 @@ def imu_samples(
 def _of_unit_length(quaternion: Array, notes: list[Finding]) -> Array:
     """Scale quaternions (n, 4) to unit length where nearly all have one other length.
 
-    So they are where a driver passes on an instrument's whole numbers. All others are returned
-    unchanged, as Euler angles in their place are, whose length changes. notes: the length is added.
+    That is so where a driver passes on an instrument's whole numbers. All others are returned
+    unchanged, also Euler angles in their place, whose length changes. notes: the length is added.
     """
     length = np.linalg.norm(quaternion, axis=1)
     length = length[np.isfinite(length) & (length > 0)]
@@ -190,9 +190,9 @@ def _no_attitude(length: Array, unit: int) -> InputError:
 
 
 def _in_m_s2(acceleration: Array, notes: list[Finding]) -> Array:
-    """Convert accelerations (n, 3) to m/s2 where their median size is that of gravity elsewise.
+    """Convert accelerations (n, 3) to m/s2 where their median is gravity in another unit.
 
-    It is in a unit of ACCELERATIONS, or in counts, whose factor gravity tells. All others are
+    The unit is one of ACCELERATIONS, or counts, whose factor follows from gravity. All others are
     returned unchanged.
     """
     size = np.linalg.norm(acceleration, axis=1)

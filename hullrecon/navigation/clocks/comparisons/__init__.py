@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What two clocks make of one motion that both sensors measured, as residuals over offsets."""
+"""Residuals of one motion that two sensors measured, as a function of their clock offsets."""

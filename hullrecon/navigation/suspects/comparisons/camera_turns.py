@@ -3,7 +3,7 @@
 """Fit the turn of a camera between two images to the features of a rigid scene of any shape.
 
 With a wrong distortion, a camera that moves across its view seems to turn in proportion, as the
-hull seems to bend. The IMU's orientation tells that it did not (docs/methods.md, Suspects).
+hull seems to bend. The IMU's orientation shows that it did not (docs/methods.md, Suspects).
 """
 
 from __future__ import annotations

@@ -102,11 +102,11 @@ class Comparison:
 
     @property
     def is_turned(self) -> bool:
-        """Tell whether the first sensor sits turned about the vertical against the others.
+        """Tell whether the first sensor's mount is turned about the vertical against the others'.
 
-        The turn is fitted with the nuisances. It may be plain where all residuals together are
-        small for their sigmas, which hold for any vehicle: so the noise is taken as unknown here
-        too, and the remaining residuals tell it.
+        The turn is fitted with the nuisances. The sigmas hold for any vehicle, so a turn may be
+        significant though all residuals are small in sigmas. The noise is therefore estimated from
+        the remaining residuals.
         """
         if self.by_turn is None:
             return False
@@ -201,7 +201,7 @@ def cut_windows(t_ns: Ints, lasts_s: float, inside: Array | None = None) -> Ints
     lasts_s
         Length of a window.
     inside
-        Mask (n,) of the rows at which a window may begin or end. None: at all.
+        Mask (n,) of the rows at which a window may begin or end. None: at any row.
 
     Returns
     -------

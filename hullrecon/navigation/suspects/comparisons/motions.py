@@ -66,7 +66,7 @@ OF_TRACK = {kind for kind, sensors in DEPENDS_ON.items() if Sensor.DVL in sensor
 
 
 class Motions:
-    """What the records of a dive tell of its motion, each part computed when it is first asked for.
+    """The motion of a dive by its sensors, each part computed when it is first used.
 
     A hypothesis changes the readings of one sensor only. Parts that depend on none of the changed
     readings are taken from the motions `before`, so that they are not computed for each hypothesis.
