@@ -88,7 +88,7 @@ def finish_figure(
 def draw_ellipse(
     axis: Axes, middle: Array, covariance: Array, sigmas: float, ink: str, width_pt: float = 1.0
 ) -> None:
-    """Draw the ellipse of so many sigmas that a covariance (2, 2) makes around a point (2,)."""
+    """Draw the ellipse of a covariance (2, 2) around a point (2,), of `sigmas` sigmas."""
     values, vectors = np.linalg.eigh(covariance)
     high, wide = 2 * sigmas * np.sqrt(np.maximum(values, 0))
     turn = float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))

@@ -83,7 +83,7 @@ def keep_result(study: Study, result: StudyResult, seconds: float, out: Path) ->
 
 
 def keep_failure(study: Study, reason: str, traceback: str, seconds: float, out: Path) -> KeptStudy:
-    """Write why a study has no result. What an earlier run drew of it is no longer named."""
+    """Write why a study has no result. Pictures of an earlier run are no longer listed."""
     writer = ArtifactWriter(out / study.id)
     if traceback:
         writer.text(TRACEBACK, traceback)

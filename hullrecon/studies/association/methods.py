@@ -200,9 +200,9 @@ def _order(found: Association) -> tuple[int, float]:
 
 
 def _extend(sets: PointSets, seed: Association, compatible: Mask, confidence: float) -> Association:
-    """Pair what the seed left by nearest neighbour, given the seed's pairs.
+    """Pair the points outside the seed by nearest neighbour, given the seed's pairs.
 
-    Every pair is to pass what `joint_compatibility` asks of it: its own gate, and the joint one.
+    Every pair must pass its own gate and the joint one, as in `joint_compatibility`.
     """
     if not seed.pairs:
         return seed
@@ -232,7 +232,7 @@ def _extend(sets: PointSets, seed: Association, compatible: Mask, confidence: fl
 
 
 def distances_given(sets: PointSets, known: tuple[Pair, ...], pairs: Ints) -> Array:
-    """Compute the squared distance (k,) of each of some pairs (k, 2), the known ones being true."""
+    """Compute squared distances (k,) of pairs (k, 2), given that the known pairs are true."""
     d = sets.dimension
     rows = [rows_of(list(side), d) for side in zip(*known, strict=True)]
     wanted = [rows_of(side.tolist(), d) for side in pairs.T]

@@ -3,7 +3,7 @@
 """Two sets of uncertain points in one frame, and whether a list of pairs can be true.
 
 The points may be landmarks of two maps, a map and a scan, or the objects of two dives: what the
-sets share, such as an unknown offset between them, stands in the covariances.
+sets share, such as an unknown offset between them, is in the covariances.
 """
 
 from __future__ import annotations

@@ -74,7 +74,7 @@ def study_trunks() -> StudyResult:
 
 
 def find_at(distance: float, count: int, rng: np.random.Generator) -> Errors:
-    """Find so many trunks, each alone at a distance, by the three rules of `Errors`.
+    """Find `count` trunks, each alone at a distance, by the three rules of `Errors`.
 
     One that either printed or widened rule misses counts as not found.
     """

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two views of a wall, features and calibration unsure by turns: the sigma of the motion."""
+"""Sigma of the motion between two views of a wall, by features and by calibration."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ def study() -> StudyResult:
 
 
 def sigmas_of_wall() -> dict[str, dict[str, float]]:
-    """Compute sigmas of the rotation, rad, by features and calibration.
+    """Compute sigmas of the rotation, rad, by features and calibration, in four ways.
 
-    Of the features alone; with what the calibration adds to first order, and by sigma points; and
-    of fits to drawn features with drawn calibrations.
+    By the features alone, with the part of the calibration to first order, with that part by sigma
+    points, and as the scatter of fits to drawn features with drawn calibrations.
     """
     rng = np.random.default_rng(0)
     views, found = views_of_wall(rng), {}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A part of a source, where it is here, and what of it is reproduced by what."""
+"""A part of a source: the code that implements it, and the studies and tests that reproduce it."""
 
 from __future__ import annotations
 

@@ -195,7 +195,7 @@ def leave_blank(table: Path, first_s: float, last_s: float) -> None:
 
 
 def _compare_draws(draws: Sequence[Draw]) -> ComparedValue:
-    """Tell of many draws whether the choice is nearer than the essential matrix alone."""
+    """Compare, over many draws, paths by the choice with those by the essential matrix alone."""
     off = [draw.errors_m() for draw in draws]
     across = [draw.horizontal_errors_m() for draw in draws]
     nearer = 1e3 * np.array([one["essential"] - one["automatic"] for one in off])
@@ -302,7 +302,7 @@ def error_m(track: VehicleTrack, truth: Truth) -> float:
 
 
 def _compare_sigmas(tracks: dict[str, VehicleTrack], truth: Truth) -> list[ComparedValue]:
-    """Tell of both curves what the paper says of them."""
+    """Compare both curves with what the paper says of them."""
     sigma = {name: horizontal_sigma(track) for name, track in tracks.items()}
     reckoned, linked = sigma["dead reckoned"], sigma["with links"]
     way = path_length(tracks["with links"].poses.translation)

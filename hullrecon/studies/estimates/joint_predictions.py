@@ -3,7 +3,8 @@
 """What predictions of a surface have in common [Ozog2016 E.3].
 
 The sigma of a mean offset, of an area or of a volume needs the joint covariance of the vertices.
-Marginal sigmas alone say too little if they are taken as independent, too much if as common.
+Marginal sigmas alone give too small a sigma if errors are taken as independent, and too large a one
+if as common.
 """
 
 from __future__ import annotations

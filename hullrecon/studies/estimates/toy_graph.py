@@ -62,7 +62,7 @@ def study() -> StudyResult:
 
 
 def draw(position: Array, sigma: Array) -> PublishedFigure:
-    """Draw the factors where they were measured, and the poses where they come to lie."""
+    """Draw the factors where they were measured, and the poses where they were estimated."""
     figure, axes = new_canvas(7.4, 3.0)
     axis = axes[0][0]
     for row, factor in enumerate(TOY[1:]):

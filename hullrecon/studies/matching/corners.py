@@ -134,9 +134,10 @@ class MatchWithCorners:
     def __call__(
         self, first: Described, second: Described, allowed: tuple[Ints, Ints] | None
     ) -> Putative:
-        """Match as `match_descriptors` within each kind, with the most alike of the corners.
+        """Match SIFT features and corners, each among themselves, as `match_descriptors` does.
 
-        SIFT features are all kept: where few match, few corners do.
+        All matches of SIFT features are kept. Of the corners' matches only those of smallest
+        distance are, so that they are at most `share` of all.
         """
         corner = is_corner(first.descriptor), is_corner(second.descriptor)
         if not corner[0].any() or not corner[1].any():

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Figures of one solve, as [Ozog2016 Figs 4.10, 4.11] compares them.
 
-Does a method flatten what stands out of the hull, does it leave landmarks off the surface that the
-DVL measured, and what does that do to trajectory and cameras?
+They show whether a method flattens structures, whether it leaves landmarks off the surface that the
+DVL measured, and how that changes trajectory and cameras.
 """
 
 from __future__ import annotations

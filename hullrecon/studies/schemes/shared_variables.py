@@ -40,7 +40,7 @@ STEP_SIGMA_M, SIGHT_SIGMA_M, START_SIGMA_M = 0.1, 0.05, 0.01
 
 @dataclass(frozen=True, kw_only=True)
 class Normal:
-    """A normal distribution of places (n, 2), alike and independent in both coordinates."""
+    """A normal distribution of places (n, 2), independent and equal in both coordinates."""
 
     mean: Array  # (n, 2)
     covariance: Array  # (n, n)
@@ -78,7 +78,8 @@ def in_two_submaps(rows: list[tuple[str, str, Array, float]]) -> Normal:
     """Estimate all places with two submaps, the second's news carried back to the first.
 
     The second starts with what the first knows of x3 and f3. Given those, the first has nothing
-    more to learn: its rest follows by m_A + P_AC P_C^-1 (m_C' - m_C), and its covariance alike.
+    more to learn: its rest follows by m_A + P_AC P_C^-1 (m_C' - m_C), and its covariance follows in
+    the same way.
     """
     own = {NAMES[k] for k in np.r_[FIRST, SHARED]}
     of_first = [row for row in rows if row[0] in own and row[1] in own]

@@ -226,5 +226,5 @@ def _linear(residual: Array, by_pose: list[Array], by_plane: list[Array] | None 
 
 
 def no_planes(count: int) -> Ints:
-    """Name no planes in so many rows."""
+    """Make the planes (rows, 0) of factors that see none."""
     return np.zeros((count, 0), int)

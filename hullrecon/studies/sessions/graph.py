@@ -40,7 +40,7 @@ class Graph:
     def starts(self) -> tuple[Ints, Ints, int]:
         """Compute the first column of each pose and plane, and the count of all columns.
 
-        Of those that are no longer there it means nothing.
+        Entries of removed poses and planes have no meaning.
         """
         poses = 6 * (np.cumsum(self.live_poses) - 1)
         first = 6 * int(self.live_poses.sum())

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where a point of one periscope image lies in another [Ozog2016 2.4.3.3, D.3, eq. D.12].
 
-Above water the scene is taken for a plane, and of two poses at one place all but the way to the
-side is well known: ellipses that are wide and low.
+Above water the scene is taken for a plane, and of two poses at one place all but the sideways move
+is well known: ellipses that are wide and low.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ SCALES = (0.25, 0.5, 1.0, 2.0)  # of the way to the side
 
 @dataclass(frozen=True, kw_only=True)
 class Transfer:
-    """What is unsure of a transfer: eleven numbers and their covariance."""
+    """The uncertain inputs of a transfer: eleven numbers and their covariance."""
 
     mean: Array  # (11,) pose of j in i, plane in i, pixel in i
     covariance: Array  # (11, 11)
@@ -64,7 +64,7 @@ def unscented(of: Callable[[Array], Array], mean: Array, covariance: Array) -> t
 
 
 def transfer_of(pixel: Array, scale: float = 1.0) -> Transfer:
-    """Say what is known of the second view of a pixel (2,), the way to the side scaled."""
+    """Make the inputs of a pixel's transfer (2,), with the sigma of the sideways move scaled."""
     sigma = SIDE_SIGMA * np.r_[scale, np.ones(5)]
     return Transfer(
         mean=np.r_[np.zeros(6), 0.0, 0.0, -WALL_M, pixel],
@@ -88,7 +88,7 @@ def inside(transfer: Transfer, rng: np.random.Generator) -> tuple[float, Array, 
 
 
 def study() -> StudyResult:
-    """Transfer a grid of pixels, the way to the side unsure by more and more."""
+    """Transfer a grid of pixels, with a growing sigma of the sideways move."""
     rng = np.random.default_rng(0)
     rows, shares, low, searched = [], {}, {}, {}
     for scale in SCALES:

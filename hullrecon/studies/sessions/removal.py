@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Nodes removed from a graph by generic linear constraints [Ozog2016 2.4.1, CarlevarisBianco2014].
 
-What the factors of a node say of its neighbours, once the node is gone, is the target information.
+The target information is that of a node's factors on its neighbours, with the node marginalised.
 Its eigenvectors make one linear factor of all neighbours, or of each pair along a Chow-Liu tree.
 """
 
@@ -46,7 +46,7 @@ class Clique:
 
 @dataclass(frozen=True, kw_only=True)
 class LinearFactors(Factors):
-    """Generic linear constraints G x_c + offset [Ozog2016 eq. 2.6], all of as many variables.
+    """Generic linear constraints G x_c + offset [Ozog2016 eq. 2.6], each of as many variables.
 
     With `at_root` x_c has the others relative to their root, the first pose, so that a wrong place
     in the world costs nothing.
@@ -141,7 +141,7 @@ def remove_node(
 def target(
     taken: Sequence[Factors], state: State, removed: tuple[int | None, int | None]
 ) -> Clique:
-    """Compute what factors say of their poses and planes without the one removed.
+    """Marginalise one pose or plane out of its factors.
 
     removed: pose or plane. [Ozog2016 2.4.1]: L_cc - L_cm L_mm^-1 L_mc.
     """
@@ -195,7 +195,7 @@ def linear_factor(clique: Clique, state: State, *, at_root: bool) -> LinearFacto
 def tree_of(clique: Clique) -> list[Clique]:
     """Split a clique along its Chow-Liu tree: one of the root alone, then parent and child each.
 
-    The tree joins the variables that tell most of each other [ChowLiu1968]; each child is
+    The tree joins the variables of largest mutual information [ChowLiu1968]; each child is
     conditional on its parent. Together the parts have the clique's gradient, so that what was the
     state of least cost remains it.
     """
@@ -214,7 +214,7 @@ def tree_of(clique: Clique) -> list[Clique]:
 
 
 def mutual_information(clique: Clique) -> Array:
-    """Compute what each two variables tell of each other, nats."""
+    """Compute the mutual information of each two variables, nats."""
     blocks, size = clique.blocks(), len(clique.information)
     weak = TIKHONOV * np.trace(clique.information) / size
     spread = np.linalg.inv(clique.information + weak * np.eye(size))
@@ -285,7 +285,7 @@ def _place(rows: Array, derivative: Array, at: Ints, width: int, first: int) -> 
 
 
 def _put_together(tables: list[Factors], made: list[LinearFactors]) -> list[Factors]:
-    """Add linear factors to the table of as many variables, if there is one."""
+    """Add linear factors to the table with the same number of variables, if there is one."""
     out = list(tables)
     for new in made:
         if not new.gain.any():

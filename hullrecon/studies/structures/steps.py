@@ -132,7 +132,7 @@ def shapes_of_view(hull: InspectedHull, view: int) -> ShapesOfView:
 
 
 def fuse_vertex(hull: InspectedHull, point: Array) -> FusedVertex:
-    """Meet the shapes of all views on the rays to the CAD model below a point (3,)."""
+    """Intersect the shapes of all views with the rays to the CAD model below a point (3,)."""
     near = Scene(hull.cad_model).closest(point[None])
     bare = np.abs(hull.height) < MIN_OFFSET_M
     around = hull.features[bare & (np.linalg.norm(hull.features - near.foot, axis=1) < AROUND_M)]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Is one filter as sure as it says, and are submaps? [Aulinas2011 Fig. 2.2, eq (3.21)]."""
+"""Consistency of one filter and of submaps [Aulinas2011 Fig. 2.2, eq (3.21)]."""
 
 from __future__ import annotations
 

@@ -57,9 +57,9 @@ class EkfMap:
     """A car and landmarks in the frame of the first pose, in one state (3.16).
 
     The thesis takes each Jacobian at the newest estimate, (3.8) and (3.9). A pose or a landmark
-    that is linearised before and after an update then seems to tell of the heading what no reading
-    told. With `first_estimates` a landmark is linearised where it was placed first, a pose where it
-    was predicted [Huang2010].
+    linearised both before and after an update then seems to give information on the heading that no
+    reading gave. With `first_estimates` a landmark is linearised where it was placed first, a pose
+    where it was predicted [Huang2010].
     """
 
     def __init__(self, effort: Effort, whole: bool = False, first_estimates: bool = False) -> None:
@@ -89,7 +89,7 @@ class EkfMap:
         noise: Array,
         covariance_at: Array | None = None,
     ) -> None:
-        """Move the car by what its counters told since the last scan (3.7); landmarks stay."""
+        """Move the car by the odometry since the last scan (3.7); landmarks stay."""
         before = self.mean[:3].copy()
         start = self._predicted if self._first_estimates else before
         self.mean[:3], by_pose, spread = car.move_steps(before, odometry, step_s, noise)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where submaps end, in their own frames: are they as sure as they say? [Aulinas2011 (3.21)].
+"""Consistency of the ends of submaps, in their own frames [Aulinas2011 (3.21)].
 
 A submap begins without error and knows nothing of the one before, so the ends of all submaps of all
 worlds are independent draws of three degrees of freedom.
@@ -131,7 +131,7 @@ class EndsByForm:
 
 
 def compare_ends(ends: EndsByForm) -> tuple[ComparedValue, ...]:
-    """Say how sure submaps are of where they end, and why the printed ones are too sure."""
+    """Compare the sigmas of submaps' ends with their errors, in our form and as printed."""
     ours, printed, known = ends.first_estimates, ends.printed, ends.true_covariance
     low, high = mean_band(len(ours.nees))
     count = len(np.unique(ours.worlds))

@@ -102,11 +102,11 @@ def chain(links: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Submap:
-    """Landmarks in one frame, as they are given the transforms of the global map.
+    """Landmarks in one frame, conditional on the transforms of the global map.
 
-    A landmark's place depends on where its map ended, which is a transform of the global map.
-    Kept in this form, a submap follows the global map by itself, what both tell is used once,
-    and of all other submaps it is independent.
+    A landmark's place depends on where its map ended, which is a transform of the global map. In
+    this form a submap moves with the global map, no information is used twice, and submaps are
+    independent of each other.
     """
 
     base: int  # frame of its coordinates

@@ -50,8 +50,8 @@ def landmarks_in_one_frame(
 ) -> PointSets:
     """Give some landmarks of two submaps in the first's frame, correlated as they are.
 
-    Given the transforms, the maps are independent, and the transforms that tell of them are those
-    from the oldest of their frames on: only that part of the covariance is multiplied.
+    Given the transforms, the maps are independent, and depend on the transforms from the oldest of
+    their frames on alone: only that part of the covariance is multiplied.
     """
     start, size = 3 * min(*first.frames, *second.frames), len(world.mean)
     rows, twins = (rows_of(side.tolist(), 2) for side in marks)
@@ -85,7 +85,7 @@ def turn_both(turn: Array, covariance: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Tie:
-    """Common landmarks of two submaps: what their difference, which is zero, says (3.15).
+    """Common landmarks of two submaps: their difference, linearised, is observed as zero (3.15).
 
     The difference d = T(second) - first is linear in the transforms, but for noise that does not
     depend on them: d = ahead + by_world (transforms - transforms of before) + noise.

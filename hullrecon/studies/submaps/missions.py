@@ -32,7 +32,7 @@ class Strategy(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Track:
-    """The car as it was known at each scan, at the time."""
+    """The car as estimated at each scan, with the information up to then."""
 
     steps: Array  # (n,)
     poses: Array  # (n, 3) in the mission's frame

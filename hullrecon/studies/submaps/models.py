@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A car with a laser in the plane: motion, observation, and poses composed [Aulinas2011 A, 3.4.1].
 
-A pose is (x, y, heading): m, m, rad. Of every model the Jacobians stand beside it.
+A pose is (x, y, heading): m, m, rad. Every model is followed by its Jacobians.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def place_by_pose(pose: Array, points: Array) -> Array:
 
 
 def place_by_points(pose: Array, count: int) -> Array:
-    """Differentiate `place` by the points, each turned alike (2 count, 2 count)."""
+    """Differentiate `place` by the points, all turned by the same angle (2 count, 2 count)."""
     return block_diagonal(np.broadcast_to(rotation(pose[2]), (count, 2, 2)))
 
 

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Worlds of 441 landmarks with other noise: is a method as sure as it says? [Aulinas2011 (3.21)].
+"""Consistency of the methods over worlds of 441 landmarks with other noise [Aulinas2011 (3.21)].
 
-The error of one mission is one draw; whether a covariance is right, many missions tell.
+The error of one mission is one draw. Only many missions show whether a covariance is right.
 """
 
 from __future__ import annotations
@@ -118,7 +118,7 @@ def _run(world: World, number: int) -> WorldRuns:
 
 
 def compare_repeated(repeated: Repeated) -> tuple[ComparedValue, ...]:
-    """Say how sure the methods are, beside how sure they may be, and how far off."""
+    """Compare the methods' sigmas with their errors, and the errors with each other."""
     runs = len(repeated.runs)
     high = mean_band(runs)[1]
     values = [

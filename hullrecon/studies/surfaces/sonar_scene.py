@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A sonar mosaic whose variance tells sources of poses apart [Ozog2016 Figs 3.11, 3.12].
+"""A sonar mosaic whose variance distinguishes sources of poses [Ozog2016 Figs 3.11, 3.12].
 
 On a simulated dive the speckle of three looks outweighs what poses do. Here the same dive pings at
 the same hull, painted in blocks, with speckle of many looks. The mosaics differ by poses alone.
@@ -129,7 +129,7 @@ def _fill(total: Array, count: Array) -> Array:
 
 
 def compare(maps: dict[str, VarianceMap]) -> tuple[ComparedValue, ...]:
-    """Set tails as the source speaks of them beside ours."""
+    """Compare the tails of the variance with what the source says of them."""
     floor = _seen(maps[TRUE])
     limit = float(np.percentile(floor, 99))
     return tuple(

@@ -37,7 +37,7 @@ class Rectangles:
         return f"{self.first}:{self.second} {self.along}{', inner' if self.inner else ''}"
 
     def value(self, integral: Array, by_sums: bool = False) -> Array:
-        """Evaluate it on patches (n,), given their integral images (n, rows + 1, columns + 1)."""
+        """Evaluate the feature on patches, by their integral images (n, rows + 1, columns + 1)."""
         rows, columns = integral.shape[1] - 1, integral.shape[2] - 1
         top, bottom = (rows // 6, rows - rows // 6) if self.inner else (0, rows)
         if self.along == "range":

@@ -110,7 +110,7 @@ def _share_in_place(matches: Matches, first: View, second: View) -> float:
 
 
 def _artefacts(floor: Floor) -> dict[str, View]:
-    """Take images with what ails images under water [Aulinas2011 Fig. 2.10]."""
+    """Simulate images with the artefacts of images under water [Aulinas2011 Fig. 2.10]."""
     middle = (600.0, 300.0)
     return {
         "haze": look(floor, 4, middle, haze=0.65, uneven=0.2),

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Place the targets that several passes of a side-scan sonar detect, with their covariance.
 
-A detection gathers the pings that show a target, and gives the place of its near edge. Its error
-is the reading's own, that of the pass's pose, and that of the sonar's mount, which all passes
-share. Detections of different passes are paired by joint compatibility [NeiraTardos2001], the
-second check of [Aulinas2011 4.2.2]: what one pass alone shows is no target.
+A detection gathers the pings that show a target, and gives the place of its near edge. Its error is
+the reading's own, that of the pass's pose, and that of the sonar's mount, which all passes share.
+Detections of different passes are paired by joint compatibility [NeiraTardos2001], the second check
+of [Aulinas2011 4.2.2]: a detection of one pass alone is no target.
 """
 
 from __future__ import annotations
@@ -135,7 +135,7 @@ class SonarTarget:
     p_value: float  # that unrelated detections coincide so, anywhere in the survey
 
     def row(self, number: int) -> dict[str, object]:
-        """Make its row, with the fields of objects.json that a sonar can tell."""
+        """Make the target's row, with the fields of objects.json that a sonar measures."""
         z_sigma = self.height_sigma_m
         covariance = np.zeros((3, 3))
         covariance[:2, :2], covariance[2, 2] = self.covariance, z_sigma**2
@@ -156,7 +156,7 @@ class SonarTarget:
 def place_targets(
     passes: Sequence[Pass], sigmas: Sigmas, errors: ReadingErrors, area_m2: float
 ) -> tuple[list[SonarTarget], list[SonarTarget]]:
-    """Pair the detections of passes, place what they show, and tell what is confirmed.
+    """Pair the detections of passes, place the targets, and select the confirmed ones.
 
     Returns
     -------

@@ -108,7 +108,7 @@ def simulate_survey(seed: int, passes: int = 3, sigmas: Sigmas | None = None) ->
 def _sightings(
     rng: np.random.Generator, mission: Mission, targets: Array, sigmas: Sigmas
 ) -> list[Sighting]:
-    """See each target when it is abeam within the swath, and now and then what is none.
+    """Simulate sightings of targets abeam within the swath, and some false ones.
 
     A target is as far forward as the vehicle goes until the next step: which ping saw it is known.
     """
@@ -130,9 +130,9 @@ def _sightings(
 
 
 def run_slam(survey: Survey, landmarks: int = LANDMARKS, state_sigmas: float = 1.0) -> Run:
-    """Run SLAM with submaps of so many landmarks, joined selectively.
+    """Run SLAM with submaps of `landmarks` each, joined selectively.
 
-    It takes the sensors' sigmas for `state_sigmas` times what they are.
+    The filter assumes `state_sigmas` times the sensors' true sigmas.
     """
     survey = replace(survey, sigmas=survey.sigmas.scaled(state_sigmas))
     mission, whole = survey.mission, JoinedMap(axes=2)

@@ -110,7 +110,7 @@ def _look(rng: np.random.Generator, state: Array, points: Array) -> dict[int, Ar
 
 
 def run_slam(survey: Survey, rho: float = PUBLISHED_RHO, landmarks: int = LANDMARKS) -> Run:
-    """Run SLAM with submaps of so many landmarks, new ones at an inverse depth of `rho`."""
+    """Run SLAM with submaps of `landmarks` each, which start at an inverse depth `rho`, 1/m."""
     mission, whole = survey.mission, JoinedMap(axes=3, labelled=True)
     local = _start(mission, 0)
     n = len(mission.truth)
