@@ -31,8 +31,9 @@ GROWTH, GROWTH_ITERATIONS = 16, 10
 
 
 def write_problem(size: str, share: int, out: Path) -> None:
-    """Of a size, or of a share of its poses at the same density; in the child process that `run`
-    starts.
+    """Write a problem of a size, or of a share of its poses at the same density.
+
+    It runs in the child process that `make` starts.
     """
     from benchmarks.problems import SIZES, simulate
     from benchmarks.subprocess_runner import save
@@ -44,7 +45,7 @@ def write_problem(size: str, share: int, out: Path) -> None:
 def in_turns(
     path: Path, methods: tuple[str, ...], repeat: int, options: dict[str, Any]
 ) -> list[dict[str, Any]]:
-    """Time each method `repeat` times, in turns, so that other load falls on all alike."""
+    """Time each method `repeat` times, in turns, so that other load affects all equally."""
     rows = []
     for _ in range(repeat):
         for method in methods:
@@ -65,7 +66,7 @@ def line(row: dict[str, Any]) -> str:
 
 
 def medians(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The run of median total time of each method."""
+    """Select the run of median total time of each method."""
     by_method = {row["method"]: [r for r in rows if r["method"] == row["method"]] for row in rows}
     return [
         sorted(runs, key=lambda r: r["total_s"])[(len(runs) - 1) // 2]
@@ -79,8 +80,9 @@ def solve_all(path: Path, args: argparse.Namespace, options: dict[str, Any]) -> 
 
 
 def overhead(path: Path, args: argparse.Namespace, options: dict[str, Any]) -> dict[str, Any]:
-    """maxmix over naive for the same number of iterations: the total and an iteration, medians over
-    pairs.
+    """Compute the ratio of maxmix to naive in time, for the same number of iterations.
+
+    Of the whole and of an iteration, as medians over pairs of runs.
     """
     rows = in_turns(
         path, ("naive", "maxmix"), args.repeat, unstoppable(options, args.same_iterations)
@@ -105,7 +107,7 @@ def unstoppable(options: dict[str, Any], iterations: int) -> dict[str, Any]:
 
 
 def growth(path: Path, args: argparse.Namespace, options: dict[str, Any]) -> dict[str, Any]:
-    """Seconds an iteration, the whole over a sixteenth, in pairs."""
+    """Compute the ratio of seconds an iteration of the whole to those of a sixteenth."""
     part = path.with_name("part.npz")
     make(args.size, GROWTH, part)
     ratios, rows = [], []
@@ -120,7 +122,7 @@ def growth(path: Path, args: argparse.Namespace, options: dict[str, Any]) -> dic
 
 
 def make(size: str, share: int, path: Path) -> None:
-    """The problem's file, made in another process."""
+    """Write the problem's file in another process."""
     call("benchmarks.adjustment", "--write", size, share, path)
 
 

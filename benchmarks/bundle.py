@@ -31,29 +31,28 @@ HELD = (
 
 @dataclass(frozen=True)
 class Bundle:
-    """pose (n, 7): T_g_ct x y z qx qy qz qw; point (L, 3) in g; T_ct_cb (7,) held; camera (9,)
-    held, the same for every image: fx fy cx cy k1 k2 p1 p2 k3.
+    """Poses, points and pixels. Calibration and stereo mount are held.
 
-    seen_from, seen (m,): pose and point of a row of pixel (m, 2) (top u v) or (m, 4) (top u v,
-    bottom u v). Gauge: pose 0 is held; without a pair, scale too, by coordinate `scale_axis` of
-    pose `scale_pose` in the axes of pose 0.
+    The gauge is pose 0, which is held. With one camera the scale is held too, by the coordinate of
+    `baseline`.
     """
 
-    pose: Array
-    point: Array
-    camera: Array
-    top_from_bottom: Array
-    seen_from: Ints32
-    seen: Ints32
-    pixel: Array
+    pose: Array  # (n, 7) T_g_ct: x y z qx qy qz qw
+    point: Array  # (L, 3) m in g
+    camera: Array  # (9,) fx fy cx cy k1 k2 p1 p2 k3, the same for every image
+    top_from_bottom: Array  # (7,) T_ct_cb
+    seen_from: Ints32  # (m,) pose of each row of `pixel`
+    seen: Ints32  # (m,) point of each row
+    pixel: Array  # (m, 2) top u v, or (m, 4) top u v, bottom u v
 
     @property
     def stereo(self) -> bool:
         return bool(self.pixel.shape[1] == 4)
 
     def baseline(self) -> tuple[int, int, float]:
-        """(pose, axis, metres): the coordinate that fixes a mono bundle's scale, the longest of the
-        last pose's.
+        """Choose the coordinate that fixes a mono bundle's scale, the largest of the last pose's.
+
+        Returns pose, axis, and the coordinate in m, in the axes of pose 0.
         """
         last = len(self.pose) - 1
         offset = rotation(self.pose[0, 3:]).T @ (self.pose[last, :3] - self.pose[0, :3])
@@ -70,7 +69,7 @@ def load(path: Path) -> Bundle:
 
 
 def rotation(quaternion: Array) -> Array:
-    """(..., 3, 3) of (..., 4) x y z w, unit."""
+    """Convert unit quaternions (..., 4), x y z w, to matrices (..., 3, 3)."""
     x, y, z, w = np.moveaxis(np.asarray(quaternion), -1, 0)
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
@@ -81,8 +80,9 @@ def rotation(quaternion: Array) -> Array:
 
 
 def residuals(bundle: Bundle, pose: Array, point: Array) -> Array:
-    """(m, 2 or 4) predicted less measured, px; a point behind its camera gives what the pinhole's
-    formula gives.
+    """Compute predicted less measured pixels, (m, 2) or (m, 4).
+
+    The formula of the pinhole is applied to points behind a camera, too.
     """
     at = pose[bundle.seen_from]
     in_top = np.einsum("nji,nj->ni", rotation(at[:, 3:]), point[bundle.seen] - at[:, :3])
@@ -103,13 +103,14 @@ def _project(camera: Array, points: Array) -> Array:
 
 
 def rms_px(bundle: Bundle, pose: Array, point: Array) -> float:
-    """Over all coordinates of all pixels, by the same code for every solver."""
+    """Compute the RMS over all coordinates of all pixels, by the same code for every solver."""
     return float(np.sqrt(np.mean(residuals(bundle, pose, point) ** 2)))
 
 
 def peak_mb() -> float:
-    """Peak resident memory of this process. Not ru_maxrss: a child inherits its parent's through
-    fork and exec.
+    """Read the peak resident memory of this process, MB.
+
+    ru_maxrss would not do: a child inherits its parent's through fork and exec.
     """
     status = Path("/proc/self/status").read_text()
     line = next(line for line in status.splitlines() if line.startswith("VmHWM"))
@@ -117,7 +118,7 @@ def peak_mb() -> float:
 
 
 def keep_to(threads: int) -> None:
-    """This process, and whatever teams its libraries start, on so many cores."""
+    """Keep this process, and the threads of its libraries, on that many cores."""
     os.sched_setaffinity(0, set(sorted(os.sched_getaffinity(0))[:threads]))
 
 

@@ -20,14 +20,11 @@ LEAST_SHARE = 1e-3  # of the images that show a word: no probability is 0 or 1
 
 @dataclass(frozen=True, kw_only=True)
 class Words:
-    """What n images teach of w words. share (w,): of the images that show each; parent (w,): the
-    word that each depends on, -1 of a root; given (w, 2): how probable each is without its parent
-    and with it.
-    """
+    """How often images show each of w words, alone and given another word."""
 
-    share: Array
-    parent: Ints
-    given: Array
+    share: Array  # (w,) of the images that show each
+    parent: Ints  # (w,) the word that each depends on, -1 for a root
+    given: Array  # (w, 2) probability of each without its parent, and with it
 
 
 def learn(shown: Mask) -> Words:
@@ -90,7 +87,10 @@ def log_likelihoods(
 
 
 def _there(share: Array) -> tuple[Array, Array]:
-    """Probabilities (w,) that a word is at a place whose image does not, or does, show it."""
+    """Compute the probability (w,) that a word is at a place, given whether its image shows it.
+
+    Returns the one for images without the word, and the one for images with it.
+    """
     missed, seen = (1 - SEEN_IF_THERE) * share, SEEN_IF_THERE * share
     return missed / (missed + (1 - SEEN_IF_NOT) * (1 - share)), seen / (
         seen + SEEN_IF_NOT * (1 - share)

@@ -67,11 +67,11 @@ BLOCK = 50
 
 @dataclass(frozen=True, kw_only=True)
 class Offer:
-    """Pairs of nodes first, second (m,), and where each is said to lie to the other."""
+    """Pairs of nodes that are offered as revisits."""
 
-    first: Ints
-    second: Ints
-    expected: Sequence[Motion]
+    first: Ints  # (m,)
+    second: Ints  # (m,)
+    expected: Sequence[Motion]  # (m) second_from_first that is claimed
 
     def __len__(self) -> int:
         return len(self.first)
@@ -79,18 +79,16 @@ class Offer:
 
 @dataclass(frozen=True, kw_only=True)
 class Dive:
-    """A dive as run. bottom (n,): nodes where the bottom camera leads. cameras: T_M_c of the
-    leading camera at every node, true; depth_m (n,) along its axis, true.
-    """
+    """A dive as run, with the true poses of its cameras."""
 
     package: Path
     run: Path
     config: LoadedConfig
     worker: MatchWorker
     nodes: list[MatchNode]
-    bottom: Mask
-    cameras: Poses
-    depth_m: Array
+    bottom: Mask  # (n,) nodes where the bottom camera leads
+    cameras: Poses  # (n,) T_M_c of the leading camera at every node, true
+    depth_m: Array  # (n,) of the scene along its axis, true
 
 
 def read_dive(package: Path, run: Path) -> Dive:

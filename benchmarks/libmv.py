@@ -25,8 +25,9 @@ _MARKER = np.dtype([("image", "<i4"), ("track", "<i4"), ("pixel", "<f4", 2)])
 
 
 def read(path: Path) -> Bundle:
-    """Points with fewer than two markers are left out. Raises InputError when the file is of
-    another kind or length.
+    """Read a problem of libmv. Points with fewer than two markers are left out.
+
+    Raises InputError when the file is of another kind or length.
     """
     data = path.read_bytes()
     if data[:2] != b"vP":

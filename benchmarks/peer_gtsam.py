@@ -60,8 +60,9 @@ def graph_of(bundle: Bundle, stereo_factor: bool) -> Any:
 
 
 def _hold_scale(graph: Any, bundle: Bundle) -> None:
-    """One coordinate of the far pose, seen from the first; a prior reads in its own pose's axes, so
-    those are turned.
+    """Hold one coordinate of the far pose in the axes of the first.
+
+    A prior of GTSAM is in the axes of its own pose, so the coordinate is turned.
     """
     far, axis, _ = bundle.baseline()
     offset = bundles.rotation(bundle.pose[0, 3:])[:, axis]

@@ -28,13 +28,13 @@ def _pose3(seven: Array) -> Any:
 
 
 def _plane3(pi: Array) -> Array:
-    """Unit normal and d with n . x + d = 0."""
+    """Convert a plane to unit normal and d with n . x + d = 0."""
     distance = np.linalg.norm(pi)
     return np.r_[pi / distance, distance]
 
 
 def _sigmas(root: Array) -> Any:
-    """GTSAM has the rotation first."""
+    """Make the noise model of a pose. GTSAM has the rotation first."""
     sigma = 1 / np.diagonal(root)
     return gtsam.noiseModel.Diagonal.Sigmas(np.r_[sigma[3:], sigma[:3]])
 

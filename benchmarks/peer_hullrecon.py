@@ -19,7 +19,10 @@ GAUGE = 1e6  # one over sigma: a micrometre, a microradian
 
 
 def problem_of(bundle: Bundle) -> native.Problem:
-    """Camera poses stand for vehicle poses: T_s_ct and the tray are nothing, and held."""
+    """Make the problem: camera poses take the place of vehicle poses.
+
+    T_s_ct and the tray's angles are zero, and held.
+    """
     unknowns = native.Unknowns(
         pose=np.c_[bundle.pose, np.zeros(len(bundle.pose))],
         landmark=bundle.point,
@@ -47,7 +50,7 @@ def problem_of(bundle: Bundle) -> native.Problem:
 
 
 def _gauge(bundle: Bundle) -> native.PosePriors:
-    """Priors that hold the first pose and, without a stereo pair, the length of one baseline."""
+    """Make priors of the first pose and, with one camera, of the length of one baseline."""
     nodes, weights = [0], [np.eye(6) * GAUGE]
     if not bundle.stereo:
         far, axis, _ = bundle.baseline()

@@ -27,7 +27,10 @@ def _rigid(seven: Array) -> Any:
 
 
 def reconstruction_of(bundle: Bundle) -> Any:
-    """Frame and image ids are pose + 1; a pair's bottom image comes after all the top ones."""
+    """Build the reconstruction of a bundle.
+
+    Ids of frames and images are pose + 1. The bottom images come after all top images.
+    """
     cameras = 2 if bundle.stereo else 1
     model = pycolmap.Reconstruction()
     rig = pycolmap.Rig(rig_id=1)
@@ -77,8 +80,9 @@ def _add_frames(model: Any, bundle: Bundle, cameras: int) -> None:
 
 
 def _add_points(model: Any, bundle: Bundle, cameras: int) -> None:
-    """Point ids are added in order; the place of a row among its image's pixels follows from a
-    stable sort.
+    """Add the points in order, with their tracks.
+
+    The number of a pixel in its image follows from a stable sort by image.
     """
     order = np.argsort(bundle.seen_from, kind="stable")
     place = np.empty(len(order), int)

@@ -34,8 +34,9 @@ SOLVERS: dict[str, tuple[str, list[str], bool]] = {
 
 
 def bundle_of(problem: Any) -> Bundle:
-    """Of a field problem: top cameras of the poses that carry images, from dead reckoning, the tray
-    as measured.
+    """Make the bundle of a field problem: top cameras of the poses with images.
+
+    They are placed by dead reckoning, with the tray's angle as measured.
     """
     from benchmarks.survey import TOP_FROM_BOTTOM, TRAY_ORIGIN
     from hullrecon.geometry import poses

@@ -41,7 +41,10 @@ HEADING_WALK_RAD, DVL_SCALE = 1e-4, 0.003  # a step; of dead reckoning
 
 
 def path_of(nodes: int) -> tuple[Poses, Ints]:
-    """Poses back and forth along a wall, and the node (legs, columns) at each place."""
+    """Lay poses back and forth along a wall.
+
+    Returns them, and the node (legs, columns) at each place.
+    """
     legs = nodes // LEG_NODES
     order = np.arange(legs * LEG_NODES).reshape(legs, LEG_NODES)
     order[1::2] = order[1::2, ::-1]
@@ -56,8 +59,10 @@ def path_of(nodes: int) -> tuple[Poses, Ints]:
 
 
 def link_ends(at: Ints) -> tuple[Ints, Ints]:
-    """Sequential ones first, then to the leg below, then over one node, cut to the number that the
-    field has.
+    """List the nodes (m,) that links join.
+
+    Sequential links come first, then those to the leg below, then those over one node, up to the
+    number that the field's problem has.
     """
     n = at.size
     ends = [np.c_[np.arange(n - 1), np.arange(1, n)], np.c_[at[:-1].ravel(), at[1:].ravel()]]
@@ -71,8 +76,9 @@ def link_ends(at: Ints) -> tuple[Ints, Ints]:
 
 
 def sightings(at: Ints) -> tuple[Ints, Ints, Ints]:
-    """Anchors of the planes, one for five columns of a leg; node and plane of each sighting, none
-    from the anchor.
+    """List anchors of planes, and node and plane of each sighting.
+
+    There is one plane for five columns of a leg. Its anchor is no sighting.
     """
     legs, columns = at.shape
     anchor = at[:, 2::5].ravel()
@@ -92,7 +98,7 @@ def sightings(at: Ints) -> tuple[Ints, Ints, Ints]:
 
 
 def make(nodes: int, seed: int = 0) -> tuple[native.Problem, Poses]:
-    """The problem and the truth."""
+    """Make the problem and its true poses."""
     rng = np.random.default_rng(seed)
     truth, at = path_of(nodes)
     first, second = link_ends(at)
@@ -103,7 +109,7 @@ def make(nodes: int, seed: int = 0) -> tuple[native.Problem, Poses]:
     anchor, node, plane = sightings(at)
 
     def wall(poses: Poses) -> Array:
-        """The plane y = 0 of g as these poses see it."""
+        """Compute the plane y = 0 of g in the frames of poses, (n, 3)."""
         return poses.rotation.inv().apply(poses.translation * [0, 1, 0])
 
     m = len(first)
@@ -144,9 +150,7 @@ def make(nodes: int, seed: int = 0) -> tuple[native.Problem, Poses]:
 
 
 def dead_reckoned(truth: Poses, rng: np.random.Generator) -> Poses:
-    """The path as navigation has it: depth, roll and pitch bounded; heading and position in the
-    plane drift.
-    """
+    """Reckon the path: heading and horizontal position drift, depth, roll and pitch do not."""
     n = len(truth)
     rpy = truth.rotation.as_euler("xyz") + 0.002 * rng.normal(size=(n, 3))
     rpy[:, 2] += np.cumsum(HEADING_WALK_RAD * rng.normal(size=n))
@@ -165,7 +169,7 @@ def dead_reckoned(truth: Poses, rng: np.random.Generator) -> Poses:
 
 
 def solve(path: Path, threads: int, out: Path) -> None:
-    """In a process of its own: our core on the problem of this file."""
+    """Solve the problem of a file by our core, in this process, and write its figures."""
     from benchmarks.solve_one import rigid_rmse_m
 
     problem = load(path)
@@ -193,7 +197,7 @@ def solve(path: Path, threads: int, out: Path) -> None:
 
 
 def measure(nodes: int, threads: int) -> dict[str, Any]:
-    """Rows of both solvers; what is missing is said in words."""
+    """Run both solvers, and collect their figures. A missing solver is explained in words."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "graph.npz"
         call("benchmarks.pose_graph", "--write", nodes, path)

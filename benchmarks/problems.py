@@ -69,18 +69,18 @@ BACKLASH_RAD = np.radians(0.5)
 
 @dataclass(frozen=True)
 class Truth:
-    """nodes: T_g_v (n); tray (n,); T_g_M; T_s_ct; landmark (L, 3) in g; off_hull (L,) bool."""
+    """The true values of the unknowns of a problem."""
 
-    nodes: Poses
-    tray: Array
+    nodes: Poses  # (n,) T_g_v
+    tray: Array  # (n,) rad
     global_from_hull: Poses
     tray_from_top: Poses
-    landmark: Array
-    off_hull: Mask
+    landmark: Array  # (L, 3) m in g
+    off_hull: Mask  # (L,)
 
 
 def make(size: Size, seed: int = 0) -> Problem:
-    """The problem alone."""
+    """Simulate a problem as `simulate` does, without its truth."""
     return simulate(size, seed)[0]
 
 
@@ -131,8 +131,10 @@ def simulate(size: Size, seed: int = 0) -> tuple[Problem, Truth]:
 
 
 def _mounts(global_from_hull: Poses, rng: np.random.Generator) -> tuple[Unknowns, Priors]:
-    """T_g_M starts where a registration left it (0.3 m along the hull), T_s_ct at the rig's CAD
-    model; both priors say so.
+    """Make start values and priors of T_g_M and T_s_ct.
+
+    T_g_M starts where a registration would leave it (0.3 m off along the hull), T_s_ct at the rig's
+    CAD model. Both priors have that size.
     """
     guess = poses.pose_vector(
         global_from_hull @ poses.exp(np.r_[0.3, 0.1, 0.05, 0.002, 0.002, 0.005])
@@ -167,8 +169,9 @@ def _attitude(nodes: Poses, rng: np.random.Generator) -> AttitudeTable:
 
 
 def _tray(tray: Array, rng: np.random.Generator) -> TrayTable:
-    """The tray's error is its backlash, by the sense in which it last moved: it never hangs between
-    its two sides.
+    """Make the tray's table: its error is the backlash, by the sense in which it last moved.
+
+    It never hangs between its two sides.
     """
     n = len(tray)
     sense = np.sign(np.diff(tray, prepend=tray[0]))
@@ -198,7 +201,7 @@ def _odometry(measured: Poses) -> OdometryTable:
 
 
 def _gauge(pose: Array) -> PosePriors:
-    """g is the frame of dead reckoning: its first pose holds it."""
+    """Make the prior of the first pose, which fixes g as the frame of dead reckoning."""
     rows = np.diag(1 / np.r_[0.001, 0.001, 0.02, 0.002, 0.002, 0.001])[None]
     return PosePriors(node=np.zeros(1, np.int32), value=pose[:1, :7].copy(), sqrt_information=rows)
 
@@ -221,8 +224,10 @@ def _ranges(hull: MeshIndex, in_hull: Poses, tray: Array, rng: np.random.Generat
 
 
 def _pairs(size: Size, rng: np.random.Generator) -> tuple[Ints, Ints]:
-    """The two poses of each landmark: the next image, or one in eight the nearest image at the same
-    place of the next leg.
+    """Choose the two poses of each landmark.
+
+    The second is the next image, or for one landmark in eight the nearest image at the same place
+    of the next leg.
     """
     images = size.images()
     number = np.sort(rng.integers(0, size.imaged - 1, size.landmarks))
@@ -245,8 +250,9 @@ def _landmarks(
     second: Ints,
     rng: np.random.Generator,
 ) -> tuple[Array, Mask]:
-    """(L, 3) in M, seen by both poses; one in twenty stands 0.1 to 0.3 m off the hull [Ozog2016
-    Fig. 4.15], the rest scatter.
+    """Draw landmarks (L, 3) in M that both of their poses see, and tell which are off the hull.
+
+    One in twenty lies 0.1 to 0.3 m off the hull [Ozog2016 Fig. 4.15], the others scatter about it.
     """
     x, z = tracks(size)
     points = np.empty((size.landmarks, 3))
@@ -285,14 +291,14 @@ def _seen(in_hull: Poses, tray: Array, node: Ints, points: Array, stereo: bool) 
 
 
 def within(pixels: Array) -> Mask:
-    """Whether pixels (m, 2) or (m, 4) lie well inside their images."""
+    """Tell whether pixels (m, 2) or (m, 4) lie well inside their images."""
     images = pixels.shape[1] // 2
     inside = (pixels > 5) & (pixels < np.tile([CAMERA.width - 5, CAMERA.height - 5], images))
     return np.asarray(inside.all(1))
 
 
 def project(nodes: Poses, tray: Array, points: Array, tray_from_top: Poses, stereo: bool) -> Array:
-    """(m, 2) or (m, 4) pixels of points (m, 3), each from its own node."""
+    """Project points (m, 3), each from its own node, to pixels (m, 2) or (m, 4)."""
     top = nodes @ poses.tray_poses(TRAY_ORIGIN, tray) @ tray_from_top
     in_top = top.inverse().apply(points)
     pixels = [CAMERA.project(in_top)]
@@ -328,7 +334,10 @@ def _start_landmarks(
     seen_from: Ints32,
     pixel: Array,
 ) -> Array:
-    """A stereo front end starts a landmark from its first pair, a mono one from its two images."""
+    """Triangulate the landmarks' start values as a front end does.
+
+    With stereo they come from the first pair, with one camera from both images.
+    """
     node = seen_from.reshape(-1, 2)
     pixel = pixel.reshape(size.landmarks, 2, 2)
     range_m = ranges.measured.reshape(-1, 4).mean(1)[node[:, 0]]

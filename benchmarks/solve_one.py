@@ -23,7 +23,7 @@ from hullrecon import native
 
 
 def rigid_rmse_m(points: Array, truth: Array) -> float:
-    """Of points (n, 3) after the rigid motion that brings them nearest to the truth (n, 3)."""
+    """Compute the RMSE, m, of points (n, 3) after rigid alignment with the truth (n, 3)."""
     a, b = points - points.mean(0), truth - truth.mean(0)
     u, _, vt = np.linalg.svd(a.T @ b)
     turn = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))]) @ vt
@@ -33,7 +33,10 @@ def rigid_rmse_m(points: Array, truth: Array) -> float:
 def row_of(
     problem: native.Problem, options: native.Options, truth: dict[str, Array]
 ) -> dict[str, Any]:
-    """What the tables of the benchmark print; seconds an iteration leave out the preparation."""
+    """Solve, and collect the figures that the benchmark prints.
+
+    Seconds an iteration leave out the preparation.
+    """
     began, before = time.perf_counter(), time.process_time()
     result = native.solve(problem, options)
     total, cpu, peak = time.perf_counter() - began, time.process_time() - before, peak_mb()

@@ -20,13 +20,14 @@ GYRO_BIAS_RADPS = np.radians(0.05) / 3600
 
 
 def steps(nodes: Poses) -> Poses:
-    """T_i_j of neighbours (n - 1)."""
+    """Compute T_i_j of neighbouring nodes (n - 1)."""
     return nodes[:-1].inverse() @ nodes[1:]
 
 
 def measure(nodes: Poses, rng: np.random.Generator) -> Poses:
-    """Steps with the odometry's white noise: translation in the axes of the first, rotation
-    perturbed on the right.
+    """Add the odometry's white noise to the steps.
+
+    The translation is in the axes of the first node, the rotation is perturbed on the right.
     """
     true = steps(nodes)
     noise = SIGMA_ODOMETRY * rng.standard_normal((len(true), 6))
@@ -35,9 +36,11 @@ def measure(nodes: Poses, rng: np.random.Generator) -> Poses:
 
 
 def dead_reckoned(nodes: Poses, measured: Poses, rng: np.random.Generator) -> Poses:
-    """The track (T_g_v, n) before any calibration: the factors' own white noise, and what they do
-    not have, a scale error of 0.3 %, a mounting angle of 0.3 deg and a gyro bias of 0.05 deg/h.
-    Depth, roll and pitch stay bounded: slow errors of 1 cm and 0.05 deg.
+    """Reckon the track (T_g_v, n) before any calibration.
+
+    Its errors are the white noise of the factors, and errors that the factors do not model: a scale
+    error of 0.3 %, a mounting angle of 0.3 deg and a gyro bias of 0.05 deg/h. Depth, roll and pitch
+    stay bounded, with slow errors of 1 cm and 0.05 deg.
     """
     number = np.arange(len(nodes))
     turn = np.r_[
@@ -56,16 +59,16 @@ def dead_reckoned(nodes: Poses, measured: Poses, rng: np.random.Generator) -> Po
 
 
 def _slow(number: Ints, rng: np.random.Generator, every: int = 200) -> Array:
-    """Unit noise with a new value every 200 poses (40 m), linear between."""
+    """Draw unit noise with a new value every 200 poses (40 m), linear between."""
     knots = rng.standard_normal(number[-1] // every + 2)
     return np.asarray(np.interp(number / every, np.arange(len(knots)), knots))
 
 
 def triangulate(origins: Array, rays: Array, depth_m: Array) -> Array:
-    """(L, 3) the point nearest to each landmark's rays: origins and unit rays (L, k, 3) in g.
+    """Find the point (L, 3) nearest to each landmark's rays: origins and unit rays (L, k, 3) in g.
 
-    Where it would lie out of half to twice the range that the DVL gave, (L,), a front end trusts
-    that range along the first ray instead, and so does this.
+    A point nearer than half of the DVL's range depth_m (L,), or farther than twice, is replaced by
+    the point at that range along the first ray, as a front end would.
     """
     across = np.eye(3) - rays[..., :, None] * rays[..., None, :]
     normal, right = across.sum(1), np.einsum("lkij,lkj->li", across, origins)
@@ -79,5 +82,5 @@ def triangulate(origins: Array, rays: Array, depth_m: Array) -> Array:
 
 
 def mount_error(rng: np.random.Generator, shift_m: float, turn_rad: float) -> Poses:
-    """A small motion, white."""
+    """Draw a small motion with white translation and rotation."""
     return poses.exp(np.r_[shift_m * rng.standard_normal(3), turn_rad * rng.standard_normal(3)])

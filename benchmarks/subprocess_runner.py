@@ -26,14 +26,14 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def save(path: Path, problem: Problem, **truth: Any) -> None:
-    """Every table, and arrays named truth_*."""
+    """Save every table of a problem, and arrays under names truth_*."""
     np.savez(
         path, **to_arrays(problem), **{f"truth_{name}": array for name, array in truth.items()}
     )  # type: ignore[arg-type]
 
 
 def load(path: Path) -> Problem:
-    """What `save` wrote, without the truth."""
+    """Load the problem that `save` wrote, without the truth."""
     with np.load(path) as archive:
         problem = from_arrays(
             Problem,
@@ -45,7 +45,7 @@ def load(path: Path) -> Problem:
 
 
 def load_truth(path: Path) -> dict[str, np.ndarray[Any, Any]]:
-    """The arrays given as truth."""
+    """Load the arrays that `save` was given as truth."""
     with np.load(path) as archive:
         return {
             name.removeprefix("truth_"): archive[name]
@@ -57,10 +57,10 @@ def load_truth(path: Path) -> dict[str, np.ndarray[Any, Any]]:
 def run(
     module: str, *arguments: object, python: str = sys.executable, threads: int = 2
 ) -> dict[str, Any]:
-    """A module's main in a process of its own; it writes JSON to the path given last, which this
-    reads back.
+    """Run a module's main in a process of its own, and read the JSON that it writes.
 
-    Raises RuntimeError with the end of its standard error when it fails.
+    It is given the path for that as its last argument. Raises RuntimeError with the end of its
+    standard error when it fails.
     """
     with tempfile.TemporaryDirectory() as folder:
         answer = Path(folder) / "answer.json"
@@ -69,7 +69,7 @@ def run(
 
 
 def call(module: str, *arguments: object, python: str = sys.executable, threads: int = 2) -> None:
-    """The same without an answer."""
+    """Run a module's main in a process of its own, as `run` does, without an answer."""
     command = [python, "-m", module, *(str(a) for a in arguments)]
     limits = {"OMP_NUM_THREADS": str(threads), "OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(ROOT)}
     done = subprocess.run(

@@ -31,10 +31,10 @@ STEP_M, LEG_SPACING_M, MIDDLE_M = 0.195, 0.25, 7.6
 
 @dataclass(frozen=True)
 class Size:
-    """Of a problem. imaged: poses that carry an image or a pair; every pose carries four beams."""
+    """The size of a problem. Every pose has four beams of the DVL."""
 
     poses: int
-    imaged: int
+    imaged: int  # poses with an image or a pair of images
     landmarks: int
     stereo: bool
     legs: int
@@ -44,8 +44,9 @@ class Size:
         return -(-self.poses // self.legs)
 
     def part(self, share: int) -> Size:
-        """A problem of one `share`-th of the poses at the same density: legs a quarter as long and
-        a quarter as many for 16.
+        """Make a problem of one `share`-th of the poses at the same density.
+
+        For 16, legs are a quarter as long and a quarter as many.
         """
         cut = round(share**0.5)
         if cut * cut != share:
@@ -59,7 +60,7 @@ class Size:
         )
 
     def images(self) -> Ints:
-        """(imaged,) poses that carry images, spread evenly."""
+        """List the poses (imaged,) with images, spread evenly."""
         return np.arange(self.imaged) * self.poses // self.imaged
 
 
@@ -72,8 +73,9 @@ SIZES = {
 
 
 def side(x: Array, z: Array) -> Array:
-    """Half-breadth y (m) of the port side at x (m from amidships, hull 180 m) and height z above
-    the keel (hull 14 m deep).
+    """Compute the half-breadth y, m, of the port side at x and z.
+
+    x: m from amidships of a hull of 180 m. z: m above the keel of a hull 14 m deep.
     """
     ends = 1 - 0.75 * np.abs(x / 90.0) ** 3
     section = (1 - np.clip(1 - z / 9.0, 0, 1) ** 3) ** 0.5
@@ -81,7 +83,7 @@ def side(x: Array, z: Array) -> Array:
 
 
 def hull_mesh(along: int = 201, girth: int = 51) -> tuple[Array, Ints32]:
-    """20,000 triangles of the port side, outward y."""
+    """Mesh the port side with 20,000 triangles, which face outward (+y)."""
     x, z = np.meshgrid(np.linspace(-90, 90, along), np.linspace(0.2, 14, girth), indexing="ij")
     vertices = np.stack([x, side(x, z), z], -1).reshape(-1, 3)
     n = np.arange(x.size).reshape(x.shape)
@@ -90,7 +92,7 @@ def hull_mesh(along: int = 201, girth: int = 51) -> tuple[Array, Ints32]:
 
 
 def normals(x: Array, z: Array) -> Array:
-    """(n, 3) outward."""
+    """Compute the outward unit normals (n, 3) of the side."""
     step = 1e-3
     dx = (side(x + step, z) - side(x - step, z)) / (2 * step)
     dz = (side(x, z + step) - side(x, z - step)) / (2 * step)
@@ -99,8 +101,9 @@ def normals(x: Array, z: Array) -> Array:
 
 
 def tracks(size: Size) -> tuple[Array, Array]:
-    """Where on the hull each pose looks: x along, z above the keel, both (n,); every second leg
-    runs back.
+    """Compute where on the hull each pose looks: x along, z above the keel, both (n,) m.
+
+    Every second leg runs back.
     """
     number = np.arange(size.poses)
     leg, place = number // size.per_leg, (number % size.per_leg + 0.5) / size.per_leg
@@ -109,8 +112,9 @@ def tracks(size: Size) -> tuple[Array, Array]:
 
 
 def fly(size: Size) -> tuple[Poses, Array]:
-    """T_M_v (n), the tray's pivot a metre off the hull, swaying a degree; the tray's angle (n,)
-    that faces the hull.
+    """Make the vehicle's poses T_M_v (n), and the tray's angles (n,) that face the hull.
+
+    The tray's axis is a metre off the hull. The vehicle sways by a degree.
     """
     x, z = tracks(size)
     normal, number = normals(x, z), np.arange(size.poses)

@@ -14,8 +14,8 @@ from hullrecon.adjustment.partition.plan import Plan
 from hullrecon.adjustment.rounds import RoundResult
 from hullrecon.errors import StageError
 
-# With the CAD model, the RMS of a group's whitened residuals may be at most so many times the RMS
-# without it. Growth that follows from fewer unknowns is taken off before (`residual_growth`).
+# With the CAD model, the RMS of a group's whitened residuals may be at most this multiple of the
+# RMS without it. Growth that follows from fewer unknowns is taken off before (`residual_growth`).
 MAX_GROWTH = {"images": 1.02, "odometry": 1.1, "attitude": 1.1, "positions": 1.1}
 # Groups of measurements that the path explains, and their factors in the native problem
 GROUPS = {

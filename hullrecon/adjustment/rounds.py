@@ -56,7 +56,7 @@ INITIAL_RADIUS = 1e8
 # Relative change of cost that ends the last solve, and the ones before it
 FUNCTION_TOLERANCE = 1e-6
 COARSE_TOLERANCE = 10 * FUNCTION_TOLERANCE
-# About so many landmarks enter the rounds before the last, at least one of each image
+# About this number of landmarks enters the rounds before the last, at least one of each image
 ANCHORS = 20_000
 MIN_LANDMARKS = 20  # with fewer, a round is refused
 log = logging.getLogger(__name__)

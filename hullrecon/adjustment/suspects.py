@@ -263,7 +263,7 @@ def _try_time(
             break
         middle_s, here = found_s, chi2(found_s)
     lowest = here + slope * step + curvature * step**2 / 2
-    # One is taken off: any free unknown lowers chi-square by about so much
+    # One is subtracted: any free unknown lowers chi-square by about one
     return Trial(suspect=name, gain=before - lowest - 1, rows=1, found=found_s)
 
 

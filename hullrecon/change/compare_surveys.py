@@ -73,7 +73,8 @@ def compare_surveys(
     # Subtract the surveys and find regions that differ
     after = relief_on(lattice, chart, second, offset.first_from_second)
     found = difference(before, after, options)
-    # In so many places an unchanged hull may look changed by chance: p-values are corrected for it
+    # Number of places where an unchanged hull may look changed by chance: p-values are corrected
+    # for it
     places = max(1, round(float(found.both.sum()) * options.cell_m**2 / options.min_area_m2))
     regions = changed_regions(found, places, options)
     # Conclude what became of objects and of bare hull

@@ -16,7 +16,7 @@ from hullrecon.typing import Array, Mask
 
 CELL_SIGMAS = 3.0  # least change of each cell of a region, in its sigmas
 RING_M = 0.15  # width of the ring of unchanged hull around a structure
-RING_CELLS = 8  # so many cells of that ring count as independent measurements, at most
+RING_CELLS = 8  # largest number of independent measurements in the cells of that ring
 TOP_SHARE = 0.8  # cells that change at least this share of the largest change are the top
 
 

@@ -25,7 +25,7 @@ from hullrecon.mosaic.options import OpticalOptions
 from hullrecon.mosaic.output.tile_store import TileStore, blend_tiles
 from hullrecon.mosaic.stream import Stream
 
-# Hits of an image's rays that are farther than so many times their median distance do not count:
+# Hits of an image's rays that are farther than this multiple of their median distance do not count:
 # past a bilge, or through a gap of the model, a ray may meet it tens of metres away
 MOST_MEDIANS = 3.0
 MIN_TEXEL_M, MAX_TEXEL_M = 0.001, 0.02  # limits of the chosen side of a texel

@@ -294,7 +294,7 @@ def _draw_items(
 
 
 def _grow(item: Item, by_m: float) -> Item:
-    """Raise an item by so much off the steel; a recess goes deeper."""
+    """Raise an item by `by_m` off the steel. A recess goes deeper."""
     return replace(item, height_m=item.height_m + (by_m if item.height_m > 0 else -by_m))
 
 

@@ -15,7 +15,7 @@ from hullrecon.typing import Array, Ints
 
 # Least length of a leg: in m, and as a share of the survey's length
 LEAST_SWING_M, LEAST_SWING = 1.5, 0.15
-MIN_LANDMARKS = 12  # two legs that share so many are tied
+MIN_LANDMARKS = 12  # least number of landmarks that two tied legs share
 MOST_LISTED = 5  # legs that a sentence names
 
 

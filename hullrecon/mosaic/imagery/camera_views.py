@@ -233,7 +233,7 @@ def compute_footprints(
     """Find where rays spread over each image meet the surface.
 
     The footprints give the extent of the mosaic, and which texels a view may see. A view whose rays
-    all miss has NaN. `most_medians`: hits farther than so many times the median distance of a view
+    all miss has NaN. `most_medians`: hits farther than this multiple of a view's median distance
     are left out.
     """
     outlines = [image_view.outline(surface) for image_view in image_views]

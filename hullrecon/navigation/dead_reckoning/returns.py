@@ -15,7 +15,8 @@ from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Mask
 
 WINDOW_S = 3.0  # around a range, of the beam's neighbouring ranges that it is compared with
-# a range is flagged where it differs from their median by more than so many m, or so many sigmas
+# a range is flagged where it differs from their median by more than this distance, m, or more than
+# this many sigmas
 JUMP_M, OUTLIER_SIGMAS = 0.5, 5.0
 
 

@@ -29,8 +29,8 @@ WIDTH_S = 5.0  # sigma of the Gaussian weights
 STEP_M = 0.3  # between two readings, in excess of the DVL's motion: a jump of the pressure
 LEAST_SIGMA_M = 1e-3
 UNKNOWN_SIGMA_M = 1e3  # of a depth that nothing measured
-# time on either side of a node within which nodes and readings are counted: so many seconds or
-# periods of the sensor, whichever is longer
+# time on either side of a node within which nodes and readings are counted: this many seconds, or
+# this many periods of the sensor, whichever is longer
 AROUND_S, AROUND_PERIODS = 5.0, 2.5
 # sigma of a line that is fitted to readings on one side, over that of one fitted to both sides
 AT_AN_EDGE = 2.5

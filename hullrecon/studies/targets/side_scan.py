@@ -110,7 +110,7 @@ def scatter_things(rng: np.random.Generator, kinds: Sequence[Kind]) -> list[Thin
 
 
 def rows_of_lanes(lanes: int) -> int:
-    """Count the rows of a tile with so many lanes."""
+    """Count the rows of a tile with that many lanes."""
     return row_of(lanes * LANE_M)
 
 

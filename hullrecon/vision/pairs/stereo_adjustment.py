@@ -203,7 +203,8 @@ def _cluster_factor(information: Array, gradient: Array, variance: float, cell: 
     first = np.flatnonzero(np.diff(cell[order], prepend=-1))
     summed = np.add.reduceat(gradient[order], first)
     own = np.add.reduceat(information[order], first)
-    # The part that each cell has in the solution: so much of the cell's errors the fit takes up.
+    # The share of each cell in the solution, which is the share of the cell's errors that the fit
+    # absorbs.
     share = whole @ own
     expected = variance * (size - float(np.einsum("cij,cji->", share, share)))
     found = float(np.einsum("ci,ij,cj->", summed, whole, summed))

@@ -21,8 +21,8 @@ ROWS = "SELECT rowid, topic_id, timestamp, data FROM messages WHERE rowid >= ? O
 HIGHEST = (1 << 63) - 1  # row number
 NEIGHBOURS = 512  # rows behind a damaged one that are asked for one by one; then the step doubles
 ROWS_A_PAGE = 64  # failures for each page of the database, after which reading stops
-# Steps of SQLite's virtual machine that a statement may take: so many, plus so many a byte of the
-# file. A sound row takes some ten steps and has at least 20 bytes
+# Steps of SQLite's virtual machine that a statement may take: a fixed number, plus a number for
+# each byte of the file. A sound row takes some ten steps and has at least 20 bytes
 FREE_STEPS, STEPS_A_BYTE = 4_000_000, 20
 HANDLER_STEPS = 1000  # after which SQLite calls the handler that counts them
 # sqlite3 decodes its own messages strictly

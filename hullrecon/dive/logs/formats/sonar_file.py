@@ -24,7 +24,7 @@ from hullrecon.typing import Array
 
 KEYS = ("image", "azimuth", "range")
 LARGEST_FILE = 1 << 26  # bytes; 1024 beams of 8192 ranges as float64 have as many
-# an array may unpack to the first number of bytes plus so many times its packed size
+# an array may unpack to the first number of bytes plus the second times its packed size
 FREE_BYTES, RATIO = 1 << 22, 256
 NUMBERS = "biuf"  # kinds of dtypes
 FARTHEST_M = 200.0  # of a DIDSON

@@ -48,7 +48,7 @@ EARLIEST_S, LATEST_S = 3e8, 4.2e9  # 1979 and 2103: no log of a dive lies outsid
 # count days stay below: a reading each second is 1.2e-5 days
 LEAST_ROWS, SHORTEST_NS = 20, 20_000
 LISTED_LINES = 5
-# all pings together may unpack to the first number of bytes plus so many times their files' size
+# all pings together may unpack to the first number of bytes plus the second times their files' size
 PING_FREE_BYTES, PING_RATIO = 1 << 26, 64
 # characters; file systems take no longer names, and paths of up to 4096 in all
 LONGEST_FILE_NAME, LONGEST_PATH = 255, 1000

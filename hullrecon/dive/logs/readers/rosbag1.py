@@ -27,7 +27,7 @@ from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, Unpa
 from hullrecon.findings.finding import Finding
 
 OP_CHUNK = b"\x04\x00\x00\x00op=\x05"  # the field of a head that makes its record a chunk
-HEAD_REACH = 64  # a chunk's head starts at most so many bytes before its `op` field
+HEAD_REACH = 64  # bytes: largest distance from the start of a chunk's head to its `op` field
 LONGEST_CHUNK_HEAD = 4 * HEAD_REACH
 LIKE_A_LENGTH = re.compile(rb"(?=[\x09-\xff]\x00\x00\x00)", re.DOTALL)  # of a chunk's head
 BLOCK = 1 << 20  # bytes read at a time

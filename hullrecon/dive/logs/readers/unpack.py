@@ -13,7 +13,7 @@ from typing import BinaryIO, Protocol
 
 # bytes; recorders write chunks of 1 to 4 MiB, or of one message; a larger size is a damaged field
 LARGEST_CHUNK = 1 << 27
-# a log may unpack to the first number of bytes plus so many times its own size
+# a log may unpack to the first number of bytes plus the second times its own size
 FREE_BYTES, RATIO = 1 << 23, 256
 # Bytes that a search reads first. The step then doubles, so that many searches over short distances
 # do not each read a whole window

@@ -23,8 +23,8 @@ from hullrecon.typing import Array, Ints, Mask
 STILL_M = 0.15
 HIGHEST_M = 1.0  # median height over the water, above which depths are wrong
 HIGHEST_DECK_M = 6.0  # from which a vehicle is launched; zero pascal is 10 m above the water
-# A depth is a spike where it differs from the median of so many readings around it by more than
-# this distance and what a vehicle can sink or rise between the first and the last of them.
+# A depth is a spike where it differs from the median of SPIKE_READINGS around it by more than
+# SPIKE_M plus what a vehicle can sink or rise between the first and the last of them.
 SPIKE_READINGS, SPIKE_M, FASTEST_DIVE_M_S = 5, 2.0, 4.0
 DEEPEST_HULL_M = 40.0  # the largest ships draw 25 m
 PASCALS = {"Pa": 1.0, "mbar": 1e2, "hPa": 1e2, "kPa": 1e3, "psi": 6894.757, "dbar": 1e4, "bar": 1e5}

@@ -56,7 +56,7 @@ class ClockComparison:
         return self.evaluate(offsets, self.rows)
 
     def moved(self, offsets: Offsets, more_s: float) -> dict[ClockedSensor, float]:
-        """Change the first sensor's offset by so much, and keep the others."""
+        """Add more_s to the first sensor's offset, and keep the others."""
         return {**offsets, self.first: offsets.get(self.first, 0.0) + more_s}
 
     def within(self, span: Span) -> ClockComparison:

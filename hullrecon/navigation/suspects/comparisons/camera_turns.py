@@ -20,7 +20,7 @@ from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.rows import spread_rows
 from hullrecon.typing import Array, Ints
 
-MOST_FEATURES = 120  # of a pair; twelve pairs of so many tell a turn to 0.05 degrees
+MOST_FEATURES = 120  # of a pair; twelve such pairs give a turn to 0.05 degrees
 LEAST_SIGMA = 0.0003  # of a feature's position, ideal coordinates: a tenth of a pixel
 # prior sigmas of the turn (3), and of the direction of motion (2)
 FREE_RAD = np.array([0.2, 0.2, 0.2, 0.05, 0.05])
