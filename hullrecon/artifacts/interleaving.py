@@ -49,8 +49,8 @@ def interleave(
         while len(done) < len(stages):
             stage = _next_stage(stages, done, courses, fit_together)
             if stage is None:
-                ready = wait([source for step in begun.values() for source in step.says])
-                resumed = [name for name, step in begun.items() if {*step.says} & {*ready}]
+                ready = wait([source for step in begun.values() for source in step.waitables])
+                resumed = [name for name, step in begun.items() if {*step.waitables} & {*ready}]
             else:
                 courses[stage.name] = bring_up(stage)
                 resumed = [stage.name]
@@ -98,7 +98,7 @@ def await_end(begun: BegunStep) -> Course[Made]:
     If the run ends for another reason meanwhile, the step is ended too.
     """
     try:
-        while (made := begun.hear()) is None:
+        while (made := begun.poll()) is None:
             yield begun
     except BaseException:
         begun.interrupt()
@@ -111,7 +111,7 @@ def run_to_end(course: Course[Result]) -> Result:
     """Run the coroutine of a single step to its end."""
     while True:
         try:
-            wait(next(course).says)
+            wait(next(course).waitables)
         except StopIteration as end:
             result: Result = end.value
             return result

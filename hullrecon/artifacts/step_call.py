@@ -51,13 +51,13 @@ class BegunStep(Protocol):
     """A step whose function was called: it has ended, or is running in a process of its own."""
 
     @property
-    def says(self) -> Sequence[Connection[Any, Any] | int]:
-        """Objects for `multiprocessing.connection.wait`: one is ready when `hear` is to be called.
+    def waitables(self) -> Sequence[Connection[Any, Any] | int]:
+        """Objects for `multiprocessing.connection.wait`: one is ready when `poll` is to be called.
 
         Empty when the step has ended.
         """
 
-    def hear(self) -> Made | None:
+    def poll(self) -> Made | None:
         """Process the messages that the step has sent. Returns what it left once it has ended.
 
         Raises as `call_here` does.
@@ -75,9 +75,9 @@ class EndedStep:
     """A step that was run in this process and has ended."""
 
     made: Made
-    says: tuple[()] = ()
+    waitables: tuple[()] = ()
 
-    def hear(self) -> Made:
+    def poll(self) -> Made:
         return self.made
 
     def interrupt(self) -> None: ...

@@ -118,10 +118,10 @@ class _StepProcess:
             self._process.start()
 
     @property
-    def says(self) -> Sequence[Connection[Any, Any] | int]:
+    def waitables(self) -> Sequence[Connection[Any, Any] | int]:
         return [] if self._ours.closed else [self._ours, self._process.sentinel]
 
-    def hear(self) -> Made | None:
+    def poll(self) -> Made | None:
         """Show what the step has sent so far. Returns its result once it has ended, else None.
 
         Raises
@@ -131,7 +131,7 @@ class _StepProcess:
         Exception
             The step's own error, as `call_here` raises it.
         """
-        while ready := wait(self.says, 0):
+        while ready := wait(self.waitables, 0):
             if self._ours not in ready:  # the process has ended without a result
                 break
             try:
@@ -166,7 +166,7 @@ class _StepProcess:
         if self._ours.closed:
             return
         try:
-            while self._ours in wait(self.says, self._left_s()):
+            while self._ours in wait(self.waitables, self._left_s()):
                 if not os.read(self._ours.fileno(), _PIPE_BYTES):
                     break
             self._process.join(self._left_s())

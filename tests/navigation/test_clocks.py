@@ -252,7 +252,7 @@ def test_which_of_two_clocks_is_wrong_is_not_guessed():
     found = put_right(late(level, ClockedSensor.DVL, 0.8))
     assert found.offsets == []
     assert len(found.remarks) == 1
-    assert re.search(r"DVL and pressure: their clocks part by 0\.[6-9]\d s", found.remarks[0])
+    assert re.search(r"DVL and pressure: their clocks differ by 0\.[6-9]\d s", found.remarks[0])
     assert "not known" in found.remarks[0]
 
 

@@ -100,14 +100,14 @@ def smooth_normals(mesh: Mesh, points: Array, faces: Ints) -> Array:
     of a facet. The normal at a corner is the mean, weighted by angle, of those facets around it
     that are turned from this one by less than a sharp edge is.
     """
-    asked, row = np.unique(faces, return_inverse=True)
-    at_corner = _corner_normals(mesh, asked)[row.reshape(-1)]
+    wanted, row = np.unique(faces, return_inverse=True)
+    at_corner = _corner_normals(mesh, wanted)[row.reshape(-1)]
     share = corner_shares(mesh.vertices[mesh.faces[faces]], points)
     smooth = np.einsum("nk,nki->ni", share, at_corner)
     return np.asarray(smooth / np.linalg.norm(smooth, axis=1, keepdims=True))
 
 
-def _corner_normals(mesh: Mesh, asked: Ints) -> Array:
+def _corner_normals(mesh: Mesh, wanted: Ints) -> Array:
     """Compute the smooth unit normals (k, 3, 3) at the three corners of some faces (k,).
 
     The normal of the facet itself where no facet around the corner has an area.
@@ -118,19 +118,19 @@ def _corner_normals(mesh: Mesh, asked: Ints) -> Array:
     order = np.argsort(vertex.ravel(), kind="stable")
     count = np.bincount(vertex.ravel())
     start = np.cumsum(count) - count
-    # Pairs of each asked corner with each corner at the same vertex
-    own = vertex[asked].ravel()
+    # Pairs of each wanted corner with each corner at the same vertex
+    own = vertex[wanted].ravel()
     corner = np.repeat(np.arange(len(own)), count[own])
     rank = np.arange(len(corner)) - np.repeat(np.cumsum(count[own]) - count[own], count[own])
     other = order[start[own[corner]] + rank]
     beside = normal[other // 3]
-    cosine = np.einsum("ni,ni->n", normal[asked[corner // 3]], beside)
+    cosine = np.einsum("ni,ni->n", normal[wanted[corner // 3]], beside)
     weight = np.where(cosine >= np.cos(SHARPEST_RAD), angle[other], 0.0)
     total = np.stack(
         [np.bincount(corner, weight * beside[:, i], minlength=len(own)) for i in range(3)], axis=1
     )
     length = np.linalg.norm(total, axis=1, keepdims=True)
-    facet = np.repeat(normal[asked], 3, axis=0)
+    facet = np.repeat(normal[wanted], 3, axis=0)
     return np.where(length > 0, total / np.where(length > 0, length, 1), facet).reshape(-1, 3, 3)
 
 

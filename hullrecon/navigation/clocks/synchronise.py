@@ -208,17 +208,17 @@ def _are_same(first: WrongClocks, second: WrongClocks) -> bool:
     return one.keys() == other.keys() and all(abs(one[s] - other[s]) < SAME_S for s in one)
 
 
-def _describe_ambiguous(alike: Sequence[WrongClocks]) -> str:
+def _describe_ambiguous(equivalent: Sequence[WrongClocks]) -> str:
     """Describe clocks that disagree where several hypotheses explain them equally well.
 
-    alike: these hypotheses, each with at least one wrong clock.
+    equivalent: these hypotheses, each with at least one wrong clock.
     """
-    sensors = dict.fromkeys(sensor for hypothesis in alike for sensor in hypothesis.wrong)
-    first = alike[0].wrong[0]
+    sensors = dict.fromkeys(sensor for hypothesis in equivalent for sensor in hypothesis.wrong)
+    first = equivalent[0].wrong[0]
     return (
-        f"{' and '.join(sensors)}: their clocks part by {abs(alike[0].offsets[first]):.2f} s "
-        f"(sigma {alike[0].sigma_s[first]:.3f} s); which of them is wrong is not known, and they "
-        "were left as they are"
+        f"{' and '.join(sensors)}: their clocks differ by "
+        f"{abs(equivalent[0].offsets[first]):.2f} s (sigma {equivalent[0].sigma_s[first]:.3f} s); "
+        "which of them is wrong is not known, and they were left as they are"
     )
 
 

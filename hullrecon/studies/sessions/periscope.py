@@ -54,11 +54,13 @@ def transferred(numbers: Array) -> Array:
     return np.asarray(there[:, :2] / there[:, 2:])
 
 
-def unscented(of: Callable[[Array], Array], mean: Array, covariance: Array) -> tuple[Array, Array]:
+def unscented(
+    function: Callable[[Array], Array], mean: Array, covariance: Array
+) -> tuple[Array, Array]:
     """Carry a mean and covariance through a function by sigma points."""
     size = len(mean)
     steps = np.sqrt(size) * np.linalg.cholesky(covariance).T
-    values = of(np.vstack([mean + steps, mean - steps]))
+    values = function(np.vstack([mean + steps, mean - steps]))
     off = values - values.mean(axis=0)
     return values.mean(axis=0), off.T @ off / (2 * size)
 

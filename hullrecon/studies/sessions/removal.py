@@ -132,7 +132,7 @@ def remove_node(
     cliques = tree_of(clique) if tree else [clique]
     made = [linear_factor(part, state, at_root=at_root) for part in cliques if len(part.blocks())]
     return Graph(
-        factors=tuple(_put_together([t for t in left if len(t)], made)),
+        factors=tuple(_append_linear([t for t in left if len(t)], made)),
         live_poses=live_poses,
         live_planes=live_planes,
     )
@@ -284,7 +284,7 @@ def _place(rows: Array, derivative: Array, at: Ints, width: int, first: int) -> 
             rows[m, :, start : start + width] += derivative[m, k]
 
 
-def _put_together(tables: list[Factors], made: list[LinearFactors]) -> list[Factors]:
+def _append_linear(tables: list[Factors], made: list[LinearFactors]) -> list[Factors]:
     """Add linear factors to the table with the same number of variables, if there is one."""
     out = list(tables)
     for new in made:

@@ -189,15 +189,15 @@ def place_targets(
     )
 
 
-def _places(of: Pass, errors: ReadingErrors) -> tuple[Array, Array]:
+def _places(seen: Pass, errors: ReadingErrors) -> tuple[Array, Array]:
     """Place a pass's detections (n, 2), and differentiate by x, y, heading, mount (n, 2, 4)."""
-    along = of.readings.along_m - errors.bias[0]
-    across = of.readings.range_m - errors.bias[1]
+    along = seen.readings.along_m - errors.bias[0]
+    across = seen.readings.range_m - errors.bias[1]
     jacobian = np.zeros((len(along), 2, 4))
     jacobian[:, 0, 0] = jacobian[:, 1, 1] = 1.0
     jacobian[:, 0, 2] = jacobian[:, 0, 3] = -across
     jacobian[:, 1, 2] = along
-    return of.start + np.column_stack([along, across]), jacobian
+    return seen.start + np.column_stack([along, across]), jacobian
 
 
 def _fuse(

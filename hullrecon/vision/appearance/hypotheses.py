@@ -263,15 +263,15 @@ def likeliest_pairs(
         """
         # Rows of `queries` and of `keyframes`. The mask only preselects: an outage may lie between
         # a keyframe and its station.
-        asked, candidate = _best(
+        queried, candidate = _best(
             np.where(places.of_keyframes(queries, mask), scores, 0.0), CANDIDATES
         )
         keep = wanted(
-            *scene_offsets(track, keyframes[queries[asked]], keyframes[candidate], depth_m)
+            *scene_offsets(track, keyframes[queries[queried]], keyframes[candidate], depth_m)
         )
-        asked, candidate = asked[keep], candidate[keep]
-        order = _order_for_comparison(asked, candidate, scores[asked, candidate], most_each)
-        return _distinct(np.column_stack([queries[asked], candidate])[order], most)
+        queried, candidate = queried[keep], candidate[keep]
+        order = _order_for_comparison(queried, candidate, scores[queried, candidate], most_each)
+        return _distinct(np.column_stack([queries[queried], candidate])[order], most)
 
     return (
         pairs_where(
@@ -321,7 +321,7 @@ def _best(scores: Array, most: int) -> tuple[Ints, Ints]:
     return row[some], column.ravel()[some]
 
 
-def _order_for_comparison(asked: Ints, candidate: Ints, score: Array, most: int) -> Ints:
+def _order_for_comparison(queried: Ints, candidate: Ints, score: Array, most: int) -> Ints:
     """Order candidates for comparison: the best of each query, then the next best elsewhere, etc.
 
     In this order a limited number of comparisons spreads over queries and places. Candidates of a
@@ -329,7 +329,7 @@ def _order_for_comparison(asked: Ints, candidate: Ints, score: Array, most: int)
 
     Parameters
     ----------
-    asked, candidate
+    queried, candidate
         Query and keyframe (k,) of each candidate, by query, the best first.
     score
         (k,) how alike they look.
@@ -339,10 +339,10 @@ def _order_for_comparison(asked: Ints, candidate: Ints, score: Array, most: int)
     Returns
     -------
     rows
-        Rows of `asked` and `candidate` that are taken, in the order of comparison.
+        Rows of `queried` and `candidate` that are taken, in the order of comparison.
     """
-    rank, taken = np.full(len(asked), -1), dict[int, list[int]]()
-    for k, (query, place) in enumerate(zip(asked.tolist(), candidate.tolist(), strict=True)):
+    rank, taken = np.full(len(queried), -1), dict[int, list[int]]()
+    for k, (query, place) in enumerate(zip(queried.tolist(), candidate.tolist(), strict=True)):
         before = taken.setdefault(query, [])
         if len(before) < most and all(abs(place - other) > 2 for other in before):
             rank[k] = len(before)

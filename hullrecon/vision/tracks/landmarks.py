@@ -195,9 +195,9 @@ def join_matches(node_of: Ints32, matches: Iterable[FeatureMatches]) -> Ints:
         Matches between these features, in blocks. They are iterated over several times.
     """
     label = _components(len(node_of), matches)
-    torn = _conflicting(label, node_of)
-    if torn.any():
-        matches = _untangle(node_of, matches, torn[label])
+    conflicting = _conflicting(label, node_of)
+    if conflicting.any():
+        matches = _untangle(node_of, matches, conflicting[label])
         label = _components(len(node_of), matches)
     matched = np.zeros(len(node_of), bool)
     for block in matches:
@@ -244,26 +244,26 @@ class _Untangled:
     """Matches in blocks, without those of conflicting components that were not kept."""
 
     matches: Iterable[FeatureMatches]
-    torn: Mask  # (n,) features of components with two features of one node
+    conflicting: Mask  # (n,) features of components with two features of one node
     kept: FeatureMatches
 
     def __iter__(self) -> Iterator[FeatureMatches]:
         for block in self.matches:
-            yield block.take(~self.torn[block.first])
+            yield block.take(~self.conflicting[block.first])
         yield self.kept
 
 
-def _untangle(node_of: Ints32, matches: Iterable[FeatureMatches], torn: Mask) -> _Untangled:
+def _untangle(node_of: Ints32, matches: Iterable[FeatureMatches], conflicting: Mask) -> _Untangled:
     """Leave out matches of conflicting components so that none joins two features of one node.
 
     Two features of one node cannot be one point, so one of the matches between them is wrong. The
-    best matches (smallest distance) are kept first. torn: features (n,) of conflicting components.
+    best matches (smallest distance) are kept first. conflicting: (n,) features of such components.
     """
-    of_torn = [block.take(torn[block.first]) for block in matches]
-    tangled = of_torn[0].followed_by(*of_torn[1:])
+    of_conflicting = [block.take(conflicting[block.first]) for block in matches]
+    tangled = of_conflicting[0].followed_by(*of_conflicting[1:])
     tangled = tangled.take(np.lexsort((tangled.second, tangled.first, tangled.distance)))
     kept = tangled.take(_without_conflict(node_of, tangled.first, tangled.second))
-    return _Untangled(matches, torn, kept)
+    return _Untangled(matches, conflicting, kept)
 
 
 def _without_conflict(node_of: Ints32, first: Ints, second: Ints) -> Mask:
