@@ -19,7 +19,7 @@ class PageFile final : public std::pmr::memory_resource {
   PageFile(const PageFile&) = delete;
   PageFile& operator=(const PageFile&) = delete;
 
-  void rest() const;  // takes all pages out of the process. They come back, as they were, when they are read or written.
+  void rest() const;  // removes all pages from the process. They return unchanged when they are read or written.
 
  private:
   struct Region {

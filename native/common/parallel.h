@@ -16,7 +16,8 @@ inline int thread_count(int asked) {
   return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-// Slabs a thread: elements cost unlike much (poses that see much, kinds of factors), and a thread that is done takes the next.
+// Slabs a thread: the cost of elements varies (poses that see much, kinds of factors), and a thread that is done takes the
+// next.
 constexpr int64_t kSlabsOfThread = 8;
 
 // Calls work(begin, end) over [0, count) cut into slabs of at least `grain`, by `threads` threads, this one among them. The

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Vectors whose numbers stand in other memory (common/page_file.h) while nothing uses them.
+// Vectors whose contents are kept in other memory (common/page_file.h) while nothing uses them.
 #pragma once
 
 #include <Eigen/Core>

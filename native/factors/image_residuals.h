@@ -34,7 +34,7 @@ struct InTopCamera {
 // A stereo pair [Ozog2016 4.12].
 // Rows: 4, px: top u v, bottom u v, raw pixels through the full camera model. Blocks: landmark, pose, T_s_ct, T_ct_cb,
 // intrinsics of top and bottom and, with image_size, lenses of top and bottom. Sign: predicted - measured. Sigma: one for all
-// rows; one Huber loss on the norm of the four, for a pair is good or bad as one (Options.huber_stereo). A point behind a
+// rows; one Huber loss on the norm of the four, as a wrong match spoils the whole pair (Options.huber_stereo). A point behind a
 // camera: kBehindPixels, no derivative (camera.h).
 struct Stereo {
   static constexpr int kRows = 4;

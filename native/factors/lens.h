@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Smooth displacement field of a lens: what its calibration left over (docs/methods.md 6).
+// Smooth displacement field of a lens that its calibration does not model (docs/methods.md 6).
 //
-// Pixel m sees what the calibration puts at m + delta(m). Each axis of delta is a sum of modes, products of Legendre
-// polynomials over the image of total degree 2 to kLensDegree, of unit rms; those of degree 0 and 1 any calibration finds. The
-// field is taken at the measured pixel: it changes by a thousandth of itself over a residual, and is linear in its numbers so.
+// The ray of pixel m is the one that the calibration gives m + delta(m). Each axis of delta is a sum of modes, products of
+// Legendre polynomials over the image of total degree 2 to kLensDegree, of unit rms; those of degree 0 and 1 any calibration
+// finds. The field is taken at the measured pixel, as it changes by a thousandth of itself over a residual. So it is linear in its
+// numbers.
 #pragma once
 
 #include <Eigen/Core>

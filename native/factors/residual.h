@@ -20,7 +20,7 @@
 
 namespace hullrecon {
 
-// Of no fixed size: each size would be a type of its own, and all that is written into it compiled again.
+// Of dynamic size: each fixed size would be a type, and the code that fills it would be compiled once for each.
 using Jacobian = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
 
 // Calls fill(Jacobian&) on block k's Jacobian, zeroed, when the solver wants it.

@@ -140,7 +140,7 @@ CalibrationRows linearise_calibration(const StereoCameras& cameras, double field
 ReducedFeature reduce(const StereoRows& rows) {
   ReducedFeature out;
   const Eigen::Matrix3d own = rows.by_point.transpose() * rows.by_point;
-  const double trace = own.trace();  // 0: a point that came to lie behind every camera says nothing
+  const double trace = own.trace();  // 0: a point behind every camera has no information
   out.point_inverse = (own + kPointDamping * (trace > 0 ? trace : 1.0) * Eigen::Matrix3d::Identity()).inverse();
   out.point_gradient = rows.by_point.transpose() * rows.residual;
   const Eigen::Matrix<double, 4, 6> there = rows.by_motion.bottomRows<4>();

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// What the features that two nodes share say of the motion between the nodes: second_from_first of their leading cameras,
+// Information of the features that two nodes share on the motion between the nodes: second_from_first of their leading cameras,
 // perturbed by (translation in second's axes, rotation vector on the right). Images are in ideal coordinates, NaN where a
 // camera did not see the feature; points are metres.
 #pragma once
@@ -37,8 +37,8 @@ struct MotionNormal {
 void squared_reprojections(const Transform& camera_from_point, std::span<const double> point, std::span<const double> xy,
                            std::span<double> squared);
 
-// Adds what the points that `counts` tell of the motion: residuals whitened by an image's own error and that of the point's
-// depth, z^2 sqrt(2) / b for each unit of error in the image.
+// Adds the normal equations of the motion by the points that `counts` selects, residuals whitened by an image's error and the
+// point's depth, z^2 sqrt(2) / b for each unit of error in the image.
 void add_reprojections(const Transform& motion, const SeenPoints& seen, std::span<const bool> counts, MotionNormal& sum);
 
 // A feature of two stereo nodes: where the leading and the bottom camera of the first node saw it, then those of the second,

@@ -64,13 +64,13 @@ struct Block {
 
 struct Range;  // factors/hull_residuals.h
 
-// The CAD model of tables with factors that meet it; null without.
+// The CAD model of tables with factors that depend on it; null without.
 std::shared_ptr<const MeshIndex> index_mesh(const Tables& tables);
 
 class Model {
  public:
   // mesh: of the CAD model, as index_mesh makes it; null: made here.
-  // pages: where what grows with the tables stands at rest; null: in memory.
+  // pages: memory for what grows with the tables, from which it is removed at rest. null: ordinary memory.
   Model(const Tables& tables, const Options& options, std::shared_ptr<const MeshIndex> mesh = nullptr,
         std::pmr::memory_resource* pages = nullptr);
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// From which incidence on what stands out of a surface may hide parts of it (docs/methods.md 13).
+// The incidence from which structures of a surface may hide parts of it (docs/methods.md 13).
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +15,7 @@ class OcclusionHorizon {
  public:
   struct Limits {
     double cell;          // m, side of a cell
-    double span;          // m from a block to whatever stands in front of an instrument
+    double span;          // m, largest distance from a block to what may hide it
     double least_relief;  // m; what is lower hides nothing
   };
   OcclusionHorizon(std::span<const double> points, std::span<const double> normals, const Limits& limits);

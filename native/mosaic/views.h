@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// What a mosaic does with every view at every texel: project, rank, blend (docs/methods.md 13).
+// The operations of a mosaic on every view at every texel: project, rank, blend (docs/methods.md 13).
 #pragma once
 
 #include <Eigen/Core>

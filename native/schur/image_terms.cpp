@@ -253,7 +253,7 @@ std::array<double, 2> ImageTerms::cost() {
   });
 }
 
-// Adds what an observation says of the landmark's displacement, robustified.
+// Adds an observation's information on the landmark's displacement, robustified.
 static void add(View& view, const Observation& s, double slope) {
   for (int row = 0; row < s.rows; ++row) {
     const double x = s.by(row, 0), y = s.by(row, 1), z = s.by(row, 2), wx = slope * x, wy = slope * y, wz = slope * z;

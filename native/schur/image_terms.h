@@ -55,12 +55,13 @@ class FreeIntrinsics {
   int width_ = 0;
 };
 
-// What images say of a landmark's displacement with intrinsics, (3, width). Rows stand in a run, so that sums are of vectors.
+// Information of images between a landmark's displacement and the intrinsics, (3, width). Rows are contiguous, so sums are of
+// vectors.
 using WithIntrinsics = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
 
 class ImageTerms {
  public:
-  // pages: where what grows with the images stands.
+  // pages: memory for what grows with the images.
   explicit ImageTerms(const Model& model, std::pmr::memory_resource* pages = std::pmr::get_default_resource());
 
   // Landmarks by rank: those first seen from one pose stand together, so that neighbours in memory are neighbours on the hull.
@@ -93,7 +94,7 @@ class ImageTerms {
   void linearise();
   // Robustified cost of stereo and mono at the model's unknowns. Not finite: the point cannot be evaluated.
   std::array<double, 2> cost();
-  // What observations say by intrinsics alone.
+  // Information of observations on the intrinsics alone.
   struct OfIntrinsics {
     explicit OfIntrinsics(int width)
         : own(Eigen::MatrixXd::Zero(width, width)),
@@ -104,7 +105,7 @@ class ImageTerms {
     using LensSquare = Eigen::Matrix<double, kLensModes, kLensModes>;
     std::array<LensSquare, 2> modes;  // of top and bottom lens, the same of either axis of the image
   };
-  // Adds what a view's observations say by displacement and intrinsics, (3, width).
+  // Adds the information of a view's observations between displacement and intrinsics, (3, width).
   void add_intrinsics(int64_t view, WithIntrinsics& cross) const;
   // The same, and by intrinsics alone, and refreshes the view: each observation is looked at once.
   void linearise_with_intrinsics(int64_t view, WithIntrinsics& cross, OfIntrinsics& alone);

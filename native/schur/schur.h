@@ -34,8 +34,8 @@ struct StepVector {
 
 class Schur {
  public:
-  // interface: of a part, the blocks of the layout that other parts meet too. None: the model is the whole problem.
-  // pages: where what is large stands.
+  // interface: of a part, the blocks of the layout that other parts share. None: the model is the whole problem.
+  // pages: memory for what is large.
   explicit Schur(Model& model, const std::optional<std::vector<int>>& interface = {},
                  std::pmr::memory_resource* pages = std::pmr::get_default_resource());
 
@@ -43,12 +43,12 @@ class Schur {
   std::optional<std::array<double, kKindNames.size()>> cost();
   // Everything at the model's unknowns; fills gradient and the diagonal of J'J.
   void linearise();
-  void shelve(Shelf& shelf);                   // what grows with the problem and does not stand in `pages`
+  void shelve(Shelf& shelf);                   // what grows with the problem and is not in `pages`
   void restore() { images_.place_cameras(); }  // after a point was tried: back at the unknowns of linearise()
   // Solves (J'J + diag(damping)) step = -gradient. False: not positive definite.
   bool step(const StepVector& damping, StepVector& step) { return condense(damping) && finish(step); }
 
-  // The step in halves. Of a part there stand between them condensed() and condensed_gradient(), on interface and border, in
+  // The step in halves. Of a part, between them, condensed() and condensed_gradient(), on interface and border, are in
   // the last entries of a StepVector's `reduced`; finish() finds their step in those of `step`.
   bool condense(const StepVector& damping);
   StepVector no_damping() const {

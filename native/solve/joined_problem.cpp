@@ -59,7 +59,7 @@ struct JoinedProblem::Part {
   std::vector<int> number;           // of each, among all that are shared
   Schur schur;
   LabelCount labels;
-  std::vector<int> to_top, border;  // where scalars of interface and border, and of the border, stand in the top's
+  std::vector<int> to_top, border;  // rows of the top of the scalars of interface and border, and of the border
   struct Run {
     ptrdiff_t first;
     int count;
@@ -91,7 +91,7 @@ void JoinedProblem::each(const Work& work) {
   }
 }
 
-// The top system: two shared blocks meet where a part has both.
+// The top system: two shared blocks have an entry where a part has both.
 void JoinedProblem::number_shared(const std::vector<ProblemPart>& parts) {
   column_.fill(-1);
   std::array<int, kGlobals> of_global{};
@@ -221,7 +221,7 @@ std::optional<double> JoinedProblem::step(double radius) {
   return solved ? std::optional(model_change()) : std::nullopt;
 }
 
-// Adds what a part leaves on shared blocks and border to the top's.
+// Adds a part's Schur complement on shared blocks and border to the top's.
 void JoinedProblem::join(Part& part) {
   const auto left = part.schur.condensed();
   const ReducedLayout& layout = part.schur.layout();

@@ -26,8 +26,7 @@ struct SharedBlock {
 struct ProblemPart {
   Model* model;
   std::vector<SharedBlock> shared;
-  PageFile* pages =
-      nullptr;  // where its tables and what is large of its work stand, at rest while other parts work; null: memory
+  PageFile* pages = nullptr;  // memory for its tables and what is large, removed while other parts work; null: ordinary memory
 
   std::pmr::memory_resource* memory() const { return pages ? pages : std::pmr::get_default_resource(); }
 };

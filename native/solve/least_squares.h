@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// What a trust region asks of a problem, be it held whole or in parts: costs, derivatives and damped steps at unknowns that the
+// The interface of a problem, whole or in parts, to a trust region: costs, derivatives and damped steps at unknowns that the
 // problem itself keeps.
 #pragma once
 

@@ -50,7 +50,7 @@ class FrontTree {
   }
   // All fronts, children before parents, so that least of what fronts leave to their parents waits at a time [Liu1992].
   std::span<const int32_t> order() const { return order_; }
-  // Where block (row, column), row at or below column, stands: its front, and its first scalar from the top left of the panel.
+  // Index of block (row, column), row at or below column: its front, and its first scalar from the top left of the panel.
   struct EntryPosition {
     int front, row, column;
   };

@@ -20,13 +20,13 @@ namespace hullrecon {
 
 class Fronts {
  public:
-  // pages: where the matrix stands.
+  // pages: memory for the matrix.
   Fronts(FrontTree tree, int threads, bool keeps_root = false,
          std::pmr::memory_resource* pages = std::pmr::get_default_resource());
 
   const FrontTree& tree() const { return tree_; }
   void clear();
-  // Where scalar (row, column) of a front's panel stands, both counted from the panel's top left.
+  // Index of scalar (row, column) of a front's panel, both counted from the panel's top left.
   double* at(int front, int row, int column) {
     const Front& f = tree_.fronts()[front];
     return value_.data() + f.value + int64_t{column} * f.height + row;

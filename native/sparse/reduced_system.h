@@ -19,7 +19,7 @@ class ReducedSystem {
  public:
   // width: of each block. neighbours[start[b], start[b + 1]): the blocks that b meets, both ways, itself left out; the border
   // meets all. Of AMD and METIS the order with fewer nonzeros is taken. interface: blocks, in the order in which they stand
-  // before the border; none: nothing is left by the factorisation. pages: where the matrix stands.
+  // before the border; none: nothing is left by the factorisation. pages: memory for the matrix.
   ReducedSystem(std::vector<int> width, int border, const std::vector<int64_t>& start, const std::vector<int32_t>& neighbours,
                 int threads, const std::optional<std::vector<int>>& interface = {},
                 std::pmr::memory_resource* pages = std::pmr::get_default_resource());
