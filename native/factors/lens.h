@@ -4,8 +4,8 @@
 //
 // The ray of pixel m is the one that the calibration gives m + delta(m). Each axis of delta is a sum of modes, products of
 // Legendre polynomials over the image of total degree 2 to kLensDegree, of unit rms; those of degree 0 and 1 any calibration
-// finds. The field is taken at the measured pixel, as it changes by a thousandth of itself over a residual. So it is linear in its
-// numbers.
+// finds. The field is taken at the measured pixel, as it changes by a thousandth of itself over a residual. So it is linear in
+// its numbers.
 #pragma once
 
 #include <Eigen/Core>

@@ -23,7 +23,7 @@ def find_sunk(
     """Report a CAD model that lies wholly under the water, as one upside down does.
 
     Nothing is reported where its top is above the water, or may be by the sigma of its height. The
-    finding proposes the pose that turns it by half a turn about its length.
+    finding proposes the pose turned by 180 degrees about its length.
 
     Parameters
     ----------

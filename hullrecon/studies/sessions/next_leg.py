@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which leg to drive next, by what it does to the path's sigma [Ozog2016 5.2, active SLAM].
 
-The source asks for planes in the choice. A leg's factors are foreseen from the path that it would
-have; what they measure does not matter to the covariance.
+The source asks for planes in the choice. A leg's factors are predicted from the path that it would
+have. The measured values do not matter to the covariance.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def legs_to_choose() -> dict[str, Poses]:
 
 
 def foreseen_sigma(path: Poses, first: int, planes: bool) -> float:
-    """Foresee the sigma of the first poses of a path, m, root mean square."""
+    """Predict the sigma of the first poses of a path, m, root mean square."""
     session = survey(path, np.random.default_rng(SEED), planes=planes)
     truth = session.truth_in_session
     seen = planes_before(session.truth[session.seen_from])

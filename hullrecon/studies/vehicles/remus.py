@@ -214,7 +214,7 @@ def _observe(local: LocalMap, sighting: Sighting, sigmas: Sigmas) -> bool:
 
 
 def _finish(local: LocalMap) -> Submap:
-    """Hand on a submap's landmarks, and where the vehicle is."""
+    """Finish a submap: its landmarks and the vehicle's last position, with covariance."""
     rows = np.r_[np.arange(VEHICLE, len(local.mean)), 0, 1]
     return Submap(
         points=local.mean[VEHICLE:].reshape(-1, 3),

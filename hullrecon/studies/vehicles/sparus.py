@@ -184,7 +184,7 @@ def _observe(
 
 
 def _finish(local: LocalMap) -> Submap:
-    """Hand on a submap's landmarks as points, and where the vehicle is.
+    """Finish a submap: its landmarks as points, and the vehicle's last position.
 
     A landmark whose inverse depth is not yet sure to a tenth is left out.
     """
