@@ -84,8 +84,14 @@ def make(size: Size, seed: int = 0) -> Problem:
     return simulate(size, seed)[0]
 
 
-def simulate(size: Size, seed: int = 0) -> tuple[Problem, Truth]:
-    """Simulate a problem, started from dead reckoning, and its truth."""
+def simulate(
+    size: Size, seed: int = 0, *, scatter_m: float = SCATTER_M, off_hull: float = OFF_HULL
+) -> tuple[Problem, Truth]:
+    """Simulate a problem, started from dead reckoning, and its truth.
+
+    scatter_m: standard deviation of landmarks about the CAD model. off_hull: share of landmarks
+    that stand off the hull.
+    """
     rng = np.random.default_rng(seed)
     vertices, faces = hull_mesh()
     hull = MeshIndex(vertices, faces, threads=1)
@@ -93,7 +99,9 @@ def simulate(size: Size, seed: int = 0) -> tuple[Problem, Truth]:
     global_from_hull = poses.from_rpy([3.0, 20.0, 13.0], np.radians([180.0, 0.3, 40.0]))
     nodes = global_from_hull @ in_hull
     first, second = _pairs(size, rng)
-    in_cad_model, off = _landmarks(size, hull, in_hull, tray, first, second, rng)
+    in_cad_model, off = _landmarks(
+        size, hull, in_hull, tray, first, second, rng, scatter_m, off_hull
+    )
     landmark = global_from_hull.apply(in_cad_model)
     truth = Truth(nodes, tray, global_from_hull, TRAY_FROM_TOP, landmark, off)
     unknowns, priors = _mounts(global_from_hull, rng)
@@ -249,16 +257,19 @@ def _landmarks(
     first: Ints,
     second: Ints,
     rng: np.random.Generator,
+    scatter_m: float,
+    off_hull: float,
 ) -> tuple[Array, Mask]:
     """Draw landmarks (L, 3) in M that both of their poses see, and tell which are off the hull.
 
-    One in twenty lies 0.1 to 0.3 m off the hull [Ozog2016 Fig. 4.15], the others scatter about it.
+    A share of `off_hull` lies 0.1 to 0.3 m off the hull [Ozog2016 Fig. 4.15], the others scatter
+    about it.
     """
     x, z = tracks(size)
     points = np.empty((size.landmarks, 3))
-    off = rng.random(size.landmarks) < OFF_HULL
+    off = rng.random(size.landmarks) < off_hull
     height = np.where(
-        off, rng.uniform(0.1, 0.3, size.landmarks), SCATTER_M * rng.standard_normal(size.landmarks)
+        off, rng.uniform(0.1, 0.3, size.landmarks), scatter_m * rng.standard_normal(size.landmarks)
     )
     wanted, spread = np.arange(size.landmarks), 1.0
     while len(wanted):
