@@ -18,7 +18,7 @@ from hullrecon import native
 from hullrecon.records.clock import seconds
 from hullrecon.typing import Array, Ints
 
-LONGEST_S = 5.0  # between neighbouring nodes; longer pauses tell no velocity
+LONGEST_S = 5.0  # between neighbouring nodes; longer pauses give no velocity
 
 
 @dataclass(frozen=True, kw_only=True)

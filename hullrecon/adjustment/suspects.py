@@ -34,7 +34,7 @@ HELD, HELD_PX = 1e-6, 1e-3  # prior sigmas of intrinsics that are held
 READOUT_S = 0.01  # a trial has this readout time and its negative; cameras have 5 to 50 ms
 SLOPE_S = 0.002  # step of the derivatives by the readout time
 DELAY_S = 0.05  # a trial has this delay of the DVL and its negative
-# navigation/clocks puts right what is more than a quarter of a second: twice that is no delay
+# navigation/clocks corrects delays beyond a quarter of a second, so none is twice that
 MOST_DELAY_S = 0.5
 # A suspect explains as much as the best one if its trial lowers chi-square by this share of it
 EXPLAINS = 0.9
@@ -447,8 +447,8 @@ def _lenses(problem: native.Problem) -> list[_Suspect]:
     for name, key in (("top", "intrinsics_top"), ("bottom", "intrinsics_bottom")):
         own = _free_intrinsics(FOCAL, (key,))
         found.append(_Suspect(f"focal-length-{name}", own, 2, _focal_ratio((key,))))
-    # A wrong principal point of the top camera is left out: only the mount's prior would tell it
-    # from one of the bottom camera.
+    # A wrong principal point of the top camera is left out: only the mount's prior would
+    # distinguish it from one of the bottom camera.
     own = _free_intrinsics(CENTER, ("intrinsics_bottom",))
     shift = _center_shift(("intrinsics_bottom",))
     return [*found, _Suspect("principal-point-bottom", own, 2, shift)]

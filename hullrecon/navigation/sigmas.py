@@ -48,7 +48,7 @@ class NavigationSigmas:
     # their clocks were compared (navigation/clocks)
     dvl_late_s: float = 0.0
     pressure_late_s: float = 0.0
-    # of the tray's angle at any time, in addition to `tray_rad`, where its readings tell nothing
+    # of the tray's angle at any time, in addition to `tray_rad`, where its readings are useless
     # (`doubtful_angles`)
     tray_untold_rad: float = 0.0
 

@@ -87,7 +87,7 @@ def judge_sensors(
         records = replace(records, pressure=stepped.mended)
         mended += [stepped.finding(topics.get(Sensor.PRESSURE, ""))]
 
-    # Contradictions of what is left. Angles of a tray that tell nothing widen its sigma.
+    # Contradictions of what is left. Useless angles of a tray widen its sigma.
     density, gravity, atmosphere = (_number(settings[key]) for key in WATER_KEYS)
     atmosphere_m = atmosphere / (density * gravity)  # of water
     mount_deg = settings["imu.mount_deg"]

@@ -26,7 +26,7 @@ OTHER_S = 0.5  # between two offsets that count as different
 MINIMA = 5  # of a comparison's cost that are kept
 STEP_S = 0.2  # of the numeric derivative; over a shorter one noise would look like slope
 TRUSTED, WILD = 2.0, 6.0  # sigmas beyond which a residual weighs less, and nothing
-LEAST_KNOWN = 0.5  # share of the rows that an offset has to leave to tell their scatter
+LEAST_KNOWN = 0.5  # share of the rows that an offset has to leave to estimate their scatter
 ROUNDS, CONVERGED_S = 8, 1e-4  # of Gauss-Newton
 
 

@@ -15,7 +15,7 @@ from hullrecon.typing import Array, Ints, Mask
 
 # Sigmas of the difference of two patches that curvature does not explain: frames, seams.
 ROUGHNESS = np.array([0.003, 0.002, 0.002])  # m, slopes in azimuth and elevation
-# The difference of two patches' curvatures tells how fast the curvature changes. As shares of it:
+# The difference of two patches' curvatures shows how fast the curvature changes. As shares of it:
 # the error of their mean, and the error of the height that the slopes do not hold. And in m2, how a
 # change of curvature within a patch of 0.66 m, a cubic, tilts the plane that is fitted to it.
 MEAN_OFF, HEIGHT_OFF, TILT_M2 = 0.5, 0.05, 0.5 * 0.66**2 / 6

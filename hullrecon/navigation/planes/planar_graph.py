@@ -35,7 +35,9 @@ MOST_ROUNDS = 5  # of solving and offering ties anew
 LEAST_TIES = 5
 # share of the offered ties that agree: on a ship's side 0.9 and more, on rocks far less
 LEAST_AGREEING = 0.6
-MAX_ROUGHNESS = 5.0  # factor on the noise, beyond which patches tell little and uncertainly
+MAX_ROUGHNESS = (
+    5.0  # factor on the noise, beyond which patches have little and uncertain information
+)
 SAME_ROUGHNESS = 0.05  # relative change of the factors, below which they have converged
 # chi-square of the estimated navigation errors: 99.9 % at their six degrees of freedom
 MAX_NAVIGATION_CHI2 = 22.5
@@ -144,7 +146,7 @@ class PlanarGraph:
         rough = np.maximum(rough, roughness(patches, smooth, path, rig, joint))
         pairs = smooth.roughened(rough)
 
-        # A tie is offered where it tells more than the path without planes does.
+        # A tie is offered where it has more information than the path without planes.
         joint_alone = joint if solved is alone else _joint_covariance(alone, patches, pairs)
         is_offered = is_informative(patches, pairs, path, rig, joint_alone)
         is_offered &= is_position_known(patches, pairs, path, rig, joint_alone)

@@ -47,8 +47,8 @@ KERNELS = {
     "switch": native.LinkKernel.SWITCH,
     "none": native.LinkKernel.NONE,
 }
-# Damping slows the bends of a long path, about which the measurements tell little, far more than
-# its single steps. With a smaller trust region they take ten iterations more, and stop short of the
+# Damping slows the bends of a long path, which the measurements hardly determine, far more than its
+# single steps. With a smaller trust region they take ten iterations more, and stop short of the
 # minimum.
 OPTIONS = native.Options(
     method="naive", max_iterations=60, function_tolerance=1e-7, initial_radius=1e8

@@ -31,7 +31,7 @@ from hullrecon.typing import Array, Ints
 
 # smallest sigma of a turn between two nodes: jitter of the stamps, and play of the mount
 LEAST_SIGMA_RAD = 1e-4
-# sigma of the rate at which an inspecting vehicle turns while no reading tells
+# sigma of the rate at which an inspecting vehicle turns between readings
 BRIDGED_RATE_RAD_S = 0.05
 # time for which it turns one way; before the first and after the last reading its turns are a
 # random walk beyond that time

@@ -14,7 +14,7 @@ from hullrecon.records.clock import seconds
 from hullrecon.records.sensors import DvlPings, ImuSamples
 from hullrecon.typing import Array, Ints
 
-STILL = 0.1  # of the motion that others measure; a signal that moves by less tells nothing
+STILL = 0.1  # of the motion that others measure; a signal that moves by less has no information
 NEIGHBOURS, JUMP_M = 9, 0.15  # pings of a running median, and how far a range may be from it
 LEAST_BEAMS = 3  # of a ping, to fit a plane
 

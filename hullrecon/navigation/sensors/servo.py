@@ -17,11 +17,11 @@ from hullrecon.typing import Array, Ints, Mask
 LEAST_TRAVEL_RAD = np.radians(0.3)  # a servo's reading flickers by less; a command moves it farther
 # sigma of the rate at which, and the largest angle by which, a tray may turn while nothing is read
 UNREAD_RATE_RAD_S, UNREAD_RAD = 0.05, 0.5
-# sigma of an angle whose readings tell nothing: trays tilt by up to some 30 degrees
+# sigma of an angle whose readings are useless: trays tilt by up to some 30 degrees
 UNTOLD_RAD = np.radians(10.0)
 TELL_NOTHING = ("tray-still", "tray-little")  # codes of the findings of `doubtful_angles`
 # Readings in a row that repeat one, and how noise shows in the others: by neighbouring second
-# differences of opposite signs (white noise correlates them by -2/3) that hardly ever are nil
+# differences of opposite signs (white noise correlates them by -2/3) that hardly ever are zero
 LEAST_FROZEN, OPPOSED, FEW_REPEATS = 10, -0.25, 0.05
 FEW_READINGS = 3  # fewer readings are a setting, not the record of a moving tray
 # span of a tray's angles over their noise, from which on it has moved: white noise spans six to
@@ -36,7 +36,7 @@ class Servo:
     t_ns: Ints  # (n,)
     angle: Array  # (n,) rad
     direction: Array  # (n,) +1 or -1, the sense in which it last moved
-    is_read: bool = True  # False of a tray that is taken to stand at zero, as no angle was logged
+    is_read: bool = True  # False for a tray taken to be at zero, as no angle was logged
 
     def angle_at(self, t_ns: Ints) -> Array:
         """Interpolate the angle (m,) rad linearly, constant beyond the ends."""

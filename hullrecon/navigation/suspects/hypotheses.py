@@ -266,7 +266,7 @@ def _dvl_mounts(
 def _other_axes(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
     """Yield a DVL that gives velocities along its beams, and one in left-handed axes."""
     if np.linalg.matrix_rank(dvl.beams[:3]) == 3:
-        # of the four velocities along the beams three stand in place of x, y, z
+        # three of the four velocities along the beams were logged as x, y, z
         for value, along in (("towards", -dvl.beams[:3]), ("away from", dvl.beams[:3])):
             velocity = dvl.velocity @ np.linalg.inv(along).T
             mended = replace(records, dvl=replace(dvl, velocity=velocity))

@@ -126,9 +126,9 @@ def judge(
         best = explain_best(found)
         sensors = list(dict.fromkeys(h.sensor for h, _ in best))
         late = [h for h, _ in best if h.fault == "clock"]
-        # What can be told of the fault: a clock, a drift, several sensors, several units of a
+        # What can be reported of the fault: a clock, a drift, several sensors, several units of a
         # pressure, a fault that is corrected (then the next one is sought), or one that is not.
-        if late:  # a swell repeats itself, so of offsets that fit as well the smallest is told
+        if late:  # a swell repeats itself, so of offsets that fit as well the smallest is reported
             least = min(late, key=lambda h: abs(h.late_s))
             values = {"sensor": str(least.sensor), "seconds": least.late_s}
             findings.append(Finding("sensors-late", values))
@@ -383,7 +383,7 @@ def _describe_unknown(
     wrong, base
         Comparisons that accuse a sensor, and all comparisons.
     """
-    # where headings part within a second too, that says by how much of the motion
+    # where headings differ within a second too, this is the share of the motion
     quick = [c for c in wrong if c.kind != "heading"]
     worst = max(quick or wrong, key=lambda c: c.chi2)
     agree = [c.sensors for c in base if len(c.sensors) > 1 and c not in wrong and not c.is_coarse]

@@ -120,7 +120,7 @@ class Shading:
     low: float  # the value at the lower end of the colours
     high: float
     label: str  # of the legend, with its unit
-    extend: str  # which ends stand for values beyond them: "max" or "both"
+    extend: str  # which ends include values beyond them: "max" or "both"
 
 
 @dataclass(frozen=True, kw_only=True)

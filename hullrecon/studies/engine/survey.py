@@ -57,7 +57,7 @@ SPEC = DiveSpec(
 )
 SEEDS = (1, 2, 3, 4, 5)  # the first is shown; of ten the mean was -0.5 mm, known to 0.4 mm
 BLANK = (1.25, 1.75)  # of a leg's length, from the start: the middle half of the second leg
-WAYS = 0.25  # m, over which a drop of the sigma is told
+WAYS = 0.25  # m, over which a drop of the sigma is measured
 
 
 PUBLISHED = "dead reckoned, white noise alone"

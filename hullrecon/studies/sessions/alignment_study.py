@@ -211,7 +211,7 @@ def draw_information() -> PublishedFigure:
     """Draw the information matrices of two short sessions before and after they meet."""
     rng = np.random.default_rng(0)
     short = [survey(legs(x, x + 3, (2.0,)), rng, planes=False) for x in (-2.0, 0.0)]
-    # depth and level would tell the frames' place in part: poses and links alone, as printed
+    # depth and level would determine the frames in part: poses and links alone, as printed
     bare = [
         replace(s, factors=tuple(f for f in s.factors if not isinstance(f, Levels))) for s in short
     ]

@@ -35,7 +35,7 @@ from hullrecon.studies.structures.inspected import InspectedHull, inspect
 from hullrecon.studies.study import ComparedValue, StudyDive, StudyResult
 from hullrecon.typing import Array, Ints, Ints32, Pixels
 
-AROUND_M = 0.4  # where bare hull tells how far it lies over the CAD model
+AROUND_M = 0.4  # where bare hull gives its offset from the CAD model
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,7 +20,7 @@ from hullrecon.studies.submaps.models import place, place_by_points, place_by_po
 from hullrecon.studies.submaps.sequence import PlainMap, plain_map
 from hullrecon.typing import Array
 
-LEAST_SHARED = 4  # landmarks of a loop; two fix a pose, more tell a wrong pair
+LEAST_SHARED = 4  # landmarks of a loop; two fix a pose, more reveal a wrong pair
 ITERATIONS = 3  # of an adjustment, from the last solution
 SEED = 5  # of random draws
 

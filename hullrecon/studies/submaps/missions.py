@@ -89,7 +89,7 @@ def run_strategy(submaps: Sequence[EkfMap], strategy: Strategy) -> Track:
 
 def final_track(submaps: Sequence[EkfMap], frames: Array) -> Track:
     """Place each submap's path in the frames (n, 3) as they are known in the end."""
-    unknown = np.full((3, 3), np.nan)  # how sure a frame is in the end is not asked for
+    unknown = np.full((3, 3), np.nan)  # the final covariance of a frame is not used
     return track_of([(f, unknown, built) for f, built in zip(frames, submaps, strict=False)])
 
 

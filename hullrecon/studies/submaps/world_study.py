@@ -30,7 +30,7 @@ from hullrecon.typing import Array
 
 THRESHOLD = 0.4  # as printed, p. 50
 SEED = 5  # the first world whose dead reckoning drifts by 20 to 30 %, as the printed one
-SEEDS = tuple(range(5, 25))  # for what one mission cannot tell
+SEEDS = tuple(range(5, 25))  # for what a single mission cannot show
 EKF, BLOCKS, SHARED, SELECTIVE = "EKF", "EKF without zeros", "CIS", "SSJS"
 PRINTED_SECONDS = {
     "EKF": 2028.21,

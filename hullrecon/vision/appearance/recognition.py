@@ -48,8 +48,8 @@ LEAST_EXTENT = 1.0
 # Size of a rival group, which contradicts the largest one, as a share of it, from which it is
 # undecided which of them is right
 RIVAL_SHARE = 1 / 3
-# The control must cover distances of this many sigmas of the uncertain offset. Otherwise it says
-# nothing of patterns that repeat at larger distances.
+# The control must cover distances of this many sigmas of the uncertain offset. Otherwise it has no
+# information on patterns that repeat at larger distances.
 LEAST_REACH = 2.0
 MAX_ALIKE = 2  # pairs of the control that may match: with more, different places look alike
 # Pairs of the next round from which their matches count, and the share that must match.

@@ -44,7 +44,7 @@ from hullrecon.typing import Array, Ints
 # simulated dives with right clocks are 0.16 s of pressure and DVL and 0.21 of attitude and DVL, and
 # on seven dives 0.06 of accelerations and DVL.
 DEPTH_S, HULL_S, ACCELERATION_S = 0.05, 0.04, 0.04
-LEAST_DEPTH_BLOCKS = 4  # so few tell a sigma badly, but most of the sigma is DEPTH_S
+LEAST_DEPTH_BLOCKS = 4  # so few determine a sigma badly, but most of the sigma is DEPTH_S
 TURNED_S = 1.0  # between three normals of the hull, whose second difference is the residual
 SUNK_S = 2.0  # between three depths; second differences cancel the steady rate of a wrong mount
 CHANGED_S = 0.8  # between three velocities; second differences cancel gravity and a bias
