@@ -12,6 +12,7 @@ from hullrecon.studies.study import DiveStudy, SceneStudy, StudyDive, StudyResul
 
 
 def _compare_methods(given: StudyDive) -> StudyResult:
+    """Solve the dive by every method, and tabulate and compare the figures."""
     from hullrecon.studies.methods.comparison import (
         compare_heights,
         compare_solutions,

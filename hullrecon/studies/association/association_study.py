@@ -88,6 +88,7 @@ def draw_fields(name: str) -> list[Field]:
 
 
 def _compare(scores: dict[str, dict[str, Score]], sure: Score) -> tuple[ComparedValue, ...]:
+    """Compare shares of right pairs by method with what the thesis says of them."""
     clear, large = scores[CLEAR], scores[LARGE]
     words = "the thesis prints no number"
     drawn = [by_method[RJC] for by_method in scores.values()]
@@ -173,6 +174,7 @@ def draw_examples() -> PublishedFigure:
 
 
 def _draw_pairs(axis: Axes, title: str, field: Field, found: Association) -> None:
+    """Draw a field seen twice, with search ellipses and pairs, right ones blue, wrong ones red."""
     sets = field.sets
     for ellipse in _ellipses(sets):
         axis.plot(*ellipse, color="#9aa5b1", lw=0.6)

@@ -111,6 +111,7 @@ def _row(distance: float, errors: Errors) -> tuple[str, ...]:
 
 
 def _compare(errors: dict[float, Errors]) -> tuple[ComparedValue, ...]:
+    """Collect the errors of trunks' middles, near and far, by the three rules."""
     near = [e for distance, e in errors.items() if distance <= 20]
     far = errors[DISTANCES_M[-1]]
     printed = 1e3 * np.median(np.concatenate([e.printed_m for e in near]))
@@ -237,6 +238,7 @@ def draw_trunks() -> PublishedFigure:
 
 
 def _circles(axis: Axes, trees: Array, colour: str, label: str) -> None:
+    """Draw the outlines of trees (n, 3): x, y, radius."""
     angle = np.linspace(0, 2 * np.pi, 73)
     for number, (x, y, radius) in enumerate(trees):
         axis.plot(

@@ -169,6 +169,7 @@ def _score_links(artifact: LinksArtifact, hull_from_camera: Poses) -> ModelLinks
 
 
 def _row(words: str, links: ModelLinks) -> tuple[str, ...]:
+    """Make the row of a model's links: counts, median errors in mrad, mean chi-square."""
     errors = links.errors
     return (
         words,

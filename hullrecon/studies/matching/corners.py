@@ -165,6 +165,7 @@ def _match_kind(
     of_first: Mask,
     of_second: Mask,
 ) -> Putative:
+    """Match the features of one kind, of_first (n,) and of_second (m,), among the allowed pairs."""
     if allowed is not None:
         like = of_first[allowed[0]] & of_second[allowed[1]]
         return match_descriptors(first, second, (allowed[0][like], allowed[1][like]))

@@ -83,6 +83,8 @@ def tallest(truth: Truth) -> TrueStructure | None:
 
 
 def _history(v: SolvedVariant) -> SolveHistory:
+    """Read the history of a variant's solve: cost, labels and seconds by iteration."""
+
     def counts(name: str) -> Ints:
         return np.asarray(v.iterations[name], np.int64)
 
@@ -131,6 +133,7 @@ def _heights(
     structure: TrueStructure,
     reported: Sequence[ReportedObject],
 ) -> PublishedFigure:
+    """Draw heights of landmarks on a structure by method, and its height as delivered."""
     heights: dict[str, Array] = {}
     for v in variants:
         landmarks = landmarks_in_hull(v.solution, hull_frame(v.solution, truth))

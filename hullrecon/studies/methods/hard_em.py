@@ -77,6 +77,7 @@ def likelier_labels(
 def _join_turns(
     turns: Sequence[native.Result], changes: Sequence[int], label: NDArray[np.int32]
 ) -> native.Result:
+    """Join the results of all turns to one, with the final labels."""
     last = turns[-1]
     parts = last.seconds.keys()
     return replace(
@@ -93,6 +94,10 @@ def _join_turns(
 def _record(
     records: Sequence[native.IterationRecord], changes: Sequence[int]
 ) -> native.IterationRecord:
+    """Join the records of all turns to one.
+
+    The first row of each later turn is dropped, and a turn's label changes are in the next row.
+    """
     keep = [slice(None) if k == 0 else slice(1, None) for k in range(len(records))]
     offset = np.cumsum([0.0, *(r.seconds[-1] for r in records)])
     found = {

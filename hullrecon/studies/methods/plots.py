@@ -248,6 +248,7 @@ def structure_heights(
 
 
 def _draw_overview(axis: Axes, overview: WholeSection) -> None:
+    """Draw the slice over the whole hull, with a ring around the structure."""
     _draw_line(axis, overview.cad_model, INK, "CAD model")
     axis.scatter(*_xy(overview.dvl), s=6, color="#8a949e", marker="x", linewidth=0.6)
     axis.scatter(*_xy(overview.on), s=2, color=COLOURS["maxmix"], linewidths=0)
@@ -265,6 +266,7 @@ def _draw_overview(axis: Axes, overview: WholeSection) -> None:
 
 
 def _draw_section(axis: Axes, section: CrossSection) -> None:
+    """Draw the slice at the structure: CAD model, true steel, DVL returns, landmarks by label."""
     _draw_line(axis, section.cad_model, INK, "CAD model")
     _draw_line(axis, section.steel, GREEN, "true steel")
     axis.scatter(

@@ -111,6 +111,7 @@ def read_solutions(dive: DiveRun) -> list[SolvedVariant]:
 
 
 def _read_solution(variant: MethodVariant, workspace: Workspace) -> SolvedVariant:
+    """Read a solved variant from its workspace. Raises InputError if it was not solved."""
     import numpy as np
 
     from hullrecon.geometry.poses import pose_from_vector

@@ -102,6 +102,10 @@ def _chapters(
 
 
 def _row(part: Part, anchor: str, kept: Mapping[str, KeptStudy], placed: _Placed) -> Row:
+    """Make the row of a part of a source, with the studies that were run for it.
+
+    A study or figure that an earlier row shows is linked instead.
+    """
     shown = []
     for name in part.studies:
         study_id, _, figure = name.partition("/")
@@ -143,6 +147,7 @@ def _data_uri(file: Path, kind: str) -> str:
 
 
 def _render(variables: Mapping[str, object]) -> str:
+    """Render page.html. Texts are escaped, and names in backticks become code."""
     from jinja2 import Environment, FunctionLoader, StrictUndefined
     from markupsafe import Markup, escape
 

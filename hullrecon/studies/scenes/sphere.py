@@ -147,6 +147,7 @@ def _draw_from_above(axis: Axes, survey: SphereSurvey) -> None:
 
 
 def _draw_off_sphere(axis: Axes, survey: SphereSurvey) -> None:
+    """Draw how far each path lies outside the sphere that fits it, mm."""
     travelled = path_length(survey.truth)
     for name, found in survey.drawn.items():
         off = 1e3 * found.off_sphere_m()
@@ -163,6 +164,7 @@ def _draw_off_sphere(axis: Axes, survey: SphereSurvey) -> None:
 
 
 def _draw_by_radius(axis: Axes, survey: SphereSurvey) -> None:
+    """Draw errors of path and map by characteristic radius, mm."""
     radii = list(survey.planes)
     off_path = [1e3 * rms(found.off_sphere_m()) for found in survey.planes.values()]
     off_radius = [
@@ -193,6 +195,7 @@ def _draw_by_radius(axis: Axes, survey: SphereSurvey) -> None:
 
 
 def _draw_sigma(axis: Axes, survey: SphereSurvey) -> None:
+    """Draw sigma and error of the position along each path, m."""
     travelled = path_length(survey.truth)
     for name, found in survey.drawn.items():
         axis.plot(
@@ -231,6 +234,7 @@ def _row(name: str, radius: str, found: MappedSphere, truth: Array) -> str:
 
 
 def _caption(survey: SphereSurvey) -> str:
+    """Write the caption: how well the paths lie on a sphere, and their errors at the end."""
     radii, planes = list(survey.planes), list(survey.planes.values())
     before, off = (
         1e3 * rms(survey.reckoned.off_sphere_m()),

@@ -280,6 +280,7 @@ def draw_ranges(pair: RectifiedPair, disparity: Floats32) -> PublishedFigure:
 
 
 def _heights(hull: InspectedHull, truth: Truth, structure: TrueStructure) -> StructureHeights:
+    """Measure the heights of a structure by features and by dense stereo."""
     view = view_of(hull, structure)
     pair = rectified_pair(hull, view)
     points = dense_points(pair, disparities(pair, usual_distance(hull)))
@@ -328,6 +329,7 @@ def draw_heights(heights: list[StructureHeights], growth: StructureHeights) -> P
 
 
 def _compare(growth: StructureHeights) -> tuple[ComparedValue, ...]:
+    """Compare the span of heights of growth with the one printed."""
     note = "growth of another shape; ours is the middle of a lump"
     return tuple(
         ComparedValue(

@@ -206,6 +206,7 @@ def draw_shapes(shapes: ShapesOfView) -> PublishedFigure:
 
 
 def _draw_clusters(axis: Axes, shapes: ShapesOfView) -> None:
+    """Draw the height of a view's features across the image, coloured by cluster."""
     import matplotlib as mpl
 
     noise = shapes.off[shapes.cluster < 0]
@@ -282,6 +283,8 @@ def draw_fusion(
 
 
 def _draw_rays(axis: Axes, fused: FusedVertex, frame: Array, hull: InspectedHull) -> None:
+    """Draw the rays to a vertex, where they meet shapes, and where the vertex is moved."""
+
     def flat(points: Array) -> Array:
         return np.asarray((points - fused.vertex) @ frame.T)
 

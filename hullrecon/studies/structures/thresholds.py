@@ -198,6 +198,7 @@ def draw(
 
 
 def _compare(none: ThresholdCount, high: ThresholdCount) -> tuple[ComparedValue, ...]:
+    """Compare what Algorithm 5 finds at two thresholds with what the source says of them."""
     words = {
         "threshold of 0": (
             none,
@@ -217,6 +218,7 @@ def _compare(none: ThresholdCount, high: ThresholdCount) -> tuple[ComparedValue,
 
 
 def _draw_map(axis: Axes, remeshed: Remeshed, hull: InspectedHull) -> None:
+    """Draw the vertices that Algorithm 5 moved on the chart, coloured by height."""
     at = hull.chart.to_chart(remeshed.mesh.vertices)
     known = np.isfinite(at[:, 0])
     near = known & (np.abs(at[:, 2]) < 0.5)

@@ -137,6 +137,7 @@ def nees_after_reading(range_m: float, draws: int = 300) -> float:
 
 
 def _compare(at_end: dict[str, float], nees: dict[str, Array]) -> tuple[ComparedValue, ...]:
+    """Compare consistency after the loop, and the NEES after a reading, with those printed."""
     ours = nees[SUBMAPS]
     low, high = mean_band(len(ours))
     printed = [
@@ -177,6 +178,7 @@ def bound(runs: int) -> float:
 
 
 def _draw(laps: list[Lap], index: dict[str, Array], own: dict[str, float]) -> PublishedFigure:
+    """Draw the tracks of one lap, and the consistency index over time by method."""
     canvas, rows = new_canvas(10.0, 4.2, 1, 2)
     world, tracks = laps[0].world, laps[0].tracks
     axis = rows[0][0]

@@ -122,6 +122,7 @@ def study_park() -> StudyResult:
 def _simulated(
     driven: Drive, world: World
 ) -> tuple[list[tuple[str, ...]], tuple[ComparedValue, ...]]:
+    """Tabulate errors and costs in the simulated park, and compare them with those printed."""
     reckoned = np.linalg.norm((dead_reckon(world.log) - world.track)[:, :2], axis=1)
     paths = {EKF: driven.filtered.path, SELECTIVE: [p for m in driven.submaps for p in m.path]}
     tracks = {EKF: driven.filter_track, SELECTIVE: driven.track}

@@ -93,6 +93,7 @@ def repeat_world(seeds: Sequence[int]) -> Repeated:
 
 
 def _run(world: World, number: int) -> WorldRuns:
+    """Run the filter and selective joining in a world, with Jacobians as printed and as ours."""
     submaps = {flag: build_variant(world, first_estimates=flag) for flag in (False, True)}
     known = {
         flag: build_variant(world, first_estimates=flag, true_covariance=True)

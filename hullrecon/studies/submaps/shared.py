@@ -121,6 +121,7 @@ class SharedSeparators:
                 have.add(key)
 
     def _carry(self, key: Key, start: int) -> None:
+        """Copy a landmark from map `start` through the later ones to the newest map."""
         for number in range(start, len(self._done) - 1):
             if key not in self._done[number + 1].keys:
                 copy_landmark(key, self._done[number], self._done[number + 1], self._effort)

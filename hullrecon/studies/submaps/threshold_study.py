@@ -49,6 +49,7 @@ def sweep(
 
 
 def _try(missions: list[tuple[World, list[EkfMap]]], threshold: float, size: int) -> Trial:
+    """Join the submaps of all missions at a threshold, and average cost and error."""
     numbers = []
     for world, submaps in missions:
         effort = Effort()
@@ -129,6 +130,7 @@ def study_threshold() -> StudyResult:
 
 
 def _draw(trials: list[Trial]) -> PublishedFigure:
+    """Draw multiplications and error by threshold."""
     canvas, rows = new_canvas(7.0, 4.6, 2, 1, sharex="all")
     x = [trial.threshold for trial in trials]
     for axis in (rows[0][0], rows[1][0]):

@@ -105,6 +105,7 @@ def _filter(name: str, world: World, whole: bool) -> Mission:
 
 
 def _run_shared(world: World, limits: Limits) -> Mission:
+    """Run the mission by submaps that share variables (CIS)."""
     effort = Effort()
     shared = SharedSeparators(limits, effort)
     track = shared.run(world.log)
@@ -121,6 +122,7 @@ def _run_shared(world: World, limits: Limits) -> Mission:
 def _run(
     name: str, make: Callable[[Effort], Strategy], submaps: list[EkfMap], local: Effort
 ) -> Mission:
+    """Join the submaps by one strategy. local: the effort of building them, which is added."""
     effort = Effort()
     strategy = make(effort)
     track = run_strategy(submaps, strategy)

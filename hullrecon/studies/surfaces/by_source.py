@@ -212,6 +212,7 @@ def draw_deviations(
 
 
 def _draw_map(axis: Axes, surface: Surface, chart: Chart, most_mm: float) -> ScalarMappable:
+    """Draw the deviation of a surface from the CAD model on the chart, up to most_mm."""
     at = chart.to_chart(surface.vertices)
     drawn: ScalarMappable = axis.tripcolor(
         at[:, 0],

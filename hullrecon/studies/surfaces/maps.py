@@ -246,6 +246,7 @@ def roughness_deg(mesh: Mesh) -> float:
 
 
 def _draw_relief(axis: Axes, surface: Surface, chart: Chart, title: str) -> None:
+    """Draw a surface on the chart, lit from along the hull."""
     at = chart.to_chart(surface.vertices)
     normals = face_normals(surface.mesh())
     # grazing light along the hull, so that what is not smooth shows
@@ -259,6 +260,7 @@ def _draw_relief(axis: Axes, surface: Surface, chart: Chart, title: str) -> None
 
 
 def _draw_triangles(axis: Axes, mesh: Mesh, title: str) -> None:
+    """Draw the triangles of a mesh around its middle."""
     middle = np.median(mesh.vertices, axis=0)
     axis.triplot(
         mesh.vertices[:, 0], mesh.vertices[:, 1], mesh.faces, color=COLOURS["maxmix"], linewidth=0.8

@@ -94,6 +94,7 @@ def place_paths(given: StudyDive) -> PlacedPaths:
 def _place(
     track: VehicleTrack, rig: Rig, returns: Returns, mesh: Mesh, global_from_hull: Poses
 ) -> PlacedPath:
+    """Register the returns on a path to the CAD model, and move the path with them."""
     points = rig.dvl_points(returns, track.path).points[~returns.flagged]
     points = points[np.isfinite(points).all(axis=1)]
     onto = place_on_cad_model(points, mesh, global_from_hull).inverse()

@@ -65,6 +65,7 @@ def wendland(r: Array) -> Array:
 
 
 def _require_covariance(matrix: sparse.csr_array, sigma_m: float) -> None:
+    """Raise NotPositiveDefiniteError for a matrix with a negative eigenvalue, beyond rounding."""
     from scipy.sparse.linalg import eigsh
 
     n = matrix.shape[0]

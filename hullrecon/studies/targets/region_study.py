@@ -120,6 +120,7 @@ def _artefacts(floor: Floor) -> dict[str, View]:
 
 
 def _compare(trial: RegionTrial) -> tuple[ComparedValue, ...]:
+    """Collect how well regions cover rocks, and how well they are matched."""
     words = "the source shows one example and no rates"
     return (
         ComparedValue(

@@ -43,6 +43,7 @@ def detect_by_two_thresholds() -> StudyResult:
 
 
 def _compare_thresholds(trial: ThresholdTrial) -> tuple[ComparedValue, ...]:
+    """Collect detection rates and false detections of the two thresholds."""
     words = "the source shows one picture and no rates"
     alone = max(trial.found[kind] for kind in (Kind.BRIGHT, Kind.DARK))
     return (
@@ -102,6 +103,7 @@ def detect_by_cascade() -> StudyResult:
 
 
 def _compare_first_feature(trial: CascadeTrial) -> tuple[ComparedValue, ...]:
+    """Compare the proportion of the first feature that AdaBoost takes with the one printed."""
     first = trial.names[trial.layers[0].weak[0].feature]
     by_sums = best_proportion(trial.examples, by_sums=True)
     return (
@@ -118,6 +120,7 @@ def _compare_first_feature(trial: CascadeTrial) -> tuple[ComparedValue, ...]:
 
 
 def _compare_layers(trial: CascadeTrial) -> tuple[ComparedValue, ...]:
+    """Compare detection rate and false positives after each layer with those printed."""
     out = []
     got = trial.by_count
     for k, (detection, false, count) in enumerate(REACHED[: len(got.features)]):

@@ -253,6 +253,10 @@ def _describe(
     errors: ReadingErrors,
     area_m2: float,
 ) -> SonarTarget:
+    """Make the target of a cluster, with the probability that its detections coincide by chance.
+
+    area_m2: of the floor that was searched.
+    """
     members = clusters[number]
     heights = [passes[p].readings.height_m[row] - errors.bias[2] for p, row in members.items()]
     block = slice(2 * number, 2 * number + 2)

@@ -52,6 +52,7 @@ def inside(survey: remus.Survey, run: remus.Run) -> Mask:
 def _compare(
     survey: remus.Survey, run: remus.Run, oversure: remus.Run, reckoned: Array, alone: float
 ) -> tuple[ComparedValue, ...]:
+    """Compare duration, errors and consistency of REMUS' mission with what is printed."""
     truth = survey.mission.truth[:, :2]
     hours = survey.mission.time_s[-1] / 3600
     drift = rms_length(reckoned[:, :2] - truth)

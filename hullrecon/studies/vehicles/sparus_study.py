@@ -55,6 +55,7 @@ def inside(survey: sparus.Survey, run: sparus.Run) -> float:
 
 
 def _compare(survey: sparus.Survey, run: sparus.Run, reckoned: Array) -> tuple[ComparedValue, ...]:
+    """Compare duration, errors and sigmas of SPARUS' mission with what is printed."""
     truth = survey.mission.truth[:, :3]
     ends = [float(np.linalg.norm(path[-1] - truth[-1])) for path in (reckoned, run.path)]
     shrunk = areas(run)
