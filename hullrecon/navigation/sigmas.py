@@ -50,7 +50,7 @@ class NavigationSigmas:
     pressure_late_s: float = 0.0
     # of the tray's angle at any time, in addition to `tray_rad`, where its readings are useless
     # (`doubtful_angles`)
-    tray_untold_rad: float = 0.0
+    tray_unknown_rad: float = 0.0
 
 
 def sigmas_from_settings(settings: Mapping[str, object]) -> NavigationSigmas:

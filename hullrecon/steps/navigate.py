@@ -26,7 +26,7 @@ from hullrecon.navigation.dead_reckoning.dead_reckon import (
 from hullrecon.navigation.dead_reckoning.exposures import CameraTiming, exposures_of
 from hullrecon.navigation.dead_reckoning.positions import attach_positions
 from hullrecon.navigation.navigate import choose_path, reckon_dive
-from hullrecon.navigation.sensors.servo import TELL_NOTHING, UNTOLD_RAD
+from hullrecon.navigation.sensors.servo import UNKNOWN_TRAY_RAD, USELESS_ANGLES
 from hullrecon.navigation.sigmas import NavigationSigmas, sigmas_from_settings
 from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect, StereoMotion
 from hullrecon.navigation.stereo_odometry.stereo_path import (
@@ -203,8 +203,8 @@ def _sigmas(context: Context[NoOptions], judged: Judged) -> NavigationSigmas:
     sigmas = sigmas_from_settings(_ingest_and_settings(context)[1])
     depth_m = float(np.hypot(sigmas.depth_bias_m, judged.depth_offset_m))
     sigmas = replace(sigmas, depth_bias_m=depth_m)
-    untold = any(finding.code in TELL_NOTHING for finding in judged.findings)
-    return replace(sigmas, tray_untold_rad=UNTOLD_RAD) if untold else sigmas
+    useless = any(finding.code in USELESS_ANGLES for finding in judged.findings)
+    return replace(sigmas, tray_unknown_rad=UNKNOWN_TRAY_RAD) if useless else sigmas
 
 
 def _by_dvl(

@@ -25,7 +25,7 @@ GRID_S, FAR_GRID_S = 0.1, 0.2  # steps of the search, near and far
 OTHER_S = 0.5  # between two offsets that count as different
 MINIMA = 5  # of a comparison's cost that are kept
 STEP_S = 0.2  # of the numeric derivative; over a shorter one noise would look like slope
-TRUSTED, WILD = 2.0, 6.0  # sigmas beyond which a residual weighs less, and nothing
+FULL_WEIGHT, ANY_WEIGHT = 2.0, 6.0  # sigmas up to which a residual has full, and any weight
 LEAST_KNOWN = 0.5  # share of the rows that an offset has to leave to estimate their scatter
 ROUNDS, CONVERGED_S = 8, 1e-4  # of Gauss-Newton
 
@@ -160,8 +160,8 @@ def linearise(
 ) -> tuple[Array, Array, Array]:
     """Compute slopes by the first sensor's offset, residuals and robust weights, each (n, k).
 
-    All are 0 where a residual is unknown. The weight is 1 up to TRUSTED sigmas, less beyond, and 0
-    beyond WILD sigmas.
+    All are 0 where a residual is unknown. The weight is 1 up to FULL_WEIGHT sigmas, less beyond,
+    and 0 beyond ANY_WEIGHT sigmas.
 
     They are computed at the offsets `start`, with that of the first sensor changed by more_s.
     """
@@ -175,14 +175,14 @@ def linearise(
         return np.zeros_like(slope), np.zeros_like(found), np.zeros_like(found)
     size = np.abs(np.where(known, found, np.inf))
     sigma = robust_sigma(found[known], about=0.0)
-    trusted = np.minimum(1.0, TRUSTED * sigma / np.maximum(size, 1e-12))
-    weight = np.where(size < WILD * sigma, trusted, 0.0)
+    huber = np.minimum(1.0, FULL_WEIGHT * sigma / np.maximum(size, 1e-12))
+    weight = np.where(size < ANY_WEIGHT * sigma, huber, 0.0)
     return np.where(known, slope, 0.0), np.where(known, found, 0.0), weight
 
 
 def _clipped(residuals: Array, sigma: float) -> Array:
-    """Sum the squares of residuals (n, k) in sigmas by row (n,), each clipped at half of WILD."""
-    return np.asarray(np.square(np.minimum(np.abs(residuals) / sigma, WILD / 2)).sum(axis=1))
+    """Sum squares of residuals (n, k) in sigmas by row (n,), each clipped at ANY_WEIGHT / 2."""
+    return np.asarray(np.square(np.minimum(np.abs(residuals) / sigma, ANY_WEIGHT / 2)).sum(axis=1))
 
 
 def _filled(cost: Array, mean_cost: Array) -> Array:

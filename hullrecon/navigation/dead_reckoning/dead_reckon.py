@@ -357,5 +357,5 @@ def _record_attitude(
         sigma=np.stack([depth_m, tilt, tilt], axis=1),
         nodes_per_reading=shared,
         tray_direction=at.direction.copy(),
-        tray_sigma=np.hypot(path.servo.unread_sigma(at.t_ns), sigmas.tray_untold_rad),
+        tray_sigma=np.hypot(path.servo.unread_sigma(at.t_ns), sigmas.tray_unknown_rad),
     )

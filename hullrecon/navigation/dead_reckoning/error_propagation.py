@@ -229,7 +229,7 @@ def _error_sigma(sigmas: NavigationSigmas, depth_is_measured: bool) -> Array:
     out[SCALE] = sigmas.scale
     out[DRIFT] = sigmas.heading_drift_rad_s
     out[MOUNT_TURN] = sigmas.mount[3:]
-    out[TRAY_BACKLASH] = np.hypot(sigmas.tray_rad, sigmas.tray_untold_rad)
+    out[TRAY_BACKLASH] = np.hypot(sigmas.tray_rad, sigmas.tray_unknown_rad)
     out[ROLL_PITCH] = sigmas.tilt_bias_rad
     out[HEADING] = sigmas.tilt_rad
     out[DEPTH_BIAS] = sigmas.depth_bias_m if depth_is_measured else UNKNOWN_DEPTH_M

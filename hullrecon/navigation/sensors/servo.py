@@ -18,8 +18,8 @@ LEAST_TRAVEL_RAD = np.radians(0.3)  # a servo's reading flickers by less; a comm
 # sigma of the rate at which, and the largest angle by which, a tray may turn while nothing is read
 UNREAD_RATE_RAD_S, UNREAD_RAD = 0.05, 0.5
 # sigma of an angle whose readings are useless: trays tilt by up to some 30 degrees
-UNTOLD_RAD = np.radians(10.0)
-TELL_NOTHING = ("tray-still", "tray-little")  # codes of the findings of `doubtful_angles`
+UNKNOWN_TRAY_RAD = np.radians(10.0)
+USELESS_ANGLES = ("tray-still", "tray-little")  # codes of the findings of `doubtful_angles`
 # Readings in a row that repeat one, and how noise shows in the others: by neighbouring second
 # differences of opposite signs (white noise correlates them by -2/3) that hardly ever are zero
 LEAST_FROZEN, OPPOSED, FEW_REPEATS = 10, -0.25, 0.05

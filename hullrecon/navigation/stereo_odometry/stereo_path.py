@@ -282,7 +282,7 @@ def _record_attitude(
     Where neither depth nor attitude was measured, only the tray is recorded.
     """
     direction = tray.direction_at(t_ns)
-    tray_sigma = np.hypot(tray.unread_sigma(t_ns), sigmas.tray_untold_rad)
+    tray_sigma = np.hypot(tray.unread_sigma(t_ns), sigmas.tray_unknown_rad)
     if history is None and depth is None:
         none = np.zeros(0)
         return Attitude(

@@ -91,7 +91,6 @@ def cut_section(
     """Slice the hull through a structure, half_m to either side along the hull.
 
     Points are in M, aligned. The DVL's few returns are taken from a slice five times as thick.
-
     """
     axes = _axes(structure)
     foot = np.array(structure.center) - structure.height * axes[2]

@@ -41,7 +41,7 @@ TURN_SIGMA_RAD = 0.0015  # of the attitude's turn between two images
 STEP_SIGMA_M = 0.003  # of the DVL's step between two images
 DIRECTION_SIGMA_RAD = 0.02  # of the step's direction in the camera
 MOUNT_SIGMA_RAD = 0.02  # of the DVL's mount relative to the camera, estimated with the offset
-TRUSTED = 3.0  # sigmas; larger residuals are clipped when the mount is estimated
+CLIP = 3.0  # sigmas; larger residuals are clipped when the mount is estimated
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,7 +139,7 @@ def compare_directions(
         angle[unknown] = 0.0
         # the rotation of the mounts by least squares, of angles clipped so that none counts much
         own, turned_by = sigma[rows], by_mount[rows]
-        clipped = np.clip(angle, -TRUSTED * own, TRUSTED * own)
+        clipped = np.clip(angle, -CLIP * own, CLIP * own)
         information = (turned_by / own[:, :, None] ** 2).sum(axis=0)
         information = information + np.eye(3) / MOUNT_SIGMA_RAD**2
         mount = np.linalg.solve(information, (clipped / own**2).sum(axis=0))
