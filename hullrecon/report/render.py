@@ -66,7 +66,7 @@ def render_pdf(context: Mapping[str, Any]) -> bytes:
     """
     import weasyprint
 
-    for name in ("weasyprint", "fontTools"):  # they speak of fonts and CSS, not of the dive
+    for name in ("weasyprint", "fontTools"):  # their warnings are of fonts and CSS
         logging.getLogger(name).setLevel(logging.ERROR)
     document = weasyprint.HTML(string=render_html(context), url_fetcher=_fetch, base_url=_FONT)
     options = {"pdf_variant": "pdf/ua-1", "pdf_identifier": b"hullrecon"}

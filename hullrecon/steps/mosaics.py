@@ -109,7 +109,7 @@ def write_mosaic(
         facts={**facts, "surface": inputs.surface_name},
     )
     # Preview and textured mesh take one core, and the rasters what is left of the others.
-    return_free_memory()  # theirs would come on top of what the allocator keeps of the tiles'
+    return_free_memory()  # which the allocator keeps of the tiles, before more is allocated
     with ThreadPoolExecutor(1) as beside:
         written = beside.submit(_write_mosaic_rasters, context, layout, store, title, scratch)
         made = context.once(

@@ -117,12 +117,12 @@ def run(context: Context[NoOptions]) -> None:
         **found.facts,
     }
     # That clocks are off is said with the estimated offsets, among the remarks of the path.
-    told = [one for one in judged.findings if one.code != "sensors-late"]
+    findings = [one for one in judged.findings if one.code != "sensors-late"]
     if not facts.get("clocks"):
         images = {c.key: ingest.image_index(c) for c in Camera}
         index = {name: one for name, one in images.items() if one is not None}
-        told += shifted_streams({**judged.records.by_name(), **index})
-    remarks = [*sentences(told), *found.remarks]
+        findings += shifted_streams({**judged.records.by_name(), **index})
+    remarks = [*sentences(findings), *found.remarks]
     _write(context, replace(found, facts=facts, remarks=remarks), source)
 
 

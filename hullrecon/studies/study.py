@@ -53,7 +53,7 @@ class ComparedValue:
 
     what: str  # of what, in a few words
     unit: str = ""  # empty for a pure number
-    printed: float | None = None  # None where the source tells it in words alone
+    printed: float | None = None  # None where the source gives it in words alone
     ours: float | None  # None where the run gives none
     note: str = ""  # what the source says in words, or why ours differs
 

@@ -21,7 +21,7 @@ WORST_SIGMA_M_S = 0.4
 # Change of velocity from one ping to the next that is no vehicle's: by noise and by acceleration
 # over the time between the two
 SUDDEN_M_S, SUDDEN_M_S2 = 0.02, 0.25
-NOTHING_M_S = 1e-6  # velocities below are zero; no DVL tells a tenth of a millimetre per second
+NOTHING_M_S = 1e-6  # velocities below are zero: no DVL resolves 0.1 mm/s
 # Noise over the smallest velocity that the sensor writes. One as noisy does not measure exactly
 # zero on three axes
 LEAST_NOISE = 3.0

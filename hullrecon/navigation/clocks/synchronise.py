@@ -65,7 +65,7 @@ KEYS = {  # of dive.toml, whose values are added to the stamps (an offset with t
 
 # Measures the motion between two images, given by their rows in the upper camera's index:
 # second_from_first (4, 4) with a translation of any length, and the sigmas (2,), rad, of its turn
-# and direction. None where the images do not tell.
+# and direction. None where the images do not determine it.
 MeasureMotion = Callable[[int, int], tuple[Array, Array] | None]
 Stream = TypeVar("Stream")
 
@@ -127,7 +127,7 @@ def synchronise(
     chosen = [hypotheses[k] for k in choose_by_segment(evidence, spans, states)]
 
     # Without images, offsets too small to be corrected may remain. The longest segment, with most
-    # rows, tells how large they may be.
+    # rows, bounds them.
     late_sigma_s = {}
     if motions is None:
         k = int(np.argmax([end - begin for begin, end in spans]))

@@ -18,7 +18,7 @@ from hullrecon.navigation.sensors.smoothing import running_median
 from hullrecon.records.clock import period
 from hullrecon.typing import Array, Ints
 
-BESIDE_S = 1.0  # of readings on either side, whose medians tell a step's size
+BESIDE_S = 1.0  # of readings on either side, whose medians give a step's size
 LEAST_STEP_RAD = np.radians(0.5)
 STEP_SIGMAS = 8.0  # size of a step in sigmas of such differences of medians along the dive
 # share of a step that happens within that time; a slower change may be an error of the rates

@@ -21,7 +21,7 @@ from hullrecon.typing import Array
 from hullrecon.vision.pairs.mono_motion import fit, linearise, tangent_basis
 
 KAPPA = 0.0  # of the transform: the centre has no weight, as in `gating.transfer`
-STEP = 1e-3  # of a derivative, in sigmas of what is moved
+STEP = 1e-3  # of a numeric derivative, in sigmas of the unknown
 
 
 @dataclass(frozen=True, kw_only=True)

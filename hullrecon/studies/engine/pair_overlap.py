@@ -37,9 +37,9 @@ YELLOW, BOX = "#e0b400", "#b3202c"
 class Accepted:
     """The matches of a pair that a model accepts, by the truth."""
 
-    outside: int  # of what the two images share
-    wrong: int  # off by more than RIGHT_PX, those outside included
-    count: int
+    outside: int  # matches of points that the second image does not show
+    wrong: int  # matches off by more than RIGHT_PX, those outside included
+    count: int  # all that the model accepts
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +50,7 @@ class ComparedPair:
     here: Array  # (n, 2) px of the matches
     there: Array
     inlier: Mapping[str, Mask]  # (n,) of each model
-    shared: Mask  # (n,) what the first image shows there is in the second
+    shared: Mask  # (n,) the second image shows the first feature's point
     right: Mask  # (n,)
 
     def accepted(self, model: str) -> Accepted:

@@ -18,7 +18,7 @@ from hullrecon.studies.registry import STUDIES
 from hullrecon.studies.results import KeptFigure, KeptStudy, read_results
 
 PAGE = "index.html"
-# studies that a part names as such, and not by a figure of theirs: it shows their numbers
+# studies that a part names without a figure of theirs: that part shows their numbers
 _NAMED_WHOLE = frozenset(
     name for source in SOURCES for part in source.parts for name in part.studies if "/" not in name
 )
@@ -31,8 +31,8 @@ class Shown:
 
     study: KeptStudy
     figures: Sequence[KeptFigure] = ()
-    whole: bool = False  # its numbers and its table too
-    before: str = ""  # anchor of the part that shows it already
+    whole: bool = False  # show the study's numbers and its table too
+    before: str = ""  # anchor of an earlier part that shows the study already
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,8 +17,9 @@ from hullrecon.geometry.poses import Poses, from_rpy
 from hullrecon.studies.sessions.motions import plane_in
 from hullrecon.typing import Array, Ints
 
-FREE_M = 3.0  # particles start so near to a plane, as printed
-SIGMA_M, SIGMA_BY_GAP = 0.1, 0.2  # of a plane, and what curvature adds by metre to its node
+FREE_M = 3.0  # largest distance from a plane at which particles start, as printed
+# Sigma of a plane, m, and what the hull's curvature adds per metre to the plane's node
+SIGMA_M, SIGMA_BY_GAP = 0.1, 0.2
 TEMPER = 0.2  # of a weight's logarithm: planes seen one after the other err together
 STIR = np.array([0.15, 0.15, 0.03])  # m, m, rad: of particles that are drawn again
 

@@ -52,8 +52,8 @@ class Trial:
     """One start at an unknown place."""
 
     images: tuple[int, ...]  # candidates of each search
-    true: tuple[int, ...]  # of them, those of the same place
-    there: tuple[int, ...]  # key frames of the same place in the map
+    true: tuple[int, ...]  # how many of these candidates are of the same place
+    there: tuple[int, ...]  # how many key frames of the map are of the same place
     driven_m: float  # until found, or until given up
     found: bool
     shown: tuple[Array, ...]  # particles at steps
@@ -128,8 +128,8 @@ def run(known: PlaneMap, rng: np.random.Generator, *, search: bool = True) -> Tr
     compass = (particles[:, 2] - yaw[0] - HEADING_SIGMA * rng.standard_normal() + np.pi) % (
         2 * np.pi
     ) - np.pi
-    told = np.exp(-0.5 * (compass / HEADING_SIGMA) ** 2)
-    particles = drawn_again(particles, told / told.sum(), rng)
+    likelihood = np.exp(-0.5 * (compass / HEADING_SIGMA) ** 2)
+    particles = drawn_again(particles, likelihood / likelihood.sum(), rng)
     images, true, there, shown, searched = [], [], [], [], -np.inf
     for k in range(len(truth)):
         if k:

@@ -36,7 +36,7 @@ class Clique:
     planes: Ints  # (l,)
     information: Array  # target information
     gradient: Array  # of half the cost
-    most: float  # that is known of a variable, by which what is nothing but rounding is told
+    most: float  # largest information before the removal: eigenvalues far below it are rounding
 
     def blocks(self) -> list[slice]:
         """Name the columns of each pose, then of each plane."""
@@ -106,7 +106,7 @@ def remove_node(
     tree: bool = True,
     at_root: bool = True,
 ) -> Graph:
-    """Remove a pose or a plane.
+    """Remove a pose or a plane from a graph: factors among its neighbours take its place.
 
     tree
         Leave a Chow-Liu tree of factors instead of one of all neighbours, which is exact.
@@ -202,9 +202,9 @@ def tree_of(clique: Clique) -> list[Clique]:
     blocks = clique.blocks()
     if len(blocks) < 2:
         return [clique]
-    told = mutual_information(clique)
+    mutual = mutual_information(clique)
     order, parents = breadth_first_order(
-        minimum_spanning_tree(told.max() + 1 - told), 0, directed=False
+        minimum_spanning_tree(mutual.max() + 1 - mutual), 0, directed=False
     )
     parts = [([0], _marginal(clique.information, np.r_[blocks[0]]))]
     for k in order[1:]:
@@ -218,7 +218,7 @@ def mutual_information(clique: Clique) -> Array:
     blocks, size = clique.blocks(), len(clique.information)
     weak = TIKHONOV * np.trace(clique.information) / size
     spread = np.linalg.inv(clique.information + weak * np.eye(size))
-    told = np.zeros((len(blocks), len(blocks)))
+    mutual = np.zeros((len(blocks), len(blocks)))
     for i, first in enumerate(blocks):
         for j, second in enumerate(blocks[:i]):
             both = np.r_[first, second]
@@ -227,8 +227,8 @@ def mutual_information(clique: Clique) -> Array:
                 for c in (np.r_[first], np.r_[second], both)
             )
             one, other, joint = logs
-            told[i, j] = told[j, i] = 0.5 * (one + other - joint)
-    return told
+            mutual[i, j] = mutual[j, i] = 0.5 * (one + other - joint)
+    return mutual
 
 
 def _conditional(information: Array, blocks: list[slice], pair: list[int], given: int) -> Array:

@@ -65,7 +65,7 @@ class Map:
 
     graph: Graph
     state: State
-    number: Ints  # (n,) of each pose, as all sessions' poses count
+    number: Ints  # (n,) of each pose, counted through all sessions
     truth: Poses  # (n)
     seer: Ints  # (p,) of each plane, the number of the pose that sees it
 

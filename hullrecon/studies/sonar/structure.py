@@ -102,7 +102,7 @@ def estimate(survey: Survey, case: str) -> Structure:
             survey.places[survey.ping], points[survey.feature], float(offset) if free else 0.0
         )
         off = (seen - survey.measured) / [RANGE_SIGMA_M, BEARING_SIGMA]
-        # within the beam is all that is known of elevation
+        # of elevation it is only known that it is within the beam
         parts = [off.ravel(), elevation / ELEVATION_LIMIT, [offset / OFFSET_PRIOR]]
         if on_hull:
             parts.append(hull_distance(points) / SURFACE_SIGMA_M)

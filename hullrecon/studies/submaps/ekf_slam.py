@@ -29,9 +29,11 @@ from hullrecon.studies.submaps.worlds import Log, Scan
 from hullrecon.typing import Array, Ints
 
 CONFIDENCE = 0.99  # of a pair, and of all pairs of a scan
-NEW_CONFIDENCE = 0.9999  # what no landmark explains at this is a new one; between: left out
+# A point that no landmark explains at this confidence is a new landmark. One that a landmark
+# explains at this but not at CONFIDENCE is left out.
+NEW_CONFIDENCE = 0.9999
 MARGIN_M = 4.0  # landmarks farther than the farthest reading by this are not tried
-START = 1e-9  # m^2 and rad^2 that the start of a map is unsure by
+START = 1e-9  # m^2 and rad^2, variances of the pose at a map's start
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -149,9 +149,10 @@ def compare_ends(ends: EndsByForm) -> tuple[ComparedValue, ...]:
             "the same as printed, Jacobians at the newest estimates",
             printed,
             f"{printed.inside}, by (3.8) and (3.9). A pose or a landmark that is linearised at two "
-            "places, before and after an update, seems to tell of the heading what no reading "
-            f"told, so the filter is too sure. {_share_below(printed):.1f} % of the ends are below "
-            f"the bound of (3.21), and {printed.missions_inside()} of {count} missions inside the "
+            "places, before and after an update, seems to add information on the heading "
+            "that no reading holds, so the filter is too sure. "
+            f"{_share_below(printed):.1f} % of the ends are below the bound of (3.21), and "
+            f"{printed.missions_inside()} of {count} missions inside the "
             "band of their own ends: one mission hardly shows it",
         ),
         (

@@ -183,9 +183,9 @@ def _merge(
     transform, by_links = world.relative(first.base, second.base)
     points = own_mean[rows].reshape(-1, 2)
     turn = rotation(transform[2])
-    told = np.concatenate([tie.from_first, turn_points(turn, tie.from_second[rows])])
-    rest = -told @ np.linalg.solve(tie.noise, told.T)
-    effort.count(len(told), len(told), len(tie.ahead))
+    cross_covariance = np.concatenate([tie.from_first, turn_points(turn, tie.from_second[rows])])
+    rest = -cross_covariance @ np.linalg.solve(tie.noise, cross_covariance.T)
+    effort.count(len(cross_covariance), len(cross_covariance), len(tie.ahead))
     split = len(mean)
     rest[:split, :split] += first.rest
     rest[split:, split:] += turn_both(turn, second.rest[np.ix_(rows, rows)])

@@ -217,7 +217,7 @@ def _fuse(
             if number not in cluster:
                 continue
             row = cluster[number]
-            # navigated place = target - what pose and mount are off by
+            # navigated place = target - errors by pose and mount
             by = np.zeros((2, size))
             by[:, 2 * k : 2 * k + 2] = np.eye(2)
             by[:, pose : pose + 3], by[:, -1] = -jacobian[row, :, :3], -jacobian[row, :, 3]

@@ -60,7 +60,8 @@ BY_SUFFIX: dict[str, Callable[[Path], Log]] = {
     ".oculus": OculusLog,
 }
 SONAR_SUFFIXES = (".aris", ".oculus")
-# first bytes that tell a log whatever its name; not SQLite's, which other files have too
+# First bytes by which a log is recognised whatever its name. SQLite's are left out, as other files
+# have them too
 TELLING = (mcap_records.MAGIC, bag_records.MAGIC, aris_frames.MAGIC, log_items.MAGIC)
 PART = re.compile(r"_\d+$")  # end of the name of a part of a recording, as the recorder numbers it
 MOST_LOOKED_AT = 50  # files of a folder without a log whose first bytes are read, to describe it

@@ -70,7 +70,7 @@ class PackedLog:
         with space_errors(folder, remove), self.path.open("rb") as packed, copy.open("wb") as out:
             stream = zstandard.ZstdDecompressor().stream_reader(packed, read_across_frames=True)
             try:
-                whole = zstandard.frame_content_size(packed.read(FRAME_HEAD))  # -1: not told
+                whole = zstandard.frame_content_size(packed.read(FRAME_HEAD))  # -1: not given
                 if whole > shutil.disk_usage(folder).free:
                     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
                 packed.seek(0)

@@ -49,7 +49,7 @@ class Loss:
     topic: str = ""  # "": every topic may be touched
     start_ns: int | None = None  # in log time; None where unknown: the start of the log
     end_ns: int | None = None  # None where unknown: its end
-    messages: int | None = None  # how many are gone; None where nobody can tell
+    messages: int | None = None  # how many are gone; None where unknown
 
 
 class Log(Protocol):

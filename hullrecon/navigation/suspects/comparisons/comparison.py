@@ -61,8 +61,8 @@ class Comparison:
     by_nuisance: Array  # (n, k) change of the residual by one sigma of each error that is no fault
     first: Array  # (n,) the motion by the sensor that is compared
     second: Array  # (n,) the same motion by the others
-    # True of a coarse comparison: agreement speaks for its sensors, but it accuses one of a wrong
-    # sign only
+    # True of a coarse comparison: agreement clears its sensors, but a disagreement accuses one only
+    # where a reversed sign would explain it
     is_coarse: bool = False
     if_reversed: Array | None = None  # (n,) the residual if the first sensor had the other sign
     # (n,) change of the residual by a turn of the first sensor about the vertical, for 1 rad

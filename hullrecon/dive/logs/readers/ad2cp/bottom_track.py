@@ -73,7 +73,7 @@ def _parse_df20(data: bytes, start: int) -> BottomTrack:
 
     Bits of its configuration tell which values it has. A beam is lost where its distance or its
     figure of merit is not positive. Raises DamagedError where it has neither, as a lost velocity
-    could not be told.
+    could then not be recognised.
 
     Parameters
     ----------
