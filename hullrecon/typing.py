@@ -11,6 +11,7 @@ Array = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
 Ints = NDArray[np.int64]
 Ints32 = NDArray[np.int32]
+Ints16 = NDArray[np.int16]
 Mask = NDArray[np.bool_]
 Pixels = NDArray[np.uint8]  # (h, w) or (h, w, channels), RGB
 Arrays = dict[str, NDArray[np.generic]]  # the members of an .npz by name

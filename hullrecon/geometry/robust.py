@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+
 import numpy as np
 
 from hullrecon.typing import Array
@@ -32,6 +34,36 @@ def huber_weight(residual: Array, sigma: float | Array) -> Array:
     """Compute weights of residuals in least squares: 1 / sigma^2, less beyond HUBER sigmas."""
     ratio = HUBER * sigma / np.maximum(np.abs(residual), 1e-12)
     return np.asarray(np.minimum(1.0, ratio) / sigma**2)
+
+
+def robust_sigma_of_blocks(blocks: Callable[[], Iterable[Array]]) -> float:
+    """Compute `robust_sigma` of the values of all blocks together, a block at a time.
+
+    blocks: reads the blocks, each of which has values. It is called several times.
+    """
+    middle = _median(blocks)
+    return float(NORMAL_MAD * _median(lambda: (np.abs(values - middle) for values in blocks())))
+
+
+def _median(blocks: Callable[[], Iterable[Array]]) -> float:
+    """Find the median of the values of all blocks together."""
+    # It lies between the least and the largest median of a block: of few values, where blocks are
+    # alike. Of an even number of values both in the middle are needed, here as in each block.
+    middles = [_middle(values) for values in blocks()]
+    low, high = min(of_block[0] for of_block in middles), max(of_block[-1] for of_block in middles)
+    count, below, near = 0, 0, []
+    for values in blocks():
+        count += len(values)
+        below += np.count_nonzero(values < low)
+        near.append(values[(values >= low) & (values <= high)])
+    return float(np.mean(_middle(np.concatenate(near), count, below)))
+
+
+def _middle(values: Array, count: int | None = None, below: int = 0) -> Array:
+    """Find the one or two values in the middle of `count` values, of which `below` are left out."""
+    count = len(values) if count is None else count
+    ranks = np.unique([(count - 1) // 2, count // 2]) - below
+    return np.partition(values, ranks)[ranks]
 
 
 def weighted_quantile(values: Array, weight: Array, share: float) -> float:

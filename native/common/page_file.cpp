@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 
@@ -16,6 +17,7 @@
 namespace hullrecon {
 namespace {
 
+const auto kPage = static_cast<size_t>(sysconf(_SC_PAGESIZE));
 constexpr size_t kLeast = size_t{1} << 20;  // of a region
 
 [[noreturn]] void fail(int error, const std::string& folder) {
@@ -41,6 +43,12 @@ void PageFile::rest() const {
   for (const Region& region : regions_) madvise(region.begin, region.size, MADV_DONTNEED);
 }
 
+void PageFile::rest(const void* begin, const void* end) const {
+  const size_t first = (reinterpret_cast<uintptr_t>(begin) + kPage - 1) / kPage,
+               last = reinterpret_cast<uintptr_t>(end) / kPage;
+  if (first < last) madvise(reinterpret_cast<void*>(first * kPage), (last - first) * kPage, MADV_DONTNEED);
+}
+
 void* PageFile::do_allocate(size_t bytes, size_t alignment) {
   const auto aligned = [&](size_t used) { return (used + alignment - 1) / alignment * alignment; };
   if (regions_.empty() || aligned(regions_.back().used) + bytes > regions_.back().size) grow(bytes);
@@ -51,8 +59,7 @@ void* PageFile::do_allocate(size_t bytes, size_t alignment) {
 }
 
 void PageFile::grow(size_t bytes) {
-  const auto page = static_cast<size_t>(sysconf(_SC_PAGESIZE));
-  const size_t size = (std::max(bytes, kLeast) + page - 1) / page * page;
+  const size_t size = (std::max(bytes, kLeast) + kPage - 1) / kPage * kPage;
   // The disk's space is taken here: where there is none, writing to a page would end the process.
   if (const int error = posix_fallocate(file_, static_cast<off_t>(size_), static_cast<off_t>(size))) fail(error, folder_);
   void* const at = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, file_, static_cast<off_t>(size_));

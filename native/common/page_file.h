@@ -20,6 +20,8 @@ class PageFile final : public std::pmr::memory_resource {
   PageFile& operator=(const PageFile&) = delete;
 
   void rest() const;  // removes all pages from the process. They return unchanged when they are read or written.
+  void rest(const void* begin, const void* end) const;  // those alone that lie between
+  const std::string& folder() const { return folder_; }
 
  private:
   struct Region {

@@ -88,6 +88,7 @@ void JoinedProblem::each(const Work& work) {
     part->wake();
     work(*part);
     part->rest();
+    if (pages_) pages_->rest();
   }
 }
 
@@ -124,7 +125,10 @@ void JoinedProblem::number_shared(const std::vector<ProblemPart>& parts) {
     std::copy_if(meets[n].begin(), meets[n].end(), std::back_inserter(neighbours), [&](int m) { return m != n; });
     start.push_back(static_cast<int64_t>(neighbours.size()));
   }
-  top_ = std::make_unique<ReducedSystem>(std::move(width), border_, start, neighbours, parts[0].model->options().threads);
+  // Of many parts the top is larger than any of them.
+  if (parts[0].pages) pages_ = std::make_unique<PageFile>(parts[0].pages->folder());
+  top_ = std::make_unique<ReducedSystem>(std::move(width), border_, start, neighbours, parts[0].model->options().threads,
+                                         std::nullopt, pages_ ? pages_.get() : std::pmr::get_default_resource());
 }
 
 void JoinedProblem::place(Part& part) {

@@ -56,7 +56,8 @@ class JoinedProblem final : public LeastSquares {
  private:
   struct Part;
   template <class Work>
-  void each(const Work& work);  // work(part) for one part after the other; only this one's tables are in memory meanwhile
+  void each(const Work& work);  // work(part) for one part after the other; only this one's tables are in memory meanwhile,
+                                // and of the top only what it touches
   void number_shared(const std::vector<ProblemPart>& parts);
   void place(Part& part);
   void count_once();
@@ -67,6 +68,7 @@ class JoinedProblem final : public LeastSquares {
 
   std::vector<std::unique_ptr<Part>> parts_;
   std::array<int, kGlobals> column_;    // first of a global in the border; -1: held in every part
+  std::unique_ptr<PageFile> pages_;     // of the top; null: in memory
   std::unique_ptr<ReducedSystem> top_;  // of shared blocks and border
   int shared_ = 0, border_ = 0;
   Eigen::VectorXd gradient_, diagonal_, scale_, damping_, step_;  // of these, as top_ orders them

@@ -24,8 +24,9 @@ void dgemm_(const char* transa, const char* transb, const int* m, const int* n, 
 namespace hullrecon {
 namespace {
 
-constexpr int kTile = 128;      // columns that one call of the library takes, one task of the pool
-constexpr double kGrains = 64;  // pieces of work for each thread, at least; during one others may run ahead, and wait
+constexpr int kTile = 128;           // columns that one call of the library takes, one task of the pool
+constexpr int64_t kRests = 1 << 17;  // values of a panel that leaves the memory when its work is done: 1 MB
+constexpr double kGrains = 64;       // pieces of work for each thread, at least; during one others may run ahead, and wait
 
 // to := keep * to - rows rows', the first `width` columns of its lower half. rows: (height, depth).
 void subtract_product(double keep, double* to, int to_stride, const double* rows, int stride, int height, int width,
@@ -65,7 +66,9 @@ Fronts::Fronts(FrontTree tree, int threads, bool keeps_root, std::pmr::memory_re
     : tree_(std::move(tree)),
       threads_(thread_count(threads)),
       keeps_root_(keeps_root),
-      value_(tree_.values(), pages),
+      file_(dynamic_cast<const PageFile*>(pages)),
+      value_(static_cast<double*>(pages->allocate(sizeof(double) * tree_.values(), alignof(double))),
+             Return{pages, sizeof(double) * tree_.values()}),
       rest_(tree_.fronts().size()),
       least_pivot_(tree_.fronts().size(), 1.0),
       pool_(threads_) {
@@ -76,9 +79,20 @@ Fronts::Fronts(FrontTree tree, int threads, bool keeps_root, std::pmr::memory_re
 }
 
 void Fronts::clear() {
-  for_slabs(
-      tree_.values(), threads_, [&](int64_t begin, int64_t end) { std::fill(value_.data() + begin, value_.data() + end, 0.0); },
-      1 << 20);
+  const auto fill = [&](int64_t begin, int64_t end) {
+    for (auto front = static_cast<int>(begin); front < end; ++front) {
+      const Front& f = tree_.fronts()[front];
+      std::fill_n(at(front, 0, 0), int64_t{f.height} * f.size, 0.0);
+      rest(front);
+    }
+  };
+  for_slabs(static_cast<int64_t>(tree_.fronts().size()), threads_, fill, 64);
+}
+
+// Takes a panel out of memory if it is large and stands in a file.
+void Fronts::rest(int front) {
+  const Front& f = tree_.fronts()[front];
+  if (file_ && int64_t{f.height} * f.size >= kRests) file_->rest(at(front, 0, 0), at(front, 0, f.size));
 }
 
 // Children before parents.
@@ -118,6 +132,7 @@ void Fronts::visit_all(Order order, const Visit& visit) {
     if (failed) return;
     try {
       visit(front);
+      rest(front);
     } catch (...) {
       if (!failed.exchange(true)) failure = std::current_exception();
     }
@@ -128,6 +143,7 @@ void Fronts::visit_all(Order order, const Visit& visit) {
 
 bool Fronts::factor() {
   definite_ = true;
+  if (file_) file_->rest();  // nothing else in it is needed meanwhile
   visit_all(Order::Up, [&](int front) {
     if (definite_) factor_front(front);
   });
@@ -256,7 +272,7 @@ void Fronts::invert() {
 }
 
 // Z_RR of a front, its lower half, from the fronts above it: R is a clique of the filled graph.
-Eigen::MatrixXd Fronts::inverse_below(int front) const {
+Eigen::MatrixXd Fronts::inverse_below(int front) {
   const int size = tree_.fronts()[front].size, below = tree_.fronts()[front].below();
   const auto rows = tree_.rows(front);
   Eigen::MatrixXd out(below, below);
@@ -265,12 +281,14 @@ Eigen::MatrixXd Fronts::inverse_below(int front) const {
     for (size_t a = b; a < rows.size(); ++a) {
       const auto at = tree_.position(rows[a].block, rows[b].block);
       const Front& above = tree_.fronts()[at.front];
-      const double* const first = value_.data() + above.value + int64_t{at.column} * above.height + at.row;
+      const double* const first = value_.get() + above.value + int64_t{at.column} * above.height + at.row;
       const int count = tree_.width(rows[a].block);
       out.block(rows[a].place - size, rows[b].place - size, count, columns) =
           Matrix(first, count, columns, Eigen::OuterStride<>(above.height));
     }
   }
+  // Those of a part fit into memory together, and its root is read from each front.
+  for (int above = tree_.fronts()[front].parent; !keeps_root_ && above >= 0; above = tree_.fronts()[above].parent) rest(above);
   return out;
 }
 

@@ -3,7 +3,8 @@
 // Factors a symmetric positive definite matrix of blocks in place, by the multifrontal method [DuffReid1983, Liu1992]: each
 // front adds what its children leave to its panel, eliminates its own columns and leaves the rest to its parent. Subtrees go to
 // threads; every sum has a fixed order, so the bytes do not depend on their number. A root that is kept is left to others: it
-// becomes the Schur complement of all before it, to be joined with those of other parts of a problem.
+// becomes the Schur complement of all before it, to be joined with those of other parts of a problem. In a PageFile only the
+// panels at work are in memory.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,6 +14,7 @@
 #include <memory_resource>
 #include <vector>
 
+#include "common/page_file.h"
 #include "common/task_pool.h"
 #include "sparse/front_tree.h"
 
@@ -20,7 +22,7 @@ namespace hullrecon {
 
 class Fronts {
  public:
-  // pages: memory for the matrix.
+  // pages: memory for the matrix. It has no values before clear().
   Fronts(FrontTree tree, int threads, bool keeps_root = false,
          std::pmr::memory_resource* pages = std::pmr::get_default_resource());
 
@@ -29,7 +31,7 @@ class Fronts {
   // Index of scalar (row, column) of a front's panel, both counted from the panel's top left.
   double* at(int front, int row, int column) {
     const Front& f = tree_.fronts()[front];
-    return value_.data() + f.value + int64_t{column} * f.height + row;
+    return value_.get() + f.value + int64_t{column} * f.height + row;
   }
   bool factor();  // the lower half becomes the factor's; false: not positive definite
   // The least pivot of the factor, as a share of the matrix's own diagonal there: one less the squared multiple correlation.
@@ -53,6 +55,7 @@ class Fronts {
   void visit_all(Order order, const Visit& visit);
   int root() const { return static_cast<int>(tree_.fronts().size()) - 1; }
   bool is_kept(int front) const { return keeps_root_ && front == root(); }
+  void rest(int front);
   void factor_front(int front);
   void take_own(int child);
   void take_rest(int child);
@@ -60,14 +63,20 @@ class Fronts {
   void eliminate(int front);
   void forward(int front, Eigen::VectorXd& x);
   void backward(int front, Eigen::VectorXd& x);
-  Eigen::MatrixXd inverse_below(int front) const;
+  Eigen::MatrixXd inverse_below(int front);
   void invert_front(int front);
 
   FrontTree tree_;
   int threads_;
   bool keeps_root_;
-  double grain_;  // work of a subtree that one thread does alone
-  std::pmr::vector<double> value_;
+  double grain_;          // work of a subtree that one thread does alone
+  const PageFile* file_;  // in which the matrix stands; null: in memory
+  struct Return {
+    std::pmr::memory_resource* pages;
+    size_t bytes;
+    void operator()(double* values) const { pages->deallocate(values, bytes, alignof(double)); }
+  };
+  std::unique_ptr<double[], Return> value_;
   std::vector<std::unique_ptr<double[]>> rest_;  // what a front leaves to its parent until that took it: lower half, by columns
   std::vector<double> least_pivot_;              // of each front
   std::vector<int64_t> carried_start_;

@@ -37,6 +37,17 @@ TEST_CASE("pages at rest leave the process and come back as they were") {
   CHECK(small == std::pmr::vector<int64_t>(3, 7));
 }
 
+TEST_CASE("whole pages of a stretch leave the process, those around it stay") {
+  PageFile pages("/tmp");
+  std::pmr::vector<int64_t> numbers(size_t{1} << 21, 3, &pages);  // 16 MiB
+  const int64_t before = resident_kb();
+  pages.rest(&numbers[1 << 19], &numbers[3 << 19]);
+  CHECK(resident_kb() < before - 7000);
+  CHECK(resident_kb() > before - 9000);
+  pages.rest(&numbers[1], &numbers[2]);
+  CHECK(numbers == std::pmr::vector<int64_t>(size_t{1} << 21, 3));
+}
+
 TEST_CASE("what is allocated does not overlap, and is aligned") {
   PageFile pages("/tmp");
   auto* const one = static_cast<char*>(pages.allocate(3, 1));

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hullrecon.geometry.robust import robust_sigma, weighted_quantile
+from hullrecon.geometry.robust import robust_sigma, robust_sigma_of_blocks, weighted_quantile
 
 NORMAL = np.random.default_rng(1).normal(5.0, 0.2, 20_000)
 
@@ -55,6 +55,12 @@ def test_nearly_half_of_the_values_may_be_as_wild_as_they_like(
 def test_about_their_median_is_what_it_does_by_itself(values: list[int]) -> None:
     array = np.array(values, float)
     assert robust_sigma(array, about=float(np.median(array))) == robust_sigma(array)
+
+
+@given(st.lists(VALUES, min_size=1, max_size=6))
+def test_of_blocks_it_is_that_of_all_values_together(values: list[list[int]]) -> None:
+    blocks = [np.array(block, float) for block in values]
+    assert robust_sigma_of_blocks(lambda: blocks) == robust_sigma(np.concatenate(blocks))
 
 
 def test_the_quantile_counts_area() -> None:

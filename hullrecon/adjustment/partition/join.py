@@ -8,7 +8,7 @@ The parts are kept in temporary files, and only the one at work is in memory.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import TypeVar
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from hullrecon import native
 from hullrecon.adjustment.partition.plan import Plan
 from hullrecon.adjustment.partition.sub_problem import SubProblems
+from hullrecon.memory import empty_array, release_pages
 from hullrecon.native.parts import covariance_parts, solve_parts
 from hullrecon.typing import Ints
 
@@ -104,21 +105,19 @@ def covariance(
 
 def residuals(
     problem: native.Problem, plan: Plan | None, options: native.Options
-) -> dict[str, NDArray[np.float64]]:
-    """Evaluate the whitened residuals of each kind of factor (native.FACTORS), part by part.
+) -> Iterator[dict[str, NDArray[np.float64]]]:
+    """Evaluate the whitened residuals of each kind of factor (native.FACTORS), of each part.
 
     plan: None evaluates the whole problem, as a plan of a single part does.
     """
     if plan is None or plan.parts == 1:
-        return _by_factor(native.evaluate(problem, options, jacobian=False))
-    parts = SubProblems(problem, plan.owner)
-    found = []
-    for k, part in enumerate(parts.parts()):
+        yield _by_factor(native.evaluate(problem, options, jacobian=False))
+        return
+    for k, part in enumerate(SubProblems(problem, plan.owner).parts()):
         # Priors of the globals are in the first part alone. The others hold the globals, so that
         # these have no residual.
         alone = part.problem if k == 0 else part.problem.hold(*GLOBALS)
-        found.append(_by_factor(native.evaluate(alone, options, jacobian=False)))
-    return {name: np.concatenate([of_part[name] for of_part in found]) for name in native.FACTORS}
+        yield _by_factor(native.evaluate(alone, options, jacobian=False))
 
 
 def _by_factor(evaluation: native.Evaluation) -> dict[str, NDArray[np.float64]]:
@@ -146,7 +145,8 @@ def _rows_of(parts: SubProblems, table: str) -> list[Ints]:
 def _scatter(rows: Sequence[Ints], of_parts: Sequence[NDArray[Number]]) -> NDArray[Number]:
     """Put the parts' rows back into an array of the whole problem.
 
-    Where several parts share a row, the value of the first part is taken.
+    Where several parts share a row, the value of the first part is taken. Of many landmarks the
+    array is kept in a file.
 
     Parameters
     ----------
@@ -156,7 +156,8 @@ def _scatter(rows: Sequence[Ints], of_parts: Sequence[NDArray[Number]]) -> NDArr
         For each part, its rows.
     """
     count = 1 + max((int(of_part[-1]) for of_part in rows if len(of_part)), default=-1)
-    out = np.zeros((count, *of_parts[0].shape[1:]), of_parts[0].dtype)
+    out = empty_array((count, *of_parts[0].shape[1:]), of_parts[0].dtype)
     for of_part, values in zip(reversed(rows), reversed(of_parts), strict=True):
         out[of_part] = values
+        release_pages(out)
     return out

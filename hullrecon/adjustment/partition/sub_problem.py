@@ -20,7 +20,7 @@ import numpy as np
 from hullrecon import native
 from hullrecon.memory import release_pages
 from hullrecon.native.parts import Part
-from hullrecon.typing import Array, Ints, Ints32
+from hullrecon.typing import Array, Ints, Ints16, Ints32
 
 AS_GOOD_AS_NONE = 1e150  # sigma of a prior that counts in another part
 # Columns with numbers of poses, by table
@@ -66,7 +66,8 @@ class SubProblems:
         """
         if len(problem.links.first):
             raise ValueError("links are not cut into parts")
-        self.problem, self.owner = problem, owner.astype(np.int32)
+        # Of all rows of images: numbers of parts take half of what others do
+        self.problem, self.owner = problem, owner.astype(np.int16)
         self.count = int(owner.max(initial=0)) + 1  # of parts
         # Part of each landmark, of each row of each table, of each node of the deviation field and
         # of each row of its prior
@@ -78,14 +79,20 @@ class SubProblems:
         self.poses, self.planes = zip(*(self._poses_and_planes(k) for k in parts), strict=True)
         self.nodes = tuple(self._nodes(k) for k in parts)
         self.landmarks = tuple(np.flatnonzero(self.landmark_owner == k) for k in parts)
+        self._release_pages()
 
     def parts(self) -> Iterator[Part]:
         """Build the parts, one at a time, and release the pages of the whole problem's tables."""
         for k in range(self.count):
             part = self.part(k)
-            for table in (self.problem.stereo, self.problem.mono):
-                release_pages(*vars(table).values())
+            self._release_pages()
             yield part
+
+    def _release_pages(self) -> None:
+        whole = self.problem
+        for table in (whole.stereo, whole.mono, whole.surface.field):
+            release_pages(*vars(table).values())
+        release_pages(whole.unknowns.landmark)
 
     def part(self, k: int) -> Part:
         """Build part k, with tables of its own."""
@@ -141,14 +148,15 @@ class SubProblems:
         """List the planes on which rows of several parts depend."""
         return _in_several(self.planes, len(self.problem.unknowns.plane))
 
-    def _owner_of_landmarks(self) -> Ints32:
+    def _owner_of_landmarks(self) -> Ints16:
         """Find the owner of each landmark: the first part that sees it, part 0 if none does."""
-        owner = np.full(len(self.problem.unknowns.landmark), self.count, np.int32)
+        owner = np.full(len(self.problem.unknowns.landmark), self.count, np.int16)
         for table in (self.problem.stereo, self.problem.mono):
             np.minimum.at(owner, table.landmark, self.owner[table.node])
-        return np.where(owner == self.count, 0, owner)
+        owner[owner == self.count] = 0
+        return owner
 
-    def _owner_of_rows(self, name: str) -> Ints32:
+    def _owner_of_rows(self, name: str) -> Ints16:
         """Find the owner of each row of a table: its landmark's, else the first of its poses'."""
         table = getattr(self.problem, name)
         if name in OF_LANDMARKS:
@@ -157,7 +165,7 @@ class SubProblems:
         met += [self.problem.planes.anchor[getattr(table, c)] for c in PLANES.get(name, ())]
         return np.asarray(self.owner[np.stack(met)].min(axis=0))
 
-    def _owners_of_field(self) -> tuple[Ints32, Ints32]:
+    def _owners_of_field(self) -> tuple[Ints16, Ints16]:
         """Find the owner of each node of the deviation field, and of each row of its prior.
 
         A node goes to the first part whose measurements depend on it. Nodes on which no measurement
@@ -165,17 +173,17 @@ class SubProblems:
         row of the prior goes to the first part that owns one of its nodes.
         """
         prior, last = self.problem.priors.deviation, self.count
-        owner = np.full(len(self.problem.unknowns.deviation), last, np.int32)
+        owner = np.full(len(self.problem.unknowns.deviation), last, np.int16)
         for name in IN_FIELD:
             field = getattr(self.problem, name).field
             if len(field.index):
                 np.minimum.at(owner, field.index, self.row_owner[name][:, None])
         if len(prior.start) < 2:
-            return np.where(owner == last, 0, owner), np.zeros(0, np.int32)
+            return np.where(owner == last, np.int16(0), owner), np.zeros(0, np.int16)
         row_of = np.repeat(np.arange(len(prior.start) - 1), np.diff(prior.start))
         # A row takes the first owner among its nodes, then a node without one that of its rows
         while True:
-            of_row = np.full(len(prior.start) - 1, last, np.int32)
+            of_row = np.full(len(prior.start) - 1, last, np.int16)
             np.minimum.at(of_row, row_of, owner[prior.index])
             near = np.full_like(owner, last)
             np.minimum.at(near, prior.index, of_row[row_of])
@@ -183,8 +191,8 @@ class SubProblems:
             if np.array_equal(spread, owner):
                 break
             owner = spread
-        owner = np.where(owner == last, 0, owner)
-        return owner, np.where(of_row == last, 0, of_row)
+        none = np.int16(0)
+        return np.where(owner == last, none, owner), np.where(of_row == last, none, of_row)
 
     def _poses_and_planes(self, k: int) -> tuple[Ints, Ints]:
         """List the poses and planes that part k owns or that its rows depend on."""

@@ -16,10 +16,15 @@ from scipy.sparse import coo_array
 
 from hullrecon import native
 from hullrecon.adjustment.hull_pose.registration import frame_at
-from hullrecon.adjustment.problem.deviation_field import DeviationGrid, as_rows, prior_rows
+from hullrecon.adjustment.problem.deviation_field import as_rows, prior_rows
 from hullrecon.adjustment.problem.measurements import Measurements
-from hullrecon.adjustment.problem.observations import landmark_count, read_blocks, read_tracks
-from hullrecon.adjustment.problem.state import HullState, State, Weights
+from hullrecon.adjustment.problem.observations import (
+    Block,
+    landmark_count,
+    read_blocks,
+    read_tracks,
+)
+from hullrecon.adjustment.problem.state import POINTS, HullState, State, Weights
 from hullrecon.estimation.navigation_tables import (
     attitude_table,
     gauge_prior,
@@ -265,14 +270,16 @@ def _image_tables(
     """
     known = _is_chosen(m, chosen)
     number = np.cumsum(known, dtype=np.int32) - 1  # of a landmark within the problem
-    kinds = (
-        (chosen.top & chosen.bottom, slice(0, 4)),
-        (chosen.top & ~chosen.bottom, slice(0, 2)),
-        (~chosen.top & chosen.bottom, slice(2, 4)),
-    )
-    count = np.zeros(3, np.int64)  # rows of each kind: both cameras, top alone, bottom alone
+    # Pixels of a row of both cameras, of the top one alone, of the bottom one alone
+    sides = (slice(0, 4), slice(0, 2), slice(2, 4))
+
+    def kinds_of(block: Block) -> tuple[Mask, Mask, Mask]:
+        top, bottom = chosen.top[block.rows], chosen.bottom[block.rows]
+        return top & bottom, top & ~bottom, ~top & bottom
+
+    count = np.zeros(3, np.int64)  # rows of each of these kinds
     for block in read_tracks(m.tracks, known):
-        count += [np.count_nonzero(rows[block.rows]) for rows, _ in kinds]
+        count += [np.count_nonzero(rows) for rows in kinds_of(block)]
     tables = [_ImageRows(int(count[0]), 4), _ImageRows(int(count[1] + count[2]), 2)]
     # Next row of each kind. In the mono table the rows of the bottom camera follow the top one's.
     filled = np.array([0, 0, count[1]])
@@ -280,18 +287,18 @@ def _image_tables(
         tracks = block.tracks
         pixel = np.hstack([tracks.top, tracks.bottom])
         ratio = weights.by_response.ratio(tracks.response)
-        for kind, (rows, sides) in enumerate(kinds):
-            own = np.flatnonzero(rows[block.rows])
+        for kind, rows in enumerate(kinds_of(block)):
+            own = np.flatnonzero(rows)
             to = slice(filled[kind], filled[kind] + len(own))
             table = tables[min(kind, 1)]
             table.node[to] = tracks.node[own]
             table.landmark[to] = number[tracks.landmark[own]]
-            table.pixel[to] = pixel[own, sides]
+            table.pixel[to] = pixel[own, sides[kind]]
             table.sigma_ratio[to] = ratio[own]
             filled[kind] = to.stop
+        for table in tables:
+            release_pages(*vars(table).values())
     both, one = tables
-    for table in tables:
-        release_pages(*vars(table).values())
     return (
         native.StereoTable(**vars(both)),
         native.MonoTable(**vars(one), camera=np.repeat(np.array([0, 1], np.int32), count[1:])),
@@ -329,9 +336,16 @@ def _surface_table(
     table = native.SurfaceTable(landmark=landmark, weight=weights.surface[chosen.landmarks])
     if hull.grid is None:
         return table
-    return replace(
-        table, field=_field_nodes(hull.grid, hull.to_chart(state.landmark[chosen.landmarks]))
+    count = len(landmark)
+    field = native.FieldNodes(
+        index=empty_array((count, 4), np.int32), weight=empty_array((count, 4), np.float64)
     )
+    for first in range(0, count, POINTS):
+        rows = slice(first, first + POINTS)
+        points = hull.to_chart(state.landmark[chosen.landmarks[rows]])
+        field.index[rows], field.weight[rows] = hull.grid.basis(points)
+    release_pages(field.index, field.weight)
+    return replace(table, field=field)
 
 
 def _range_table(
@@ -373,13 +387,8 @@ def _range_table(
     at = hull.cad_model.chart.to_chart(
         _beam_hits(m, returns, hull, state, chosen) + hull.survey_center
     )
-    return replace(table, field=_field_nodes(hull.grid, at[:, :2]))
-
-
-def _field_nodes(grid: DeviationGrid, along_girth: Array) -> native.FieldNodes:
-    """Find the field's nodes around chart points (n, 2) m, with their bilinear weights."""
-    index, weight = grid.basis(along_girth)
-    return native.FieldNodes(index=index, weight=weight)
+    index, weight = hull.grid.basis(at[:, :2])
+    return replace(table, field=native.FieldNodes(index=index, weight=weight))
 
 
 def _beam_hits(
@@ -418,9 +427,8 @@ def share_weight_by_cell(
         Size of a cell along and in girth, m.
     """
     at = hull.to_chart(landmark[chosen])
-    _, owner = np.unique(
-        np.floor(np.nan_to_num(at) / np.array(cell)).astype(np.int64), axis=0, return_inverse=True
-    )
+    along, girth = np.floor(np.nan_to_num(at) / np.array(cell)).astype(np.int64).T
+    _, owner = np.unique(along * (np.ptp(girth) + 1) + girth - girth.min(), return_inverse=True)
     weight = np.ones(len(landmark))
     weight[chosen] = 1.0 / np.bincount(owner)[owner]
     return weight

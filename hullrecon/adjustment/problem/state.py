@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,6 +17,8 @@ from hullrecon.records.solution import Mounts
 from hullrecon.records.trajectory import VehiclePath
 from hullrecon.rig import Rig
 from hullrecon.typing import Array
+
+POINTS = 1 << 17  # taken at a time: the chart and the mesh need some 300 bytes for each
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,23 +38,33 @@ class HullState:
 
     def to_chart(self, points: Array) -> Array:
         """Compute along and girth (n, 2) m of points (n, 3) in g."""
-        return np.asarray(self.cad_model.chart.to_chart(self.to_hull(points))[:, :2])
+        chart = self.cad_model.chart
+        return _in_blocks(lambda some: chart.to_chart(self.to_hull(some))[:, :2], points)
 
     def cad_distance(self, points: Array) -> Array:
         """Compute signed distances (n,) m of points (n, 3) in g to the CAD model, + outside."""
-        return self.cad_model.mesh.index.closest(self.to_hull(points)).distance
+        index = self.cad_model.mesh.index
+        return _in_blocks(lambda some: index.closest(self.to_hull(some)).distance, points)
 
     def deviation(self, points: Array) -> Array:
         """Compute signed distances (n,) m of points (n, 3) in g to the hull, + outside.
 
         The hull is the CAD model moved along its normals by the deviation field.
         """
-        distance = self.cad_distance(points)
-        return (
-            distance
-            if self.grid is None
-            else np.asarray(distance - self.grid.value(self.field, self.to_chart(points)))
+        distance, grid = self.cad_distance(points), self.grid
+        if grid is None:
+            return distance
+        return distance - _in_blocks(
+            lambda some: grid.value(self.field, self.to_chart(some)), points
         )
+
+
+def _in_blocks(work: Callable[[Array], Array], points: Array) -> Array:
+    """Compute from points (n, 3) what `work` gives for each, POINTS at a time."""
+    if len(points) <= POINTS:
+        return work(points)
+    blocks = [work(points[first : first + POINTS]) for first in range(0, len(points), POINTS)]
+    return np.concatenate(blocks)
 
 
 @dataclass(frozen=True, kw_only=True)

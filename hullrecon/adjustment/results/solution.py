@@ -18,7 +18,7 @@ from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.adjustment.results.covariance import points_in_hull, poses_in_hull
 from hullrecon.geometry import poses
-from hullrecon.memory import return_free_memory
+from hullrecon.memory import empty_array, release_pages, return_free_memory
 from hullrecon.records.solution import DeviationField, HullPose, Landmarks, Solution
 from hullrecon.typing import Array, Ints
 
@@ -183,7 +183,7 @@ def _covariances(
     nodes = poses_in_hull(
         marginals.pose[:, :6, :6], marginals.pose_T_g_M[:, :6], hull, state.nodes, pose, center
     )
-    landmarks = np.empty_like(marginals.landmark)
+    landmarks = empty_array(marginals.landmark.shape, marginals.landmark.dtype)
     for first in range(0, len(landmarks), POINTS):
         some = slice(first, first + POINTS)
         landmarks[some] = points_in_hull(
@@ -194,6 +194,7 @@ def _covariances(
             pose,
             center,
         )
+        release_pages(landmarks, marginals.landmark)
     return nodes, landmarks
 
 

@@ -4,11 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon import native
 from hullrecon.adjustment.bundle_adjustment import Adjusted
@@ -38,7 +37,8 @@ from hullrecon.estimation.position_tables import fit_of_positions
 from hullrecon.findings.adjustment import SUSPECTS
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.poses import pose_vector
-from hullrecon.geometry.robust import robust_sigma
+from hullrecon.geometry.robust import robust_sigma_of_blocks
+from hullrecon.memory import empty_array, release_pages
 from hullrecon.records.solution import Solution
 from hullrecon.typing import Array, Arrays, Ints
 
@@ -410,18 +410,31 @@ def _warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
     return found
 
 
-def residual_figures(residuals: Mapping[str, Array]) -> dict[str, dict[str, float]]:
+def residual_figures(of_parts: Iterable[Mapping[str, Array]]) -> dict[str, dict[str, float]]:
     """Compute figures of each factor's whitened residuals: count, RMS, robust sigma, outliers.
 
-    Factors without residuals are left out.
+    Factors without residuals are left out. Residuals of all parts do not fit into memory.
     """
-    return {name: _figures_of(values) for name, values in residuals.items() if len(values)}
+    kept: dict[str, list[Array]] = {name: [] for name in native.FACTORS}
+    for of_part in of_parts:
+        for name, values in of_part.items():
+            if len(values):
+                kept[name].append(empty_array(values.shape, values.dtype))
+                kept[name][-1][:] = values
+                release_pages(kept[name][-1])
+    return {name: _figures_of(values) for name, values in kept.items() if values}
 
 
-def _figures_of(values: NDArray[np.float64]) -> dict[str, float]:
+def _figures_of(kept: Sequence[Array]) -> dict[str, float]:
+    def blocks() -> Iterator[Array]:
+        for values in kept:
+            yield values
+            release_pages(values)
+
+    count = sum(len(values) for values in kept)
     return {
-        "count": float(len(values)),
-        "rms": float(np.sqrt(np.mean(values**2))),
-        "robust_sigma": robust_sigma(values),
-        "share_beyond_3": float(np.mean(np.abs(values) > 3)),
+        "count": float(count),
+        "rms": float(np.sqrt(sum(np.sum(values**2) for values in blocks()) / count)),
+        "robust_sigma": robust_sigma_of_blocks(blocks),
+        "share_beyond_3": sum(np.count_nonzero(np.abs(values) > 3) for values in blocks()) / count,
     }
