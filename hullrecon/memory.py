@@ -8,7 +8,8 @@ import ctypes
 import gc
 import os
 import tempfile
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from mmap import MADV_DONTNEED, mmap
 from typing import TypeVar
 
@@ -19,6 +20,7 @@ Number = TypeVar("Number", bound=np.generic)
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # parameters of mallopt(3)
 # Largest block, and all free memory, that the allocator keeps
 _KEPT_BLOCK_BYTES, _KEPT_BYTES = 32 << 20, 256 << 20
+_RETURNED_BLOCK_BYTES = 1 << 20  # least block that goes back to the system by itself
 LARGE_BYTES = 8 << 20  # size from which an array is kept in a file
 
 
@@ -44,6 +46,27 @@ def keep_free_memory() -> None:
         library = ctypes.CDLL(None)
         library.mallopt(_MMAP_THRESHOLD, _KEPT_BLOCK_BYTES)
         library.mallopt(_TRIM_THRESHOLD, _KEPT_BYTES)
+
+
+@contextmanager
+def returning_large_blocks() -> Iterator[None]:
+    """Return large blocks to the system when they are freed, within a `with` statement.
+
+    Otherwise the allocator learns to keep blocks of up to 32 MB, for each thread its own, between
+    others that last: 320 MB beside 390 MB in use while 4,000 stereo pairs were adjusted in parts.
+    Smaller arrays that NumPy makes in a loop come faster from kept blocks. C libraries other than
+    glibc have no such call.
+    """
+    try:
+        mallopt = ctypes.CDLL(None).mallopt
+    except (OSError, AttributeError):
+        yield
+        return
+    mallopt(_MMAP_THRESHOLD, _RETURNED_BLOCK_BYTES)
+    try:
+        yield
+    finally:
+        mallopt(_MMAP_THRESHOLD, _KEPT_BLOCK_BYTES)
 
 
 def empty_array(shape: tuple[int, ...], dtype: np.dtype[Number] | type[Number]) -> NDArray[Number]:

@@ -9,7 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
-from hullrecon.memory import LARGE_BYTES, empty_array, release_pages, return_free_memory
+from hullrecon.memory import (
+    LARGE_BYTES,
+    empty_array,
+    release_pages,
+    return_free_memory,
+    returning_large_blocks,
+)
 
 
 def test_freed_memory_goes_back_to_the_system() -> None:
@@ -20,6 +26,22 @@ def test_freed_memory_goes_back_to_the_system() -> None:
     return_free_memory()
     assert resident_bytes() < held - 80e6
     assert len(last) == 60_000
+
+
+def test_large_blocks_between_others_go_back_at_once_within_the_statement_alone() -> None:
+    with returning_large_blocks():
+        assert bytes_returned() > 35e6
+    assert bytes_returned() < 10e6
+
+
+def bytes_returned() -> int:
+    """Free 20 blocks of 2 MB, each below one that lasts."""
+    blocks = [(np.ones(1 << 18), b"x" * 60_000) for _ in range(20)]
+    lasting = [small for _, small in blocks]
+    held = resident_bytes()
+    del blocks
+    assert len(lasting) == 20
+    return held - resident_bytes()
 
 
 def test_a_large_array_leaves_memory_and_keeps_its_values() -> None:

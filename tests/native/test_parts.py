@@ -35,7 +35,9 @@ def expect_the_same(problem, owner, options: Options) -> PartsResult:
     found = solve_parts(list(split.parts()), options)
     record, one = found.iterations, whole.iterations
     assert len(record.cost) == len(one.cost)
-    assert (found.message, found.converged) == (whole.message, whole.converged)
+    # Behind the colon of the message stands a change of cost, which is rounding in parts
+    assert found.message.split(":")[0] == whole.message.split(":")[0]
+    assert found.converged == whole.converged
     np.testing.assert_array_equal(record.accepted, one.accepted)
     np.testing.assert_allclose(record.cost, one.cost, rtol=1e-10)
     for name in ("on_surface", "label_changes", "rays_missed"):

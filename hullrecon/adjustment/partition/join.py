@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from hullrecon import native
 from hullrecon.adjustment.partition.plan import Plan
 from hullrecon.adjustment.partition.sub_problem import SubProblems
-from hullrecon.memory import empty_array, release_pages
+from hullrecon.memory import empty_array, release_pages, returning_large_blocks
 from hullrecon.native.parts import covariance_parts, solve_parts
 from hullrecon.typing import Ints
 
@@ -47,7 +47,7 @@ def solve(problem: native.Problem, plan: Plan, options: native.Options) -> nativ
     if plan.parts == 1:
         return native.solve(problem, options)
     parts = SubProblems(problem, plan.owner)
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, returning_large_blocks():
         found = solve_parts(parts.parts(), options, Path(folder))
     # Unknowns of the dive as a whole are the same in all parts. The others are gathered
     unknowns = replace(
@@ -80,7 +80,7 @@ def covariance(
     if plan.parts == 1:
         return native.covariance(problem, options, of_landmarks=of_landmarks)
     parts = SubProblems(problem, plan.owner)
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, returning_large_blocks():
         found = covariance_parts(parts.parts(), options, Path(folder), of_landmarks=of_landmarks)
     of_rows = _unknowns_of(parts)
     if not of_landmarks:
