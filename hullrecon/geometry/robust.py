@@ -54,7 +54,7 @@ def _median(blocks: Callable[[], Iterable[Array]]) -> float:
     count, below, near = 0, 0, []
     for values in blocks():
         count += len(values)
-        below += np.count_nonzero(values < low)
+        below += int(np.count_nonzero(values < low))
         near.append(values[(values >= low) & (values <= high)])
     return float(np.mean(_middle(np.concatenate(near), count, below)))
 
@@ -63,7 +63,7 @@ def _middle(values: Array, count: int | None = None, below: int = 0) -> Array:
     """Find the one or two values in the middle of `count` values, of which `below` are left out."""
     count = len(values) if count is None else count
     ranks = np.unique([(count - 1) // 2, count // 2]) - below
-    return np.partition(values, ranks)[ranks]
+    return np.asarray(np.partition(values, ranks)[ranks])
 
 
 def weighted_quantile(values: Array, weight: Array, share: float) -> float:

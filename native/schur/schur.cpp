@@ -51,7 +51,7 @@ Schur::Schur(Model& model, const std::optional<std::vector<int>>& interface, std
 }
 
 void Schur::shelve(Shelf& shelf) {
-  images_.shelve(shelf), surface_.shelve(shelf), pattern_.shelve(shelf);
+  images_.shelve(shelf), surface_.shelve(shelf), small_.shelve(shelf), pattern_.shelve(shelf);
   gradient_.shelve(shelf), diagonal_.shelve(shelf);
   shelf.add(own_, gain_, eliminated_, with_hull_, with_intrinsics_);
 }

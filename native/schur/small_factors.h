@@ -38,6 +38,10 @@ class SmallFactors {
 
   // Sums over all factors, whitened and robustified, of J'J and J'r: by blocks of the layout, the border the last.
   const BlockMatrix& information() const { return information_; }
+  void shelve(Shelf& shelf) {
+    shelf.add(factor_, rows_, part_start_, value_start_, part_, of_block_);
+    information_.shelve(shelf);
+  }
   auto gradient(int block) const { return gradient_.segment(information_.offset(block), information_.width(block)); }
   auto diagonal(int block) const { return information_.at(block, block).diagonal(); }
 

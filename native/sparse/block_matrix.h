@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/shelf.h"
+
 namespace hullrecon {
 
 class BlockMatrix {
@@ -57,6 +59,7 @@ class BlockMatrix {
   }
 
   void clear() { std::fill(value_.begin(), value_.end(), 0.0); }
+  void shelve(Shelf& shelf) { shelf.add(place_, row_, value_); }
   // visit(row, block) down a column of blocks, the diagonal first.
   template <class Visit>
   void visit_column(int column, const Visit& visit) const {
