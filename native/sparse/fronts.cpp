@@ -66,7 +66,7 @@ Fronts::Fronts(FrontTree tree, int threads, bool keeps_root, std::pmr::memory_re
     : tree_(std::move(tree)),
       threads_(thread_count(threads)),
       keeps_root_(keeps_root),
-      file_(dynamic_cast<const PageFile*>(pages)),
+      file_(keeps_root ? nullptr : dynamic_cast<const PageFile*>(pages)),
       value_(static_cast<double*>(pages->allocate(sizeof(double) * tree_.values(), alignof(double))),
              Return{pages, sizeof(double) * tree_.values()}),
       rest_(tree_.fronts().size()),
@@ -89,7 +89,7 @@ void Fronts::clear() {
   for_slabs(static_cast<int64_t>(tree_.fronts().size()), threads_, fill, 64);
 }
 
-// Takes a panel out of memory if it is large and stands in a file.
+// Removes a panel from memory if it is large and stands in a file.
 void Fronts::rest(int front) {
   const Front& f = tree_.fronts()[front];
   if (file_ && int64_t{f.height} * f.size >= kRests) file_->rest(at(front, 0, 0), at(front, 0, f.size));
@@ -143,7 +143,6 @@ void Fronts::visit_all(Order order, const Visit& visit) {
 
 bool Fronts::factor() {
   definite_ = true;
-  if (file_) file_->rest();  // nothing else in it is needed meanwhile
   visit_all(Order::Up, [&](int front) {
     if (definite_) factor_front(front);
   });
@@ -287,8 +286,7 @@ Eigen::MatrixXd Fronts::inverse_below(int front) {
           Matrix(first, count, columns, Eigen::OuterStride<>(above.height));
     }
   }
-  // Those of a part fit into memory together, and its root is read from each front.
-  for (int above = tree_.fronts()[front].parent; !keeps_root_ && above >= 0; above = tree_.fronts()[above].parent) rest(above);
+  for (int above = tree_.fronts()[front].parent; above >= 0; above = tree_.fronts()[above].parent) rest(above);
   return out;
 }
 

@@ -3,8 +3,8 @@
 // Factors a symmetric positive definite matrix of blocks in place, by the multifrontal method [DuffReid1983, Liu1992]: each
 // front adds what its children leave to its panel, eliminates its own columns and leaves the rest to its parent. Subtrees go to
 // threads; every sum has a fixed order, so the bytes do not depend on their number. A root that is kept is left to others: it
-// becomes the Schur complement of all before it, to be joined with those of other parts of a problem. In a PageFile only the
-// panels at work are in memory.
+// becomes the Schur complement of all before it, to be joined with those of other parts of a problem. Without
+// such a root, in a PageFile, only the panels at work are in memory: of many parts the sum is larger than any of them.
 #pragma once
 
 #include <Eigen/Core>
@@ -69,8 +69,9 @@ class Fronts {
   FrontTree tree_;
   int threads_;
   bool keeps_root_;
-  double grain_;          // work of a subtree that one thread does alone
-  const PageFile* file_;  // in which the matrix stands; null: in memory
+  double grain_;  // work of a subtree that one thread does alone
+  // In which the panels stand that are removed from memory one by one. null: none are. Those of a part are needed together.
+  const PageFile* file_;
   struct Return {
     std::pmr::memory_resource* pages;
     size_t bytes;
