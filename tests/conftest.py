@@ -7,6 +7,7 @@ a pytest that is called by itself.
 
 import fcntl
 import gc
+import json
 import os
 import signal
 import sys
@@ -99,6 +100,17 @@ def demo_run(once: Once) -> Path:
         return Path(made) / SAMPLE.name
     run = ("run", SAMPLE, "--runs", "out", "--jobs", 2)
     return once("demo", lambda shell: Shell(shell.folder, pdf=True)(*run)) / "out/demo"
+
+
+@pytest.fixture(scope="session")
+def demo_figures(once: Once, demo_run: Path) -> dict[str, dict[str, float]]:
+    """The demo's figures against truth, as `evaluate` prints them."""
+
+    def fill(shell: Shell) -> None:
+        said = shell("evaluate", demo_run, SAMPLE, "--json").stdout
+        (shell.folder / "figures.json").write_text(said)
+
+    return json.loads((once("demo-figures", fill) / "figures.json").read_text())
 
 
 @pytest.fixture(scope="session")

@@ -26,8 +26,10 @@ class Shell:
     def __init__(self, folder, *, pdf=False):
         self.folder = folder
         self.program = Path(sys.executable).parent / "hullrecon"
-        without = {} if pdf else {"PYTHONPATH": str(Path(__file__).parent / "without_pango")}
-        self.environment = {**os.environ, **without}
+        self.environment = dict(os.environ)
+        if not pdf:
+            paths = (Path(__file__).parent / "without_pango", os.environ.get("PYTHONPATH", ""))
+            self.environment["PYTHONPATH"] = os.pathsep.join(filter(None, map(str, paths)))
 
     def start(self, *arguments):
         return subprocess.Popen(

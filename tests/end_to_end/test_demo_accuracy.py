@@ -11,21 +11,13 @@ bound lies beyond all three, some 1.4 to 2.2 times the worst.
 import json
 
 import pytest
-from end_to_end.shell import SAMPLE, Shell
 
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture(scope="module")
-def run(demo_run):
-    """Folder of the run and its figures against truth."""
-    answer = json.loads(Shell(demo_run.parent)("evaluate", demo_run, SAMPLE, "--json").stdout)
-    return demo_run, answer.get("figures", answer)
-
-
-@pytest.fixture(scope="module")
-def figures(run):
-    return run[1]
+@pytest.fixture
+def figures(demo_figures):
+    return demo_figures
 
 
 def test_every_true_frame_has_a_pose(figures):
@@ -98,9 +90,8 @@ def test_every_object_is_found_once_and_paint_is_none(figures):
     assert o["height_error_over_sigma"] < 3.0  # 0.91, 1.16, 1.60
 
 
-def test_the_runs_own_summary_agrees_with_what_is_judged(run):
-    folder, figures = run
-    summary = json.loads((folder / "adjust" / "adjust.json").read_text())
+def test_the_runs_own_summary_agrees_with_what_is_judged(demo_run, figures):
+    summary = json.loads((demo_run / "adjust" / "adjust.json").read_text())
     assert summary["converged"] is True
     assert summary["landmarks"] == figures["landmarks"]["landmarks"]
-    assert (folder / "deliver" / "report" / "index.html").stat().st_size > 100_000
+    assert (demo_run / "deliver" / "report" / "index.html").stat().st_size > 100_000

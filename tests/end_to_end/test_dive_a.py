@@ -4,10 +4,9 @@
 in metres.
 """
 
-import json
-
 import pytest
-from end_to_end.shell import Shell
+
+from hullrecon.evaluation.score import score_run
 
 pytestmark = pytest.mark.slow
 
@@ -43,8 +42,7 @@ def dive(evaluation_data):
 @pytest.fixture(scope="module")
 def figures(dive, dive_a_run):
     """The run's figures against truth, and its deliverables."""
-    answer = json.loads(Shell(dive_a_run.parent)("evaluate", dive_a_run, dive, "--json").stdout)
-    return answer.get("figures", answer), dive_a_run / "deliver"
+    return score_run(dive_a_run, dive), dive_a_run / "deliver"
 
 
 def test_every_deliverable_is_there(figures):

@@ -11,6 +11,8 @@ import pytest
 from end_to_end import claims
 from end_to_end.shell import Shell
 
+from hullrecon.evaluation.score import score_run
+
 pytestmark = pytest.mark.slow
 
 DIVE = (
@@ -55,7 +57,7 @@ def shell(tmp_path_factory):
 
 
 def trajectory(shell, runs):
-    return json.loads(shell("evaluate", f"{runs}/simulated", "dive", "--json").stdout)["trajectory"]
+    return score_run(shell.folder / runs / "simulated", shell.folder / "dive")["trajectory"]
 
 
 def test_the_delivered_path_and_surface_stand_on_the_planes(shell):

@@ -18,10 +18,9 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from end_to_end.shell import SAMPLE
 from PIL import Image
 
-from hullrecon.evaluation.score import Score, score_run
+from hullrecon.evaluation.score import Score
 
 ROOT = Path(__file__).resolve().parents[2]
 NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)( mm| %)?")
@@ -147,8 +146,8 @@ def screenshots() -> ModuleType:
 
 
 @pytest.mark.slow
-def test_the_figures_are_those_of_the_demo(demo_run: Path) -> None:
-    wrong = differences((ROOT / "README.md").read_text(), flat(score_run(demo_run, SAMPLE)))
+def test_the_figures_are_those_of_the_demo(demo_figures: Score) -> None:
+    wrong = differences((ROOT / "README.md").read_text(), flat(demo_figures))
     assert wrong == [], "\n".join(wrong)
 
 

@@ -137,6 +137,10 @@ def solution_in(folder):
     return from_arrays(Solution, load_arrays(folder / "solution.npz"))
 
 
+# without a CAD model, of which the pose takes most of the time
+SHORT = {"per_leg": 8, "landmarks": 150, "cad": False}
+
+
 @pytest.fixture(scope="module")
 def stereo(tmp_path_factory):
     """The dive, and what the step left of it."""
@@ -278,7 +282,7 @@ def test_two_runs_leave_the_same_bytes(stereo, tmp_path):
 
 
 def test_without_cad_model_no_chart_and_points_in_g(tmp_path):
-    out = run(tmp_path, simulate(cad=False))
+    out = run(tmp_path, simulate(**SHORT))
     assert not (out / "chart.npz").exists()
     found, model = solution_in(out), pycolmap.Reconstruction(str(out / "colmap"))
     assert found.hull_pose is None
@@ -287,21 +291,21 @@ def test_without_cad_model_no_chart_and_points_in_g(tmp_path):
 
 
 def test_without_cameras_there_is_no_model(tmp_path):
-    out = run(tmp_path, simulate(camera=False))
+    out = run(tmp_path, simulate(camera=False, per_leg=8))
     assert not (out / "colmap").exists()
     assert len(solution_in(out).landmarks) == 0
     assert solution_in(out).hull_pose is not None
 
 
 def test_a_single_camera_makes_a_model_of_one(tmp_path):
-    dive = simulate(stereo=False)
+    dive = simulate(stereo=False, **SHORT)
     model = pycolmap.Reconstruction(str(run(tmp_path, dive) / "colmap"))
     assert len(model.cameras) == 1
     assert len(model.images) == len(dive.tray)
 
 
 def test_refined_intrinsics_are_written_for_later_steps(tmp_path):
-    out = run(tmp_path, simulate(), refine_intrinsics=True)
+    out = run(tmp_path, simulate(**SHORT), refine_intrinsics=True)
     cameras = json.loads((out / "cameras.json").read_text())
     assert set(cameras) == {"top", "bottom"}
     assert cameras["top"]["fx"] == pytest.approx(CAMERA.fx, rel=0.01)

@@ -8,6 +8,7 @@ import io
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import msgspec
@@ -39,10 +40,12 @@ INPUTS = {"ingest": (), "adjust": ("ingest",), "surface": ("adjust",), "detect":
 Files = dict[str, dict[str, bytes]]
 
 
+@cache
 def may() -> HullSurvey:
     return survey(BEFORE, drawn(2), name="may")
 
 
+@cache
 def june() -> HullSurvey:
     return survey(AFTER, drawn(102), name="june")
 

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.fft import irfft, rfft
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.check.time_overlap import HOUR_S, clock_gaps, shifted_streams
@@ -247,13 +248,11 @@ def _running_mean(values: Array) -> Array:
 
     The rate of the depth is a difference over that time (`_rate`), which is the same average.
     """
-    # imported here: it takes half a second, which other commands should not spend
-    from scipy.signal import correlate
-
     width = round(SMOOTH_S / STEP_S)
-    kernel = np.full((width + 1, 1), 1.0 / width)
+    kernel = np.full(width + 1, 1.0 / width)
     kernel[[0, -1]] *= 0.5
-    return np.asarray(correlate(values, kernel, mode="same"))
+    inside = slice(width // 2, width // 2 + len(values))
+    return np.stack([np.convolve(column, kernel)[inside] for column in values.T], axis=1)
 
 
 def _rate(depth: Array, known: Mask) -> tuple[Array, Mask]:
@@ -263,6 +262,17 @@ def _rate(depth: Array, known: Mask) -> tuple[Array, Mask]:
     known = known & np.roll(known, half) & np.roll(known, -half)
     known[:half] = known[-half:] = False
     return rate, known
+
+
+def _lagged(one: Array, other: Array) -> Array:
+    """Correlate (n,) with (m,) by FFT, at all n + m - 1 lags from 1 - m on.
+
+    scipy.signal has it, and takes half a second to load, for every command that reads a log.
+    """
+    count = len(one) + len(other) - 1
+    size = 1 << count.bit_length()  # a power of two, which is fast
+    spectrum = rfft(one, size) * rfft(other, size).conj()
+    return np.asarray(np.roll(irfft(spectrum, size), len(other) - 1)[:count])
 
 
 def _best_lag(
@@ -288,26 +298,21 @@ def _best_lag(
         where this grid begins on the first one
     among_s : if given, only lags near these are possible, and less evidence is needed
     """
-    from scipy.signal import correlate
-
     # 1 where known, else 0: what is not known then adds nothing to a sum
     fixed_known, moving_known = is_fixed.astype(float), is_moving.astype(float)
     fixed, rate = fixed * fixed_known[:, None], rate * fixed_known
     moving = moving * moving_known[:, None]
 
-    def lagged(one: Array, other: Array) -> Array:
-        return np.asarray(correlate(one, other, mode="full", method="fft"))
-
     # The correlation of vertical velocity and rate at every lag, over the steps at which both are
     # known. Each sum over steps is itself a correlation of products, taken by FFT.
     axes = range(fixed.shape[1])
-    count = np.maximum(lagged(fixed_known, moving_known), 1.0)
-    mean = sum(lagged(fixed[:, i], moving[:, i]) for i in axes) / count
+    count = np.maximum(_lagged(fixed_known, moving_known), 1.0)
+    mean = sum(_lagged(fixed[:, i], moving[:, i]) for i in axes) / count
     square = sum(
-        lagged(fixed[:, i] * fixed[:, j], moving[:, i] * moving[:, j]) for i in axes for j in axes
+        _lagged(fixed[:, i] * fixed[:, j], moving[:, i] * moving[:, j]) for i in axes for j in axes
     )
-    mean_rate, square_rate = lagged(rate, moving_known) / count, lagged(rate**2, moving_known)
-    product = sum(lagged(fixed[:, i] * rate, moving[:, i]) for i in axes)
+    mean_rate, square_rate = _lagged(rate, moving_known) / count, _lagged(rate**2, moving_known)
+    product = sum(_lagged(fixed[:, i] * rate, moving[:, i]) for i in axes)
     scatter = (square / count - mean**2) * (square_rate / count - mean_rate**2)
     floor = 1e-6 * float(np.mean(rate**2)) ** 2
     correlation = (product / count - mean * mean_rate) / np.sqrt(

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -35,7 +36,6 @@ class Servo:
 
     t_ns: Ints  # (n,)
     angle: Array  # (n,) rad
-    direction: Array  # (n,) +1 or -1, the sense in which it last moved
     is_read: bool = True  # False for a tray taken to be at zero, as no angle was logged
 
     def angle_at(self, t_ns: Ints) -> Array:
@@ -44,6 +44,12 @@ class Servo:
         return np.asarray(
             np.interp((t_ns - start).astype(float), (self.t_ns - start).astype(float), self.angle)
         )
+
+    @cached_property
+    def direction(self) -> Array:
+        """Find in which sense (n,), +1 or -1, it last moved at each reading."""
+        flicker = _flicker(self.angle) if len(self.angle) > 2 else 0.0
+        return _directions_of_motion(self.angle, max(LEAST_TRAVEL_RAD, 6 * flicker))
 
     def direction_at(self, t_ns: Ints) -> Array:
         """Look up the sense of rotation (m,), +1 or -1, of the last reading before each time."""
@@ -79,17 +85,9 @@ def servo(tray: JointSamples | None, start_ns: int) -> Servo:
     A joint that was not logged stays at zero. start_ns: stamp that this single angle is given.
     """
     if tray is None or not np.isfinite(tray.angle).any():
-        return Servo(
-            t_ns=np.array([start_ns]), angle=np.zeros(1), direction=np.ones(1), is_read=False
-        )
+        return Servo(t_ns=np.array([start_ns]), angle=np.zeros(1), is_read=False)
     known = np.isfinite(tray.angle)
-    angle = tray.angle[known]
-    flicker = _flicker(angle) if len(angle) > 2 else 0.0
-    return Servo(
-        t_ns=tray.t_ns[known],
-        angle=angle,
-        direction=_directions_of_motion(angle, max(LEAST_TRAVEL_RAD, 6 * flicker)),
-    )
+    return Servo(t_ns=tray.t_ns[known], angle=tray.angle[known])
 
 
 def doubtful_angles(tray: JointSamples | None, unit: str, sigma_rad: float) -> list[Finding]:

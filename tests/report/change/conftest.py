@@ -72,8 +72,7 @@ MOVE = SurfaceMove(
 )
 
 
-@pytest.fixture
-def change() -> HullChange:
+def each_kind() -> HullChange:
     return hull_change(
         [
             object_change("gone", 4, None, 33.4, 0.14, 0.001),
@@ -87,7 +86,16 @@ def change() -> HullChange:
     )
 
 
-@pytest.fixture
-def outside() -> OutsideMap:
+def seen_from_port() -> OutsideMap:
     """The port side, seen from outside: the bow is on the left."""
     return OutsideMap(x_sign=-1, y_sign=1, frame="M")
+
+
+@pytest.fixture
+def change() -> HullChange:
+    return each_kind()
+
+
+@pytest.fixture
+def outside() -> OutsideMap:
+    return seen_from_port()

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from end_to_end.json_schema import violations
 from PIL import Image
-from report.change.conftest import T_NS, hull_change
+from report.change.conftest import T_NS, each_kind, hull_change, seen_from_port
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.records.change import HullChange
@@ -23,9 +23,9 @@ DOCS = Path(__file__).resolve().parents[3] / "docs"
 SCHEMAS = DOCS.parent / "hullrecon" / "report" / "schemas"
 
 
-@pytest.fixture
-def files(change: HullChange, outside: OutsideMap) -> dict[str, bytes]:
-    return change_files(change, outside, T_NS)
+@pytest.fixture(scope="module")
+def files() -> dict[str, bytes]:
+    return change_files(each_kind(), seen_from_port(), T_NS)
 
 
 @pytest.fixture

@@ -94,14 +94,19 @@ def test_no_reading_is_paired_with_a_wrong_landmark(survey: Survey3) -> None:
 
 @pytest.mark.slow
 def test_our_submaps_end_as_surely_as_they_say_and_the_printed_ones_do_not() -> None:
-    """In the study's twenty worlds, by Jacobians at first estimates and at the newest."""
-    ours, printed = [], []
-    for seed in SEEDS:
-        world = simulate_world(seed)
-        ours.append(ends_of(world, build_variant(world, first_estimates=True)))
-        printed.append(ends_of(world, build_variant(world)))
-    assert together(ours).inside == "inside the band"
-    assert together(printed).inside == "above the band"
+    """In four of the study's twenty worlds, by Jacobians at first estimates and at the newest.
+
+    Both see the same readings, so the difference of an end's NEES tells more than either mean.
+    """
+    worlds = [simulate_world(seed) for seed in SEEDS[:4]]
+    ours, printed = (
+        together([ends_of(world, build_variant(world, first_estimates=first)) for world in worlds])
+        for first in (True, False)
+    )
+    assert ours.inside == "inside the band"
+    assert printed.inside == "above the band"
+    surer = printed.nees - ours.nees
+    assert surer.mean() > 3 * surer.std() / np.sqrt(len(surer))
 
 
 @pytest.mark.parametrize(("first_estimates", "learnt"), [(False, True), (True, False)])
