@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 import threading
 import time
@@ -132,6 +133,7 @@ def _call(stage: Stage, context: Context[Struct], building: Path) -> JsonTable:
     Errors of disk, memory and permission get a sentence and a remedy.
     """
     return_free_memory()
+    gc.freeze()  # what lives now, libraries above all, is not looked at by the step's collections
     reset_peak_rss()
     started, begun, cpu = time.time(), time.perf_counter(), time.process_time()
     try:
