@@ -184,7 +184,7 @@ def test_twice_the_same_input_gives_the_same_bytes(ingest: Path, tmp_path: Path)
 
 
 def test_a_dvl_whose_clock_is_late_is_put_right_and_said(ingest: Path, tmp_path: Path) -> None:
-    logs = logs_along_wall(AlongWall(RIG, duration_s=100.0))
+    logs = logs_along_wall(AlongWall(RIG, duration_s=60.0))
     for name, record in (
         ("dvl", late(logs, ClockedSensor.DVL, 0.8).dvl),
         ("imu", logs.imu),
