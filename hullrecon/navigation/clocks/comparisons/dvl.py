@@ -128,16 +128,22 @@ def compare_hull_turns(
     in_vehicle = _vehicle_from_dvl(servo, rig, used_ns).apply(normal[used])
     attitude_at = fast_rotation(attitude)
 
+    @lru_cache(maxsize=8)
+    def turned(shift_ns: int) -> tuple[Array, Array]:
+        """Turn the normals and the tray axis (n, 3) into `global`, by an attitude shifted so."""
+        at_ns = used_ns + shift_ns
+        global_from_vehicle = attitude_at(at_ns)
+        seen, axis = (global_from_vehicle.apply(vectors) for vectors in (in_vehicle, TRAY_AXIS))
+        seen[(at_ns < attitude.t_ns[0]) | (at_ns > attitude.t_ns[-1])] = np.nan
+        return seen, axis
+
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
         """Compute the second difference (n, 1) of the normals in `global` along the tray axis.
 
         A servo that is off turns the normals across this axis, so it does not count.
         """
         of = of_used[rows]
-        at_ns = used_ns + shift_between_ns(offsets, ClockedSensor.IMU, ClockedSensor.DVL)
-        global_from_vehicle = attitude_at(at_ns)
-        seen, axis = (global_from_vehicle.apply(vectors) for vectors in (in_vehicle, TRAY_AXIS))
-        seen[(at_ns < attitude.t_ns[0]) | (at_ns > attitude.t_ns[-1])] = np.nan
+        seen, axis = turned(shift_between_ns(offsets, ClockedSensor.IMU, ClockedSensor.DVL))
         # the normal of a curved hull turns evenly as the vehicle passes, which cancels
         bend = _second_difference(seen, of)
         return np.asarray((bend * axis[of[:, 1]]).sum(axis=1, keepdims=True))
