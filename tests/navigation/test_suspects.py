@@ -183,6 +183,9 @@ def test_tray_angle_in_the_other_unit_is_converted(unit, factor):
         unit,
     )
     assert np.allclose(found.records.tray.angle, on_tray(dive()).tray.angle)
+
+
+def test_tray_angle_in_its_own_unit_is_not_accused():
     assert judged(on_tray(dive()), flows()).findings == []
 
 
