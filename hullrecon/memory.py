@@ -53,7 +53,7 @@ def returning_large_blocks() -> Iterator[None]:
     """Return large blocks to the system when they are freed, within a `with` statement.
 
     Otherwise the allocator learns to keep blocks of up to 32 MB, for each thread its own, between
-    others that last: 320 MB beside 390 MB in use while 4,000 stereo pairs were adjusted in parts.
+    others that last: 340 MB beside 410 MB in use while 4,000 stereo pairs were adjusted in parts.
     Smaller arrays that NumPy makes in a loop come faster from kept blocks. C libraries other than
     glibc have no such call.
     """
