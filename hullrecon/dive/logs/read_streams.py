@@ -35,6 +35,9 @@ MOST_DEFINITIONS = 16  # of a topic's type: each is compiled, and a damaged log 
 SENSORS = tuple(TYPES)
 # two sensors on one topic: each sends a tenth of its messages at least, and they take turns
 LEAST_SHARE, LEAST_TURNS = 0.1, 10
+# Sensors whose messages may not all be lost: the dive would go on without its images, or as if its
+# tray stood still
+NOT_TO_BE_MISSED = frozenset({"joints", *(camera.key for camera in Camera)})
 MOST_FRAMES = 16  # of a topic: damaged messages may each have a name of their own
 
 
@@ -172,14 +175,27 @@ def _note_unusable(
 ) -> None:
     """Note messages that could not be decoded, and those without a stamp, by topic.
 
-    A topic of images of which none can be read is a problem. topics: as of `read_streams`.
+    A topic of images or joints of which no message can be used is a problem. topics: as of
+    `read_streams`.
     """
-    unread = {topic for topic, _ in out.undecoded} - {topic for topic, _ in out.used}
-    for (topic, why), n in sorted(out.undecoded.items()):
-        out.notes.append(Finding("messages-unusable", {"count": n, "why": why}, topic))
-        if topic in unread and not {c.key for c in Camera}.isdisjoint(topics.get(topic, ())):
-            with problems.collect():
-                raise InputError(f"its images cannot be read, {n} of them: {why}", where=topic)
+    used = {topic for topic, _ in out.used}
+    for topic in sorted({topic for topic, _ in out.undecoded}):
+        reasons = Counter({why: n for (name, why), n in out.undecoded.items() if name == topic})
+        lost = [sensor for sensor in topics.get(topic, ()) if sensor in NOT_TO_BE_MISSED]
+        if topic in used or not lost:
+            out.notes += [
+                Finding("messages-unusable", {"count": n, "why": why}, topic)
+                for why, n in sorted(reasons.items())
+            ]
+            continue
+        with problems.collect():
+            why = reasons.most_common(1)[0][0]
+            raise InputError(
+                f"none of its {reasons.total()} messages can be used: {why}",
+                where=topic,
+                remedy=f"record them in a form that docs/dive_package.md names, or leave "
+                f"{' and '.join(f'topics.{sensor}' for sensor in lost)} away",
+            )
     out.notes += [
         Finding("messages-unstamped", {"count": n}, topic)
         for topic, n in sorted(out.unstamped.items())

@@ -122,6 +122,11 @@ def test_what_an_imu_says_it_does_not_measure_is_nan(kit):
     assert np.isnan(sample.quaternion).all()
 
 
+def test_positions_that_no_joint_s_name_stands_beside_are_damaged(kit):
+    with pytest.raises(DamagedError, match="name no joint"):
+        translate("joints", "sensor_msgs/msg/JointState", kit.joints(T, [], [0.5]))
+
+
 def test_every_joint_of_a_message_is_a_sample(kit):
     samples = translate(
         "joints", "sensor_msgs/msg/JointState", kit.joints(T, ["a", "b"], [0.5, 0.25])
@@ -230,11 +235,16 @@ def test_a_bayer_mosaic_of_sixteen_bits_is_one_of_eight_bits(kit):
     assert np.abs(deep / 256 - picture(kit, mosaic, "bayer_grbg8")).max() < 1
 
 
+@pytest.mark.parametrize("encoding", ["mono16", "bayer_rggb16"])
 @pytest.mark.parametrize(("stored", "flag"), [(">u2", 0), ("<u2", 1)])
-def test_bytes_in_another_order_than_stated_are_named(kit, stored, flag):
-    smooth = (600 * np.outer(np.linspace(1, 3, 80), np.linspace(1, 2, 120))).astype(stored)
-    assert picture(kit, smooth, "mono16", is_bigendian=1 - flag)[0, 0] == 600
-    message = raw(kit, smooth, "mono16", is_bigendian=flag)
+def test_bytes_in_another_order_than_stated_are_named(kit, stored, flag, encoding):
+    smooth = 600 * np.outer(np.linspace(1, 3, 80), np.linspace(1, 2, 120))
+    if encoding != "mono16":  # neighbours are of other colours
+        smooth[::2, 1::2] *= 4
+        smooth[1::2] *= 3
+    smooth = smooth.astype(stored)
+    assert picture(kit, smooth, encoding, is_bigendian=1 - flag).max() < 20_000
+    message = raw(kit, smooth, encoding, is_bigendian=flag)
     with pytest.raises(DamagedError, match=f"is_bigendian = {flag}"):
         translate("camera_top", "sensor_msgs/msg/Image", message)
 
@@ -262,7 +272,6 @@ def test_a_type_without_a_definition_is_read_by_the_bundled_one(kit):
     "channel",
     [
         Channel("/x", "sensor_msgs/msg/Imu", "protobuf"),
-        Channel("/x", "nobody/msg/Knows", "cdr"),
         Channel("/x", "sensor_msgs/msg/Imu", "cdr", "this is no definition ((("),
         Channel("/x", "sensor_msgs/msg/Imu", "cdr", "struct {", "ros2idl"),
         Channel("/x", "sensor_msgs/msg/Imu", "cdr"),
@@ -272,6 +281,11 @@ def test_a_type_without_a_definition_is_read_by_the_bundled_one(kit):
 def test_what_cannot_be_decoded_is_damaged_and_nothing_else(channel):
     with pytest.raises(DamagedError):
         decode(channel, b"\x00\x01\x00\x00short")
+
+
+def test_a_type_without_a_definition_is_named_as_such():
+    with pytest.raises(DamagedError, match="the log has no definition of their type"):
+        decode(Channel("/x", "nobody/msg/Knows", "cdr"), b"")
 
 
 VENDOR = {
@@ -312,6 +326,18 @@ def test_a_simulators_ping_has_the_ranges_of_its_beams(vendors):
     np.testing.assert_array_equal(ping.ranges, [1, np.nan, np.nan, 4])
     assert ping.sigma == pytest.approx(0.01)
     assert ping.velocity.tolist() == [1, 2, 3]
+
+
+def test_a_ping_of_cola2_has_the_ranges_of_its_beams_if_it_has_any():
+    beams = [
+        SimpleNamespace(range=r, range_covariance=c) for r, c in ((1.5, 0.0), (-1.0, 0.0), (2, -1))
+    ]
+    given = {"velocity": SimpleNamespace(x=1, y=2, z=3), "velocity_covariance": np.zeros(9)}
+    (ping,) = translate("dvl", "cola2_msgs/msg/DVL", SimpleNamespace(**given, beams=beams))
+    np.testing.assert_array_equal(ping.ranges, [1.5, np.nan, np.nan])
+    (old,) = translate("dvl", "cola2_msgs/msg/DVL", SimpleNamespace(**given))
+    assert old.velocity.tolist() == [1, 2, 3]
+    assert not len(old.ranges)
 
 
 @pytest.mark.parametrize(

@@ -199,7 +199,9 @@ def test_a_hundredth_of_a_megapascal_is_a_metre_of_sea_water():
     )
     assert found.depth == pytest.approx([2.0])
     assert found.t_ns.tolist() == [0]
-    assert sentences(notes) == ["pressure: 1 of 2 readings are no finite numbers and were left out"]
+    assert sentences(notes) == [
+        "pressure: 1 of 2 readings are no finite numbers, or marked as lost, and were left out"
+    ]
 
 
 def test_a_sensor_of_which_no_reading_is_a_number_has_no_record():
@@ -210,8 +212,8 @@ def test_a_sensor_of_which_no_reading_is_a_number_has_no_record():
     )
     assert joint_samples([JointSample(0, "tray", np.nan)], "sonar_tray", "tray", notes) is None
     assert sentences(notes) == [
-        "pressure: 2 of 2 readings are no finite numbers and were left out",
-        "joint tray: 1 of 1 readings are no finite numbers and were left out",
+        "pressure: 2 of 2 readings are no finite numbers, or marked as lost, and were left out",
+        "joint tray: 1 of 1 readings are no finite numbers, or marked as lost, and were left out",
     ]
 
 
@@ -245,11 +247,14 @@ def test_a_technical_atmosphere_is_read_where_it_is_given_and_named_beside_the_b
 
 def test_hectopascals_logged_as_depths_are_asked_for():
     samples = [DepthSample(t, 1013.25 + 100 + t, is_up=False) for t in range(30)]
-    with pytest.raises(InputError, match="hectopascals or centimetres") as caught:
+    with pytest.raises(InputError, match="a pressure, or in centimetres, which") as caught:
         pressure_samples(samples, MODEL, [])
     assert 'pressure.unit = "hPa" (1.0 to 1.3 m deep then) or "cm" (11.1 to' in caught.value.remedy
     told = pressure_samples(samples, replace(MODEL, unit="hPa"), [])
     assert told.depth[0] == pytest.approx(1.0, abs=0.01)
+    pascals = [DepthSample(t, 101325.0 + 10055 * t, is_up=False) for t in range(30)]
+    with pytest.raises(InputError, match=r'a pressure .*give pressure\.unit = "Pa" \(1\.'):
+        pressure_samples(pascals, MODEL, [])
     shallow = [DepthSample(t, 150.0 + t, is_up=False) for t in range(30)]  # centimetres
     assert pressure_samples(shallow, MODEL, []) is not None
 
@@ -283,7 +288,7 @@ def test_joint_angles_in_degrees_are_refused_until_their_unit_is_given():
     found = joint_samples(samples, "tray", "tray", notes, "deg")
     assert found.angle == pytest.approx([np.pi / 4])
     assert sentences(notes) == [
-        "joint tray: 1 of 2 readings are no finite numbers and were left out"
+        "joint tray: 1 of 2 readings are no finite numbers, or marked as lost, and were left out"
     ]
 
 

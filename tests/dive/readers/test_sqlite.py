@@ -253,6 +253,19 @@ def test_a_damaged_definition_costs_its_topic_alone(database):
     assert len(found.samples["pressure"]) == 20
 
 
+def test_a_database_that_was_cut_off_gives_the_rows_of_its_whole_pages(kit, database):
+    """As a copy that was broken off: SQLite itself opens no file shorter than its header says."""
+    whole, _ = read(database)
+    size = database.stat().st_size
+    os.truncate(database, size * 2 // 3)
+    messages, log = read(database)
+    assert 30 < len(messages) < len(whole)
+    assert messages == [message for message in whole if message in messages]
+    assert f"the database is cut off: {size - size * 2 // 3} bytes of its pages are missing" in [
+        loss.why for loss in log.losses()
+    ]
+
+
 def test_row_numbers_that_are_missing_are_counted(database):
     """A page that lost its cells without a trace shows in nothing else."""
     change(database, "DELETE FROM messages WHERE id IN (1, 7, 8)")

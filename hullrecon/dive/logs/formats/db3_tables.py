@@ -47,7 +47,10 @@ class Database:
         self.connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_CHUNK)
         self.connection.text_factory = lambda data: data.decode(errors="replace")
         self.connection.set_progress_handler(self._step, HANDLER_STEPS)
-        for pragma in ("trusted_schema = OFF", "cell_size_check = ON", "mmap_size = 0"):
+        # With a writable schema SQLite opens a file that is shorter than its header says, and reads
+        # the pages that are there. The connection itself is read-only.
+        pragmas = ("trusted_schema = OFF", "cell_size_check = ON", "mmap_size = 0")
+        for pragma in (*pragmas, "writable_schema = ON"):
             self.connection.execute(f"PRAGMA {pragma}")
 
     def channels(self) -> dict[int, Channel]:

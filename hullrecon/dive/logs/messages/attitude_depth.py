@@ -70,6 +70,11 @@ def _attitude(q: Fields, t_ns: int) -> ImuSample:
     return ImuSample(t_ns, np.array([q.x, q.y, q.z, q.w], float), LOST, LOST)
 
 
+def depth_of_point(message: Fields, t_ns: int, role: str) -> list[Sample]:
+    """Read z of geometry_msgs/PointStamped as the height over the water, up as in REP 103."""
+    return [DepthSample(t_ns, float(message.point.z), is_up=True)]
+
+
 def depth_of_pose(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read z of geometry_msgs/PoseStamped as the height over the water, up as in REP 103."""
     return [DepthSample(t_ns, float(message.pose.position.z), is_up=True)]

@@ -20,6 +20,11 @@ if TYPE_CHECKING:
 
 Fields = Any  # an instance of the class that rosbags makes for a message type
 ENCODINGS = ("cdr", "ros1")
+# as a .db3 that a recorder before Iron wrote; `ros2 bag convert` writes MCAP with definitions
+UNDEFINED = (
+    "the log has no definition of their type; convert it to MCAP by `ros2 bag convert` where the "
+    "type's package is installed"
+)
 LOST = np.full(3, np.nan)  # a vector that was not measured
 
 
@@ -55,11 +60,10 @@ def _type_store(channel: Channel) -> Typestore | str:
     if channel.encoding not in ENCODINGS:
         return f"messages in the encoding {channel.encoding!r} are not read"
     try:
-        return (
-            _from_definition(channel)
-            if channel.definition.strip()
-            else _standard_types(channel.encoding)
-        )
+        if channel.definition.strip():
+            return _from_definition(channel)
+        store = _standard_types(channel.encoding)
+        return store if type_name(channel) in store.types else UNDEFINED
     except Exception as error:  # the grammar of a damaged definition may fail anywhere
         return f"the definition of {channel.type} cannot be read: {describe(error)}"
 

@@ -97,6 +97,22 @@ int64 time_of_transmission
 string form
 """
 
+COLA2_DVL_BEAM = """
+float64 range
+float64 range_covariance
+float64 velocity
+float64 velocity_covariance
+geometry_msgs/PoseStamped pose
+"""
+
+COLA2_DVL = """
+std_msgs/Header header
+geometry_msgs/Vector3 velocity
+float64[9] velocity_covariance
+float64 altitude
+cola2_msgs/DVLBeam[] beams
+"""
+
 HEAD_UP_DISPLAY = """
 std_msgs/Header header
 float32 airspeed
@@ -143,6 +159,8 @@ BUNDLED: dict[str, str] = {
     ),
     "dvl_msgs/msg/DVLBeam": DVL_BEAM,
     "dvl_msgs/msg/DVL": DVL_MSGS_DVL,
+    "cola2_msgs/msg/DVLBeam": COLA2_DVL_BEAM,
+    "cola2_msgs/msg/DVL": COLA2_DVL,
     "mavros_msgs/msg/VfrHud": HEAD_UP_DISPLAY,
     "acoustic_msgs/msg/SonarImage": SONAR_IMAGE,
     "geographic_msgs/msg/GeoPoint": GEO_POINT,

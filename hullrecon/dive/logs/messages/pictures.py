@@ -37,7 +37,9 @@ QUICK = 1  # PNG's compression level: images are written once, and read a few ti
 def encode_raw(message: Fields) -> bytes:
     """Encode an image as PNG. Raises DamagedError for missing pixels or an unknown encoding."""
     encoding, width = _parse_encoding(message.encoding)
-    return _png(_to_bgr(_pixels(message, CHANNELS[encoding], width), encoding))
+    # how many samples further along a row the same colour comes again
+    period = 2 if encoding.startswith("bayer") else CHANNELS[encoding]
+    return _png(_to_bgr(_pixels(message, CHANNELS[encoding], width, period), encoding))
 
 
 def decoded_mosaic(form: str, encoded: bytes) -> bytes:
@@ -96,13 +98,18 @@ def _parse_encoding(encoding: str) -> tuple[str, int]:
     raise DamagedError(f"an image in the encoding {encoding!r}, which is not read")
 
 
-def _pixels(message: Fields, channels: int, width: int) -> NDArray[np.integer]:
+def _pixels(message: Fields, channels: int, width: int, period: int) -> NDArray[np.integer]:
     """Read pixels (h, w) or (h, w, channels) of a message, without the padding of its rows.
 
     Where there are exactly the bytes of rows without padding, the message's step is not used: it
     may not be filled in. Raises DamagedError where pixels are missing.
 
-    width: bytes of a sample, 1 or 2.
+    Parameters
+    ----------
+    message : sensor_msgs/Image
+    channels : samples of a pixel
+    width : bytes of a sample, 1 or 2
+    period : of the colours along a row, in samples
     """
     height, row, step = (
         int(message.height),
@@ -118,20 +125,28 @@ def _pixels(message: Fields, channels: int, width: int) -> NDArray[np.integer]:
             f"pixels of {channels * width} bytes"
         )
     rows = np.ascontiguousarray(data[: step * height].reshape(height, -1)[:, :row])
-    pixels = _read_16_bits(rows, bool(message.is_bigendian)) if width == 2 else rows
+    pixels = _read_16_bits(rows, bool(message.is_bigendian), period) if width == 2 else rows
     shape = (height, int(message.width), channels)
     return pixels.reshape(shape[:2] if channels == 1 else shape)
 
 
-def _read_16_bits(rows: NDArray[np.uint8], is_bigendian: bool) -> NDArray[np.integer]:
+def _read_16_bits(rows: NDArray[np.uint8], is_bigendian: bool, period: int) -> NDArray[np.integer]:
     """Read samples of 16 bits. Raises DamagedError where their bytes are in the other order.
 
-    Neighbouring pixels of a picture are alike. With the bytes exchanged they differ all over.
+    Neighbouring samples of a colour are alike. With the bytes exchanged they differ all over.
 
-    rows: (h, bytes) of the image. is_bigendian: as the message states. Returns (h, samples).
+    Parameters
+    ----------
+    rows : (h, bytes) of the image
+    is_bigendian : as the message states
+    period : of the colours along a row, in samples
+
+    Returns
+    -------
+    samples (h, n)
     """
     orders = (">u2", "<u2") if is_bigendian else ("<u2", ">u2")
-    stated, exchanged = (_roughness(rows[::EVERY].view(order)) for order in orders)
+    stated, exchanged = (_roughness(rows[::EVERY].view(order), period) for order in orders)
     if rows.size > LEAST_BYTES and stated > ROUGH * exchanged:
         raise DamagedError(
             "an image of 16 bits whose bytes are not in the order that is_bigendian = "
@@ -140,10 +155,14 @@ def _read_16_bits(rows: NDArray[np.uint8], is_bigendian: bool) -> NDArray[np.int
     return rows.view(orders[0])
 
 
-def _roughness(pixels: NDArray[np.integer]) -> float:
-    """Compute the mean difference of neighbours along rows over the standard deviation of all."""
+def _roughness(pixels: NDArray[np.integer], period: int) -> float:
+    """Compute the mean difference of neighbours along rows over the standard deviation of all.
+
+    pixels: (h, n). period: samples from one neighbour to the next.
+    """
     values = pixels.astype(float)
-    return float(np.abs(np.diff(values)).mean() / max(values.std(), 1.0))
+    steps = np.abs(values[:, period:] - values[:, :-period])
+    return float(steps.mean() / max(values.std(), 1.0)) if steps.size else 0.0
 
 
 def _to_bgr(pixels: NDArray[np.integer], encoding: str) -> NDArray[np.integer]:

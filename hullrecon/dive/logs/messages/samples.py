@@ -11,7 +11,7 @@ import numpy as np
 from hullrecon.dive.logs.messages import attitude_depth, position, sonar, velocity
 from hullrecon.dive.logs.messages.decode import Fields
 from hullrecon.dive.logs.messages.pictures import decoded_mosaic, encode_raw
-from hullrecon.dive.logs.readers.unpack import printable
+from hullrecon.dive.logs.readers.unpack import DamagedError, printable
 from hullrecon.dive.logs.samples import ImageSample, JointSample, Sample
 
 
@@ -23,8 +23,11 @@ def stamp_ns(header: Fields) -> int:
 def joint_state(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Translate a joint message to an angle for each joint that it names.
 
-    It is NaN for one without a position, as in the messages of a driver that gives speeds.
+    It is NaN for one without a position, as in the messages of a driver that gives speeds. Raises
+    DamagedError for positions without names, which may be of any joint.
     """
+    if len(message.position) and not len(message.name):
+        raise DamagedError("they name no joint; have the driver fill in JointState.name")
     missing = [np.nan] * (len(message.name) - len(message.position))
     return [
         JointSample(t_ns, printable(str(name)), float(angle))
@@ -50,7 +53,7 @@ DVL_TYPES: dict[str, Translate] = {
     "dvl_msgs/msg/DVL": velocity.water_linked,
     "waterlinked_a50/msg/TransducerReportStamped": velocity.transducer_report,
     "waterlinked_dvl/msg/TransducerReportStamped": velocity.unnamed_transducer_report,
-    "cola2_msgs/msg/DVL": velocity.girona_dvl,
+    "cola2_msgs/msg/DVL": velocity.simulator_dvl,
     "uuv_sensor_ros_plugins_msgs/msg/DVL": velocity.simulator_dvl,
     "stonefish_ros/msg/DVL": velocity.simulator_dvl,
     "nortek_dvl/msg/Dvl": velocity.nortek_dvl,
@@ -67,6 +70,7 @@ IMU_TYPES: dict[str, Translate] = {
 PRESSURE_TYPES: dict[str, Translate] = {
     "sensor_msgs/msg/FluidPressure": attitude_depth.fluid_pressure,
     "ds_sensor_msgs/msg/DepthPressure": attitude_depth.deep_submergence_depth,
+    "geometry_msgs/msg/PointStamped": attitude_depth.depth_of_point,
     "geometry_msgs/msg/PoseStamped": attitude_depth.depth_of_pose,
     "geometry_msgs/msg/PoseWithCovarianceStamped": attitude_depth.depth_of_pose_with_covariance,
     "nav_msgs/msg/Odometry": attitude_depth.depth_of_pose_with_covariance,

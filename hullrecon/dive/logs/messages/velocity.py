@@ -155,20 +155,16 @@ def _water_linked(
     )
 
 
-def girona_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read cola2_msgs/DVL: velocity with covariance, no beams. Its altitude is not used."""
-    sigma = sigma_of(message.velocity_covariance, VELOCITY)
-    return [_unless_lost(DvlSample(t_ns, vector(message.velocity), sigma, NO_RANGES, None))]
-
-
 def simulator_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read DVLs of UUV Simulator and Stonefish, whose beams' directions dive.toml has to give.
+    """Read DVLs of UUV Simulator, Stonefish and COLA2, whose beams' directions dive.toml gives.
 
-    Each beam is a message of its own, in which a covariance of -1 marks the range as lost.
+    Each beam is a message of its own, in which a covariance of -1 marks the range as lost. Old
+    messages of COLA2 have no beams.
     """
     sigma = sigma_of(message.velocity_covariance, VELOCITY)
     ranges = [
-        b.range if b.range > 0 and not b.range_covariance < 0 else np.nan for b in message.beams
+        b.range if b.range > 0 and not b.range_covariance < 0 else np.nan
+        for b in getattr(message, "beams", ())
     ]
     velocity = vector(message.velocity)
     return [_unless_lost(DvlSample(t_ns, velocity, sigma, np.array(ranges, float), None))]

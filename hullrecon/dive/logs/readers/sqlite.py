@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Iterator
 from contextlib import ExitStack, closing
@@ -33,7 +34,7 @@ class SqliteLog(FileLog):
         with ExitStack() as stack:
             merged = self._copy_with_log(stack)
             address = (
-                f"{self.path.absolute().as_uri()}?mode=ro&immutable=1"
+                f"{self._whole_pages(stack).absolute().as_uri()}?mode=ro&immutable=1"
                 if merged is None
                 else merged.as_uri()
             )
@@ -77,6 +78,21 @@ class SqliteLog(FileLog):
         if database.skipped:
             self.notes.append(Finding("database-rows-missing", {"count": database.skipped}))
 
+    def _whole_pages(self, stack: ExitStack) -> Path:
+        """Name a file with the whole pages of the database: a copy where the last one is cut off.
+
+        SQLite would read zeros for what is missing of a page, as values of the last messages.
+        """
+        size, page = self.path.stat().st_size, page_bytes(self.path)
+        if not page or size % page == 0:
+            return self.path
+        folder = scratch_folder()
+        stack.callback(shutil.rmtree, folder, ignore_errors=True)
+        with space_errors(folder, stack.close):
+            copy = Path(shutil.copyfile(self.path, folder / "log.db3"))
+            os.truncate(copy, size - size % page)
+        return copy
+
     def _copy_with_log(self, stack: ExitStack) -> Path | None:
         """Copy database and write-ahead log for SQLite to merge. None without such a log.
 
@@ -113,11 +129,15 @@ def write_ahead_log(path: Path) -> Path:
     return path.with_name(f"{path.name}-wal")
 
 
+def page_bytes(path: Path) -> int:
+    """Read the size of a database's pages from its header. 0 where that is cut off or damaged."""
+    with path.open("rb") as stream:
+        size = int.from_bytes(stream.read(18)[16:], "big")
+    return 65536 if size == 1 else size
+
+
 def bytes_missing(path: Path) -> int:
     """Count the bytes by which a file is shorter than its header says."""
     with path.open("rb") as stream:
-        head = stream.read(32)
-    if len(head) < 32:
-        return 0
-    size = int.from_bytes(head[16:18], "big")
-    return (65536 if size == 1 else size) * int.from_bytes(head[28:32], "big") - path.stat().st_size
+        pages = int.from_bytes(stream.read(32)[28:], "big")
+    return page_bytes(path) * pages - path.stat().st_size

@@ -122,19 +122,21 @@ def _are_spikes(t_ns: Ints, depth: Array) -> Mask:
 def _refuse_unclear_numbers(
     samples: Sequence[PressureSample | DepthSample], model: PressureModel
 ) -> None:
-    """Raise InputError for depths without a unit that may be hectopascals or centimetres.
+    """Raise InputError for numbers without a unit that are no depth in metres but a pressure.
 
-    A centimetre of water is a hectopascal: motion does not tell them apart. Only numbers that are
-    depths of a hull in both units are refused.
+    A centimetre of water is a hectopascal: motion does not tell them apart. Where the numbers are
+    depths of a hull in both, either may be meant.
     """
     if model.unit is not None or isinstance(samples[0], PressureSample):
         return
-    fitting = _fitting_units(samples, model, ("hPa", "cm"))
-    if len(fitting) < 2:
+    fitting = _fitting_units(samples, model, ("Pa", "hPa"))
+    if not fitting:
         return
+    fitting += _fitting_units(samples, model, ("cm",))
+    typical = float(np.median([_depth_m(s, model) for s in samples]))
     raise InputError(
-        "the depths are hundreds of metres: they are a pressure in hectopascals or centimetres of "
-        "water, which change alike",
+        f"half of the depths are {abs(typical):.4g} m and more: they are a pressure"
+        + (", or in centimetres, which change as hectopascals do" if len(fitting) > 1 else ""),
         where="pressure.unit",
         remedy=f"give pressure.unit = {' or '.join(fitting)}",
     )
