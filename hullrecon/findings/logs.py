@@ -181,8 +181,8 @@ NOTES: dict[str, Words] = {
     "stamps-fall-behind": "its stamps fall evenly behind when they were logged, by {seconds:.2f} s "
     "over the log: its clock is slow, or its messages waited longer and longer; they were kept",
     # streams of one sensor
-    "readings-not-finite": "{lost} of {count} readings are no finite numbers, or marked as lost, and "
-    "were left out",
+    "readings-not-finite": "{lost} of {count} readings are no finite numbers, or marked as lost, "
+    "and were left out",
     "ranges-all-lost": "every range is lost; it measures no distance to the hull",
     "velocities-absurd": "{count} velocities above {limit_m_s:.0f} m/s were taken as lost",
     "velocities-not-over-ground": "{lost} of {count} velocities are {what}, not over ground along "

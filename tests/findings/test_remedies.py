@@ -234,6 +234,8 @@ FOLLOWED = {
     "test_dvl_attitude_needs_its_mount_and_is_noted",
     "dive/logs/streams/pressure.py::_above_water": "dive/logs/test_streams.py::"
     "test_a_pressure_of_another_unit_is_refused_with_one_that_heals",
+    "dive/logs/read_streams.py::_note_unusable": "dive/logs/test_read_streams.py::"
+    "test_damaged_definition_costs_only_its_own_messages",
     "dive/logs/streams/pressure.py::_refuse_unclear_numbers": "dive/logs/test_streams.py::"
     "test_hectopascals_logged_as_depths_are_asked_for",
     "dive/logs/streams/joints.py::joint_samples": "dive/logs/test_streams.py::"

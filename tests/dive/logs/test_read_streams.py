@@ -166,6 +166,8 @@ def test_damaged_definition_costs_only_its_own_messages(kit, sensor, old, new):
         with pytest.raises(InputError, match="none of its 3 messages can be used: ") as caught:
             read_streams([log], {"/t": (sensor,)}, lambda *_: None)
         assert caught.value.line().isprintable()
+        assert "or leave topics.joints away" in caught.value.remedy
+        assert not read_streams([log], {}, lambda *_: None).notes
         return
     found = read_streams([log], {"/t": (sensor,)}, lambda *_: None)
     assert not found.samples[sensor]
