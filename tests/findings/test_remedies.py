@@ -214,6 +214,8 @@ FOLLOWED = {
     "test_no_room_to_unpack_is_one_line_and_leaves_nothing",
     "dive/logs/readers/water_linked.py::_read": "dive/readers/test_water_linked.py::"
     "test_file_of_timeless_reports_is_refused_with_remedy",
+    "dive/logs/sonar_geometry.py::evenly_spaced": "dive/logs/test_sonar_geometry.py::"
+    "test_ranges_that_are_no_sonars_are_refused",
     "dive/logs/sonar_geometry.py::choose_directions": "dive/logs/test_sonar_geometry.py::"
     "test_angles_that_do_not_fit_the_beams_are_refused",
     "dive/logs/sonar_geometry.py::ask_for_azimuths": "dive/logs/test_sonar_geometry.py::"

@@ -21,6 +21,8 @@ from hullrecon.typing import Array
 SAME_REACH = 0.01
 # difference of unit vectors, half a degree; the fans of two modes differ by tens of degrees
 SAME_FAN = 0.01
+OFF_PLANE = 0.5  # largest x of the unit vectors of a fan's beams
+COARSEST_M = 0.5  # from one sample to the next; an imaging sonar resolves millimetres to decimetres
 MEANING = (
     "the azimuth of each beam in degrees from the middle of the fan, growing from port to starboard"
 )
@@ -144,22 +146,45 @@ def image_in_ranges(sample: SonarSample, range_m: Array) -> NDArray[np.generic]:
     return np.where(nearest >= 0, sample.image[:, nearest], 0).astype(sample.image.dtype)
 
 
+def evenly_spaced(range_m: Array) -> Array:
+    """Return ranges (n,) m as they are if they are evenly spaced, else n that are, over their span.
+
+    Raises InputError for ranges that do not grow, or whose steps are no sonar's.
+    """
+    steps = np.diff(range_m)
+    if not len(steps):
+        return range_m
+    typical = float(np.median(steps))
+    if not (steps > 0).all() or typical > COARSEST_M:
+        what = f"grow by {typical:.3g} m from sample to sample"
+        raise InputError(
+            "the sonar's ranges "
+            + (
+                f"{what}: are they in centimetres or millimetres?" if typical > 0 else "do not grow"
+            ),
+            where="sonar",
+            remedy="log them in metres, growing, or leave topics.sonar away",
+        )
+    even = np.linspace(range_m[0], range_m[-1], len(range_m))
+    return even if np.abs(range_m - even).max() > 0.25 * typical else range_m
+
+
 def choose_directions(
     sample: SonarSample, azimuth_deg: Array | None, notes: list[Finding]
 ) -> Array:
     """Choose the directions (beams, 3) in `sonar` of a ping's beams: its own, else dive.toml's.
 
-    Raises InputError where neither says, or where azimuth_deg (beams,) of dive.toml describes
-    another number of beams, or does not grow. notes: a finding is added where azimuth_deg is given
-    but not used.
+    Its own are taken only where they are a fan. Raises InputError where neither says, or where
+    azimuth_deg (beams,) of dive.toml describes another number of beams, or does not grow. notes: a
+    finding is added where azimuth_deg is given but not used.
     """
-    if sample.directions is not None:
+    beams = len(sample.image)
+    if sample.directions is not None and _is_fan(sample.directions):
         if azimuth_deg is not None:
             notes.append(Finding("sonar-azimuths-unused", where="sonar"))
         return sample.directions
-    beams = len(sample.image)
     if azimuth_deg is None:
-        raise ask_for_azimuths(beams)
+        raise ask_for_azimuths(beams, sample.directions is not None)
     if len(azimuth_deg) != beams or not (np.diff(azimuth_deg) > 0).all():
         raise InputError(
             f"sonar.beam_azimuth_deg has {len(azimuth_deg)} angles for {beams} beams, or they do "
@@ -170,10 +195,36 @@ def choose_directions(
     return in_fan(np.radians(azimuth_deg))
 
 
-def ask_for_azimuths(beams: int) -> InputError:
-    """Make the error that asks for the azimuths of the sonar's beams."""
+@np.errstate(all="ignore")  # vectors of any values
+def _is_fan(directions: Array) -> bool:
+    """Tell whether directions (beams, 3) lie side by side in a plane near y and z.
+
+    Azimuths in degrees that were taken as radians point all around.
+    """
+    x, y, z = unit(directions).T
+    bearing = np.arctan2(y, z)
+    steps = np.diff(bearing)
+    return bool(
+        (np.abs(x) < OFF_PLANE).all()
+        and (np.abs(bearing) <= np.pi / 2).all()
+        and ((steps >= 0).all() or (steps <= 0).all())
+    )
+
+
+def ask_for_azimuths(beams: int, are_logged: bool = False) -> InputError:
+    """Make the error that asks for the azimuths of the sonar's beams.
+
+    are_logged: the log has directions, which are none.
+    """
+    what = f"nothing says where the sonar's {beams} beams point"
+    if are_logged:
+        what = (
+            f"the directions of the sonar's {beams} beams in the log are no fan around z, from one "
+            "side to the other: azimuths in degrees in place of radians, other axes, or not filled "
+            "in?"
+        )
     return InputError(
-        f"nothing says where the sonar's {beams} beams point",
+        what,
         where="sonar.beam_azimuth_deg",
         remedy=f"give {MEANING}, from the manufacturer; lenses do not space beams evenly",
     )

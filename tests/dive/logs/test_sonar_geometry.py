@@ -83,6 +83,43 @@ def test_pings_whose_directions_were_never_filled_in_are_one_fan():
     assert len(pings_of_one_window(empty, [])[0]) == 3
 
 
+@pytest.mark.parametrize(
+    "directions",
+    [
+        in_fan(AZIMUTH_DEG),  # taken as radians
+        np.zeros((BEAMS, 3)),  # never filled in
+        in_fan(np.radians(AZIMUTH_DEG))[:, [2, 1, 0]],  # around x
+    ],
+)
+def test_directions_that_are_no_fan_are_asked_for(directions):
+    samples = [dataclasses.replace(ping(0), directions=directions)]
+    with pytest.raises(InputError, match="are no fan around z"):
+        sonar_pings(samples, [])
+    healed = sonar_pings(samples, [], AZIMUTH_DEG)
+    np.testing.assert_allclose(healed.directions, ping(0).directions)
+
+
+def test_beams_may_be_listed_from_either_side():
+    turned = dataclasses.replace(ping(0), directions=ping(0).directions[::-1])
+    np.testing.assert_allclose(sonar_pings([turned], []).directions, turned.directions)
+
+
+@pytest.mark.parametrize(("unit", "why"), [(1000, "millimetres"), (100, "centi"), (0, "not grow")])
+def test_ranges_that_are_no_sonars_are_refused(unit, why):
+    samples = [dataclasses.replace(ping(0), range_m=unit * ping(0).range_m)]
+    with pytest.raises(InputError, match=f"{why}.*log them in metres, growing"):
+        sonar_pings(samples, [])
+    assert sonar_pings([ping(0)], []) is not None
+
+
+def test_ranges_that_are_not_even_are_put_onto_even_ones():
+    """The mosaic looks pixels up by an even step."""
+    uneven = np.linspace(1.0, 2.0, 50) ** 2
+    found = sonar_pings([dataclasses.replace(ping(0), range_m=uneven)], [])
+    assert np.diff(found.range_m) == pytest.approx(3 / 49)
+    assert np.abs(uneven[found.image[0, 0]] - found.range_m).max() < 0.041  # half a bin
+
+
 def test_pings_of_one_window_stay_as_they_are():
     samples = [ping(0), ping(1)]
     kept, range_m = pings_of_one_window(samples, [])

@@ -337,7 +337,7 @@ def test_rates_in_degrees_and_axes_of_another_convention_are_put_right():
     assert turn.magnitude() < 1e-9
 
 
-def sonar(t, image, reach=3.0):
+def sonar(t, image, reach=1.5):
     image = np.asarray(image)
     directions = np.stack(
         [np.zeros(len(image)), np.zeros(len(image)), np.full(len(image), 2.0)], axis=1
@@ -348,7 +348,7 @@ def sonar(t, image, reach=3.0):
 def test_sonar_pings_of_another_range_are_left_out_and_counted():
     notes = []
     pixels = np.zeros((2, 3), np.uint8)
-    found = sonar_pings([sonar(0, pixels), sonar(1, pixels, 5.0), sonar(2, pixels)], notes)
+    found = sonar_pings([sonar(0, pixels), sonar(1, pixels, 1.8), sonar(2, pixels)], notes)
     assert found.t_ns.tolist() == [0, 2]
     assert found.directions[0] == pytest.approx([0, 0, 1])
     assert "1 of 3 pings" in notes[0].sentence

@@ -23,7 +23,8 @@ WIDTHS = {1: "u1", 2: "u2", 4: "u4"}  # bytes a pixel, of messages that name no 
 def projected_sonar(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read ProjectedSonarImage. The pixel of range bin r and beam b lies at r * beam_count + b.
 
-    Raises DamagedError where beams, ranges and pixels do not fit together, or there are none.
+    Without any direction, where the beams point is left to dive.toml. Raises DamagedError where
+    beams, ranges and pixels do not fit together, or there are none.
     """
     if int(message.image.dtype) not in DTYPES:
         raise DamagedError(f"a sonar image of data type {message.image.dtype}")
@@ -32,13 +33,16 @@ def projected_sonar(message: Fields, t_ns: int, role: str) -> list[Sample]:
     range_m = np.asarray(message.ranges, float)
     pixels = np.frombuffer(bytes(message.image.data), order + DTYPES[int(message.image.dtype)])
     beams = int(message.image.beam_count)
-    if beams != len(directions) or pixels.size != beams * len(range_m) or not pixels.size:
+    if len(directions) not in (0, beams) or pixels.size != beams * len(range_m) or not pixels.size:
         raise DamagedError(
             f"a sonar image of {pixels.size} pixels for {beams} beams and {len(range_m)} ranges"
         )
     return [
         SonarSample(
-            t_ns, np.ascontiguousarray(pixels.reshape(len(range_m), beams).T), directions, range_m
+            t_ns,
+            np.ascontiguousarray(pixels.reshape(len(range_m), beams).T),
+            directions if len(directions) else None,
+            range_m,
         )
     ]
 

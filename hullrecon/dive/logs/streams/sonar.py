@@ -14,6 +14,7 @@ from hullrecon.dive.logs.ping_spool import Images, KeepImages, bright_pixel
 from hullrecon.dive.logs.samples import SonarSample, stamps
 from hullrecon.dive.logs.sonar_geometry import (
     choose_directions,
+    evenly_spaced,
     image_in_ranges,
     pings_of_one_window,
 )
@@ -65,12 +66,13 @@ def sonar_pings(
     Raises
     ------
     InputError
-        Nothing says where the beams point.
+        Nothing says where the beams point, or the ranges are no sonar's.
     """
     kept, range_m = pings_of_one_window(samples, notes)
     if not kept:
         return None
     directions = choose_directions(kept[0], azimuth_deg, notes)
+    range_m = evenly_spaced(np.asarray(range_m, float))
     scale = _scale_to_eight_bits(kept, notes)
     shape = (len(kept), len(directions), len(range_m))
     image = keep(
@@ -80,7 +82,7 @@ def sonar_pings(
         t_ns=stamps(kept),
         image=image,
         directions=unit(directions),
-        range_m=np.asarray(range_m, float),
+        range_m=range_m,
     )
 
 
