@@ -103,6 +103,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit code."""
     # One thread for BLAS: sums must not depend on the number of cores. Worker processes inherit it.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # What OpenCV cannot decode is said once, not by its own lines for each picture
+    os.environ.setdefault("OPENCV_LOG_LEVEL", "ERROR")
     listen()
     write_out_what_cannot_be_encoded()
     state = CallState()

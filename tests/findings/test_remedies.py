@@ -234,6 +234,8 @@ FOLLOWED = {
     "test_an_orientation_that_is_never_filled_in_is_refused",
     "dive/logs/streams/imu.py::_require_mount_of_dvl": "dive/logs/test_attitude_depth.py::"
     "test_dvl_attitude_needs_its_mount_and_is_noted",
+    "dive/logs/readers/pd0.py::_without_ensembles": "dive/readers/test_pd0.py::"
+    "test_hexadecimal_text_is_refused_until_it_is_binary",
     "dive/logs/streams/pressure.py::_above_water": "dive/logs/test_streams.py::"
     "test_a_pressure_of_another_unit_is_refused_with_one_that_heals",
     "dive/logs/read_streams.py::_note_unusable": "dive/logs/test_read_streams.py::"

@@ -16,7 +16,6 @@ from hullrecon.dive.files import read_regular
 from hullrecon.dive.images.encoded import check_image, significant_bits, turn_in_exif
 from hullrecon.dive.images.store import LARGEST_BYTES
 from hullrecon.dive.logs.readers.unpack import printable
-from hullrecon.dive.logs.republished import is_even
 from hullrecon.dive.logs.samples import ImageSample
 from hullrecon.dive.logs.timeline import put_in_order
 from hullrecon.errors import InputError
@@ -116,7 +115,8 @@ class ImageSink:
                 what = f"the only image of {self._camera} cannot be read"
             raise InputError(
                 what,
-                remedy="see that the files are there and whole",
+                remedy="see that they are there and whole, in a form that docs/dive_package.md "
+                "names (JPEG, PNG, TIFF of 8 or 16 bits, ...)",
             )
         usable = [row[-1] for row in self._rows]
         listed = self._without_copies(notes)
@@ -139,15 +139,15 @@ class ImageSink:
     def _without_copies(
         self, notes: list[Finding]
     ) -> list[tuple[int, int, int, str, int, int, bool]]:
-        """List the images without those that a driver published again, or a table holds twice.
+        """List the images without those whose bytes repeat the one before, or a table holds twice.
 
-        Images with equal bytes are left out only where they come at an even rate: a vehicle at rest
-        may also take two equal ones.
+        No camera sees the same to the last byte twice: a driver published the image again, or the
+        camera had stopped. Of a vehicle at rest they tell nothing new.
         """
-        rows, again = self._rows, np.array(self._again)
-        if is_even(again):
-            counts = {"repeated": int(again.sum()), "count": len(rows)}
-            notes.append(Finding("readings-republished", counts, self._camera))
+        rows, repeated = self._rows, sum(self._again)
+        if repeated:
+            counts = {"repeated": repeated, "count": len(rows)}
+            notes.append(Finding("images-repeated", counts, self._camera))
             rows = [row for row, is_old in zip(rows, self._again, strict=True) if not is_old]
         listed = list(dict.fromkeys(rows))
         if len(listed) < len(rows):

@@ -55,7 +55,14 @@ def test_pictures_that_a_driver_publishes_again_are_read_once(tmp_path, jpegs):
     pictures = [jpegs[k // 2 % 2] for k in range(60)]
     index, notes = take(sink(tmp_path)[0], *(image(t, each) for t, each in enumerate(pictures)))
     assert index.t_ns.tolist() == list(range(0, 60, 2))
-    assert "30 of 60 readings repeat the one before" in notes[0].sentence
+    assert "30 of 60 images repeat the one before" in notes[0].sentence
+
+
+def test_pictures_of_a_camera_that_stopped_for_a_while_are_left_out(tmp_path, jpegs):
+    pictures = [jpegs[k] for k in (0, 1, 1, 1, 2, 0)]
+    index, notes = take(sink(tmp_path)[0], *(image(t, each) for t, each in enumerate(pictures)))
+    assert index.t_ns.tolist() == [0, 1, 4, 5]
+    assert "2 of 6 images repeat the one before" in notes[0].sentence
 
 
 @pytest.mark.parametrize("bad", [b"", b"no image", "half", "turned"])
@@ -99,7 +106,7 @@ def test_files_stay_where_they_are(tmp_path, jpegs):
 def test_images_of_which_none_is_whole_are_refused_until_they_are(tmp_path, jpegs):
     with pytest.raises(InputError, match="the only image of camera_top cannot be read") as caught:
         take(sink(tmp_path)[0], image(10, jpegs[0][:200]))
-    assert caught.value.remedy == "see that the files are there and whole"
+    assert caught.value.remedy.startswith("see that they are there and whole, in a form that")
     assert len(take(sink(tmp_path)[0], image(10, jpegs[0]))[0].t_ns) == 1
 
 

@@ -13,8 +13,10 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.formats import pd0_ensemble
 from hullrecon.dive.logs.formats.pd0_ensemble import Ensemble, ensembles, parse
+from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.readers.pd0 import Pd0Log, earth_from_instrument, from_beams, to_sample
 from hullrecon.dive.logs.readers.unpack import DamagedError, fields
+from hullrecon.errors import InputError
 from hullrecon.findings.finding import sentences
 
 QUICK = settings(
@@ -208,6 +210,26 @@ def test_a_file_without_bottom_track_says_so(tmp_path):
     (tmp_path / "x.pd0").write_bytes(ensemble_bytes(1, ranges=(0, 0, 0, 0), velocity=(-32768,) * 4))
     _, log = read(tmp_path / "x.pd0")
     assert sentences(log.notes)[0].startswith("no ensemble has a bottom track")
+
+
+def test_hexadecimal_text_is_refused_until_it_is_binary(tmp_path):
+    path = tmp_path / "x.pd0"
+    content = ensemble_bytes(1) + ensemble_bytes(2)
+    path.write_bytes(content.hex().encode())
+    with pytest.raises(InputError, match="no whole ensemble: it is the hexadecimal text") as caught:
+        read(path)
+    assert "xxd -r -p" in caught.value.remedy
+    path.write_bytes(bytes.fromhex(path.read_text()))
+    assert len(read(path)[0]) == 2
+
+
+def test_a_file_of_another_name_is_known_behind_a_greeting(tmp_path):
+    path = tmp_path / "x.000"
+    path.write_bytes(b"[BREAK Wakeup A]\r\n>CS\r\n" + ensemble_bytes(1))
+    assert isinstance(open_log(path), Pd0Log)
+    path.write_bytes(b"[BREAK Wakeup A]\r\n>CS\r\n\x7f\x7f" + bytes(300))
+    with pytest.raises(InputError, match="no log that is read here"):
+        open_log(path)
 
 
 def test_wrong_checksum_loses_one_ensemble_with_its_place(tmp_path):

@@ -69,6 +69,11 @@ def is_pd0(start: bytes) -> bool:
     )
 
 
+def holds_ensemble(start: bytes) -> bool:
+    """Tell whether a whole ensemble lies in the first bytes of a file, as behind a greeting."""
+    return any(_ensemble_at(start, int(at))[0] is not None for at in _checked_starts(start))
+
+
 def ensembles(stream: BinaryIO) -> Iterator[tuple[int, int, Ensemble | str]]:
     """Yield each ping (start, end, ensemble), and each stretch of other bytes (start, end, why).
 
@@ -114,7 +119,7 @@ def _checked_starts(data: bytes) -> NDArray[np.intp]:
     start = np.flatnonzero((values[:-3] == MAGIC[0]) & (values[1:-2] == MAGIC[1]))
     count = values[start + 2] + 256 * values[start + 3]
     fits = start + count + 2 <= len(values)
-    start, count = start[fits], count[fits]
+    start, count = start[fits], count[fits].astype(np.intp)
     end = start + count
     holds = (running[end] - running[start]) % 65536 == values[end] + 256 * values[end + 1]
     return np.asarray(start[holds], np.intp)

@@ -106,6 +106,8 @@ def open_log(path: Path, package: Path | None = None) -> Log:
         return PackedLog(path, by_name)
     if by_name is not None and not (start.startswith(LFS_POINTER) or is_page(start)):
         found.append(by_name)
+    if not found and pd0_ensemble.holds_ensemble(start):
+        found.append(Pd0Log)
     if not found:
         raise _not_read(name, where, *describe_file(path, start))
     return found[0](path)
@@ -185,6 +187,7 @@ def is_log_of_any_name(start: bytes) -> bool:
     return (
         pd0_ensemble.is_pd0(start)
         or is_ad2cp(start)
+        or pd0_ensemble.holds_ensemble(start)
         or any(start.startswith(magic) for magic in TELLING)
     )
 

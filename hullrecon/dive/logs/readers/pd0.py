@@ -13,10 +13,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from hullrecon.dive.logs.formats import pd0_ensemble
 from hullrecon.dive.logs.formats.pd0_ensemble import Ensemble, ensembles
 from hullrecon.dive.logs.readers.file_log import FileLog
 from hullrecon.dive.logs.readers.protocol import Channel, Message
+from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.dive.logs.samples import DepthSample, DvlSample, ImuSample
+from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.frames import NED_FROM_ENU
 from hullrecon.typing import Array
@@ -24,6 +27,7 @@ from hullrecon.typing import Array
 CHANNEL, ATTITUDE, DEPTH = (
     Channel(sensor, "Teledyne PD0", "sample") for sensor in ("dvl", "imu", "pressure")
 )
+HEX_MAGIC = pd0_ensemble.MAGIC.hex().upper().encode()
 DVL_FROM_INSTRUMENT = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])
 LOST = np.full(3, np.nan)
 AZIMUTH_RAD = np.radians([-90.0, 90.0, 0.0, 180.0])  # of beams 1 to 4 about z of `dvl`
@@ -39,6 +43,7 @@ class Pd0Log(FileLog):
         """Yield velocity, attitude and depth of each ensemble.
 
         Attitudes of exactly zero and depths of zero are left out: it has no such sensor then.
+        Raises InputError for a file without any whole ensemble.
         """
         frames, has_bottom = set(), False
         with self.path.open("rb") as stream:
@@ -60,9 +65,24 @@ class Pd0Log(FileLog):
                         DepthSample(found.t_ns, found.depth_m, is_up=False, of_dvl=True),
                     )
         self._tracker.finish()
-        if frames and not has_bottom:
+        if not frames:
+            raise self._without_ensembles()
+        if not has_bottom:
             self.notes.append(Finding("pd0-no-bottom"))
-        self.notes.append(Finding("pd0-read", {"frames": " and ".join(sorted(frames)) or "no"}))
+        self.notes.append(Finding("pd0-read", {"frames": " and ".join(sorted(frames))}))
+
+    def _without_ensembles(self) -> InputError:
+        """Make the error for a file that holds no whole ensemble: it may be hexadecimal text."""
+        with self.path.open("rb") as stream:
+            is_text = stream.read(len(HEX_MAGIC)).upper() == HEX_MAGIC
+        return InputError(
+            f"{printable(self.path.name)} holds no whole ensemble"
+            + (": it is the hexadecimal text of PD0" if is_text else ""),
+            where=printable(str(self.path.parent)),
+            remedy="write it in binary, by `xxd -r -p`"
+            if is_text
+            else "give it as the DVL's software recorded it, or leave it out of logs.files",
+        )
 
 
 def to_sample(ping: Ensemble) -> DvlSample:
