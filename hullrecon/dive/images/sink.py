@@ -13,7 +13,12 @@ from typing import BinaryIO
 import numpy as np
 
 from hullrecon.dive.files import read_regular
-from hullrecon.dive.images.encoded import check_image, significant_bits, turn_in_exif
+from hullrecon.dive.images.encoded import (
+    check_image,
+    gray_of_mosaic,
+    significant_bits,
+    turn_in_exif,
+)
 from hullrecon.dive.images.store import LARGEST_BYTES
 from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.dive.logs.samples import ImageSample
@@ -56,13 +61,14 @@ class ImageSink:
         self._last, self._again = b"", list[bool]()  # the last image; which rows repeat it
         self._sizes: Counter[tuple[int, int]] = Counter()  # images by width and height
         self._largest: int | None = None  # value in the images of 16 bits
+        self._mosaics = 0  # images that were Bayer mosaics
         self._turn = ""  # that EXIF asks for in the first image, in words
 
     def take(self, sample: ImageSample, logged_ns: int, log: int) -> None:
         """Check one image and keep its bytes, unless they lie in a file of the package.
 
-        Images that cannot be used are listed too, so that their stamps count. Raises InputError
-        where none of the first PATIENCE has the calibration's size.
+        Of a Bayer mosaic its gray is kept. Images that cannot be used are listed too, so that their
+        stamps count. Raises InputError where none of the first PATIENCE has the calibration's size.
 
         logged_ns: when it was logged. log: the number of its log.
         """
@@ -77,10 +83,12 @@ class ImageSink:
             self._sizes[size] += 1
         if found.largest is not None and size == self._size:
             self._largest = max(found.largest, self._largest or 0)
-        offset, kept = (0, 0) if sample.file else (self._keep(encoded), len(encoded))
-        self._rows.append(
-            (sample.t_ns, logged_ns, log, sample.file, offset, kept, size == self._size)
-        )
+        file = sample.file
+        if found.is_mosaic:
+            encoded, file = gray_of_mosaic(encoded), ""
+            self._mosaics += 1
+        offset, kept = (0, 0) if file else (self._keep(encoded), len(encoded))
+        self._rows.append((sample.t_ns, logged_ns, log, file, offset, kept, size == self._size))
         if len(self._rows) == PATIENCE:
             self._check_size()
 
@@ -198,6 +206,9 @@ class ImageSink:
         if others:
             values = {"others": others, "count": count}
             out.append(Finding("images-other-size", values, self._camera))
+        if self._mosaics:
+            values = {"mosaics": self._mosaics, "count": count}
+            out.append(Finding("images-mosaic", values, self._camera))
         if self._largest is not None:
             deep = {"largest": self._largest, "bits": bits}
             out.append(Finding("images-deep", deep, self._camera))

@@ -65,6 +65,38 @@ def test_pictures_of_a_camera_that_stopped_for_a_while_are_left_out(tmp_path, jp
     assert "2 of 6 images repeat the one before" in notes[0].sentence
 
 
+def smooth_colours(width=64, height=48) -> np.ndarray:
+    """Blue, green, red (h, w, 3) of a bluish scene that changes from place to place."""
+    y, x = np.mgrid[:height, :width]
+    waves = np.stack([np.sin(x / 7 + y / 9 + k) for k in range(3)], axis=2)
+    return np.clip(waves * 30 + (150, 90, 40), 0, 255)
+
+
+@pytest.mark.parametrize("pattern", ["rggb", "gbrg"])
+@pytest.mark.parametrize("scale", [1, 16])
+def test_a_mosaic_in_a_gray_picture_is_read_as_gray_whatever_its_pattern(tmp_path, pattern, scale):
+    colours = smooth_colours() * scale
+    mosaic = np.empty(colours.shape[:2])
+    for site, colour in enumerate(pattern):
+        y, x = divmod(site, 2)
+        mosaic[y::2, x::2] = colours[y::2, x::2, "bgr".index(colour)]
+    dtype = np.uint8 if scale == 1 else np.uint16
+    (tmp_path / "a.png").write_bytes(bytes(cv2.imencode(".png", mosaic.astype(dtype))[1]))
+    store, file = sink(tmp_path)
+    index, notes = take(store, image(0, file="a.png"))
+    assert index.file.tolist() == [""]
+    assert "1 of 1 images are Bayer mosaics" in notes[0].sentence
+    found = decode(file.getvalue(), int(index.bits))[4:-4, 4:-4, 0]
+    wanted = (smooth_colours() * (0.25, 0.5, 0.25)).sum(axis=2)[4:-4, 4:-4]
+    assert np.abs(found - wanted).max() < 4
+
+
+def test_pictures_and_noise_are_no_mosaics(tmp_path):
+    noise = np.random.default_rng(3).integers(0, 255, (48, 64)).astype(np.uint8)
+    for pixels in (smooth_colours()[:, :, 1].astype(np.uint8), noise):
+        assert not check_image(bytes(cv2.imencode(".png", pixels)[1])).is_mosaic
+
+
 @pytest.mark.parametrize("bad", [b"", b"no image", "half", "turned"])
 def test_corrupt_image_is_kept_as_unusable_and_counted(tmp_path, jpegs, bad):
     spoilt = {"half": jpegs[1][: len(jpegs[1]) // 2], "turned": jpegs[1][:-2]}.get(bad, bad)
