@@ -22,7 +22,7 @@ SAME_REACH = 0.01
 # difference of unit vectors, half a degree; the fans of two modes differ by tens of degrees
 SAME_FAN = 0.01
 OFF_PLANE = 0.5  # largest x of the unit vectors of a fan's beams
-COARSEST_M = 0.5  # from one sample to the next; an imaging sonar resolves millimetres to decimetres
+FARTHEST_M = 200.0  # no imaging sonar sees a hull from farther away
 MEANING = (
     "the azimuth of each beam in degrees from the middle of the fan, growing from port to starboard"
 )
@@ -149,24 +149,21 @@ def image_in_ranges(sample: SonarSample, range_m: Array) -> NDArray[np.generic]:
 def evenly_spaced(range_m: Array) -> Array:
     """Return ranges (n,) m as they are if they are evenly spaced, else n that are, over their span.
 
-    Raises InputError for ranges that do not grow, or whose steps are no sonar's.
+    Raises InputError for ranges that do not grow, or beyond those of any sonar at a hull.
     """
-    steps = np.diff(range_m)
-    if not len(steps):
-        return range_m
-    typical = float(np.median(steps))
-    if not (steps > 0).all() or typical > COARSEST_M:
-        what = f"grow by {typical:.3g} m from sample to sample"
+    steps, farthest = np.diff(range_m), float(range_m.max())
+    if not (steps > 0).all() or farthest > FARTHEST_M:
         raise InputError(
-            "the sonar's ranges "
-            + (
-                f"{what}: are they in centimetres or millimetres?" if typical > 0 else "do not grow"
-            ),
+            f"the sonar's ranges reach {farthest:.4g} m: are they in centimetres or millimetres?"
+            if farthest > FARTHEST_M
+            else "the sonar's ranges do not grow from sample to sample",
             where="sonar",
             remedy="log them in metres, growing, or leave topics.sonar away",
         )
+    if not len(steps):
+        return range_m
     even = np.linspace(range_m[0], range_m[-1], len(range_m))
-    return even if np.abs(range_m - even).max() > 0.25 * typical else range_m
+    return even if np.abs(range_m - even).max() > 0.25 * float(steps.mean()) else range_m
 
 
 def choose_directions(

@@ -146,9 +146,16 @@ class Database:
         return low if isinstance(low, int) else HIGHEST
 
     def _pages(self) -> int:
-        """Count the pages of the database. 0 where that cannot be read."""
+        """Count the pages of the database that are there. 0 where that cannot be read.
+
+        The header of a file that was cut off or damaged may state any number.
+        """
         try:
-            return int(self.connection.execute("PRAGMA page_count").fetchone()[0])
+            stated, size = (
+                int(self.connection.execute(f"PRAGMA page_{what}").fetchone()[0])
+                for what in ("count", "size")
+            )
+            return min(stated, self._size // size + 1)
         except READ_ERRORS:
             return 0
 
