@@ -260,8 +260,8 @@ NOTES: dict[str, Words] = {
     'type are, with position.source = "acoustic"',
     # images
     "images-bad": "{bad} of {count} images are missing or damaged and are left out",
-    "images-mosaic": "{mosaics} of {count} images are Bayer mosaics stored as gray pictures: their "
-    "gray is used, which of their pixels are red or blue is not known",
+    "images-mosaic": "{mosaics} of {count} images are Bayer mosaics stored as gray pictures: they "
+    "are used as they are, without colours",
     "images-repeated": "{repeated} of {count} images repeat the one before to the last byte, as no "
     "camera sees twice; they were left out",
     "images-other-size": "{others} of {count} images have another size and are left out",

@@ -124,22 +124,6 @@ def _is_mosaic(image: NDArray[np.integer]) -> bool:
     return all(steps)
 
 
-def gray_of_mosaic(encoded: bytes) -> bytes:
-    """Convert a Bayer mosaic, stored as a gray picture, to a gray PNG of as many bits.
-
-    Whichever colour a pixel has, a quarter of its new value is of red, half of green and a quarter
-    of blue, so that the mosaic's pattern need not be known.
-    """
-    import cv2
-
-    image = _decode(encoded, ANY_DEPTH_AND_COLOR)
-    assert image is not None  # `check_image` decoded it
-    gray = image if image.ndim == 2 else image[:, :, 0]
-    weights = np.array([0.25, 0.5, 0.25])
-    mixed = cv2.sepFilter2D(np.ascontiguousarray(gray), -1, weights, weights)
-    return bytes(cv2.imencode(".png", mixed)[1])
-
-
 def decode(encoded: bytes, bits: int = 16) -> Pixels | None:
     """Decode an image into (h, w, 3) RGB, without EXIF rotation.
 

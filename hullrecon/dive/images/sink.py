@@ -15,7 +15,6 @@ import numpy as np
 from hullrecon.dive.files import read_regular
 from hullrecon.dive.images.encoded import (
     check_image,
-    gray_of_mosaic,
     significant_bits,
     turn_in_exif,
 )
@@ -67,8 +66,8 @@ class ImageSink:
     def take(self, sample: ImageSample, logged_ns: int, log: int) -> None:
         """Check one image and keep its bytes, unless they lie in a file of the package.
 
-        Of a Bayer mosaic its gray is kept. Images that cannot be used are listed too, so that their
-        stamps count. Raises InputError where none of the first PATIENCE has the calibration's size.
+        Images that cannot be used are listed too, so that their stamps count. Raises InputError
+        where none of the first PATIENCE has the calibration's size.
 
         logged_ns: when it was logged. log: the number of its log.
         """
@@ -83,12 +82,11 @@ class ImageSink:
             self._sizes[size] += 1
         if found.largest is not None and size == self._size:
             self._largest = max(found.largest, self._largest or 0)
-        file = sample.file
-        if found.is_mosaic:
-            encoded, file = gray_of_mosaic(encoded), ""
-            self._mosaics += 1
-        offset, kept = (0, 0) if file else (self._keep(encoded), len(encoded))
-        self._rows.append((sample.t_ns, logged_ns, log, file, offset, kept, size == self._size))
+        self._mosaics += found.is_mosaic
+        offset, kept = (0, 0) if sample.file else (self._keep(encoded), len(encoded))
+        self._rows.append(
+            (sample.t_ns, logged_ns, log, sample.file, offset, kept, size == self._size)
+        )
         if len(self._rows) == PATIENCE:
             self._check_size()
 

@@ -74,21 +74,14 @@ def smooth_colours(width=64, height=48) -> np.ndarray:
 
 @pytest.mark.parametrize("pattern", ["rggb", "gbrg"])
 @pytest.mark.parametrize("scale", [1, 16])
-def test_a_mosaic_in_a_gray_picture_is_read_as_gray_whatever_its_pattern(tmp_path, pattern, scale):
+def test_a_mosaic_in_a_gray_picture_is_named(tmp_path, pattern, scale):
     colours = smooth_colours() * scale
-    mosaic = np.empty(colours.shape[:2])
+    mosaic = np.empty(colours.shape[:2], np.uint8 if scale == 1 else np.uint16)
     for site, colour in enumerate(pattern):
         y, x = divmod(site, 2)
         mosaic[y::2, x::2] = colours[y::2, x::2, "bgr".index(colour)]
-    dtype = np.uint8 if scale == 1 else np.uint16
-    (tmp_path / "a.png").write_bytes(bytes(cv2.imencode(".png", mosaic.astype(dtype))[1]))
-    store, file = sink(tmp_path)
-    index, notes = take(store, image(0, file="a.png"))
-    assert index.file.tolist() == [""]
+    _, notes = take(sink(tmp_path)[0], image(0, bytes(cv2.imencode(".png", mosaic)[1])))
     assert "1 of 1 images are Bayer mosaics" in notes[0].sentence
-    found = decode(file.getvalue(), int(index.bits))[4:-4, 4:-4, 0]
-    wanted = (smooth_colours() * (0.25, 0.5, 0.25)).sum(axis=2)[4:-4, 4:-4]
-    assert np.abs(found - wanted).max() < 4
 
 
 def test_pictures_and_noise_are_no_mosaics(tmp_path):
