@@ -17,7 +17,7 @@ from hullrecon.vision.features.extraction import extract
 from hullrecon.vision.options import FeatureOptions
 from hullrecon.vision.stereo.node_view import NodeFeatures
 
-PAIRS = range(26, 42)
+PAIRS = range(26, 35)  # the others: end_to_end/test_seabed.py
 
 
 @pytest.fixture(scope="module")
@@ -45,11 +45,10 @@ def read(pair):
 
 
 @pytest.mark.slow
-def test_sixteen_real_pairs_make_one_chain_without_navigation(rig):
+def test_nine_real_pairs_make_one_chain_without_navigation(rig):
     found = follow_nodes(rig, PAIRS, read)
-    assert len(found) == 15
+    assert len(found) == 8
     assert None not in found
     steps = np.array([np.linalg.norm(step.motion.second_from_first[:3, 3]) for step in found])
     # 0.37 to 0.55 m by an independent reconstruction
-    assert ((steps[:-1] > 0.33) & (steps[:-1] < 0.58)).all()
-    assert steps[-1] == pytest.approx(0.11, abs=0.03)
+    assert ((steps > 0.33) & (steps < 0.58)).all()
