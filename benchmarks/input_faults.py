@@ -111,6 +111,17 @@ def scaled(factor: float, *names: str) -> Edit:
     return changed(lambda value: value * factor, *names)
 
 
+def of_sound(factor: float) -> Edit:
+    """Measure velocities, ranges and altitude with a speed of sound that is wrong by a factor."""
+    velocity = scaled(factor, *VELOCITY, "altitude")
+
+    def edit(message: Message, t_s: float) -> None:
+        velocity(message, t_s)
+        message.range = np.asarray(message.range) * np.float32(factor)
+
+    return edit
+
+
 def turned(matrix: np.ndarray, *names: str) -> Edit:
     """Express vectors in other axes."""
 
@@ -345,11 +356,17 @@ def _dvl(random: Random) -> dict[str, Fault]:
     while (order == np.arange(4)).all():
         order = random.permutation(4)
 
+    sound, axis = pick(random, 0.94, 0.97, 1.03, 1.06), int(random.integers(3))
+    offset_m_s = sign(random) * float(random.uniform(0.05, 0.3))
+    offset = changed(lambda value: value + offset_m_s, VELOCITY[axis])
+
     def fault(edit: Edit, size: str) -> Fault:
         return Fault(sensor="dvl", edits={"/dvl": edit}, size=size)
 
     return {
         "dvl-scale": fault(scaled(factor, *VELOCITY), f"velocity times {factor:g}"),
+        "dvl-sound": fault(of_sound(sound), f"velocity and ranges times {sound:g}"),
+        "dvl-offset": fault(offset, f"velocity {offset_m_s:+.2f} m/s along {'xyz'[axis]}"),
         "dvl-axes": fault(turned(SWAPS[axes], "velocity"), axes),
         "dvl-turned": fault(turned(about_z(angle), "velocity"), f"{angle:.0f} degrees about z"),
         "dvl-mount": Fault(
@@ -527,6 +544,11 @@ def _cad(random: Random) -> dict[str, Fault]:
     stretch = pick(random, 0.9, 1.1, 1.3)
 
     scale = mesh(lambda m: m.apply_scale(stretch))
+    skew_deg = sign(random) * float(random.uniform(10, 40))
+
+    def skewed(of: trimesh.Trimesh) -> None:
+        turn = trimesh.transformations.rotation_matrix(np.radians(skew_deg), [0, 0, 1])
+        of.apply_transform(turn)
 
     def fault(files: Files, size: str) -> Fault:
         return Fault(sensor="cad", files=files, size=size)
@@ -558,6 +580,7 @@ def _cad(random: Random) -> dict[str, Fault]:
         "cad-precision": fault(mesh(in_map), "in map coordinates"),
         "cad-axes": fault(mesh(y_up), "y upwards"),
         "cad-over": fault(mesh(turned_over), "upside down"),
+        "cad-turned": fault(mesh(skewed), f"by {skew_deg:.0f} degrees in plan"),
         "cad-end": fault(mesh(on_end), "on its end"),
         "cad-pose": fault(toml("pose", in_radians), "hull.pose in radians"),
         "cad-plates": fault(mesh(plated), "inner faces of its plates"),

@@ -23,6 +23,7 @@ FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a 
     "what dvl.mount says",
     ("DVL", "turn"): "it is turned about its axis: its velocities have to be turned by "
     "about {value} degrees",
+    ("DVL", "offset"): "the velocities are off by a constant, about {value} m/s along x, y, z",
     ("DVL", "ranges"): "its ranges have to be multiplied by {value}",
     ("DVL", "beams"): "its ranges are those of beams {value}, in another order than its beams have",
     ("DVL", "axes"): "the axes of the velocity are {value} of those that its convention has",

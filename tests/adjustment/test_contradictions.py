@@ -26,7 +26,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.adjustment import contradictions
 from hullrecon.adjustment.bundle_adjustment import adjust, solve_path
-from hullrecon.adjustment.contradictions import explain_refusal
+from hullrecon.adjustment.contradictions import believe_place, explain_refusal
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions
 from hullrecon.adjustment.results.summary import explained_as_well
 from hullrecon.adjustment.rounds import ACCEPTED, Phase, RoundSolver, Verdict
@@ -304,6 +304,31 @@ def trial(suspect, gain, rows, found=None):
 
 SOUND, MOUNT = trial("dvl-scale", 500.0, 1, -0.08), trial("dvl-mount", 480.0, 3, 0.03)
 DEPTHS, VELOCITIES = trial("pressure", 490.0, 100), trial("dvl-velocities", 510.0, 120)
+
+
+@pytest.mark.parametrize(
+    ("turned_deg", "scale", "words"),
+    [
+        (3.0, 0.05, None),
+        (8.0, 0.0, "dvl.mount turned by 8.0 degrees"),
+        (0.0, -0.2, "20 times dvl.scale_sigma"),
+    ],
+)
+def test_what_a_cad_model_corrects_is_believed_as_far_as_a_sensor_may_be_wrong(
+    turned_deg, scale, words
+):
+    rig = simulate(**CAMERA_ONLY).measured.rig
+    mount = rig.tray_from_dvl @ records_poses(motion(0, 0, 0, 0, 0, turned_deg))
+    state = SimpleNamespace(
+        navigation=np.r_[scale, np.zeros(5)], mounts=replace(rig.mounts, tray_from_dvl=mount)
+    )
+    placed = SimpleNamespace(estimate=SimpleNamespace(state=state), verdict=ACCEPTED)
+    path = SimpleNamespace(first=object(), verdict=Verdict(suspects=(MOUNT,)))
+    if words is None:
+        assert believe_place(path, placed, rig, solver_of(rig)) is None
+        return
+    with pytest.raises(ContradictionError, match=words):
+        believe_place(path, placed, rig, solver_of(rig))
 
 
 def test_a_sensor_is_not_named_beside_its_own_error():

@@ -19,6 +19,7 @@ from hullrecon.geometry.charts.section_casting import AXES, first_station, hull_
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.units import METRES_PER_UNIT
 from hullrecon.geometry.poses import from_mount, up_in
+from hullrecon.typing import Array
 
 FARTHEST_M = 1000.0  # from where a dive begins to the ship that is inspected
 AFT_SHARE = 0.25  # of the length; no aft perpendicular lies farther from the aft end
@@ -26,6 +27,9 @@ AFT_SHARE = 0.25  # of the length; no aft perpendicular lies farther from the af
 # papers round to a decimetre, and models lack rails and fenders. Beyond the second it is not, and
 # no bulwark or overhang that was left out explains that.
 SAME_LENGTH, OTHER_LENGTH = 0.01, 0.05
+# A CAD model is turned in plan by more than these degrees, in a rectangle smaller by this factor. A
+# ship of seven times her beam, turned by 5 degrees, fills one 1.6 times as large.
+LEAST_TURN_DEG, SLIMMER = 5.0, 0.8
 
 
 def refuse_far_hull(hull: Hull, mesh: Mesh) -> None:
@@ -86,13 +90,22 @@ def check_length(hull: Hull, mesh: Mesh) -> list[Finding]:
     """Hold the CAD model's length against hull.length_overall, which tells its scale and unit.
 
     Nothing is found where the two agree, or where none is stated. A few per cent are a warning.
-    Raises InputError where the CAD model is not to scale, with the unit in which it would be.
+    Raises InputError where the CAD model is not to scale, with the unit in which it would be, or
+    where it is, and lies turned.
     """
     stated_m = hull.length_overall
     if stated_m is None:
         return []
-    forward = hull_axes(mesh.vertices, up_in(from_mount(hull.pose)), hull.bow)[0]
-    length_m = float(np.ptp(mesh.vertices @ forward))
+    axes = hull_axes(mesh.vertices, up_in(from_mount(hull.pose)), hull.bow)
+    length_m = float(np.ptp(mesh.vertices @ axes[0]))
+    turn_deg, turned_m = _turn_in_plan(mesh, axes)
+    if abs(turn_deg) > LEAST_TURN_DEG and not _is_apart(turned_m, stated_m, OTHER_LENGTH):
+        raise InputError(
+            f"the CAD model {hull.mesh} lies turned by {turn_deg:+.0f} degrees about its vertical: "
+            f"it is {turned_m:.1f} m long in that direction, and its axes are none of the ship's",
+            where="hull.mesh",
+            remedy=f"export it turned by {-turn_deg:+.0f} degrees, its length along an axis",
+        )
     if _is_apart(length_m, stated_m, OTHER_LENGTH):
         in_file = length_m / METRES_PER_UNIT[hull.units]
         fitting = [
@@ -112,6 +125,28 @@ def check_length(hull: Hull, mesh: Mesh) -> list[Finding]:
         values = {"length_m": length_m, "stated_m": stated_m}
         return [Finding("hull-length-differs", values, "the CAD model")]
     return []
+
+
+def _turn_in_plan(mesh: Mesh, axes: Array) -> tuple[float, float]:
+    """Find the direction in plan in which a mesh is slim, by the smallest rectangle around it.
+
+    axes (3, 3): rows forward, port, up in M.
+
+    Returns
+    -------
+    tuple
+        Its angle from forward towards port, deg, and the mesh's length in it, m.
+    """
+    plan = mesh.vertices @ axes[:2].T
+    degrees = np.arange(-45.0, 45.5, 0.5)
+    along = np.stack([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
+    across = np.stack([-along[1], along[0]])
+    length, width = (np.ptp(plan @ directions, axis=0) for directions in (along, across))
+    area = length * width
+    best = int(np.argmin(area))
+    if area[best] > SLIMMER * area[degrees == 0.0][0]:
+        best = int(np.flatnonzero(degrees == 0.0)[0])
+    return float(degrees[best]), float(length[best])
 
 
 def _is_apart(one_m: float, other_m: float, share: float) -> bool:

@@ -23,8 +23,9 @@ from hullrecon.findings.adjustment import WATER
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.rotations import mount_angles_deg
 from hullrecon.navigation.sensors.servo import FEW_READINGS, LEAST_TRAVEL_RAD, has_moved
-from hullrecon.navigation.suspects.comparisons.comparison import Sensor
+from hullrecon.navigation.suspects.comparisons.comparison import Comparison, Sensor
 from hullrecon.navigation.suspects.comparisons.images import Flow
+from hullrecon.navigation.suspects.comparisons.motions import Motions, compare
 from hullrecon.records.clock import NS
 from hullrecon.records.sensors import (
     DvlPings,
@@ -55,6 +56,7 @@ RADIANS_A_SECOND = {
 }
 # factors by which a length may be wrong, in steps so small that a comparison agrees at the nearest
 FACTORS = [*np.geomspace(0.5, 0.93, 10), *np.geomspace(1.07, 2.0, 10)]
+OFFSET_M_S = 0.3  # sigma of a constant error of a DVL's velocity that is tried
 SIZES = (0.25, 0.5, 2.0, 4.0)  # of a calibration's pictures over those logged, which were resized
 # changes of k1, in steps so small that a comparison agrees at the nearest
 RADIAL = [s * k for k in np.arange(0.05, 0.65, 0.05) for s in (1, -1)]
@@ -158,6 +160,7 @@ def hypotheses(
     if Sensor.DVL in sensors and dvl is not None:
         yield from _dvl_faults(records, dvl)
         yield from _dvl_mounts(records, dvl, rig.tray_from_dvl.rotation[0])
+        yield from _dvl_offset(records, dvl, rig, flows)
     if Sensor.RATES in sensors and imu is not None:
         yield from _rate_faults(records, imu)
     if imu is not None and sensors & {Sensor.ATTITUDE, Sensor.ACCELERATION}:
@@ -261,6 +264,36 @@ def _dvl_mounts(
             whole = replace(dvl, velocity=own.apply(dvl.velocity), beams=own.apply(dvl.beams))
             mended = replace(records, dvl=whole)
             yield Hypothesis(sensor=Sensor.DVL, fault="mount", value=f"{angle:d}", mended=mended)
+
+
+def _dvl_offset(
+    records: SensorRecords, dvl: DvlPings, rig: Rig, flows: Sequence[Flow]
+) -> Iterator[Hypothesis]:
+    """Yield a DVL whose velocities are all off by the same, fitted to all that it contradicts."""
+    motions = Motions(records, rig, flows)
+
+    def residuals(offset: Array) -> dict[str, Comparison]:
+        moved = replace(records, dvl=replace(dvl, velocity=dvl.velocity - offset))
+        found = compare(Motions(moved, rig, flows, motions))
+        return {one.kind: one for one in found if Sensor.DVL in one.sensors}
+
+    as_is, along = residuals(np.zeros(3)), [residuals(axis) for axis in OFFSET_M_S * np.eye(3)]
+    normal, right = np.eye(3), np.zeros(3)  # in OFFSET_M_S, which is the sigma of an offset
+    for kind, one in as_is.items():
+        moved = [other[kind].residual for other in along if kind in other]
+        if len(moved) < 3 or any(len(residual) != len(one.residual) for residual in moved):
+            continue
+        design = (np.column_stack(moved) - one.residual[:, None]) / one.sigma[:, None]
+        # errors that faultless sensors have are eliminated, each known to one sigma
+        other = one.by_nuisance / one.sigma[:, None]
+        inner = np.linalg.inv(other.T @ other + np.eye(other.shape[1]))
+        left = design - other @ (inner @ (other.T @ design))
+        normal += left.T @ design
+        right -= left.T @ (one.residual / one.sigma)
+    off = OFFSET_M_S * np.linalg.solve(normal, right)
+    mended = replace(records, dvl=replace(dvl, velocity=dvl.velocity - off))
+    value = ", ".join(f"{axis:+.2f}" for axis in off)
+    yield Hypothesis(sensor=Sensor.DVL, fault="offset", value=value, mended=mended)
 
 
 def _other_axes(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:

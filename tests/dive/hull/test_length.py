@@ -6,10 +6,12 @@ import re
 
 import pytest
 from dive.hull.shapes import box
+from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.check.hull_checks import check_length
 from hullrecon.dive.config.schema import Hull
 from hullrecon.errors import InputError
+from hullrecon.geometry.meshes.mesh import Mesh
 
 SHIP = box([0, -4, 0], [40, 4, 5])
 
@@ -39,3 +41,16 @@ def test_the_unit_that_gives_the_stated_length_heals():
 def test_a_model_that_lacks_an_end_is_warned_of():
     (found,) = checked(41.0)
     assert "2.4 % less than hull.length_overall" in found.sentence
+
+
+@pytest.mark.parametrize("turn_deg", [30.0, -30.0])
+def test_a_model_that_lies_turned_is_named_and_turned_back_it_heals(turn_deg):
+    def turned(mesh, degrees):
+        about = Rotation.from_euler("z", degrees, degrees=True)
+        return Mesh(about.apply(mesh.vertices), mesh.faces)
+
+    stated, skew = Hull(mesh="h.stl", units="m", length_overall=40.0), turned(SHIP, turn_deg)
+    with pytest.raises(InputError, match=rf"turned by \{turn_deg:+.0f} degrees") as refused:
+        check_length(stated, skew)
+    (back,) = re.findall(r"export it turned by (\S+) degrees", str(refused.value))
+    assert check_length(stated, turned(skew, float(back))) == []
