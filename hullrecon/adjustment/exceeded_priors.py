@@ -26,21 +26,15 @@ from hullrecon.adjustment.stereo_calibration import DVL_SCALE, widen_ranges
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses
 from hullrecon.rig import Rig
-from hullrecon.typing import Array
+from hullrecon.typing import Array, Mask
 
-MANY_SIGMAS = 4.0  # sigmas of a prior beyond which it is contradicted
-# A prior is widened only where the estimate without it is off by more than MANY_OF_ITS_OWN of its
-# own sigmas, and only if the dive takes away at least this share of the prior's variance. An
-# unknown that a dive hardly determines, as a lever arm along a straight leg, seems contradicted by
-# small errors of other sensors.
-MANY_OF_ITS_OWN = 8.0
-LEAST_GAINED = 0.25
-# The scale of the DVL is determined better, and five of its own sigmas suffice, as in
-# navigation/suspects, if a dive determines it at all (LEAST_TOLD of its prior's variance). With a
-# right prior x has the variance p^2 g: 78 dives without a wrong scale had 2.2 of these sigmas at
-# most, one with velocities 15 % too short 10.9.
+MANY_SIGMAS = 4.0  # sigmas of a prior beyond which a dive is said to contradict it
+# With a right prior x has the variance p^2 g. Beyond five of its sigmas it is no chance, as in
+# navigation/suspects, if the dive determines the unknown at all (LEAST_GAINED of its prior's
+# variance): scales of 78 dives without a wrong one had 2.2 at most, one with velocities 15 % too
+# short 10.9.
 SURPRISING = 5.0
-LEAST_TOLD = 0.01
+LEAST_GAINED = 0.01
 ROTATION = slice(3, 6)  # rows of a mount's prior
 # Errors of navigation whose priors may be widened. The sixth, the tray's backlash, is left out: its
 # prior is also that of each swing of the tray.
@@ -48,6 +42,32 @@ CONSTANT_ERRORS = 5
 MOUNTS = ("tray_from_top", "tray_from_dvl")
 # Blocks of the native problem by the priors that may be widened
 BLOCKS = {"navigation": "navigation", "tray_from_top": "T_s_ct", "tray_from_dvl": "T_s_d"}
+
+
+class WithoutPrior(NamedTuple):
+    """What a dive alone says of unknowns (k,), in sigmas of their priors."""
+
+    value: Array  # (k,)
+    sigma: Array  # (k,)
+    contradicts: Mask  # (k,) the prior
+
+
+def without_prior(deviation: Array, variance: Array) -> WithoutPrior:
+    """Take the priors of unknowns off their estimates.
+
+    Parameters
+    ----------
+    deviation
+        Distance (k,) of the estimates from the priors' means, in the priors' sigmas.
+    variance
+        Variance (k,) of the estimates, in squares of the priors' sigmas.
+    """
+    gained = np.maximum(1 - variance, 1e-9)  # g of the module's docstring
+    return WithoutPrior(
+        value=deviation / gained,
+        sigma=np.sqrt(np.maximum(variance, 0) / gained),
+        contradicts=(np.abs(deviation) > SURPRISING * np.sqrt(gained)) & (gained > LEAST_GAINED),
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,28 +82,16 @@ class _PriorDeviation:
 
         The covariance is expensive, so it is computed only where this is True.
         """
-        # With g the share of variance gained, `widening` asks for a deviation above both
-        # MANY_OF_ITS_OWN sqrt(g (1 - g)) and MANY_SIGMAS sqrt(g). The larger of the two bounds is
-        # smallest at g = LEAST_GAINED, and there it is the first.
-        return bool(
-            np.abs(self.deviation).max()
-            > MANY_OF_ITS_OWN * np.sqrt(LEAST_GAINED * (1 - LEAST_GAINED))
-        )
+        return bool(np.abs(self.deviation).max() > SURPRISING * np.sqrt(LEAST_GAINED))
 
     def widening(self, covariance: Array) -> Array:
         """Compute the factors (k,) by which the prior's sigmas have to grow, 1 where it holds.
 
         covariance (m, m): of the estimate, in the unknown's tangent.
         """
-        # P / p^2, g, x / g and its sigma of the module's docstring, in the prior's sigmas
-        posterior = np.diag(self.to_sigmas @ covariance @ self.to_sigmas.T)
-        gained = np.maximum(1 - posterior, 1e-9)
-        without_prior = np.abs(self.deviation) / gained
-        sigma = np.sqrt(np.maximum(posterior, 0) / gained)
-        is_contradicted = (without_prior > MANY_SIGMAS * np.hypot(1, sigma)) & (
-            without_prior > MANY_OF_ITS_OWN * sigma
-        )
-        return np.where(is_contradicted & (gained > LEAST_GAINED), without_prior, 1.0)
+        variance = np.diag(self.to_sigmas @ covariance @ self.to_sigmas.T)
+        alone = without_prior(self.deviation, variance)
+        return np.where(alone.contradicts, np.abs(alone.value), 1.0)
 
 
 def widen_exceeded_priors(path: Phase, solver: RoundSolver) -> Phase | None:
@@ -95,17 +103,13 @@ def widen_exceeded_priors(path: Phase, solver: RoundSolver) -> Phase | None:
     path: solved without the CAD model or with it.
     """
     solved = path.estimate
-    rig, state = solved.measured.rig, solved.state
-    allowed, found = rig.priors.navigation_sigma, state.navigation
-    priors = _prior_deviations(rig, state)
-    may_be_exceeded = any(prior.may_be_exceeded() for prior in priors.values())
-    # the least deviation at which `scale_without_prior` may find a contradiction
-    scale_may_be = abs(found[DVL_SCALE]) > SURPRISING * np.sqrt(LEAST_TOLD) * allowed[DVL_SCALE]
-    if path.last is None or not (may_be_exceeded or scale_may_be):
+    rig = solved.measured.rig
+    priors = _prior_deviations(rig, solved.state)
+    if path.last is None or not any(prior.may_be_exceeded() for prior in priors.values()):
         return None
     try:
         settings = solver.settings
-        if state.hull is None:
+        if solved.state.hull is None:
             settings = replace(settings, method="naive")
         covariance = join.covariance(
             path.last.problem, path.last.plan, settings, of_landmarks=False
@@ -115,9 +119,6 @@ def widen_exceeded_priors(path: Phase, solver: RoundSolver) -> Phase | None:
     widening = {
         name: prior.widening(getattr(covariance, BLOCKS[name])) for name, prior in priors.items()
     }
-    scale = scale_without_prior(found, allowed, covariance.navigation)
-    if scale is not None:
-        widening["navigation"][DVL_SCALE] = abs(scale.correction) / allowed[DVL_SCALE]
     if all((factor == 1).all() for factor in widening.values()):
         return None
     solver.report(f"priors that the dive contradicts are widened: {_describe(widening)}")
@@ -131,42 +132,6 @@ def widen_exceeded_priors(path: Phase, solver: RoundSolver) -> Phase | None:
         verdict = Verdict(length_conflict=share if rig.bottom is None else None)
     result = solver.solve_round(widened)
     return Phase.of((result,), result.after, verdict)
-
-
-class ScaleWithoutPrior(NamedTuple):
-    """Estimate of the DVL's scale by the dive alone, where it contradicts the scale's prior."""
-
-    correction: float  # share by which distances by the DVL have to be longer
-    sigma: float
-
-
-def scale_without_prior(
-    correction: Array, allowed: Array, covariance: Array
-) -> ScaleWithoutPrior | None:
-    """Estimate the DVL's scale without its prior. None where the dive does not contradict that.
-
-    Parameters
-    ----------
-    correction
-        Estimated errors of navigation (6,), in the order of RigPriors.navigation_sigma.
-    allowed
-        Prior sigmas (6,) that they were estimated with.
-    covariance
-        Covariance (6, 6) of the estimate.
-    """
-    x, prior, posterior = (
-        correction[DVL_SCALE],
-        allowed[DVL_SCALE] ** 2,
-        covariance[DVL_SCALE, DVL_SCALE],
-    )
-    gained = 1 - posterior / prior
-    if (
-        not np.isfinite(prior)
-        or gained < LEAST_TOLD
-        or abs(x) <= SURPRISING * np.sqrt(gained * prior)
-    ):
-        return None
-    return ScaleWithoutPrior(float(x / gained), float(np.sqrt(posterior / gained)))
 
 
 def contradicts_priors(path: Phase) -> bool:

@@ -187,3 +187,9 @@ def test_without_a_resolved_pattern_nothing_is_said():
         False,
         0.0,
     )
+
+
+def test_two_points_that_are_left_tell_no_form():
+    form = compared(CURVED, surveyed()[[0, 350]])
+    assert form.plane == pytest.approx(0.0, abs=1e-6)
+    assert not form.fits_better_than_plane

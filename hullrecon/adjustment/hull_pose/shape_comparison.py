@@ -156,7 +156,10 @@ def compare_shape(evidence: HullPoseEvidence, pose: Poses) -> ShapeComparison:
 def _distance_to_plane(at: Array) -> Array:
     """Compute the signed distances (n,) of points (n, 3) to the plane that fits them best."""
     from_middle = at - at.mean(axis=0)
-    return np.asarray(from_middle @ np.linalg.svd(from_middle, full_matrices=False)[2][2])
+    # Few points are left where the others contradict them. Through two of them planes are many, and
+    # only the whole basis has a normal of one.
+    axes = np.linalg.svd(from_middle, full_matrices=len(at) < 3)[2]
+    return np.asarray(from_middle @ axes[2])
 
 
 def _distances_by_open_directions(jacobian: Array, cad_model: CadModel, noise: float) -> Array:

@@ -10,15 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hullrecon.adjustment.exceeded_priors import (
-    MANY_OF_ITS_OWN,
-    MANY_SIGMAS,
-    displacement,
-    scale_without_prior,
-)
+from hullrecon.adjustment.exceeded_priors import MANY_SIGMAS, displacement, without_prior
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
+# An error is said to be far off only beyond so many of its own sigmas
+MANY_OF_ITS_OWN = 8.0
 ALONG = 2  # index of the shift along an instrument's axis
 TRAY_AXIS = 0.9  # least component along y of a unit turn that is about the tray's axis
 ALIKE = 0.25  # largest difference of two turns that count as equal, as a share of the greater
@@ -78,15 +75,17 @@ def navigation_warnings(correction: Array, allowed: Array, covariance: Array) ->
 def scale_warning(correction: Array, allowed: Array, covariance: Array) -> list[str]:
     """Warn of a scale of the DVL that the dive contradicts though its prior keeps it small.
 
-    An estimate may be small and still be too large for what the dive says of it
-    (`scale_without_prior`). `navigation_warnings`, which has the same parameters, warns of large
-    scales. Empty where there is no such scale.
+    An estimate may be small and still be too large for what the dive says of it (`without_prior`).
+    `navigation_warnings`, which has the same parameters, warns of large scales. Empty where there
+    is no such scale.
     """
-    x = float(correction[SCALE])
-    found = scale_without_prior(correction, allowed, covariance)
-    if found is None or abs(x) > MANY_SIGMAS * allowed[SCALE]:
+    x, prior = float(correction[SCALE]), float(allowed[SCALE])
+    found = without_prior(
+        correction[SCALE : SCALE + 1] / prior, covariance[[SCALE], [SCALE]] / prior**2
+    )
+    if not found.contradicts[0] or abs(x) > MANY_SIGMAS * prior:
         return []
-    alone, sigma = -100 * found.correction, 100 * found.sigma
+    alone, sigma = -100 * prior * float(found.value[0]), 100 * prior * float(found.sigma[0])
     return [
         f"All else together says that the DVL measures distances {abs(alone):.0f} ± {sigma:.0f} % "
         f"too {'long' if alone > 0 else 'short'}, which contradicts dvl.scale_sigma. By that sigma "
