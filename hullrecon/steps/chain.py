@@ -88,7 +88,7 @@ STAGES = (
         summary="compute the dead-reckoned trajectory",
         inputs=("ingest",),
         parameters=NoOptions,
-        version=35,
+        version=36,
         run=_later("navigate"),
         uses=(
             *SENSOR_KEYS,
@@ -139,7 +139,7 @@ STAGES = (
         optional=("links", "matches"),
         uses=(*RIG_SECTIONS, "hull"),
         parameters=AdjustOptions,
-        version=42,
+        version=43,
         run=_later("adjust"),
     ),
     Stage(
