@@ -53,7 +53,6 @@ from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, VehiclePath
 from hullrecon.rig import Rig, RigPriors, mount_prior
 
-LEG_M = 60.0  # about, but for short dives
 STEP_S = 0.8
 START_M, START_RAD = 0.003, 0.0005  # sigmas of the path that `links` found
 MOUNT_SIGMA = (0.005, 0.005, 0.005, 0.5, 0.5, 0.5)  # m and degrees
@@ -64,10 +63,15 @@ NAVIGATION_SIGMA = np.array([0.005, 1e-5, 2e-3, 2e-3, 0.03, 0.01])
 PARTS = {"trajectory": Trajectory, "odometry": Odometry, "returns": Returns, "attitude": Attitude}
 
 
+def size_of(pairs: int, landmarks_a_pair: int) -> Size:
+    """Choose the legs of a dive: its patch is some eight times as long as it is high."""
+    legs = max(4, 2 * round(math.sqrt(pairs / 40)))
+    return Size(pairs, pairs, pairs * landmarks_a_pair, stereo=True, legs=legs)
+
+
 def make(pairs: int, landmarks_a_pair: int, views: float, seed: int = 0) -> dict[str, Any]:
     """Make the records of a dive by name, as arrays."""
-    legs = max(4, 2 * round(math.sqrt(pairs / 40)))
-    size = Size(pairs, pairs, pairs * landmarks_a_pair, stereo=True, legs=legs)
+    size = size_of(pairs, landmarks_a_pair)
     problem, truth = simulate(size, seed)
     rng = np.random.default_rng(seed + 1)
     first = problem.unknowns.pose
@@ -194,7 +198,7 @@ def measurements(path: Path) -> Measurements:
         return from_arrays(kind, mine)
 
     start = record("start", Trajectory)
-    vertices, faces = hull_mesh()
+    vertices, faces = hull_mesh(depth_m=size_of(len(start.t_ns), 0).depth_m)
     far = len(vertices)
     mesh = Mesh(
         np.vstack([vertices, vertices * [1, -1, 1]]), np.vstack([faces, faces[:, ::-1] + far])

@@ -93,7 +93,7 @@ def simulate(
     that stand off the hull.
     """
     rng = np.random.default_rng(seed)
-    vertices, faces = hull_mesh()
+    vertices, faces = hull_mesh(depth_m=size.depth_m)
     hull = MeshIndex(vertices, faces, threads=1)
     in_hull, tray = fly(size)
     global_from_hull = poses.from_rpy([3.0, 20.0, 13.0], np.radians([180.0, 0.3, 40.0]))

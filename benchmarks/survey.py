@@ -27,6 +27,8 @@ BEAMS = np.stack(
     axis=1,
 )
 STEP_M, LEG_SPACING_M, MIDDLE_M = 0.195, 0.25, 7.6
+DEPTH_M = 14.0  # of the hull, from keel to deck
+KEEL_CLEARANCE_M, DECK_CLEARANCE_M = 2.0, 1.0  # least distance of a leg from keel and deck
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,16 @@ class Size:
     @property
     def per_leg(self) -> int:
         return -(-self.poses // self.legs)
+
+    @property
+    def middle_m(self) -> float:
+        """Height of the middle leg above the keel: higher where there are many legs."""
+        return max(MIDDLE_M, KEEL_CLEARANCE_M + LEG_SPACING_M * (self.legs - 1) / 2)
+
+    @property
+    def depth_m(self) -> float:
+        """Depth of the hull, which is as deep as the legs need."""
+        return max(DEPTH_M, self.middle_m + LEG_SPACING_M * (self.legs - 1) / 2 + DECK_CLEARANCE_M)
 
     def part(self, share: int) -> Size:
         """Make a problem of one `share`-th of the poses at the same density.
@@ -108,7 +120,7 @@ def tracks(size: Size) -> tuple[Array, Array]:
     number = np.arange(size.poses)
     leg, place = number // size.per_leg, (number % size.per_leg + 0.5) / size.per_leg
     x = 0.5 * STEP_M * size.per_leg * (2 * place - 1) * np.where(leg % 2 == 0, 1, -1)
-    return x, MIDDLE_M + LEG_SPACING_M * ((size.legs - 1) / 2 - leg) - 0.03 * np.sin(x / 3)
+    return x, size.middle_m + LEG_SPACING_M * ((size.legs - 1) / 2 - leg) - 0.03 * np.sin(x / 3)
 
 
 def fly(size: Size) -> tuple[Poses, Array]:
