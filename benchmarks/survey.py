@@ -94,9 +94,9 @@ def side(x: Array, z: Array) -> Array:
     return np.asarray(16.0 * ends * np.maximum(section, 0.05))
 
 
-def hull_mesh(along: int = 201, girth: int = 51) -> tuple[Array, Ints32]:
+def hull_mesh(along: int = 201, girth: int = 51, depth_m: float = DEPTH_M) -> tuple[Array, Ints32]:
     """Mesh the port side with 20,000 triangles, which face outward (+y)."""
-    x, z = np.meshgrid(np.linspace(-90, 90, along), np.linspace(0.2, 14, girth), indexing="ij")
+    x, z = np.meshgrid(np.linspace(-90, 90, along), np.linspace(0.2, depth_m, girth), indexing="ij")
     vertices = np.stack([x, side(x, z), z], -1).reshape(-1, 3)
     n = np.arange(x.size).reshape(x.shape)
     a, b, c, d = n[:-1, :-1].ravel(), n[1:, :-1].ravel(), n[1:, 1:].ravel(), n[:-1, 1:].ravel()
