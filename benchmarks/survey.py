@@ -28,7 +28,7 @@ BEAMS = np.stack(
 )
 STEP_M, LEG_SPACING_M, MIDDLE_M = 0.195, 0.25, 7.6
 DEPTH_M = 14.0  # of the hull, from keel to deck
-KEEL_CLEARANCE_M, DECK_CLEARANCE_M = 2.0, 1.0  # least distance of a leg from keel and deck
+KEEL_CLEARANCE_M, DECK_CLEARANCE_M = 2.5, 1.0  # least distance of a leg from keel and deck
 
 
 @dataclass(frozen=True)
