@@ -60,9 +60,8 @@ def list_suspects(problem: native.Problem) -> list[Suspect]:
         found.append(Suspect("dvl-ranges", _without_planes, len(problem.plane_ranges.plane)))
     if len(problem.positions.node):
         found.append(Suspect("positions", _without_positions, 2 * len(problem.positions.node)))
-    if not has_images(
-        problem
-    ):  # then only velocities and turns give the path, and cannot be left out
+    # Without images only velocities and turns give the path, and cannot be left out
+    if not has_images(problem):
         return found
     found.append(Suspect("dvl-velocities", _without_velocities, 3 * steps))
     found.append(Suspect("imu-turns", _without_turns, 3 * steps))

@@ -404,7 +404,8 @@ def find_holes(
     The surveyed area is the seen cells, with bays of its rim up to 2 BRIDGE_CELLS wide and all gaps
     inside of it. Cells of the chart without hull are no holes. Cells without a patch are: without a
     CAD model the hull has patches only where something was seen. Holes smaller than `min_hole_m2`
-    are left out. None is found where nothing was seen.
+    are left out, and bays of a single cell's depth, which depend on where the cells begin. None is
+    found where nothing was seen.
 
     Parameters
     ----------
@@ -430,7 +431,13 @@ def find_holes(
     )
     surveyed = ndimage.binary_fill_holes(ndimage.binary_closing(cells.seen, disc))
     label, count = ndimage.label(surveyed & ~cells.seen & cells.on_hull)
-    found = [_hole_facts(cells, label == k, chart, locate) for k in range(1, count + 1)]
+    rim = ndimage.binary_dilation(~surveyed)
+    holes = [label == k for k in range(1, count + 1)]
+    found = [
+        _hole_facts(cells, hole, chart, locate)
+        for hole in holes
+        if not (hole & rim).any() or ndimage.binary_opening(hole, np.ones((2, 2))).any()
+    ]
     large = [hole for hole in found if hole["area_m2"] >= min_hole_m2]
     return sorted(large, key=lambda hole: (-hole["area_m2"], hole["address"]))
 

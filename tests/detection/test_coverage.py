@@ -194,6 +194,15 @@ def test_a_notch_in_the_rim_of_the_dvls_surface_is_no_hole(base: BaseSurface, hu
         assert len(found["holes"]) == holes
 
 
+@pytest.mark.parametrize(("depth_m", "holes"), [(0.2, 0), (0.3, 1)])
+def test_bay_of_the_rim_is_a_hole_if_deeper_than_a_cell(depth_m, holes, hull, scenery) -> None:
+    """One of 0.2 m lacks a single row of whole cells."""
+    x, _, z = hull.mesh.vertices.T
+    seen = (np.abs(x - 2) < 1.2) & (np.abs(z - 1) < 0.6)
+    seen &= (np.abs(x - 2) > 0.3) | (z < 1.6 - depth_m)
+    assert len(coverage.find_holes(hull, seen, scenery.chart, _address)) == holes
+
+
 def test_what_lies_outside_the_survey_is_no_hole(hull, scenery) -> None:
     seen = np.abs(hull.mesh.vertices[:, 0] - 2) < 1
     assert coverage.find_holes(hull, seen, scenery.chart, _address) == []

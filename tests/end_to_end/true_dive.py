@@ -325,7 +325,7 @@ class TrueDive:
         ]
 
     def _holes(self, seen):
-        # gaps of up to twelve cells at the rim count, as the report says it counts them
+        # gaps of up to twelve cells at the rim count, if deeper than a cell, as in the report
         cell, rim = 0.1, 6
         at = np.floor((self.on_map - self.on_map.min(axis=0)) / cell).astype(int) + rim
         image, hull = np.zeros((2, *(at.max(axis=0) + 1 + rim)), bool)
@@ -333,8 +333,14 @@ class TrueDive:
         image[tuple(at[seen].T)] = True
         disc = np.hypot(*np.mgrid[-rim : rim + 1, -rim : rim + 1]) <= rim
         outline = ndimage.binary_fill_holes(ndimage.binary_closing(image, disc))
-        label, _ = ndimage.label(outline & ~image & hull)
-        return list(np.bincount(label.ravel())[1:] * cell**2)
+        label, count = ndimage.label(outline & ~image & hull)
+        edge = ndimage.binary_dilation(~outline)
+        gaps = [label == k for k in range(1, count + 1)]
+        return [
+            gap.sum() * cell**2
+            for gap in gaps
+            if not (gap & edge).any() or ndimage.binary_opening(gap, np.ones((2, 2))).any()
+        ]
 
     @cached_property
     def seen_extent(self):
