@@ -436,7 +436,7 @@ def find_holes(
     found = [
         _hole_facts(cells, hole, chart, locate)
         for hole in holes
-        if not (hole & rim).any() or ndimage.binary_opening(hole, np.ones((2, 2))).any()
+        if not (hole & rim).any() or ndimage.binary_opening(hole, np.ones((2, 2), bool)).any()
     ]
     large = [hole for hole in found if hole["area_m2"] >= min_hole_m2]
     return sorted(large, key=lambda hole: (-hole["area_m2"], hole["address"]))

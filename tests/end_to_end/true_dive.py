@@ -339,7 +339,7 @@ class TrueDive:
         return [
             gap.sum() * cell**2
             for gap in gaps
-            if not (gap & edge).any() or ndimage.binary_opening(gap, np.ones((2, 2))).any()
+            if not (gap & edge).any() or ndimage.binary_opening(gap, np.ones((2, 2), bool)).any()
         ]
 
     @cached_property
