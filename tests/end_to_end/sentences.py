@@ -478,11 +478,12 @@ def _time_of_step(dive, _, step, minutes, seconds, memory):
 
 def _time(dive, _, minutes, seconds, steps):
     others = [run for name, run in dive.step_runs.items() if name != "report"]
-    spans = [(run["started"], run["started"] + run["seconds"]) for run in others]
-    ticks = {n for begin, end in spans for n in range(round(100 * begin), round(100 * end))}
-    return unlike("time", _seconds(minutes, seconds), len(ticks) / 100) + unlike(
-        "steps", steps, len(others)
-    )
+    spans = sorted((run["started"], run["started"] + run["seconds"]) for run in others)
+    begins, ends = np.array(spans).T
+    # a step beside another one counts from where all before it have ended
+    last = np.maximum.accumulate(np.r_[begins[0], ends[:-1]])
+    total = np.maximum(ends - np.maximum(begins, last), 0).sum()
+    return unlike("time", _seconds(minutes, seconds), total) + unlike("steps", steps, len(others))
 
 
 def _warnings(dive, _, count):
