@@ -432,7 +432,7 @@ def find_holes(
     surveyed = ndimage.binary_fill_holes(ndimage.binary_closing(cells.seen, disc))
     label, count = ndimage.label(surveyed & ~cells.seen & cells.on_hull)
     rim = ndimage.binary_dilation(~surveyed)
-    holes = [label == k for k in range(1, count + 1)]
+    holes = (label == k for k in range(1, count + 1))  # one mask of the chart at a time
     found = [
         _hole_facts(cells, hole, chart, locate)
         for hole in holes

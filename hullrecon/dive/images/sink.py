@@ -13,11 +13,7 @@ from typing import BinaryIO
 import numpy as np
 
 from hullrecon.dive.files import read_regular
-from hullrecon.dive.images.encoded import (
-    check_image,
-    significant_bits,
-    turn_in_exif,
-)
+from hullrecon.dive.images.encoded import check_image, significant_bits, turn_in_exif
 from hullrecon.dive.images.store import LARGEST_BYTES
 from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.dive.logs.samples import ImageSample
