@@ -4,13 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 from scipy import linalg, sparse
-from scipy.sparse.linalg import splu
 
 from hullrecon.errors import StageError
 from hullrecon.rows import Rows
@@ -23,7 +22,6 @@ ROUNDS = 4  # of reweighting outliers
 # side of its border in which tiles are blended, as shares of the kernel's lengths
 MARGIN = 0.5
 BLEND = 0.25
-Solve = Callable[[Array], Array]  # solves a system for right-hand sides (n,) or (n, k)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,7 +159,6 @@ def _split(box: Box, at: Array, margin: Array, most: int) -> Iterator[Box]:
 
 
 CHUNK = 2000  # points predicted at once, and rows of a covariance at once: limits memory
-SMALL = 1500  # rows of a matrix, up to which a dense factorisation is faster whatever the fill
 
 
 @dataclass(frozen=True)
@@ -227,7 +224,7 @@ class Regression:
     at: Array  # (n, 2) m on the chart
     noise: Array  # (n,) m, sigma of each observation: 1/sqrt(beta) in [Ozog2016]
     weights: Array  # (n,) of the observations' kernels, whose sum is the mean
-    solve: Solve  # with the observations' covariance
+    factor: CovarianceFactor  # of the observations' covariance
 
     def mean(self, wanted: Array) -> Array:
         """Predict the field at points (k, 2) [Ozog2016 eq. 3.2]."""
@@ -249,7 +246,7 @@ class Regression:
     def _explained_variance(self, wanted: Array) -> Array:
         """Compute by how much the observations lower the prior variance at points (k, 2)."""
         cross = self.kernel.matrix(self.at, wanted).toarray()
-        return np.asarray(np.einsum("nm,nm->m", cross, self.solve(cross)))
+        return self.factor.explained_variance(cross)
 
 
 def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
@@ -265,8 +262,10 @@ def _condition(
     kernel: Kernel, covariance: sparse.csr_array, at: Array, values: Array, noise: Array
 ) -> Regression:
     """Condition as `fit` does, given the kernel's covariance (n, n) of the points."""
-    solve = factorise(covariance + sparse.diags_array(noise**2).tocsr())
-    return Regression(kernel=kernel, at=at, noise=noise, weights=solve(values), solve=solve)
+    factor = factorise(covariance + sparse.diags_array(noise**2).tocsr())
+    return Regression(
+        kernel=kernel, at=at, noise=noise, weights=factor.solve(values), factor=factor
+    )
 
 
 def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
@@ -362,43 +361,38 @@ class NotPositiveDefiniteError(StageError):
     """The matrix is no covariance."""
 
 
-def factorise(matrix: sparse.csr_array) -> Solve:
-    """Factorise a symmetric matrix, and return what solves for right-hand sides (n,) or (n, k).
+@dataclass(frozen=True, kw_only=True)
+class CovarianceFactor:
+    """The Cholesky factor L of a covariance matrix L L'."""
 
-    Raises NotPositiveDefiniteError when a pivot is not positive.
+    lower: Array  # (n, n) L, above whose diagonal stand other numbers
+
+    def solve(self, right: Array) -> Array:
+        """Solve with the covariance for right-hand sides (n,) or (n, k)."""
+        return np.asarray(linalg.cho_solve((self.lower, True), right))
+
+    def explained_variance(self, cross: Array) -> Array:
+        """Compute c' C^-1 c for the covariance C and each of the columns c (n, k).
+
+        By half of a solve: it is the square of the norm of L^-1 c.
+        """
+        white = linalg.solve_triangular(self.lower, cross, lower=True)
+        return np.asarray(np.einsum("nk,nk->k", white, white))
+
+
+def factorise(matrix: sparse.csr_array) -> CovarianceFactor:
+    """Factorise a covariance matrix of at most some MOST rows.
+
+    By LAPACK's dense Cholesky. Also where a fiftieth of the matrix is not zero it is faster than a
+    sparse factorisation, as the sigmas need a solve for each of some 10,000 points.
+
+    Raises NotPositiveDefiniteError when the matrix is no covariance.
     """
-    n = matrix.shape[0]
-    return _dense(matrix) if n <= SMALL or matrix.nnz > 0.3 * n * n else _sparse(matrix)
-
-
-def _dense(matrix: sparse.csr_array) -> Solve:
-    """Factorise by LAPACK's dense Cholesky."""
     try:
         dense = matrix.toarray(order="F")  # in LAPACK's order, so that it needs no copy
-        factor = linalg.cho_factor(dense, lower=True, overwrite_a=True)
+        lower, _ = linalg.cho_factor(dense, lower=True, overwrite_a=True)
     except linalg.LinAlgError as error:
-        raise _indefinite() from error
-    return lambda right: np.asarray(linalg.cho_solve(factor, right))
-
-
-def _sparse(matrix: sparse.csr_array) -> Solve:
-    """Factorise by SuperLU with diagonal pivots: U's diagonal is then D of L D L^T.
-
-    The matrix is refused also where rows had to be exchanged.
-    """
-    try:
-        factor = splu(
-            matrix.tocsc(),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
-    except RuntimeError as error:
-        raise _indefinite() from error
-    if not np.array_equal(factor.perm_r, factor.perm_c) or factor.U.diagonal().min() <= 0:
-        raise _indefinite()
-    return lambda right: np.asarray(factor.solve(right))
-
-
-def _indefinite() -> NotPositiveDefiniteError:
-    return NotPositiveDefiniteError("the kernel's matrix is not positive definite", where="surface")
+        raise NotPositiveDefiniteError(
+            "the kernel's matrix is not positive definite", where="surface"
+        ) from error
+    return CovarianceFactor(lower=lower)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from hullrecon.surface import gaussian as module
 from hullrecon.surface.gaussian import (
     Kernel,
     NotPositiveDefiniteError,
@@ -98,26 +97,21 @@ def _banded(n: int) -> sparse.csr_array:
     )
 
 
-@pytest.mark.parametrize("small", [0, 1000])
-def test_dense_and_sparse_factors_solve(small: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "SMALL", small)
+def test_a_factor_solves_and_gives_the_explained_variance() -> None:
     matrix = _banded(60)
     right = np.arange(120.0).reshape(60, 2)
-    solve = factorise(matrix)
-    assert np.allclose(matrix @ solve(right), right)
+    factor = factorise(matrix)
+    assert np.allclose(matrix @ factor.solve(right), right)
+    explained = np.diag(right.T @ np.linalg.inv(matrix.toarray()) @ right)
+    assert np.allclose(factor.explained_variance(right), explained)
 
 
-@pytest.mark.parametrize("small", [0, 1000])
-def test_an_indefinite_matrix_is_refused_by_name(
-    small: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(module, "SMALL", small)
+def test_an_indefinite_matrix_is_refused_by_name() -> None:
     matrix = _banded(60) - 3.0 * sparse.eye_array(60)
     with pytest.raises(NotPositiveDefiniteError, match="not positive definite"):
         factorise(sparse.csr_array(matrix))
 
 
-def test_a_singular_matrix_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "SMALL", 0)
+def test_a_singular_matrix_is_refused() -> None:
     with pytest.raises(NotPositiveDefiniteError):
         factorise(sparse.csr_array(sparse.diags_array([np.r_[np.ones(9), 0.0]], offsets=[0])))

@@ -47,7 +47,7 @@ def joint_covariance(regression: Regression, wanted: Array) -> Array:
     """Compute the covariance (m, m) m2 of predictions at places (m, 2) [Ozog2016 E.3]."""
     cross = regression.kernel.matrix(regression.at, wanted).toarray()
     prior = regression.kernel.matrix(wanted, wanted).toarray()
-    return np.asarray(prior - cross.T @ regression.solve(cross))
+    return np.asarray(prior - cross.T @ regression.factor.solve(cross))
 
 
 def study() -> StudyResult:
@@ -76,7 +76,7 @@ def patch_sigmas(
     )
     fields = lower @ rng.standard_normal((len(everywhere), DRAWS))
     seen = fields[:RETURNS] + NOISE_M * rng.standard_normal((RETURNS, DRAWS))
-    weights = regression.solve(seen)
+    weights = regression.factor.solve(seen)
     found: dict[str, list[float]] = {name: [] for name in PatchSigmas.__dataclass_fields__}
     start = RETURNS
     for patch in patches:
