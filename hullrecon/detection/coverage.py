@@ -39,6 +39,9 @@ DVL_REACH_M = 0.08
 # Radius of the morphological closing of the surveyed area, in cells: bays of its rim up to twice as
 # wide count as holes. Inside of it, gaps of any width do.
 BRIDGE_CELLS = 6
+# Side of the least bay of the rim that counts, in cells: whether one of a single cell's depth is
+# closed depends on where the cells begin
+BAY_CELLS = 2
 MIN_HOLE_M2 = 0.03  # least area of a hole in what the camera saw
 SONAR_GRAZING = 0.25 * GRAZING  # cosine of the flattest incidence that gives a sonar return
 CUBE_M = 0.5  # patches in one cube are ruled out at once where a fan passes it
@@ -142,7 +145,7 @@ def summarise_coverage(
     report["holes"] = find_holes(
         patches, seen, base.chart, lambda center: locate_hole(center, base, track), min_hole_m2
     )
-    report["min_hole_m2"] = min_hole_m2
+    report |= {"min_hole_m2": min_hole_m2, "min_bay_m": BAY_CELLS * CELL_M}
     if regions and base.hull_pose is not None:
         report["regions"] = [
             region_facts(region, base, views, sonar, scene, base.hull_pose) for region in regions
@@ -404,8 +407,8 @@ def find_holes(
     The surveyed area is the seen cells, with bays of its rim up to 2 BRIDGE_CELLS wide and all gaps
     inside of it. Cells of the chart without hull are no holes. Cells without a patch are: without a
     CAD model the hull has patches only where something was seen. Holes smaller than `min_hole_m2`
-    are left out, and bays of a single cell's depth, which depend on where the cells begin. None is
-    found where nothing was seen.
+    are left out, and bays into which no square of BAY_CELLS fits. None is found where nothing was
+    seen.
 
     Parameters
     ----------
@@ -432,11 +435,12 @@ def find_holes(
     surveyed = ndimage.binary_fill_holes(ndimage.binary_closing(cells.seen, disc))
     label, count = ndimage.label(surveyed & ~cells.seen & cells.on_hull)
     rim = ndimage.binary_dilation(~surveyed)
+    bay = np.ones((BAY_CELLS, BAY_CELLS), bool)
     holes = (label == k for k in range(1, count + 1))  # one mask of the chart at a time
     found = [
         _hole_facts(cells, hole, chart, locate)
         for hole in holes
-        if not (hole & rim).any() or ndimage.binary_opening(hole, np.ones((2, 2), bool)).any()
+        if not (hole & rim).any() or ndimage.binary_opening(hole, bay).any()
     ]
     large = [hole for hole in found if hole["area_m2"] >= min_hole_m2]
     return sorted(large, key=lambda hole: (-hole["area_m2"], hole["address"]))

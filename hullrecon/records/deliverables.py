@@ -114,4 +114,6 @@ class Coverage:
     dvl: SensorCoverage | None = None
     holes: Sequence[CoverageHole] = field(default_factory=tuple)
     min_hole_m2: float = 0.03  # smaller holes are not listed
+    # A bay of the rim is listed if a square with this side fits into it
+    min_bay_m: float = 0.2
     regions: Sequence[RegionCoverage] = field(default_factory=tuple)

@@ -191,6 +191,7 @@ def test_a_notch_in_the_rim_of_the_dvls_surface_is_no_hole(base: BaseSurface, hu
             replace(base, surveyed=surveyed), None, None, _track((0.3, 0.3))
         )
         assert found["min_hole_m2"] == 0.16
+        assert found["min_bay_m"] == 0.2
         assert len(found["holes"]) == holes
 
 

@@ -326,6 +326,7 @@ def test_no_page_denies_holes_beside_a_mosaic_with_gaps(survey: Survey) -> None:
         "No hole of more than 0.03 m² was found within the outline of what was seen."
         in page_of(whole).text
     )
+    assert "a hole if a square of 0.2 m fits into it" in page_of(whole).text
     gappy = Mosaic(facts=MosaicFacts(gap_area_m2=0.4), preview=gray_png(), has_mesh=False)
     torn = replace(whole, mosaics=Mosaics(optical=gappy))
     assert "the mosaics have gaps that their captions name" in page_of(torn).text

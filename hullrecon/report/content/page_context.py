@@ -237,6 +237,7 @@ def _coverage_context(survey: Survey) -> PageContext:
         "coverage": coverage_rows(coverage, seen_words(survey)),
         "regions": region_rows(coverage),
         "min_hole": f"{coverage.min_hole_m2:g} m²" if coverage is not None else "",
+        "min_bay": f"{coverage.min_bay_m:g} m" if coverage is not None else "",
         "holes": [hole_text(hole) for hole in coverage.holes] if coverage is not None else [],
     }
 
