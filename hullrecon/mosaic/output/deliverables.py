@@ -56,15 +56,13 @@ def preview_png(
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     height, width = picture.shape[:2]
     tall = 11.0 * height / width
     scale = min(1.0, 9.0 / tall)
     figure = Figure(
-        figsize=(max(5.0, 11.0 * scale) + 1.1, tall * scale + 1.75),
-        dpi=160,
-        facecolor=BACK,
-        layout="constrained",
+        figsize=(max(5.0, 11.0 * scale) + 1.1, tall * scale + 1.75), dpi=160, facecolor=BACK
     )
     axis = figure.add_subplot()
     axis.set_facecolor(UNSEEN)
@@ -86,6 +84,7 @@ def preview_png(
         _frame_numbers(axis, caption.frame_spacing_m)
     _scale_bar(axis, extent, caption.flips)
     FigureCanvasAgg(figure)
+    ConstrainedLayoutEngine().execute(figure)  # not by `layout`: savefig would draw twice for it
     buffer = BytesIO()
     effort = {"compress_level": PNG_LEVEL}
     figure.savefig(buffer, format="png", metadata={"Software": None}, pil_kwargs=effort)

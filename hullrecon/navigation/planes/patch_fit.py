@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.robust import NORMAL_MAD
+from hullrecon.geometry.rotations import cross
 from hullrecon.typing import Array, Mask
 
 LEAST_RETURNS = 12
@@ -16,6 +17,7 @@ LEAST_SPREAD_M = 0.15  # standard deviation of the returns, in both directions a
 MAX_RMS_SIGMAS = 3.0  # of the residuals, in sigmas of a range; beyond, the surface is not smooth
 OUTLIER_SIGMAS = 3.5
 LEAST_INCIDENCE = 0.3  # cosine between beam and normal, below which it is clipped
+Y, Z = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])  # axes of the frame
 TURNS = 4  # iterations of fitting, rejecting outliers and turning the axes into the tangent plane
 
 
@@ -110,11 +112,11 @@ def patch_axes(normal: Array) -> Array:
     They depend on the normal alone, so that azimuth and elevation mean the same on all patches.
     Azimuth is horizontal, unless the normal is nearly vertical.
     """
-    level = np.cross([0.0, 0.0, 1.0], normal)
+    level = cross(Z, normal)
     if np.linalg.norm(level) < 0.3:  # under a flat bottom: the first axis is the vehicle's y
-        level = np.cross(np.cross(normal, [0.0, 1.0, 0.0]), normal)
+        level = cross(cross(normal, Y), normal)
     azimuth = level / np.linalg.norm(level)
-    return np.column_stack([azimuth, np.cross(normal, azimuth), normal])
+    return np.column_stack([azimuth, cross(normal, azimuth), normal])
 
 
 def height_over_plane(curvature: Array, local: Array) -> Array:

@@ -146,16 +146,15 @@ def compare_acceleration(acceleration: Integral, track: Track) -> Comparison | N
     if len(windows) < LEAST_WINDOWS:
         return None
     integrated = acceleration.at(t_s)
-    # velocity of the DVL relative to the pressure sensor, as the vehicle turns
-    swept = local_line(t_s, track.lever, t_s, SMOOTH_S)[1]
-    by_dvl, by_imu = (
-        change_over(local_line(t_s, speed, t_s, SMOOTH_S)[0], windows)
-        for speed in (track.way.signal - swept, integrated)
-    )
+    # change of the velocity by the IMU, and of the DVL relative to the pressure sensor, as the
+    # vehicle turns
+    level, slope = local_line(t_s, np.hstack([integrated, track.lever]), t_s, SMOOTH_S)
+    swept = slope[:, 3:]
+    by_imu = change_over(level[:, :3], windows)
+    by_dvl = change_over(local_line(t_s, track.way.signal - swept, t_s, SMOOTH_S)[0], windows)
     if is_still(by_imu, by_dvl):
         return None  # gravity alone, as of a filter that gives the vertical of its attitude
-    slope = local_line(t_s, integrated, t_s, SMOOTH_S)[1]
-    late = LATE_S * change_over(slope, windows)
+    late = LATE_S * change_over(slope[:, :3], windows)
     # an IMU that does not sit at the vehicle's origin moves as the vehicle turns
     turn = track.global_from_vehicle[windows[:, 0]].inv()
     spun = IMU_LEVER_M * (turn * track.global_from_vehicle[windows[:, 1]]).magnitude()
