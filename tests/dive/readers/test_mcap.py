@@ -95,7 +95,7 @@ def test_file_without_summary_is_read_completely_from_start(kit, tmp_path):
 
 
 @pytest.mark.parametrize("share", [0.25, 0.5, 0.75])
-def test_cut_file_gives_whole_chunks_and_losses_by_topic(kit, tmp_path, whole, share):
+def test_cut_file_gives_whole_messages_and_losses_by_topic(kit, tmp_path, whole, share):
     data = whole.read_bytes()
     messages, log = read(broken(tmp_path, data[: int(share * len(data))]))
     everything = [(e.topic, e.t_ns) for e in kit.dive()]
@@ -107,8 +107,25 @@ def test_cut_file_gives_whole_chunks_and_losses_by_topic(kit, tmp_path, whole, s
     assert any("cut short" in note for note in sentences(log.notes))
 
 
-@pytest.mark.parametrize(("share", "least"), [(0.25, 1510), (0.5, 3095), (0.95, 6128)])
-def test_cut_simulated_dive_gives_all_whole_chunks(data, tmp_path, share, least):
+@pytest.mark.parametrize("is_closed", [True, False])
+@pytest.mark.parametrize("compression", ["none", "zstd", "lz4"])
+def test_the_whole_messages_of_a_cut_chunk_are_read(kit, tmp_path, compression, is_closed):
+    """A recorder that is killed may leave the lengths in the head of its last chunk unwritten."""
+    entries = [entry for entry in kit.dive(seconds=200) if entry.topic == "/imu"]
+    path = kit.mcap(tmp_path / "one.mcap", entries, 1 << 30, compression)
+    content = bytearray(path.read_bytes())
+    at, end = next(pair for pair in pairwise(boundaries(path)) if content[pair[0]] == 0x06)
+    if not is_closed:
+        for length in (at + 1, at + 9 + 32 + content[at + 9 + 28]):
+            content[length : length + 8] = b"\xff" * 8
+    messages, log = read(broken(tmp_path, bytes(content[: (at + 2 * end) // 3])))
+    assert 0.3 * len(entries) < len(messages) < len(entries)
+    assert [m.t_ns for m in messages] == [e.t_ns for e in entries[: len(messages)]]
+    assert [loss.start_ns for loss in log.losses()] == [max(m.t_ns for m in messages)]
+
+
+@pytest.mark.parametrize(("share", "least"), [(0.25, 1510), (0.5, 3161), (0.95, 6184)])
+def test_cut_simulated_dive_gives_all_whole_messages(data, tmp_path, share, least):
     content = (data / "dive-a" / "logs" / "dive.mcap").read_bytes()
     messages, log = read(broken(tmp_path, content[: int(share * len(content))]))
     assert len(messages) == least

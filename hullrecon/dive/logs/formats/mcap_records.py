@@ -15,6 +15,7 @@ from hullrecon.dive.logs.readers.unpack import (
     DamagedError,
     UnpackBudget,
     decompress,
+    decompress_start,
     fields,
     text,
 )
@@ -39,6 +40,7 @@ HEAD = 9  # bytes: opcode, length
 FOOTER_SIZE, DATA_END_SIZE = HEAD + 20, HEAD + 4
 COMPRESSIONS = {b"", b"none", b"zstd", b"lz4"}
 CHUNK_HEAD = 28 + 4 + 4 + 8  # bytes of a chunk's body before what is packed, at most
+UNWRITTEN = (1 << 64) - 1  # a length that a recorder fills in when it closes the chunk
 LONGEST_DEFINITION = 1 << 20  # bytes
 
 
@@ -118,10 +120,11 @@ def packed_at(body: bytes, length: int) -> int | None:
         return None
     named = int.from_bytes(body[28:32], "little")
     at = 32 + named
+    packed = UNWRITTEN if length == UNWRITTEN else length - at - 8
     if (
         named > 4
         or body[32:at] not in COMPRESSIONS
-        or int.from_bytes(body[at : at + 8], "little") != length - at - 8
+        or int.from_bytes(body[at : at + 8], "little") != packed
     ):
         return None
     return at + 8
@@ -150,6 +153,33 @@ def read_chunk(stream: BinaryIO, at: int, end: int) -> Chunk:
         compression=body[32 : start - 8].decode(),
         packed=body[start:],
     )
+
+
+def messages_of_cut(
+    stream: BinaryIO, at: int, size: int, definitions: Definitions, budget: UnpackBudget
+) -> list[Message]:
+    """Read the whole messages of a chunk that the file's end cuts off. Empty for any other record.
+
+    No checksum covers them.
+    """
+    stream.seek(at)
+    start = stream.read(HEAD + CHUNK_HEAD)
+    length = int.from_bytes(start[1:HEAD], "little")
+    begin = packed_at(start[HEAD:], length)
+    if begin is None or start[0] != CHUNK or at + HEAD + length <= size:
+        return []
+    compression = start[HEAD + 32 : HEAD + begin - 8].decode()
+    stream.seek(at + HEAD + begin)
+    out = []
+    try:
+        data = decompress_start(stream.read(LARGEST_CHUNK), compression, budget)
+        for opcode, body in records(data):
+            message = definitions.take(opcode, body)
+            if message is not None:
+                out.append(message)
+    except DamagedError:  # where it is cut
+        pass
+    return out
 
 
 def messages_of(

@@ -28,6 +28,7 @@ from hullrecon.dive.logs.formats.mcap_records import (
     Definitions,
     head,
     messages_of,
+    messages_of_cut,
     packed_at,
     read_chunk,
 )
@@ -105,9 +106,9 @@ class McapLog(FileLog):
         self._check_data(stream, summary.start - DATA_END_SIZE)
 
     def _from_start(self, stream: BinaryIO, size: int) -> Iterator[Message]:
-        """Read record by record. Behind damage, look for the next chunk.
+        """Read record by record, and what is whole of a chunk that the file's end cuts off.
 
-        The rest is given up where too many bytes that looked like chunks were none (PATIENCE).
+        Behind damage, look for the next chunk. The rest is given up where too many bytes that looked like chunks were none (PATIENCE).
         """
         at, patience = len(MAGIC), PATIENCE * size
         while at < size:
@@ -120,6 +121,8 @@ class McapLog(FileLog):
                 found = self._messages_at(stream, opcode, length, at, size)
             except DamagedError as error:
                 self._seen.damaged = True
+                cut = messages_of_cut(stream, at, size, self._definitions, self._budget)
+                yield from map(self._tracker.record, cut)
                 self._tracker.open_gap(f"the file is damaged at byte {at}: {error}")
                 patience -= min(length, LARGEST_CHUNK)
                 at = find_chunk(stream, at + 1, size) if patience >= 0 else size

@@ -71,6 +71,26 @@ def decompress(data: bytes, how: str, size: int, budget: UnpackBudget | None = N
     return out
 
 
+def decompress_start(data: bytes, how: str, budget: UnpackBudget) -> bytes:
+    """Unpack what is there of a chunk that is cut off, LARGEST_CHUNK at most.
+
+    Nothing of it is checked. Raises DamagedError for another packing than of an MCAP, for damaged
+    data, and beyond the budget.
+    """
+    import lz4.frame  # type: ignore[import-untyped]
+    import zstandard
+
+    try:
+        if how == "zstd":
+            data = zstandard.ZstdDecompressor().stream_reader(data).read(LARGEST_CHUNK)
+        elif how == "lz4":
+            data = lz4.frame.LZ4FrameDecompressor().decompress(data, LARGEST_CHUNK)
+    except (zstandard.ZstdError, RuntimeError) as error:
+        raise DamagedError(f"it cannot be decompressed: {error}") from None
+    budget.take(len(data))
+    return data
+
+
 def unpack_frame(data: bytes, budget: UnpackBudget) -> bytes:
     """Unpack one zstd frame, which need not state its size.
 
@@ -135,7 +155,7 @@ def _zstd(data: bytes, size: int) -> bytes:
 
 def _lz4(data: bytes, size: int) -> bytes:
     """Unpack LZ4 to the size that the file claims."""
-    import lz4.frame  # type: ignore[import-untyped]
+    import lz4.frame
 
     return _to_the_end(lz4.frame.LZ4FrameDecompressor(), data, size)
 
