@@ -297,6 +297,7 @@ NOTES: dict[str, Words] = {
     "folder-by-name": "{why}; the folder's files were read by name",
     # files of instruments and tables
     "table-empty": "it has a header and no row",
+    "columns-not-read": "columns that are not read: {columns}; read are {read}",
     "tables-not-read": "not read: {files}; the tables of sensors are {tables}",
     "pd0-no-bottom": "no ensemble has a bottom track (a current profiler's file?): it gives no "
     "velocity over ground",

@@ -217,6 +217,8 @@ ERRORS: dict[str, Words] = {
 }
 WARNINGS: dict[str, Words] = {
     "memory-tight": _over_memory,
+    "date-differs": "the log begins at {start}, dive.date is {date}: times of day in what is "
+    "delivered are those of the log",
     "key-open": _open_key,
     "calibration-open": _open_calibration,
     "question": "to fill in: {question}",

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
+from datetime import datetime
 from pathlib import Path
 
 import msgspec
@@ -51,7 +52,7 @@ from hullrecon.dive.problems import Problems
 from hullrecon.findings.finding import Finding, sentences
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.records.clock import rate_hz
+from hullrecon.records.clock import NS, format_time, rate_hz
 from hullrecon.records.sensors import DvlPings, ImageIndex, SensorRecords
 
 VEHICLE_SECTIONS = (
@@ -63,6 +64,7 @@ VEHICLE_SECTIONS = (
     "sonar",
     "hull",
 )
+MOST_APART_S = 2 * 86_400.0  # of a log's begin and the stated date, which may lack its zone
 # looks at some of the images, by camera, and reports what contradicts the configuration
 CheckImages = Callable[[LoadedConfig, IngestResult, Mapping[str, SampledImages]], list[Finding]]
 # compares the sensors with each other. Returns the records with what was corrected, the findings,
@@ -241,7 +243,13 @@ def check_package(
         needs=[*needs(known, found.unread_dvls), *_images_not_logged(loaded.config, known)],
         missing=missing(known, hull=request.mesh is not None or loaded.config.hull is not None),
         to_fill_in=to_fill_in(loaded, logged, mounts.keys()),
-        warnings=[*warnings, *wrong_pose, *empty_regions, *_no_earlier_dive(loaded)],
+        warnings=[
+            *warnings,
+            *wrong_pose,
+            *empty_regions,
+            *_no_earlier_dive(loaded),
+            *_date_differs(loaded.config.dive.date, found.records),
+        ],
         start_offset=describe_start_offset(found.records, found.images),
         bow=bow,
         regions=regions,
@@ -341,6 +349,18 @@ def _no_earlier_dive(loaded: LoadedConfig) -> list[Finding]:
     if earlier is None or (loaded.package / earlier).is_dir():
         return []
     return [Finding("earlier-dive-missing", {"folder": shorten(earlier, 100)})]
+
+
+def _date_differs(date: datetime | None, records: SensorRecords) -> list[Finding]:
+    """Warn where most sensors begin days from the stated date, as with clocks never set."""
+    starts = sorted(int(s.t_ns[0]) for s in records.by_name().values() if len(s.t_ns))
+    if date is None or not starts:
+        return []
+    start_ns = starts[len(starts) // 2]
+    if abs(start_ns / NS - date.timestamp()) < MOST_APART_S:
+        return []
+    values = {"start": format_time(start_ns), "date": date.isoformat()}
+    return [Finding("date-differs", values)]
 
 
 def _images_not_logged(config: DiveConfig, known: Set[str]) -> list[Finding]:

@@ -129,6 +129,15 @@ def test_what_contradicts_itself_is_a_warning(package):
     assert any(line.startswith("warning: camera.top looks 90 degrees away") for line in lines)
 
 
+def test_a_log_of_another_day_than_is_stated_is_a_warning(package):
+    logged = "dive.date=2026-05-04T09:30:00Z"
+    codes = [f.code for f in check(package, logged).warnings]
+    assert "date-differs" not in codes
+    assert "date-differs" in [
+        f.code for f in check(package, "dive.date=2026-05-01T09:30:00Z").warnings
+    ]
+
+
 def test_a_damaged_log_is_told_as_lost(package):
     path = package / "logs" / "dive.mcap"
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])

@@ -106,6 +106,13 @@ def test_tables_of_spreadsheets_and_loggers_are_read(tmp_path, text):
     assert [row for _, row in rows(tmp_path, text, ("t", "vx"))] == READ
 
 
+def test_a_second_header_in_another_order_holds_for_the_rows_below_it(tmp_path):
+    """A logger that was started anew, with other settings, appends to its file."""
+    appended = TABLE + "name,vx,t\nb,0.5,2.5\n"
+    (_, row) = rows(tmp_path, appended, ("t", "vx"))[-1]
+    assert row == {"t": "2.5", "vx": "0.5", "name": "b"}
+
+
 def test_a_comma_in_a_text_is_no_decimal_point(tmp_path):
     ((_, row),) = rows(tmp_path, "t;file\n1,5;img 0,1.jpg\n", ("t", "file"))
     assert row == {"t": "1.5", "file": "img 0,1.jpg"}

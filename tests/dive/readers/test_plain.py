@@ -38,6 +38,13 @@ def test_empty_cells_of_a_dvl_row_are_lost_values(tmp_path):
     assert np.isnan(ping.sigma)
 
 
+def test_columns_that_are_not_read_are_named(tmp_path):
+    (tmp_path / "dvl.csv").write_text("t,vx,vy,vz,range1,range_2\n0,0,0,0,1,1\n")
+    _, log = read(tmp_path)
+    (note,) = sentences(log.notes)
+    assert note.startswith("dvl.csv: columns that are not read: range1; read are t, vx, vy, vz,")
+
+
 def test_ranges_are_taken_in_the_order_of_their_numbers(tmp_path):
     (tmp_path / "dvl.csv").write_text("range_2,range_10,t,vx,vy,vz,range_1\n2,10,0,0,0,0,1\n")
     (ping,), _ = read(tmp_path)

@@ -60,8 +60,18 @@ def test_compressed_chunks_are_read(kit, tmp_path, compression):
     assert log.losses() == []
 
 
+@pytest.mark.parametrize("compression", [None, "LZ4"])
+def test_the_whole_messages_of_a_cut_chunk_are_read(kit, tmp_path, compression):
+    entries = [e for e in kit.dive(ros=1, seconds=200) if e.topic == "/imu"]
+    content = kit.bag1(tmp_path / "x.bag", entries, 1 << 30, compression).read_bytes()
+    messages, log = read(broken(tmp_path, content[: len(content) // 2]))
+    assert 0.3 * len(entries) < len(messages) < len(entries)
+    assert [m.t_ns for m in messages] == [e.t_ns for e in entries[: len(messages)]]
+    assert [loss.start_ns for loss in log.losses()] == [messages[-1].t_ns]
+
+
 @pytest.mark.parametrize("share", [0.25, 0.5, 0.9])
-def test_cut_bag_gives_whole_chunks_and_losses_by_topic(kit, tmp_path, whole, share):
+def test_cut_bag_gives_whole_messages_and_losses_by_topic(kit, tmp_path, whole, share):
     data = whole.read_bytes()
     messages, log = read(broken(tmp_path, data[: int(share * len(data))]))
     everything = [(e.topic, e.t_ns) for e in kit.dive()]

@@ -14,6 +14,7 @@ from hullrecon.dive.logs.readers.unpack import (
     DamagedError,
     UnpackBudget,
     decompress,
+    decompress_start,
     fields,
     text,
 )
@@ -72,6 +73,29 @@ def record(stream: BinaryIO, at: int, size: int) -> tuple[Head, bytes, int]:
     if count > LARGEST_CHUNK:
         raise DamagedError(f"it claims {count} bytes")
     return head, stream.read(count), end
+
+
+def messages_of_cut(
+    stream: BinaryIO, at: int, size: int, connections: Connections, budget: UnpackBudget
+) -> list[Message]:
+    """Read the whole messages of a chunk that the file's end cuts off. Empty for any other record.
+
+    No checksum covers them.
+    """
+    stream.seek(at)
+    out = []
+    try:
+        (length,) = fields("<I", stream.read(4))
+        head = parse_head(stream.read(min(length, LARGEST_HEAD)))
+        (count,) = fields("<I", stream.read(4))
+        if op_of(head) != CHUNK or stream.tell() + count <= size:
+            return []
+        how = text(head.get("compression", b""))
+        for inner, data in records(decompress_start(stream.read(LARGEST_CHUNK), how, budget)):
+            out += messages_of(inner, data, connections)
+    except DamagedError:  # where it is cut
+        pass
+    return out
 
 
 def messages_of(

@@ -32,7 +32,8 @@ def read_rows(path: Path, needed: Sequence[str]) -> Iterator[tuple[int, Row | No
     """Yield line numbers and rows. None in place of a line that is too long or no CSV.
 
     Cells are separated as those of the header, by commas, semicolons or tabs. Names of columns are
-    made lower case. Blank lines and those above the header are skipped.
+    made lower case. Blank lines and those above the header are skipped. A further header holds for
+    the rows below it.
 
     Parameters
     ----------
@@ -53,8 +54,11 @@ def read_rows(path: Path, needed: Sequence[str]) -> Iterator[tuple[int, Row | No
             for number, line in lines:
                 cells = _cells(line, separator)
                 _refuse_decimal_commas(path, number, cells, header, separator)
-                if cells is not None and [cell.strip().lower() for cell in cells] == header:
-                    continue  # once more, where tables were pasted together
+                names = [cell.strip().lower() for cell in cells or []]
+                if set(needed) <= set(names):  # once more, where tables were pasted together
+                    _check_header(path, names, needed)
+                    header = names
+                    continue
                 if cells is None or (
                     line is not None and 0 < len(cells) < len(header) and not line.endswith(ENDS)
                 ):

@@ -108,7 +108,8 @@ class McapLog(FileLog):
     def _from_start(self, stream: BinaryIO, size: int) -> Iterator[Message]:
         """Read record by record, and what is whole of a chunk that the file's end cuts off.
 
-        Behind damage, look for the next chunk. The rest is given up where too many bytes that looked like chunks were none (PATIENCE).
+        Behind damage, look for the next chunk. The rest is given up where too many bytes that
+        looked like chunks were none (PATIENCE).
         """
         at, patience = len(MAGIC), PATIENCE * size
         while at < size:

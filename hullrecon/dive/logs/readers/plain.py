@@ -58,6 +58,15 @@ NULLS = frozenset({"", "-", "--", "null", "none", "n/a", "na", "#n/a", "nil"})
 RATES, ACCELERATION = ("wx", "wy", "wz"), ("ax", "ay", "az")
 WINDOW = ("range_from", "range_to")
 ALTITUDE = "altitude"
+RANGE = "range_"  # and a number: one of a DVL's beams
+OPTIONAL = {  # columns that a table may have beside those of COLUMNS
+    "dvl": (f"{RANGE}1", f"{RANGE}2", "...", ALTITUDE),
+    "imu": (*RATES, *ACCELERATION),
+    "camera_top": ("frame",),
+    "camera_bottom": ("frame",),
+    "sonar": ("ping", *WINDOW),
+    "position": ("latitude", "longitude", ALTITUDE, "x", "y", "z", "sigma_m"),
+}
 
 
 class PlainLog:
@@ -161,6 +170,8 @@ class PlainLog:
         for line, row in self._read(sensor):
             if row is not None and _is_remark(row["t"]):
                 continue
+            if row is not None and rows == 0:
+                self.notes += _other_columns(sensor, row)
             rows += 1
             try:
                 if row is None:
@@ -315,6 +326,18 @@ def _is_remark(stamp: str) -> bool:
     return text.startswith(("#", "%", "[")) or (is_word and text.lower() not in NULLS | NO_NUMBERS)
 
 
+def _other_columns(sensor: str, row: Row) -> list[Finding]:
+    """Name the columns of a sensor's table that are not read: they may be misspelt."""
+    read = (*COLUMNS[sensor], *OPTIONAL.get(sensor, ()))
+    others = [
+        name
+        for name in row
+        if name and name not in read and not (sensor == "dvl" and name.startswith(RANGE))
+    ]
+    values = {"columns": printable(", ".join(others), LONGEST_REASON), "read": ", ".join(read)}
+    return [Finding("columns-not-read", values, f"{sensor}.csv")] if others else []
+
+
 class _BadLines:
     """Count the lines that cannot be read, and keep the numbers of the first."""
 
@@ -371,11 +394,11 @@ def _dvl(row: Row) -> DvlSample:
 
     The directions of the beams are those of dive.toml.
     """
-    names = [n for n in row if n and n.startswith("range_")]
-    odd = [n for n in names if not n[6:].isdecimal()]
+    names = [n for n in row if n.startswith(RANGE)]
+    odd = [n for n in names if not n[len(RANGE) :].isdecimal()]
     if odd:
         raise ValueError(f"column {odd[0]} is none of range_1, range_2, ...")
-    names.sort(key=lambda n: int(n[6:]))
+    names.sort(key=lambda n: int(n[len(RANGE) :]))
     velocity = np.array([_read_number(row[name], lost=True) for name in ("vx", "vy", "vz")])
     ranges = np.array([_read_number(row[name], lost=True) for name in names])
     altitude = _read_number(row[ALTITUDE], lost=True) if ALTITUDE in row else float("nan")

@@ -16,6 +16,7 @@ from hullrecon.dive.logs.formats.bag_records import (
     BagChunk,
     Connections,
     messages_of,
+    messages_of_cut,
     op_of,
     parse_head,
     read_index,
@@ -109,7 +110,8 @@ class Rosbag1Log(FileLog):
     ) -> Iterator[Message]:
         """Read record by record without an index, and look for the next chunk after damage.
 
-        The rest is given up where too many bytes that looked like chunks were none (PATIENCE).
+        Of a chunk that the file's end cuts off, what is whole is read. The rest is given up where
+        too many bytes that looked like chunks were none (PATIENCE).
         """
         at, patience = len(MAGIC), PATIENCE * size
         closed = False
@@ -120,6 +122,8 @@ class Rosbag1Log(FileLog):
                 connections.unchecked |= op_of(head) == MESSAGE
                 found = messages_of(head, data, connections, budget)
             except DamagedError as error:
+                cut = messages_of_cut(stream, at, size, connections, budget)
+                yield from map(self._tracker.record, cut)
                 self._tracker.open_gap(f"the file is damaged at byte {at}: {error}")
                 patience -= min(following - at, LARGEST_CHUNK)
                 at = find_chunk(stream, at + 1, size) if patience >= 0 else size

@@ -74,8 +74,7 @@ def decompress(data: bytes, how: str, size: int, budget: UnpackBudget | None = N
 def decompress_start(data: bytes, how: str, budget: UnpackBudget) -> bytes:
     """Unpack what is there of a chunk that is cut off, LARGEST_CHUNK at most.
 
-    Nothing of it is checked. Raises DamagedError for another packing than of an MCAP, for damaged
-    data, and beyond the budget.
+    Nothing of it is checked. Raises DamagedError for damaged data, and beyond the budget.
     """
     import lz4.frame  # type: ignore[import-untyped]
     import zstandard
@@ -85,7 +84,9 @@ def decompress_start(data: bytes, how: str, budget: UnpackBudget) -> bytes:
             data = zstandard.ZstdDecompressor().stream_reader(data).read(LARGEST_CHUNK)
         elif how == "lz4":
             data = lz4.frame.LZ4FrameDecompressor().decompress(data, LARGEST_CHUNK)
-    except (zstandard.ZstdError, RuntimeError) as error:
+        elif how == "bz2":
+            data = bz2.BZ2Decompressor().decompress(data, LARGEST_CHUNK)
+    except (zstandard.ZstdError, OSError, RuntimeError) as error:
         raise DamagedError(f"it cannot be decompressed: {error}") from None
     budget.take(len(data))
     return data
