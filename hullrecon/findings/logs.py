@@ -298,6 +298,7 @@ NOTES: dict[str, Words] = {
     # files of instruments and tables
     "table-empty": "it has a header and no row",
     "columns-not-read": "columns that are not read: {columns}; read are {read}",
+    "pictures-unnamed": "{what} are not read: {remedy}",
     "tables-not-read": "not read: {files}; the tables of sensors are {tables}",
     "pd0-no-bottom": "no ensemble has a bottom track (a current profiler's file?): it gives no "
     "velocity over ground",

@@ -76,7 +76,9 @@ def test_cut_file_gives_whole_frames_and_loses_other_rows(tmp_path):
     (tmp_path / "p.ddf").write_bytes(didson_file(3)[:-1])
     log = table(tmp_path, ["1,p.ddf,0,1,6", "2,p.ddf,1,1,6", "3,p.ddf,7,1,6"])
     assert len(list(log.messages())) == 1
-    assert [loss.why for loss in log.losses()] == ["lines 3, 4 of sonar.csv cannot be read"]
+    assert [loss.why for loss in log.losses()] == [
+        "lines 3, 4 of sonar.csv cannot be read: p.ddf: it holds no whole frame of that number"
+    ]
 
 
 @pytest.mark.parametrize(

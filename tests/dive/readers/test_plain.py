@@ -38,6 +38,18 @@ def test_empty_cells_of_a_dvl_row_are_lost_values(tmp_path):
     assert np.isnan(ping.sigma)
 
 
+@pytest.mark.parametrize("is_named", [False, True])
+def test_photos_that_no_table_names_are_named(tmp_path, is_named):
+    (tmp_path / "pressure.csv").write_text("t,pascal\n0,1e5\n")
+    (tmp_path / "top").mkdir()
+    for name in ("a.jpg", "b.jpg"):
+        (tmp_path / "top" / name).touch()
+    if is_named:
+        (tmp_path / "camera_top.csv").write_text("t,file\n0,top/a.jpg\n1,top/b.jpg\n")
+    told = "2 photos without times are not read: put beside them camera_top.csv with columns t"
+    assert [note[: len(told)] for note in sentences(read(tmp_path)[1].notes)] == [told][is_named:]
+
+
 def test_columns_that_are_not_read_are_named(tmp_path):
     (tmp_path / "dvl.csv").write_text("t,vx,vy,vz,range1,range_2\n0,0,0,0,1,1\n")
     _, log = read(tmp_path)
@@ -122,7 +134,7 @@ def test_a_sonar_file_that_is_damaged_or_gone_is_a_named_loss(tmp_path, content)
     (tmp_path / "sonar.csv").write_text("t,file\n0,p.npz\n1,good.npz\n")
     samples, log = read(tmp_path)
     assert [s.t_ns for s in samples] == [1_000_000_000]
-    assert log.losses()[0].why == "line 2 of sonar.csv cannot be read"
+    assert log.losses()[0].why.startswith("line 2 of sonar.csv cannot be read: ")
 
 
 def test_unreadable_row_is_a_named_loss_and_others_are_kept(tmp_path):
@@ -140,7 +152,9 @@ def test_rows_that_hold_no_reading_are_no_loss(tmp_path):
     )
     samples, log = read(tmp_path)
     assert [s.t_ns // 10**9 for s in samples] == [0, 2]
-    assert [loss.why for loss in log.losses()] == ["line 6 of pressure.csv cannot be read"]
+    assert [loss.why for loss in log.losses()] == [
+        "line 6 of pressure.csv cannot be read: 'null' is no number"
+    ]
 
 
 def test_a_word_for_no_value_is_a_lost_one(tmp_path):
@@ -228,7 +242,7 @@ def test_one_absurd_stamp_among_good_ones_is_lost_alone(tmp_path):
     (tmp_path / "pressure.csv").write_text("t,pascal\n0,1\n99999999999999,2\n2,3\n")
     samples, log = read(tmp_path)
     assert [s.pascal for s in samples] == [1.0, 3.0]
-    assert log.losses()[0].why == "line 3 of pressure.csv cannot be read"
+    assert log.losses()[0].why.startswith("line 3 of pressure.csv cannot be read: ")
 
 
 def test_a_row_that_is_cut_short_is_lost_alone(tmp_path):
@@ -279,7 +293,7 @@ def test_a_cell_that_names_no_file_costs_its_row_alone(tmp_path, cell):
     (tmp_path / "camera_top.csv").write_text(f"t,file\n0,a.jpg\n1,{cell}\n2,a.jpg\n")
     samples, log = read(tmp_path)
     assert [s.t_ns for s in samples] == [0, 2_000_000_000]
-    assert log.losses()[0].why == "line 3 of camera_top.csv cannot be read"
+    assert log.losses()[0].why.startswith("line 3 of camera_top.csv cannot be read: ")
     assert log.named_files() == [Path("a.jpg")]
 
 
@@ -341,7 +355,7 @@ def test_a_line_without_end_costs_itself_and_no_memory(tmp_path):
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert [s.pascal for s in samples] == [1.0, 3.0]
-    assert log.losses()[0].why == "line 3 of pressure.csv cannot be read"
+    assert log.losses()[0].why.startswith("line 3 of pressure.csv cannot be read: ")
     assert peak < 4 << 20
 
 

@@ -22,6 +22,7 @@ TO_PHOTOS = (
     "camera_top.csv with columns t (s since 1970) and file, and camera_bottom.csv for a second "
     "camera"
 )
+TO_VIDEOS = f"{TO_PHOTOS} (a row names the video and, in a column frame, its frame from 0)"
 TO_TABLES = f"write {TABLES}"
 TO_MCAP = f"convert it to MCAP, or {TO_TABLES}"
 PACKED = "packed by gzip"
@@ -86,9 +87,10 @@ def describe_file(path: Path, start: bytes) -> tuple[str, str]:
     start: those first bytes.
     """
     suffix = path.suffix.lower()
-    if suffix in IMAGE_SUFFIXES or suffix in VIDEOS:
-        kind = "a photo" if suffix in IMAGE_SUFFIXES else "a video"
-        return kind, f"give the folder that holds it, with {TO_PHOTOS}"
+    if suffix in IMAGE_SUFFIXES:
+        return "a photo", f"give the folder that holds it, with {TO_PHOTOS}"
+    if suffix in VIDEOS:
+        return "a video", f"give the folder that holds it, with {TO_VIDEOS}"
     if holds_reports(start):
         is_list = start.lstrip().startswith(b"[")
         what = "'.[]'" if is_list else "."
@@ -109,22 +111,32 @@ def is_page(start: bytes) -> bool:
     return start.lstrip().lower().startswith(PAGES)
 
 
+def describe_pictures(names: Iterable[str]) -> tuple[str, str]:
+    """Name photos or videos that no table names, and say what to do with them.
+
+    Both follow from the names of files. Two empty texts where there are none.
+    """
+    suffixes = Counter(Path(name.lower()).suffix for name in names)
+    photos = sum(suffixes[suffix] for suffix in IMAGE_SUFFIXES)
+    if any(suffixes[suffix] for suffix in VIDEOS):
+        return "videos without times", f"put beside them {TO_VIDEOS}"
+    return (
+        (f"{photos} photos without times", f"put beside them {TO_PHOTOS}")
+        if photos > 1
+        else ("", "")
+    )
+
+
 def describe_folder(names: Iterable[str]) -> tuple[str, str]:
     """Name what a folder without a log holds and what to do with it, for the error that refuses it.
 
     Both follow from the names of its files. Two empty texts where that is not known.
     """
     names = sorted(names)
+    pictures = describe_pictures(names)
+    if pictures[0]:
+        return pictures
     suffixes = Counter(Path(name.lower().removesuffix(".gz")).suffix for name in names)
-    photos = sum(suffixes[suffix] for suffix in IMAGE_SUFFIXES)
-    if any(suffixes[suffix] for suffix in VIDEOS):
-        return (
-            "videos without times",
-            f"put beside them {TO_PHOTOS} (a row names the video and, in a column frame, "
-            "its frame)",
-        )
-    if photos > 1:
-        return f"{photos} photos without times", f"put beside them {TO_PHOTOS}"
     tables = [name for name in names if name.lower().endswith((".csv", ".csv.gz"))]
     if tables:
         shown = printable(", ".join(tables[:3])) + (", ..." if len(tables) > 3 else "")

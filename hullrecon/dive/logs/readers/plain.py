@@ -13,6 +13,7 @@ import numpy as np
 
 from hullrecon.dive.logs.formats import video_frames
 from hullrecon.dive.logs.formats.csv_rows import Row, read_rows
+from hullrecon.dive.logs.formats.foreign_forms import describe_pictures
 from hullrecon.dive.logs.formats.sonar_file import read_ping
 from hullrecon.dive.logs.messages.sonar import in_fan
 from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
@@ -104,6 +105,9 @@ class PlainLog:
             tables = ", ".join(f"{sensor}.csv" for sensor in COLUMNS)
             values = {"files": printable(shown), "tables": tables}
             self.notes.append(Finding("tables-not-read", values))
+        what, remedy = ("", "") if self._names_pictures() else describe_pictures(self._files())
+        if what:
+            self.notes.append(Finding("pictures-unnamed", {"what": what, "remedy": remedy}))
         for table in self.tables():
             yield from self._read_table(table.removesuffix(".csv"))
 
@@ -121,6 +125,15 @@ class PlainLog:
     def tables(self) -> list[str]:
         """List the CSVs of the folder that are read."""
         return [f"{sensor}.csv" for sensor in COLUMNS if (self.path / f"{sensor}.csv").exists()]
+
+    def _names_pictures(self) -> bool:
+        """Tell whether a camera has a table."""
+        return any(table.startswith("camera_") for table in self.tables())
+
+    def _files(self) -> list[str]:
+        """List the names of the files in the folder and in the folders of it."""
+        folders = [self.path, *(path for path in self.path.iterdir() if path.is_dir())]
+        return [path.name for folder in folders for path in folder.iterdir()]
 
     def _other_tables(self) -> list[str]:
         """List the files of the folder that may be tables and are not read.
@@ -179,6 +192,7 @@ class PlainLog:
                 sample = translate(row)
             except _LateStampError as error:
                 late.append(error.seconds)
+                first_reason = first_reason or str(error)
                 bad.add(line)
                 continue
             except (
@@ -189,9 +203,7 @@ class PlainLog:
                 AttributeError,
                 OSError,
             ) as error:
-                first_reason = (
-                    first_reason or f"line {line}: {printable(str(error), LONGEST_REASON)}"
-                )
+                first_reason = first_reason or printable(str(error), LONGEST_REASON)
                 bad.add(line)
                 continue
             first_ns, last_ns = sample.t_ns if read == 0 else first_ns, sample.t_ns
@@ -214,12 +226,13 @@ class PlainLog:
             self.notes.append(Finding("table-empty", where=f"{sensor}.csv"))
         if rows and bad.count == rows:
             raise InputError(
-                f"{sensor}.csv has no row that can be read: {first_reason}", where=str(self.path)
+                f"{sensor}.csv has no row that can be read: line {bad.first[0]}: {first_reason}",
+                where=str(self.path),
             )
         if bad.count:
-            self._losses.append(
-                Loss(f"{bad.listed()} of {sensor}.csv cannot be read", sensor, messages=bad.count)
-            )
+            why = f"{bad.listed()} of {sensor}.csv cannot be read"
+            why += f": {first_reason}" if first_reason else ""
+            self._losses.append(Loss(why, sensor, messages=bad.count))
 
     def _read(self, sensor: str) -> Iterator[tuple[int, Row | None]]:
         return read_rows(self.path / f"{sensor}.csv", COLUMNS[sensor])
@@ -343,18 +356,18 @@ class _BadLines:
 
     def __init__(self) -> None:
         self.count = 0
-        self._first: list[int] = []
+        self.first: list[int] = []
 
     def add(self, line: int) -> None:
         """Count a line that cannot be read."""
         self.count += 1
-        if len(self._first) < LISTED_LINES:
-            self._first.append(line)
+        if len(self.first) < LISTED_LINES:
+            self.first.append(line)
 
     def listed(self) -> str:
         """Name the first of these lines, such as "lines 3, 5, ..."."""
         noun = "line" if self.count == 1 else "lines"
-        return f"{noun} {', '.join(map(str, self._first))}" + (
+        return f"{noun} {', '.join(map(str, self.first))}" + (
             ", ..." if self.count > LISTED_LINES else ""
         )
 
@@ -379,7 +392,7 @@ class _LateStampError(ValueError):
     """Raised for a stamp that is too large to be seconds since 1970."""
 
     def __init__(self, seconds: float) -> None:
-        super().__init__()
+        super().__init__(f"the stamp {seconds:.17g} lies behind any log")
         self.seconds = seconds
 
 
