@@ -250,6 +250,9 @@ NOTES: dict[str, Words] = {
     "{differ_mm:.0f} mm, as by another speed of sound, and were put onto one",
     "sonar-azimuths-unused": "the log says where the beams point; sonar.beam_azimuth_deg was not "
     "used",
+    "sonar-bytes-exchanged": "the bytes of its pixels stand in the other order than the log says: "
+    "exchanged, neighbours differ {smoother:.1f} times less, and so they were read",
+    "sonar-black": "no pixel of any ping is above zero: its mosaic will be black",
     "sonar-scaled": "{dtype} pixels were scaled to 8 bits, {white:g} and more to 255",
     # positions
     "positions-without-fix": "{lacking} of {count} messages have no fix and were left out",

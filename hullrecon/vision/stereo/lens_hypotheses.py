@@ -155,6 +155,14 @@ def _scaled(lens: CameraModel, values: Array) -> CameraModel:
     return replace(lens, fx=lens.fx * factor, fy=lens.fy * factor)
 
 
+def in_other_order(lens: CameraModel) -> CameraModel:
+    """Read the coefficients of distortion as k1, k2, k3, p1, p2, which Metashape and others write.
+
+    They were taken as k1, k2, p1, p2, k3, as OpenCV writes them.
+    """
+    return replace(lens, k3=lens.p1, p1=lens.p2, p2=lens.k3)
+
+
 def _distorted(lens: CameraModel, values: Array) -> CameraModel:
     """Add values (2,) to the radial distortion k1 and k2."""
     return replace(lens, k1=lens.k1 + values[0], k2=lens.k2 + values[1])

@@ -20,7 +20,11 @@ from hullrecon.vision.stereo.image_matcher import (
     StereoFrames,
     fit_pose,
 )
-from hullrecon.vision.stereo.lens_hypotheses import best_lenses, epipolar_error_px
+from hullrecon.vision.stereo.lens_hypotheses import (
+    best_lenses,
+    epipolar_error_px,
+    in_other_order,
+)
 from hullrecon.vision.stereo.pose_conventions import fitting_conventions
 
 MIN_PAIRS = 3  # informative pairs
@@ -212,12 +216,21 @@ def _name_cause(
         )
     lenses = best_lenses(matcher.lenses, matcher.given, *seen)
     best_px = min(lenses[0].error_px, fitted_px if found is not None else np.inf)
-    # Exchanged calibrations have no number to fit, so that they are believed before a fitted cause.
+    # Exchanged calibrations, and coefficients in another order, have no number to fit, so that they
+    # are believed before a fitted cause.
     exchanged_px = epipolar_error_px(matcher.lenses[::-1], essential_of(matcher.given), seen)
     if exchanged_px <= min(MAX_ERROR_PX, AS_GOOD * best_px):
         return RigProblem(
             what=f"{what}, {exchanged_px:.1f} px with the two cameras' calibrations exchanged",
             remedy="exchange camera.top.calibration and camera.bottom.calibration",
+        )
+    top, bottom = map(in_other_order, matcher.lenses)
+    ordered_px = epipolar_error_px((top, bottom), essential_of(matcher.given), seen)
+    if ordered_px <= min(AS_GOOD * best_px, error_px / CLEARLY_BETTER):
+        return RigProblem(
+            what=f"{what}, {ordered_px:.1f} px with the coefficients of distortion taken as k1, "
+            "k2, k3, p1, p2",
+            remedy="write distortion_coefficients of both cameras as k1, k2, p1, p2, k3",
         )
     if best_px > MAX_ERROR_PX:
         return RigProblem(

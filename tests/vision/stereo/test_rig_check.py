@@ -318,6 +318,16 @@ def test_exchanged_calibrations_are_named_and_exchanging_them_heals(rig, dive):
     assert check(replace(rig, camera_models=models)).problem is None
 
 
+def test_coefficients_in_another_order_are_named(rig, dive):
+    """As k1, k2, k3, p1, p2 is read where k1, k2, p1, p2, k3 is meant."""
+    wrong = {
+        camera: replace(lens, p1=lens.k3, p2=lens.p1, k3=lens.p2)
+        for camera, lens in rig.camera_models.items()
+    }
+    problem = check(replace(rig, camera_models=wrong)).problem
+    assert problem.remedy.startswith("write distortion_coefficients of both cameras as k1, k2, p1")
+
+
 def test_wrong_lens_is_no_pose_of_camera(rig, dive):
     """A bottom camera with the distortion of another: no turn of it brings the matches onto their
     lines.

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.dive.logs.dvl_beams import unit
-from hullrecon.dive.logs.ping_spool import Images, KeepImages, bright_pixel
+from hullrecon.dive.logs.ping_spool import Images, KeepImages, PingLook, look_of
 from hullrecon.dive.logs.samples import SonarSample, stamps
 from hullrecon.dive.logs.sonar_geometry import (
     choose_directions,
@@ -18,12 +18,16 @@ from hullrecon.dive.logs.sonar_geometry import (
     image_in_ranges,
     pings_of_one_window,
 )
+from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.records.sensors import SonarPings
 from hullrecon.typing import Array
 
 # percentile of the pings' bright pixels that is scaled to white: a few pings are disturbed
 BRIGHT_PINGS_PERCENT = 99.0
+# Neighbours differ by less than this share of what they do as they are stored, in most pings, where
+# the bytes of their pixels are exchanged. Pings of water alone are noise either way: 1
+MUCH_SMOOTHER = 0.8
 
 
 def keep_in_memory(shape: tuple[int, int, int], images: Iterator[Images]) -> Images:
@@ -66,17 +70,22 @@ def sonar_pings(
     Raises
     ------
     InputError
-        Nothing says where the beams point, or the ranges are no sonar's.
+        Nothing says where the beams point, the ranges are no sonar's, or the pixels are decibels.
     """
     kept, range_m = pings_of_one_window(samples, notes)
     if not kept:
         return None
     directions = choose_directions(kept[0], azimuth_deg, notes)
     range_m = evenly_spaced(np.asarray(range_m, float))
-    scale = _scale_to_eight_bits(kept, notes)
+    dtype, looks = kept[0].image.dtype, [look_of(sample) for sample in kept]
+    exchanged = _refuse_decibels_and_find_exchanged(looks, notes)
+    scale = None
+    if any(sample.image.dtype != np.uint8 for sample in kept):
+        scale = _scale_to_eight_bits(looks, str(dtype), exchanged, notes)
     shape = (len(kept), len(directions), len(range_m))
     image = keep(
-        shape, (_eight_bits(image_in_ranges(load(sample), range_m), scale) for sample in kept)
+        shape,
+        (_eight_bits(image_in_ranges(load(sample), range_m), scale, exchanged) for sample in kept),
     )
     return SonarPings(
         t_ns=stamps(kept),
@@ -86,25 +95,62 @@ def sonar_pings(
     )
 
 
-def _scale_to_eight_bits(samples: Sequence[SonarSample], notes: list[Finding]) -> float | None:
+def _refuse_decibels_and_find_exchanged(looks: Sequence[PingLook], notes: list[Finding]) -> bool:
+    """Tell whether the bytes of the pixels stand in the other order than the log says.
+
+    Raises InputError for pixels that are decibels: they have no black.
+    """
+    if 2 * sum(look.is_negative for look in looks) > len(looks):
+        raise InputError(
+            "most of the sonar's pixels are below zero: are they decibels?",
+            where="sonar",
+            remedy="log amplitudes, of which black is 0, or leave topics.sonar away",
+        )
+    rougher = float(np.median([look.rougher for look in looks]))
+    if rougher < MUCH_SMOOTHER:
+        notes.append(Finding("sonar-bytes-exchanged", {"smoother": 1 / rougher}, "sonar"))
+    if not any(look.bright > 0 for look in looks):
+        notes.append(Finding("sonar-black", where="sonar"))
+    return rougher < MUCH_SMOOTHER
+
+
+def _scale_to_eight_bits(
+    looks: Sequence[PingLook], dtype: str, exchanged: bool, notes: list[Finding]
+) -> float:
     """Find the factor that brings the bright pixel of nearly all pings to 255 at most.
 
-    None where all pixels have 8 bits, 0 where all are black.
+    0 where all are black.
+
+    Parameters
+    ----------
+    looks : what was seen of each ping
+    dtype : of the pixels, for the finding
+    exchanged : whether their bytes are exchanged first
+    notes : a finding is added
     """
-    if all(sample.image.dtype == np.uint8 for sample in samples):
-        return None
-    bright = np.array([float(bright_pixel(sample.image)) for sample in samples])
+    bright = np.array([look.exchanged_bright if exchanged else look.bright for look in looks])
     bright = bright[bright > 0]
     white = 0.0
     if len(bright):
         white = float(np.percentile(bright, BRIGHT_PINGS_PERCENT, method="higher"))
-    values = {"dtype": str(samples[0].image.dtype), "white": white}
-    notes.append(Finding("sonar-scaled", values, "sonar"))
+    notes.append(Finding("sonar-scaled", {"dtype": dtype, "white": white}, "sonar"))
     return 255.0 / white if white > 0 else 0.0
 
 
-def _eight_bits(image: NDArray[np.generic], scale: float | None) -> NDArray[np.uint8]:
-    """Scale an image to 8 bits. scale: None for one that has 8 bits already."""
+def _eight_bits(
+    image: NDArray[np.generic], scale: float | None, exchanged: bool
+) -> NDArray[np.uint8]:
+    """Scale an image to 8 bits.
+
+    Parameters
+    ----------
+    image : pixels as logged
+    scale : None for one that has 8 bits already
+    exchanged : whether the bytes of its pixels are exchanged first
+    """
     if scale is None:
         return image.astype(np.uint8)
-    return np.asarray(np.clip(np.nan_to_num(image.astype(float)) * scale, 0, 255).round(), np.uint8)
+    pixels = image.byteswap() if exchanged else image
+    return np.asarray(
+        np.clip(np.nan_to_num(pixels.astype(float)) * scale, 0, 255).round(), np.uint8
+    )
