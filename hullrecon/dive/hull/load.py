@@ -68,6 +68,10 @@ OTHER_KINDS = (
         re.compile(rb"\s*ISO-10303-21"),
         ("a STEP file", f"export a mesh of its surface as {', '.join(FORMATS)}"),
     ),
+    (  # 72 columns of a card, then the section's letter and the card's number
+        re.compile(rb"[^\r\n]{72}S +1\r?\n"),
+        ("an IGES file", f"export a mesh of its surface as {', '.join(FORMATS)}"),
+    ),
     (re.compile(rb"PK\x03\x04|7z\xbc\xaf"), ("a packed archive", "unpack it")),
     (re.compile(rb"\x1f\x8b"), ("packed by gzip", "add .gz to its name")),
     (re.compile(rb"\s*<"), ("a page of the web or XML", "fetch the file itself")),

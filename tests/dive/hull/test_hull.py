@@ -389,6 +389,7 @@ def test_moebius_strip_has_an_edge_of_inconsistent_winding():
     [
         (b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n", "a pointer of Git LFS"),
         (b"ISO-10303-21;\nHEADER;\n", "a STEP file"),
+        (b" " * 72 + b"S      1\n1H,,1H;,4HSLOT,37H\n", "an IGES file"),
         (b"<!DOCTYPE html><html>", "a page of the web"),
         (b"# exported\nmtllib a.mtl\nv 0 0 0\n", "an obj file"),
         (b"ply\nformat ascii 1.0\n", "a ply file"),

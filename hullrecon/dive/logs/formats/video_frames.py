@@ -32,7 +32,7 @@ class VideoFrames:
             raise ValueError("it is no MP4, MOV, MKV, AVI or TS")
         self._capture = cv2.VideoCapture(str(path.absolute()), cv2.CAP_FFMPEG)
         if not self._capture.isOpened():
-            raise ValueError("it cannot be decoded")
+            raise ValueError("it cannot be decoded; an MP4 or MOV that is cut off has no index")
         # as the sensor stored them, like all pictures (images/encoded.py)
         self._capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
         self.turned_deg = int(self._capture.get(cv2.CAP_PROP_ORIENTATION_META)) % 360
