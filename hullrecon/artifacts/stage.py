@@ -144,13 +144,9 @@ class Context(Generic[Parameters]):
         own: Any = self.settings[self._stage.name]
         return own  # type: ignore[no-any-return]
 
-    def progress(
-        self, items: Iterable[Item], label: str, total: int | None = None
-    ) -> Iterable[Item]:
+    def progress(self, items: Iterable[Item], label: str) -> Iterable[Item]:
         """Yield the same items, shown as a bar on a terminal and as log lines elsewhere."""
-        if total is None and isinstance(items, Sized):
-            total = len(items)
-        return self._track(items, label, total)
+        return self._track(items, label, len(items) if isinstance(items, Sized) else None)
 
     def _track(
         self, items: Iterable[Item], label: str, total: int | None, kept: int = 0

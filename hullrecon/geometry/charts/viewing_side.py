@@ -9,8 +9,10 @@ import numpy as np
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.typing import Array
 
+STEP_M = 0.05  # half the length of the central differences on a chart
 
-def flips(chart: Chart, along_girth: Array, step_m: float = 0.05) -> tuple[bool, bool]:
+
+def flips(chart: Chart, along_girth: Array) -> tuple[bool, bool]:
     """Tell whether along has to grow to the left, and girth downwards, for a viewer outside.
 
     With along to the right and girth up, the chart of a CAD model shows the hull from inside. On
@@ -24,14 +26,12 @@ def flips(chart: Chart, along_girth: Array, step_m: float = 0.05) -> tuple[bool,
     along_girth
         Chart points (n, 2) m that are shown. The median over them decides. Neither is reversed
         where none is on the chart.
-    step_m
-        Half the length of the central differences on the chart.
     """
     good = along_girth[np.isfinite(along_girth).all(axis=1)]
     _, normal = chart.from_chart(good)
     along, girth = (
         chart.from_chart(good + step)[0] - chart.from_chart(good - step)[0]
-        for step in np.eye(2) * step_m
+        for step in np.eye(2) * STEP_M
     )
     # Along x girth against the outward normal tells from which side the chart is seen, and girth's
     # part upward whether it falls

@@ -169,6 +169,7 @@ class CameraView:
 Read = Callable[[int], NDArray[np.uint8] | None]
 LIGHT_STEP_M = 0.06  # side of the texels from which the light is estimated
 BLOCK = 256  # side of a block of those texels
+MARGIN_SHARE = 0.06  # of a footprint's extent
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -254,18 +255,16 @@ def compute_footprints(
     )
 
 
-def footprint_windows(
-    grid: TexelGrid, footprints: Footprints, margin_share: float = 0.06
-) -> list[Window]:
+def footprint_windows(grid: TexelGrid, footprints: Footprints) -> list[Window]:
     """Find a window around the footprint of each view, outside which it sees no texel.
 
-    It is empty for a view that does not meet the surface. `margin_share`: this share of the
-    footprint's extent is added on each side, as the footprint is known at some rays alone.
+    It is empty for a view that does not meet the surface. MARGIN_SHARE of the footprint's extent is
+    added on each side, as the footprint is known at some rays alone.
     """
     spans = []
     for at in footprints.at:
         good = at[np.isfinite(at).all(axis=1)]
-        margin = margin_share * float(np.ptp(good, axis=0).max()) if len(good) else 0.0
+        margin = MARGIN_SHARE * float(np.ptp(good, axis=0).max()) if len(good) else 0.0
         spans.append(grid.window_of(at, margin))
     return spans
 

@@ -28,6 +28,10 @@ SMOOTH = 2.0  # cells, sigma of the field's smoothing
 # Images of a camera whose median starts the field: it is known to a thirtieth of their spread. Each
 # takes 0.15 MB.
 MOST_IMAGES = 1000
+SWEEPS = 60  # over all views, by which their gains are estimated
+# Weight, in samples, of a prior that a view is as bright as the others. It keeps the gains from
+# drifting along a chain of views
+PULL = 20.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,9 +144,7 @@ def _texel_mean(samples: LightSamples, values: Array) -> Array:
     return np.asarray((sums / np.maximum(count, 1)[:, None])[samples.texel])
 
 
-def _gains(
-    samples: LightSamples, values: Array, views: int, sweeps: int = 60, pull: float = 20.0
-) -> Array:
+def _gains(samples: LightSamples, values: Array, views: int) -> Array:
     """Estimate the log gain (views,) of each view relative to the mean of its texels, by sweeps.
 
     Residuals are clipped at 0.2 (Huber), a fifth of the brightness, so that glints count little.
@@ -155,21 +157,16 @@ def _gains(
         (n,) log intensity of each sample, without the field.
     views
         Number of views.
-    sweeps
-        Number of sweeps over all views.
-    pull
-        Weight, in samples, of a prior that a view is as bright as the others. It keeps the gains
-        from drifting along a chain of views.
     """
-    # Each sweep moves every gain by the mean residual of its samples. The prior counts as `pull`
+    # Each sweep moves every gain by the mean residual of its samples. The prior counts as PULL
     # samples, with a fiftieth of their strength.
     gain = np.zeros(views)
-    for _ in range(sweeps):
+    for _ in range(SWEEPS):
         level = values - gain[samples.view]
         rest = np.clip(level - _texel_mean(samples, level[:, None])[:, 0], -0.2, 0.2)
         step = np.bincount(samples.view, rest, minlength=views)
-        gain = gain + (step - pull * 0.02 * gain) / (
-            np.bincount(samples.view, minlength=views) + pull
+        gain = gain + (step - PULL * 0.02 * gain) / (
+            np.bincount(samples.view, minlength=views) + PULL
         )
     return gain
 

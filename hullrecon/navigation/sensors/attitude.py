@@ -36,6 +36,7 @@ BRIDGED_RATE_RAD_S = 0.05
 # time for which it turns one way; before the first and after the last reading its turns are a
 # random walk beyond that time
 BRIDGED_FOR_S = 4.0
+LONGEST_LAG_S = 2.0  # over which the noise is estimated
 
 
 @dataclass(frozen=True)
@@ -200,7 +201,7 @@ def _orientation_minus_rates(t: Array, imu: ImuSamples) -> Array:
     return np.vstack([np.zeros(3), np.cumsum(orientation[1:].apply(growth), axis=0)])
 
 
-def _estimate_noise(t: Array, difference: Array, longest_s: float = 2.0) -> tuple[float, float]:
+def _estimate_noise(t: Array, difference: Array) -> tuple[float, float]:
     """Estimate the white variance (rad2) of the orientation and the walk (rad2/s) of the rates.
 
     The walk is the variance that integrated rates gain in each second. Both set how wide the
@@ -214,11 +215,9 @@ def _estimate_noise(t: Array, difference: Array, longest_s: float = 2.0) -> tupl
         (n,) s.
     difference
         (n, 3) rad, rotation by the orientation minus that by the rates.
-    longest_s
-        Largest lag.
     """
     step = period(t)
-    lags = np.unique(np.geomspace(1, max(2, longest_s / step), 12).astype(int))
+    lags = np.unique(np.geomspace(1, max(2, LONGEST_LAG_S / step), 12).astype(int))
     lags = lags[lags < len(t) // 2]
     spread = [
         np.mean((NORMAL_MAD * np.median(np.abs(difference[lag:] - difference[:-lag]), axis=0)) ** 2)

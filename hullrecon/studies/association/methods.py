@@ -21,6 +21,7 @@ from hullrecon.studies.association.point_sets import (
 from hullrecon.typing import Array, Ints, Mask
 
 CONFIDENCE = 0.95
+DRAWN, MAY_FAIL = 4, 0.05  # points of a draw, and probability that no draw is all good
 MOST_TESTS = 200_000  # a search by joint compatibility is cut short after these
 
 
@@ -145,9 +146,7 @@ def randomised_compatibility(
     sets: PointSets,
     rng: np.random.Generator,
     confidence: float = CONFIDENCE,
-    drawn: int = 4,
     good_share: float = 0.7,
-    may_fail: float = 0.05,
 ) -> Association:
     """Pair a few points at random by joint compatibility, the others by nearest neighbour (RJC).
 
@@ -162,12 +161,8 @@ def randomised_compatibility(
         Source of the draws.
     confidence
         As for `joint_compatibility`.
-    drawn
-        Points of a draw.
     good_share
         Share of the points in the overlap that have a true mate, at least.
-    may_fail
-        Probability that no draw is all good.
 
     Returns
     -------
@@ -176,11 +171,11 @@ def randomised_compatibility(
     """
     compatible = sets.compatible(confidence)
     overlap = np.asarray(np.flatnonzero(compatible.any(axis=0)), dtype=np.int64)
-    if len(overlap) <= drawn:
+    if len(overlap) <= DRAWN:
         return joint_compatibility(sets, confidence, seconds=overlap)
     best, tests, draws = Association(pairs=(), squared_distance=0.0, tests=0), 0, 0
-    while draws < _draws_needed(max(good_share, len(best.pairs) / len(overlap)), drawn, may_fail):
-        chosen = np.asarray(rng.choice(overlap, drawn, replace=False), dtype=np.int64)
+    while draws < _draws_needed(max(good_share, len(best.pairs) / len(overlap))):
+        chosen = np.asarray(rng.choice(overlap, DRAWN, replace=False), dtype=np.int64)
         seed = joint_compatibility(sets, confidence, seconds=chosen)
         found = _extend(sets, seed, compatible, confidence)
         draws, tests = draws + 1, tests + seed.tests + found.tests
@@ -189,10 +184,10 @@ def randomised_compatibility(
     return Association(pairs=best.pairs, squared_distance=best.squared_distance, tests=tests)
 
 
-def _draws_needed(good_share: float, drawn: int, may_fail: float) -> float:
-    """Count the draws among which one is all good, but for the probability `may_fail`."""
-    all_good = good_share**drawn
-    return 1.0 if all_good >= 1.0 else np.log(may_fail) / np.log(1.0 - all_good)
+def _draws_needed(good_share: float) -> float:
+    """Count the draws among which one is all good, but for the probability MAY_FAIL."""
+    all_good = good_share**DRAWN
+    return 1.0 if all_good >= 1.0 else np.log(MAY_FAIL) / np.log(1.0 - all_good)
 
 
 def _order(found: Association) -> tuple[int, float]:

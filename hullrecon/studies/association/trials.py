@@ -20,6 +20,7 @@ from hullrecon.typing import Array
 
 NN, JCBB, RJC = "NN", "JCBB", "RJC"
 SPACING_M = 1.0  # of the field, all else is relative to it
+PLACE_SIGMA = 0.03  # of a point's place, in the spacing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +37,6 @@ def simulate_field(
     dimension: int = 2,
     offset: float = 0.4,
     strangers: float = 0.0,
-    sigma: float = 0.03,
 ) -> Field:
     """Simulate an irregular field seen twice, the second time moved as a whole.
 
@@ -52,8 +52,6 @@ def simulate_field(
         Length of the move, in the spacing of the field. Its sigma is taken to be as large.
     strangers
         Points of either survey that the other does not hold, as a share of those it does.
-    sigma
-        Of a point's place, in the spacing.
     """
     extra = round(strangers * points)
     places = _irregular(points + 2 * extra, dimension, rng)
@@ -64,15 +62,15 @@ def simulate_field(
     first = np.concatenate([common, own])
     second = (np.concatenate([common, other]) + move)[order]
     size = (points + extra) * dimension
-    noise = sigma * rng.standard_normal((2, points + extra, dimension))
+    noise = PLACE_SIGMA * rng.standard_normal((2, points + extra, dimension))
     shared = np.tile(
         np.eye(dimension) * (offset * SPACING_M) ** 2 / dimension, (points + extra,) * 2
     )
     sets = PointSets(
         first=first + noise[0],
         second=second + noise[1],
-        first_covariance=sigma**2 * np.eye(size),
-        second_covariance=sigma**2 * np.eye(size) + shared,
+        first_covariance=PLACE_SIGMA**2 * np.eye(size),
+        second_covariance=PLACE_SIGMA**2 * np.eye(size) + shared,
     )
     pairs = frozenset((int(o), j) for j, o in enumerate(order) if o < points)
     return Field(sets=sets, true_pairs=pairs)

@@ -100,12 +100,7 @@ class FittedTrunk:
     mean_square_m2: float  # expected squared error of the middle
 
 
-def fit_trunk(
-    ranges: Array,
-    beams: tuple[int, int],
-    range_sigma_m: float,
-    radii_m: tuple[float, float] = RADII_M,
-) -> FittedTrunk:
+def fit_trunk(ranges: Array, beams: tuple[int, int], range_sigma_m: float) -> FittedTrunk:
     """Estimate the mean of a trunk's middle, given which beams hit it and their ranges.
 
     Either edge lies between the last beam that hit and the first that missed. Given both edges,
@@ -123,8 +118,6 @@ def fit_trunk(
         The first and the last that hit.
     range_sigma_m
         Of a beam.
-    radii_m
-        Between which the radius lies.
     """
     first, last = beams
     share = (np.arange(EDGES) + 0.5) / EDGES
@@ -138,7 +131,7 @@ def fit_trunk(
     middle = per_metre @ measured / information
     misfit = ((measured - middle[:, None] * per_metre) ** 2).sum(axis=1) / range_sigma_m**2
     radius = middle * np.sin(half)
-    possible = (radii_m[0] <= radius) & (radius <= radii_m[1])
+    possible = (RADII_M[0] <= radius) & (radius <= RADII_M[1])
     possible |= ~possible.any()
     # bearing and radius to edges: a density of D / 2; integrated over D: 1 / sqrt(information)
     weight = np.exp(-0.5 * (misfit - misfit[possible].min())) * middle / np.sqrt(information)

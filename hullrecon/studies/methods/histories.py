@@ -195,8 +195,8 @@ def _labels_converged(solve: SolveHistory) -> str:
     return f"converged after {iterations} iteration{'' if iterations == 1 else 's'}"
 
 
-def _settled_after(solve: SolveHistory, share: float = 0.001) -> int:
-    changing = np.flatnonzero(solve.label_changes > share * solve.landmarks)
+def _settled_after(solve: SolveHistory) -> int:
+    changing = np.flatnonzero(solve.label_changes > 0.001 * solve.landmarks)
     return int(changing.max()) if len(changing) else 0
 
 

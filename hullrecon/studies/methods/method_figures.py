@@ -25,6 +25,7 @@ from hullrecon.typing import Array, Mask
 
 MethodFigures = dict[str, Figures]
 METHODS = ("naive", "geva", "maxmix")
+NEIGHBOURS, REACH_M = 12, 0.4  # returns around a landmark, half of them within reach of it
 WEIGHTINGS = {"as published": True, "as weighted by us": False}  # name -> adjust.as_published
 TABLE = {
     "trajectory.normal_rmse_m": "off the hull",
@@ -141,9 +142,7 @@ def height_over_steel(
     return ours, true
 
 
-def gap_figures(
-    landmarks: Array, dvl: Array, cad_model: Scene, reach_m: float = 0.4, neighbours: int = 12
-) -> Figures:
+def gap_figures(landmarks: Array, dvl: Array, cad_model: Scene) -> Figures:
     """Score how far landmarks on bare steel lie off the surface that the DVL measured.
 
     It is the difference of their distances to the CAD model, each landmark against the median of
@@ -151,10 +150,10 @@ def gap_figures(
     """
     from scipy.spatial import cKDTree
 
-    if len(dvl) < neighbours or len(landmarks) == 0:
+    if len(dvl) < NEIGHBOURS or len(landmarks) == 0:
         return {"landmarks": 0}
-    distance, index = (np.asarray(a) for a in cKDTree(dvl).query(landmarks, k=neighbours))
-    near = distance[:, neighbours // 2] < reach_m
+    distance, index = (np.asarray(a) for a in cKDTree(dvl).query(landmarks, k=NEIGHBOURS))
+    near = distance[:, NEIGHBOURS // 2] < REACH_M
     surface = np.median(cad_model.closest(dvl).distance[index[near]], axis=1)
     gap = cad_model.closest(landmarks[near]).distance - surface
     if len(gap) == 0:

@@ -18,6 +18,9 @@ from hullrecon.rig import Rig
 from hullrecon.studies.methods.plots import CrossSection, WholeSection
 from hullrecon.typing import Array, Mask
 
+HALF_M = 0.08  # to either side of a section, along the hull
+REACH_M = 0.55  # of a section across a structure, from its middle
+
 
 @dataclass(frozen=True, kw_only=True)
 class HullBeams:
@@ -85,18 +88,16 @@ def cut_section(
     on_surface: Mask,
     dvl: Array,
     truth: Truth,
-    reach_m: float = 0.55,
-    half_m: float = 0.08,
 ) -> CrossSection:
-    """Slice the hull through a structure, half_m to either side along the hull.
+    """Slice the hull through a structure, HALF_M to either side along the hull.
 
     Points are in M, aligned. The DVL's few returns are taken from a slice five times as thick.
     """
     axes = _axes(structure)
     foot = np.array(structure.center) - structure.height * axes[2]
     local, beams = (landmarks - foot) @ axes.T, (dvl - foot) @ axes.T
-    seen, hit = _inside(local, half_m, reach_m), _inside(beams, 5 * half_m, reach_m)
-    line = np.linspace(-reach_m, reach_m, 200)
+    seen, hit = _inside(local, HALF_M, REACH_M), _inside(beams, 5 * HALF_M, REACH_M)
+    line = np.linspace(-REACH_M, REACH_M, 200)
     return CrossSection(
         method=solve[0],
         weighting=solve[1],
@@ -116,11 +117,10 @@ def cut_whole_hull(
     on_surface: Mask,
     dvl: Array,
     truth: Truth,
-    half_m: float = 0.08,
 ) -> WholeSection:
     """Slice across the whole hull at the structure, in M's y and z (x forward)."""
     at = np.array(structure.center)
-    near, hit = np.abs(landmarks[:, 0] - at[0]) < half_m, np.abs(dvl[:, 0] - at[0]) < 5 * half_m
+    near, hit = np.abs(landmarks[:, 0] - at[0]) < HALF_M, np.abs(dvl[:, 0] - at[0]) < 5 * HALF_M
     cad_model = np.zeros((0, 2))
     if truth.cad_model is not None and near.any():
         low, high = landmarks[near, 2].min() - 0.8, landmarks[near, 2].max() + 0.8

@@ -188,16 +188,14 @@ def in_hull(track: VehicleTrack, truth: Truth) -> Poses:
     return hull_from_global @ track.poses
 
 
-def error_ellipses(
-    track: VehicleTrack, in_hull: Poses, nodes: Ints, sigmas: float = 3.0
-) -> list[Array]:
-    """Outline (k, 2) m the error of nodes as seen from above in M."""
+def error_ellipses(track: VehicleTrack, in_hull: Poses, nodes: Ints) -> list[Array]:
+    """Outline (k, 2) m the error of nodes, three sigmas, as seen from above in M."""
     turn = (in_hull[nodes].rotation * track.poses[nodes].rotation.inv()).as_matrix()
     covariance = (turn @ track.covariance[nodes, :3, :3] @ turn.swapaxes(1, 2))[:, :2, :2]
     values, vectors = np.linalg.eigh(covariance)
     around = np.linspace(0, 2 * np.pi, 33)
     circle = np.stack([np.cos(around), np.sin(around)])
-    outline = vectors @ (sigmas * np.sqrt(np.maximum(values, 0))[:, :, None] * circle)
+    outline = vectors @ (3.0 * np.sqrt(np.maximum(values, 0))[:, :, None] * circle)
     return [
         np.asarray(part.T + middle)
         for part, middle in zip(outline, in_hull.translation[nodes, :2], strict=True)

@@ -28,7 +28,6 @@ class Anchored:
     anchor: Ints  # (n,) of each pose the number of its anchor; of an anchor its own
     plane_anchor: Ints  # (p,)
     first_pose: Ints  # (sessions,)
-    first_plane: Ints  # (sessions,)
     within: tuple[Factors, ...]  # of single sessions, their first poses' priors not among them
     held: tuple[Priors | None, ...]  # by session, of its first pose
     anchored: Priors  # of the anchors
@@ -83,7 +82,6 @@ def join(
         anchor=np.concatenate([np.arange(count), np.repeat(np.arange(count), sizes)]),
         plane_anchor=np.repeat(np.arange(count), planes),
         first_pose=first_pose,
-        first_plane=first_plane,
         within=tuple(within),
         held=tuple(held),
         anchored=Priors(

@@ -50,6 +50,7 @@ CAUSES = {
     "with a tenth of the laser's noise": (SQUARE, FINE_LASER),
 }
 READ_M = (0.5, 1.0, 2.0, 4.0)
+READINGS = 300  # over which a NEES is averaged
 SUBMAPS = "our submaps, each in its own frame"  # Jacobians at first estimates
 PRINTED = "submaps as printed"  # Jacobians at the newest estimates
 LINES = {EKF: INK, SELECTIVE: COLOURS["maxmix"], SUBMAPS: GREEN, PRINTED: GREEN}
@@ -65,9 +66,9 @@ class Lap:
     printed: Ends  # of the printed ones
 
 
-def run_lap(seed: int, survey: Survey = SQUARE, laps: float = LAPS) -> Lap:
+def run_lap(seed: int) -> Lap:
     """Run the printed filter and selective joining around the square, and our submaps."""
-    world = simulate_loop(survey, laps, Noise(), seed)
+    world = simulate_loop(SQUARE, LAPS, Noise(), seed)
     limits = Limits()
     submaps = build_submaps(world.log, limits, Effort())
     selective = SelectiveJoining(THRESHOLD, limits.landmarks, Effort())
@@ -114,7 +115,7 @@ def study_consistency() -> StudyResult:
     )
 
 
-def nees_after_reading(range_m: float, draws: int = 300) -> float:
+def nees_after_reading(range_m: float) -> float:
     """Average the NEES of car and landmark, 5 degrees of freedom, after one reading of it.
 
     They are as unsure before it as within a submap; readings are those of the thesis.
@@ -122,7 +123,7 @@ def nees_after_reading(range_m: float, draws: int = 300) -> float:
     rng, noise = np.random.default_rng(0), Noise()
     sigmas = np.array([0.12, 0.05, 0.01, 0.08, 0.08])  # of the car: m, m, rad; of the landmark: m
     indices = []
-    for angle in rng.uniform(-np.pi, np.pi, draws):
+    for angle in rng.uniform(-np.pi, np.pi, READINGS):
         mark = range_m * np.array([np.cos(angle), np.sin(angle)])
         truth = np.array([0.0, 0.0, 0.0, *mark])
         built = EkfMap(Effort())

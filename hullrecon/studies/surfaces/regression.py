@@ -103,9 +103,9 @@ def interpolate(at: Array, values: Array, wanted: Array) -> Array:
     return np.where(np.isfinite(inside), inside, NearestNDInterpolator(at, values)(wanted))
 
 
-def scatter_sigma(at: Array, values: Array, neighbours: int = 6) -> float:
-    """Estimate one robust sigma of values about the mean of their neighbours."""
-    count = min(neighbours, len(at) - 1)
+def scatter_sigma(at: Array, values: Array) -> float:
+    """Estimate one robust sigma of values about the mean of their six neighbours."""
+    count = min(6, len(at) - 1)
     if count < 1:
         return 0.0
     _, near = nearest(at, at, count + 1)

@@ -84,19 +84,17 @@ def draw_thing(
     )
 
 
-def draw_tile(
-    rng: np.random.Generator, rows: int, things: Sequence[Thing], far_m: float = FAR_M
-) -> Array:
+def draw_tile(rng: np.random.Generator, rows: int, things: Sequence[Thing]) -> Array:
     """Draw a tile in grey levels (rows, columns), 0 to 255.
 
     The floor has patches and ripples, multiplied by speckle and by a gain that is wrong by up to
     30 per cent over the range.
     """
-    columns = round((far_m - NEAR_M) / ACROSS_M)
+    columns = round((FAR_M - NEAR_M) / ACROSS_M)
     amplitude = _floor(rng, rows, columns)
     for thing in things:
-        _paint(amplitude, thing, far_m)
-    amplitude = _seen_by_beam(amplitude, far_m)
+        _paint(amplitude, thing)
+    amplitude = _seen_by_beam(amplitude)
     speckle = np.sqrt(rng.gamma(LOOKS, 1.0 / LOOKS, (rows, columns)))
     gain = 1.0 + 0.3 * np.sin(np.linspace(0, 1, columns) * rng.uniform(2, 5) + rng.uniform(0, 6))
     return np.asarray(np.clip(FLOOR_LEVEL * gain * amplitude * speckle, 0, 255))
@@ -119,9 +117,9 @@ def level_over_range(tile: Array) -> Floats32:
     return np.asarray(tile / np.maximum(np.median(tile, axis=0), 1.0), dtype=np.float32)
 
 
-def column_of(range_m: float, far_m: float = FAR_M) -> int:
+def column_of(range_m: float) -> int:
     """Find the column of a ground range."""
-    return round((far_m - range_m) / ACROSS_M)
+    return round((FAR_M - range_m) / ACROSS_M)
 
 
 def row_of(along_m: float) -> int:
@@ -140,25 +138,25 @@ def _floor(rng: np.random.Generator, rows: int, columns: int) -> Array:
     return np.asarray(1.0 + 0.1 * smooth / smooth.std() + strength * ripple)
 
 
-def _seen_by_beam(amplitude: Array, far_m: float) -> Array:
+def _seen_by_beam(amplitude: Array) -> Array:
     """Blur along the track by the beam, whose width grows with range; in bands of 5 m."""
     seen = np.empty_like(amplitude)
     band = round(5.0 / ACROSS_M)
     for start in range(0, amplitude.shape[1], band):
-        range_m = far_m - (start + band / 2) * ACROSS_M
+        range_m = FAR_M - (start + band / 2) * ACROSS_M
         sigma = 0.5 * BEAM_RAD * range_m / ALONG_M
         part = amplitude[:, start : start + band]
         seen[:, start : start + band] = cv2.GaussianBlur(part, (0, 0), sigmaX=1e-3, sigmaY=sigma)
     return seen
 
 
-def _paint(amplitude: Array, thing: Thing, far_m: float) -> None:
+def _paint(amplitude: Array, thing: Thing) -> None:
     """Paint a thing into the floor's amplitude, in place, row by row."""
-    near = column_of(thing.range_m, far_m)
-    end = column_of(thing.range_m + thing.length_m, far_m)
+    near = column_of(thing.range_m)
+    end = column_of(thing.range_m + thing.length_m)
     hollow = thing.kind is Kind.HOLLOW
     first = thing.shadow_m if hollow else thing.highlight_m
-    edge = column_of(thing.range_m + first, far_m)
+    edge = column_of(thing.range_m + first)
     middle, half = row_of(thing.along_m), 0.5 * thing.width_m / ALONG_M
     for row in range(max(0, round(middle - half)), min(len(amplitude), round(middle + half) + 1)):
         across = np.sqrt(max(0.0, 1 - ((row - middle) / (half + 0.5)) ** 2))

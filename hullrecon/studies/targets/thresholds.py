@@ -37,9 +37,7 @@ class Detection:
     column: Ints  # (n,) its near edge
 
 
-def detect_by_thresholds(
-    tile: Array, far_m: float = FAR_M, altitude_m: float = ALTITUDE_M
-) -> Detection:
+def detect_by_thresholds(tile: Array) -> Detection:
     """Detect targets in a tile: median, two thresholds, morphology, then both together."""
     # 1 The level of the floor at each range. The source has none: its sonar corrects its gain.
     levelled = level_over_range(tile)
@@ -48,7 +46,7 @@ def detect_by_thresholds(
     # 3 Shadows: 'erode' of the bright grows the dark.
     dark = smooth < LOW
     grown = cv2.erode((~dark).astype(np.uint8), np.ones(GROW, np.uint8)) == 0
-    shadows = _large_enough(grown, far_m, altitude_m)
+    shadows = _large_enough(grown)
     # 4 Bright spots.
     bright = smooth > HIGH
     spots = cv2.dilate(_without_specks(bright), np.ones(GROW, np.uint8)) > 0
@@ -67,14 +65,14 @@ def detect_by_thresholds(
     )
 
 
-def _large_enough(dark: Mask, far_m: float, altitude_m: float) -> Mask:
+def _large_enough(dark: Mask) -> Mask:
     """Keep dark regions as long as the least target's shadow at their range."""
     count, labels, stats, _ = cv2.connectedComponentsWithStats(dark.astype(np.uint8))
     keep = np.zeros(count, bool)
     for k in range(1, count):
         near_column = stats[k, cv2.CC_STAT_LEFT] + stats[k, cv2.CC_STAT_WIDTH]
-        range_m = far_m - near_column * ACROSS_M
-        least_px = LEAST_HEIGHT_M * range_m / (altitude_m - LEAST_HEIGHT_M) / ACROSS_M
+        range_m = FAR_M - near_column * ACROSS_M
+        least_px = LEAST_HEIGHT_M * range_m / (ALTITUDE_M - LEAST_HEIGHT_M) / ACROSS_M
         keep[k] = (
             stats[k, cv2.CC_STAT_WIDTH] >= least_px
             and stats[k, cv2.CC_STAT_AREA] >= LEAST_WIDTH_PX * least_px

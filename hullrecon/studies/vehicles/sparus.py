@@ -109,8 +109,8 @@ def _look(rng: np.random.Generator, state: Array, points: Array) -> dict[int, Ar
     return seen
 
 
-def run_slam(survey: Survey, rho: float = PUBLISHED_RHO, landmarks: int = LANDMARKS) -> Run:
-    """Run SLAM with submaps of `landmarks` each, which start at an inverse depth `rho`, 1/m."""
+def run_slam(survey: Survey, landmarks: int = LANDMARKS) -> Run:
+    """Run SLAM with submaps of `landmarks` each, which start at the published inverse depth."""
     mission, whole = survey.mission, JoinedMap(axes=3, labelled=True)
     local = _start(mission, 0)
     n = len(mission.truth)
@@ -127,7 +127,7 @@ def run_slam(survey: Survey, rho: float = PUBLISHED_RHO, landmarks: int = LANDMA
             else:
                 _navigate(local, mission, step)
         for label, pixel in survey.seen[step].items():
-            predictions += _observe(local, step, label, pixel, rho, again)
+            predictions += _observe(local, step, label, pixel, again)
         submap[step], own[step] = len(whole.starts) - 1, local.vehicle[:3]
         online[step] = whole.starts[-1] + local.vehicle[:3]
         covariance[step] = whole.start_covariance(-1) + local.covariance[:3, :3]
@@ -158,12 +158,12 @@ def _navigate(local: LocalMap, mission: Mission, step: int) -> None:
 
 
 def _observe(
-    local: LocalMap, step: int, label: int, pixel: Array, rho: float, again: dict[int, int]
+    local: LocalMap, step: int, label: int, pixel: Array, again: dict[int, int]
 ) -> list[Prediction]:
     """Update by a pixel of a known landmark, or add a new one. Returns what was predicted."""
     noise = PIXEL_SIGMA**2 * np.eye(2)
     if label not in local.labels:
-        landmark, by_pose, by_seen = new_landmark(CAMERA, local.vehicle[:6], pixel, rho)
+        landmark, by_pose, by_seen = new_landmark(CAMERA, local.vehicle[:6], pixel, PUBLISHED_RHO)
         by_vehicle = np.hstack([by_pose, np.zeros((SIZE, 3))])
         unsure = by_seen @ np.diag([PIXEL_SIGMA**2, PIXEL_SIGMA**2, RHO_SIGMA**2]) @ by_seen.T
         local.add(landmark, by_vehicle, unsure, label)
