@@ -20,6 +20,8 @@ from hullrecon.dive.logs.samples import ImageSample
 from hullrecon.dive.logs.timeline import put_in_order
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
+from hullrecon.findings.package import WITHOUT_CAMERAS
+from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import ImageIndex
 from hullrecon.typing import Ints
 
@@ -101,13 +103,14 @@ class ImageSink:
         """Index the images in order of time, with whether each can be used. None without any.
 
         Copies and images with the stamp of another one are left out. Raises InputError where none
-        can be read, or where none has the calibration's size.
+        can be read, where none has the calibration's size, or where all are one picture.
 
         notes: findings of what was assumed or left out are added.
         """
         if not self._rows:
             return None
         self._check_size()
+        self._check_motion()
         if not any(row[-1] for row in self._rows):
             count = len(self._rows)
             first = printable(self._rows[0][3])
@@ -183,6 +186,17 @@ class ImageSink:
                 f"the images of {self._camera} have {logged[0]} x {logged[1]} pixels{turn}, its "
                 f"calibration is for {self._size[0]} x {self._size[1]}",
                 remedy="give the calibration of this camera at this size",
+            )
+
+    def _check_motion(self) -> None:
+        """Raise InputError where several images are one picture: the camera shows no motion."""
+        if len(self._again) > 1 and all(self._again[1:]):
+            raise InputError(
+                f"all {len(self._again)} images of {self._camera} are one picture to the last "
+                "byte: the camera or its driver stood still",
+                remedy=WITHOUT_CAMERAS
+                if self._camera == Camera.TOP.key
+                else "take [camera.bottom] out of dive.toml, and the top camera is used alone",
             )
 
     def _describe(self, usable: list[bool], bits: int) -> list[Finding]:

@@ -417,6 +417,18 @@ def test_cameras_that_logged_nothing_are_in_the_way_until_left_out(package, kit)
     assert check(package).run_is_possible
 
 
+def test_a_camera_that_shows_one_picture_all_dive_is_refused_until_left_out(package, kit):
+    stuck = [
+        dataclasses.replace(e, message=kit.image(e.t_ns, kit.jpeg(0))) if e.topic == "/cam" else e
+        for e in kit.dive()
+    ]
+    kit.mcap(package / "logs" / "dive.mcap", stuck)
+    assert "all 8 images of camera_top are one picture to the last byte" in check(package).verdict
+    text = (package / "dive.toml").read_text()
+    (package / "dive.toml").write_text(re.sub(r"\[camera\.top\][^\[]*", "", text))
+    assert check(package).run_is_possible
+
+
 def test_lost_profiler_velocities_come_before_its_mount(tmp_path):
     """Else its owner measures mounts of an instrument that cannot be used."""
     (tmp_path / "x.pd0").write_bytes(
