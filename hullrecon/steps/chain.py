@@ -88,7 +88,7 @@ STAGES = (
         summary="compute the dead-reckoned trajectory",
         inputs=("ingest",),
         parameters=NoOptions,
-        version=36,
+        version=37,
         run=_later("navigate"),
         uses=(
             *SENSOR_KEYS,

@@ -491,15 +491,17 @@ def test_scale_of_one_of_two_sensors_names_both():
     assert {"pressure", "DVL"} <= set(finding.values["sensors"])
 
 
-@pytest.mark.parametrize("seen", [(), flows()], ids=["no camera", "camera"])
-@pytest.mark.parametrize("off", [0.15, -0.08])
-def test_velocities_off_by_a_constant_blame_no_pressure(off, seen):
-    at = dive()
-    wrong = replace(at.dvl, velocity=at.dvl.velocity + np.array([off, 0.0, 0.0]))
-    (found,) = judged(replace(at, dvl=wrong), seen).findings
+@pytest.mark.parametrize(
+    ("axis", "off", "seen"),
+    [(0, 0.15, ()), (0, -0.08, ()), (0, 0.15, flows()), (1, -0.08, flows()), (2, 0.14, flows())],
+)
+def test_velocities_off_by_a_constant_blame_the_dvl(axis, off, seen):
+    at, wrong = dive(), off * np.eye(3)[axis]
+    moved = replace(at, dvl=replace(at.dvl, velocity=at.dvl.velocity + wrong))
+    (found,) = judged(moved, seen).findings
     assert found.values["sensor"] == "DVL"
     axes = [float(axis) for axis in found.values["value"].split(", ")]
-    assert axes == pytest.approx([off, 0.0, 0.0], abs=0.05)
+    assert axes == pytest.approx(wrong, abs=0.05)
 
 
 def test_velocities_ten_times_too_long_are_no_pressure_that_stands_still():

@@ -57,6 +57,7 @@ RADIANS_A_SECOND = {
 # factors by which a length may be wrong, in steps so small that a comparison agrees at the nearest
 FACTORS = [*np.geomspace(0.5, 0.93, 10), *np.geomspace(1.07, 2.0, 10)]
 OFFSET_M_S = 0.3  # sigma of a constant error of a DVL's velocity that is tried
+OFFSET_STEPS = 2  # of its fit: what a tilt of the DVL makes of the velocity changes with it
 SIZES = (0.25, 0.5, 2.0, 4.0)  # of a calibration's pictures over those logged, which were resized
 # changes of k1, in steps so small that a comparison agrees at the nearest
 RADIAL = [s * k for k in np.arange(0.05, 0.65, 0.05) for s in (1, -1)]
@@ -275,22 +276,24 @@ def _dvl_offset(
     def residuals(offset: Array) -> dict[str, Comparison]:
         moved = replace(records, dvl=replace(dvl, velocity=dvl.velocity - offset))
         found = compare(Motions(moved, rig, flows, motions))
-        return {one.kind: one for one in found if Sensor.DVL in one.sensors}
+        return {one.kind: one for one in found if Sensor.DVL in one.sensors - one.unclear}
 
-    as_is, along = residuals(np.zeros(3)), [residuals(axis) for axis in OFFSET_M_S * np.eye(3)]
-    normal, right = np.eye(3), np.zeros(3)  # in OFFSET_M_S, which is the sigma of an offset
-    for kind, one in as_is.items():
-        moved = [other[kind].residual for other in along if kind in other]
-        if len(moved) < 3 or any(len(residual) != len(one.residual) for residual in moved):
-            continue
-        design = (np.column_stack(moved) - one.residual[:, None]) / one.sigma[:, None]
-        # errors that faultless sensors have are eliminated, each known to one sigma
-        other = one.by_nuisance / one.sigma[:, None]
-        inner = np.linalg.inv(other.T @ other + np.eye(other.shape[1]))
-        left = design - other @ (inner @ (other.T @ design))
-        normal += left.T @ design
-        right -= left.T @ (one.residual / one.sigma)
-    off = OFFSET_M_S * np.linalg.solve(normal, right)
+    off = np.zeros(3)
+    for _ in range(OFFSET_STEPS):
+        as_is, along = residuals(off), [residuals(off + axis) for axis in OFFSET_M_S * np.eye(3)]
+        normal, right = np.eye(3), -off / OFFSET_M_S  # in OFFSET_M_S, the sigma of an offset
+        for kind, one in as_is.items():
+            moved = [other[kind].residual for other in along if kind in other]
+            if len(moved) < 3 or any(len(residual) != len(one.residual) for residual in moved):
+                continue
+            design = (np.column_stack(moved) - one.residual[:, None]) / one.sigma[:, None]
+            # errors that faultless sensors have are eliminated, each known to one sigma
+            other = one.by_nuisance / one.sigma[:, None]
+            inner = np.linalg.inv(other.T @ other + np.eye(other.shape[1]))
+            left = design - other @ (inner @ (other.T @ design))
+            normal += left.T @ design
+            right -= left.T @ (one.residual / one.sigma)
+        off = off + OFFSET_M_S * np.linalg.solve(normal, right)
     mended = replace(records, dvl=replace(dvl, velocity=dvl.velocity - off))
     value = ", ".join(f"{axis:+.2f}" for axis in off)
     yield Hypothesis(sensor=Sensor.DVL, fault="offset", value=value, mended=mended)

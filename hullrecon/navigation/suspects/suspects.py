@@ -386,7 +386,8 @@ def _describe_unknown(
     # where headings differ within a second too, this is the share of the motion
     quick = [c for c in wrong if c.kind != "heading"]
     worst = max(quick or wrong, key=lambda c: c.chi2)
-    agree = [c.sensors for c in base if len(c.sensors) > 1 and c not in wrong and not c.is_coarse]
+    agreeing = [c for c in base if len(c.sensors) > 1 and c not in wrong and not c.is_coarse]
+    agree = [c.sensors - c.unclear for c in agreeing]
     if worst.kind in OF_RATES:  # an orientation that stands still may agree with gravity and depth
         agree = []
     named = [s for s in Sensor if s in worst.sensors and not any(s in c for c in agree)]

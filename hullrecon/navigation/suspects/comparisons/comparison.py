@@ -65,6 +65,8 @@ class Comparison:
     # where a reversed sign would explain it
     is_coarse: bool = False
     if_reversed: Array | None = None  # (n,) the residual if the first sensor had the other sign
+    # those that a disagreement may be the fault of, and that agreement does not clear
+    unclear: frozenset[Sensor] = frozenset()
     # (n,) change of the residual by a turn of the first sensor about the vertical, for 1 rad
     by_turn: Array | None = None
 

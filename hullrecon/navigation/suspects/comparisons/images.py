@@ -180,7 +180,8 @@ def compare_view(views: Views) -> Comparison | None:
     predicted = moved.rotation.as_rotvec() + shift
     return Comparison(
         kind="view",
-        sensors=SEEN - {Sensor.DVL},  # only the direction of its motion has an influence
+        sensors=SEEN,
+        unclear=frozenset({Sensor.DVL}),  # only the direction of its motion has an influence
         residual=turn.ravel(),
         sigma=np.sqrt(sigma**2 + VIEW_RAD**2 + backlash**2 + lag**2).ravel(),
         by_nuisance=np.zeros((turn.size, 0)),
