@@ -65,8 +65,8 @@ NEUTRAL = (
 )
 # that sigmas hold if an input is right: what no other measurement of a dive tells
 GIVEN = {"cad": r"sigmas of the position (on the hull )?hold for a model that is"}
-# what was compared is no accusation
-EVIDENCE = r"\([^()]*\)|(?<=is not known): .*"
+# what was compared is no accusation, and what a dive without cameras is mapped by
+EVIDENCE = r"\([^()]*\)|(?<=is not known): .*|a dive with a DVL is mapped by that alone"
 
 
 @dataclass(frozen=True, kw_only=True)
