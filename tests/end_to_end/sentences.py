@@ -11,6 +11,7 @@ of the run itself (warnings, residuals, times) against the files that it left.
 import re
 
 import numpy as np
+from end_to_end.true_dive import BAY_M
 
 from hullrecon.detection.options import DetectOptions
 
@@ -373,6 +374,10 @@ def _some_hole(dive, _, least):
     return [] if _hole_numbers(dive, value(least))[1] else [f"no hole is larger than {least} m²"]
 
 
+def _bay(_, __, side):
+    return unlike("bay", side, BAY_M)
+
+
 def _hole(dive, _, *numbers):
     """The hole that is nearest in size is of that size."""
     area, holes = (
@@ -641,6 +646,7 @@ TABLE = (
     (rf"{ADDRESS}, {N} m²$", _hole),
     (r"(\d+) holes? of more than (0\.\d+) m² in the coverage", _holes),
     (r"^Holes of more than (0\.\d+) m²$", _some_hole),
+    (r"^A bay of the outline counts as a hole if a square of (0\.\d+) m fits into it\.$", _bay),
     (rf"(?:Object (\d+): height {WITH_SIGMA} m, )?{ADDRESS}", _address),
     (r"^(\d+)(?: \| show)? (?:\||·) (protrusion|recess|Protrusion|Recess)", _kind),
     (

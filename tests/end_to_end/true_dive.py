@@ -22,6 +22,7 @@ from scipy.spatial import cKDTree
 LABEL_BOUNDARY_M = 0.04  # a landmark farther off the CAD model does not lie on it
 # nearer to the boundary than this, either word is right, as `evaluate` has it
 LABEL_UNCLEAR_M = 0.02
+CELL_M, BAY_M = 0.1, 0.2  # of the map on which holes are sought; side of the least bay at its rim
 DVL_REACH_M = (0.2, 0.4)  # from where a beam met the hull
 SEEN_WITHIN_M = 4.0  # of what the camera saw lies what the sonar saw
 DUE_HEIGHT_M, DUE_VIEWS = 0.08, 6  # of a structure that must be found
@@ -325,9 +326,9 @@ class TrueDive:
         ]
 
     def _holes(self, seen):
-        # gaps of up to twelve cells at the rim count, if deeper than a cell, as in the report
-        cell, rim = 0.1, 6
-        at = np.floor((self.on_map - self.on_map.min(axis=0)) / cell).astype(int) + rim
+        # gaps of up to twelve cells at the rim count, if a bay fits into them, as in the report
+        rim, bay = 6, np.ones((round(BAY_M / CELL_M),) * 2, bool)
+        at = np.floor((self.on_map - self.on_map.min(axis=0)) / CELL_M).astype(int) + rim
         image, hull = np.zeros((2, *(at.max(axis=0) + 1 + rim)), bool)
         hull[tuple(at.T)] = True
         image[tuple(at[seen].T)] = True
@@ -337,9 +338,9 @@ class TrueDive:
         edge = ndimage.binary_dilation(~outline)
         gaps = [label == k for k in range(1, count + 1)]
         return [
-            gap.sum() * cell**2
+            gap.sum() * CELL_M**2
             for gap in gaps
-            if not (gap & edge).any() or ndimage.binary_opening(gap, np.ones((2, 2), bool)).any()
+            if not (gap & edge).any() or ndimage.binary_opening(gap, bay).any()
         ]
 
     @cached_property
