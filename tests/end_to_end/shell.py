@@ -15,7 +15,7 @@ COARSE = ("--set", "mosaic-optical.resolution_m=0.02", "--set", "mosaic-sonar.re
 TINY = ("--legs", 1, "--marks", 0, "--image-width", 320, "--image-height", 256)
 # simulate: two legs of 2 m, of which every number of the report can be held against truth
 SMALL = ("--legs", 2, "--leg-length-m", 2, "--marks", 1, "--structures", 2, "--barnacles", 0,
-         "--image-width", 400, "--image-height", 320, "--seed", 11)  # fmt: skip
+         "--views", 5, "--image-width", 400, "--image-height", 320, "--seed", 11)  # fmt: skip
 
 
 class Shell:
