@@ -136,6 +136,10 @@ def build_fan(directions: Array, range_m: Array, elevation_rad: float) -> SonarF
 APERTURE_SHARE = 0.9  # share of the elevation aperture that is used: at its edge returns are weak
 # Views more oblique than 82 degrees are not used; an imaging sonar grazes the hull
 LIMITS = ViewLimits(min_cosine=float(np.cos(np.radians(82.0))), slant=0.0)
+# Ratio of mean gray levels. Where the hull lies in the middle of the window, both ways meet some
+CLEARLY_BRIGHTER = 1.5
+# Likewise: 1 where hull fills the whole picture, and less by what its far part is darker
+CLEARLY_DARKER = 0.7
 LEVEL = 90.0  # gray level of the mean return after the correction
 LEVEL_STEP_M = 0.05  # side of the texels from which the levels are estimated
 BLOCK = 256  # side of a block of those texels
@@ -188,12 +192,38 @@ class SonarView:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Contrast:
+    """Mean gray level of the pixels that show hull over that of all, which show water too."""
+
+    logged: float
+    turned: float  # with each beam's samples taken from far to near
+
+    @property
+    def words(self) -> str:
+        """What contradicts what, "" where the returns are where the hull is."""
+        if self.turned > max(1.0, CLEARLY_BRIGHTER * self.logged):
+            return (
+                "the sonar's samples seem to run from far to near: taken so, its pings are "
+                f"{self.turned / self.logged:.1f} times as bright where the hull lies; write each "
+                "beam's samples from near to far"
+            )
+        if self.logged < CLEARLY_DARKER:
+            return (
+                f"where the hull lies in the sonar's pings they are {self.logged:.2f} times as "
+                "bright as on average: its ranges, its mount or its servo's angle contradict the "
+                "hull"
+            )
+        return ""
+
+
+@dataclass(frozen=True, kw_only=True)
 class SonarMosaic:
     """The mosaic of a sonar."""
 
     store: TileStore
     light_corrected: bool  # whether levels of returns were estimated and corrected
     footprints: Footprints  # where the pings met the surface
+    contrast: Contrast | None  # None where levels were not estimated
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -202,6 +232,7 @@ class ReturnLevels:
 
     mean: Array  # (beams, ranges) mean over the dive
     gain: Array  # (pings,) ratio of each ping's brightness to the mean
+    contrast: Contrast
 
 
 def sonar_mosaic(
@@ -260,7 +291,12 @@ def sonar_mosaic(
     store = blend_tiles(
         surface, grid, footprints, image_views, LIMITS, 1, options.tile_px, stream, scratch
     )
-    return SonarMosaic(store=store, light_corrected=levels is not None, footprints=footprints)
+    return SonarMosaic(
+        store=store,
+        light_corrected=levels is not None,
+        footprints=footprints,
+        contrast=None if levels is None else levels.contrast,
+    )
 
 
 def learn_levels(
@@ -296,6 +332,8 @@ def learn_levels(
     shape = image_views[0].image.shape
     # For each pixel of the sonar's image, how often it showed hull, and the sum of its gray levels
     total, count = np.zeros(shape), np.zeros(shape)
+    # Number of pixels that show hull, and the sums of their gray levels as logged and turned
+    shown = np.zeros(3)
     cells = _HullCells(scratch, len(image_views))
     windows = footprint_windows(grid, footprints)
     for tile in grid.parts(BLOCK):
@@ -310,6 +348,8 @@ def learn_levels(
             flat = np.bincount(cell, minlength=shape[0] * shape[1]).reshape(shape)
             total += flat * image_view.image
             count += flat
+            image, hull = image_view.image, flat > 0
+            shown += hull.sum(), image[hull].sum(), image[:, ::-1][hull].sum()
     if count.sum() < MIN_SAMPLES:
         return None
     # The gain of a ping: its own gray levels against the mean at the same pixels
@@ -318,7 +358,10 @@ def learn_levels(
         _gain(s.image.ravel()[cell], mean.ravel()[cell])
         for s, cell in zip(image_views, cells.by_ping(), strict=True)
     ]
-    return ReturnLevels(mean=mean, gain=np.array(gain))
+    whole = max(float(np.mean([s.image.mean() for s in image_views])), 1e-9)
+    logged, turned = (shown[1:] / shown[0] / whole).tolist()
+    contrast = Contrast(logged=logged, turned=turned)
+    return ReturnLevels(mean=mean, gain=np.array(gain), contrast=contrast)
 
 
 class _HullCells:

@@ -49,6 +49,8 @@ def run(context: Context[SonarOptions]) -> None:
     stream = partial(context.stream, by=in_threads)
     with context.out.scratch() as scratch:
         mosaic = blend_pings(inputs.surface, pings, poses, settings, stream, scratch)
+        if mosaic.contrast is not None and mosaic.contrast.words:
+            context.warn(mosaic.contrast.words)
         facts: dict[str, object] = {
             **median_position_sigma(uncertainty, mosaic.footprints, inputs.surface.chart),
             "pings": len(pings.t_ns),

@@ -222,6 +222,8 @@ FOLLOWED = {
     "test_angles_that_do_not_fit_the_beams_are_refused",
     "dive/logs/sonar_geometry.py::ask_for_azimuths": "dive/logs/test_sonar_geometry.py::"
     "test_beams_that_nothing_describes_are_asked_for",
+    "dive/logs/streams/sonar.py::_refuse_decibels": "dive/logs/test_ping_spool.py::"
+    "test_decibels_are_refused_and_amplitudes_read",
     "dive/logs/streams/dvl.py::_refuse_far": "dive/logs/test_streams.py::"
     "test_ranges_in_millimetres_are_refused",
     "dive/logs/streams/dvl.py::_refuse_coarse": "dive/logs/test_streams.py::"

@@ -192,6 +192,25 @@ def test_the_level_is_what_the_bare_hull_returns(
     assert np.abs((levels.mean * levels.gain[1])[on_plate] - 120).mean() < 8
 
 
+def test_returns_that_are_not_where_the_hull_is_are_told(
+    flat_surface: Callable[..., MosaicSurface],
+) -> None:
+    """The plate is seen from 0.72 m on: nearer samples are of water."""
+    pings, poses = pings_over([-0.1, 0.0, 0.1], lambda points: np.full(len(points), 120.0))
+    told = {}
+    for name, images in {
+        "right": pings.image,
+        "turned": pings.image[:, :, ::-1],
+        "elsewhere": np.where(pings.image > 0, 5, 120).astype(np.uint8),
+    }.items():
+        levels = learn(flat_surface(), views_of(pings, poses, images))
+        assert levels is not None
+        told[name] = levels.contrast.words
+    assert told["right"] == ""
+    assert told["turned"].startswith("the sonar's samples seem to run from far to near")
+    assert told["elsewhere"].endswith("its servo's angle contradict the hull")
+
+
 def test_each_ping_has_its_own_gain_within_a_factor_of_two(
     flat_surface: Callable[..., MosaicSurface],
 ) -> None:

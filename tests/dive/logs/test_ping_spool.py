@@ -107,7 +107,9 @@ def test_pixels_whose_bytes_are_exchanged_are_put_right(stored):
     assert ("sonar-bytes-exchanged" in [note.code for note in notes]) == (stored == ">u2")
 
 
-def test_decibels_are_refused():
-    image = 20 * np.log10((1.0 + ping(1).image) / 256)
+def test_decibels_are_refused_and_amplitudes_read():
+    amplitude = (1.0 + ping(1).image) / 256
+    image = 20 * np.log10(amplitude)
     with pytest.raises(InputError, match="below zero: are they decibels"):
         sonar_pings([SonarSample(0, image, DIRECTIONS, RANGES)], [])
+    assert sonar_pings([SonarSample(0, amplitude, DIRECTIONS, RANGES)], []).image.max() == 255

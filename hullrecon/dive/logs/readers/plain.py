@@ -313,7 +313,7 @@ class PlainLog:
         path = Path(os.path.realpath(self._locate(row["file"])))  # of links in a circle, too
         number = int(row.get("ping") or 0)
         if (path, number) in self._pings:
-            raise ValueError(f"{name}: it was another ping's file already")
+            raise ValueError(f"{name}: its ping {number} was named already (column ping)")
         try:
             image, azimuth, range_m = read_ping(path, max(0, number), _window(row))
         except ValueError as error:

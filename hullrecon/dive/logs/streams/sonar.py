@@ -78,7 +78,8 @@ def sonar_pings(
     directions = choose_directions(kept[0], azimuth_deg, notes)
     range_m = evenly_spaced(np.asarray(range_m, float))
     dtype, looks = kept[0].image.dtype, [look_of(sample) for sample in kept]
-    exchanged = _refuse_decibels_and_find_exchanged(looks, notes)
+    _refuse_decibels(looks)
+    exchanged = _are_exchanged(looks, notes)
     scale = None
     if any(sample.image.dtype != np.uint8 for sample in kept):
         scale = _scale_to_eight_bits(looks, str(dtype), exchanged, notes)
@@ -95,17 +96,18 @@ def sonar_pings(
     )
 
 
-def _refuse_decibels_and_find_exchanged(looks: Sequence[PingLook], notes: list[Finding]) -> bool:
-    """Tell whether the bytes of the pixels stand in the other order than the log says.
-
-    Raises InputError for pixels that are decibels: they have no black.
-    """
+def _refuse_decibels(looks: Sequence[PingLook]) -> None:
+    """Raise InputError for pixels that are decibels: they have no black."""
     if 2 * sum(look.is_negative for look in looks) > len(looks):
         raise InputError(
             "most of the sonar's pixels are below zero: are they decibels?",
             where="sonar",
             remedy="log amplitudes, of which black is 0, or leave topics.sonar away",
         )
+
+
+def _are_exchanged(looks: Sequence[PingLook], notes: list[Finding]) -> bool:
+    """Tell whether the bytes of the pixels stand in the other order than the log says."""
     rougher = float(np.median([look.rougher for look in looks]))
     if rougher < MUCH_SMOOTHER:
         notes.append(Finding("sonar-bytes-exchanged", {"smoother": 1 / rougher}, "sonar"))
