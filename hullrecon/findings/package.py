@@ -213,6 +213,7 @@ ERRORS: dict[str, Words] = {
     "stereo-rig": "{problem}",
     "hull-unmeasured": "nothing measures the hull: the DVL gives no ranges, and no image was "
     "logged; `hullrecon run --to navigate` gives the path alone",
+    "images-not-named": "no image of camera.top was logged; beside the tables lie {what}: {remedy}",
     "images-not-logged": "no image of camera.top was logged: " + WITHOUT_CAMERAS,
 }
 WARNINGS: dict[str, Words] = {

@@ -240,7 +240,10 @@ def check_package(
             *add_motion(problems.found, loaded.config, records),
             *wrong_sensors,
         ],
-        needs=[*needs(known, found.unread_dvls), *_images_not_logged(loaded.config, known)],
+        needs=[
+            *needs(known, found.unread_dvls),
+            *_images_not_logged(loaded.config, known, found.notes),
+        ],
         missing=missing(known, hull=request.mesh is not None or loaded.config.hull is not None),
         to_fill_in=to_fill_in(loaded, logged, mounts.keys()),
         warnings=[
@@ -363,10 +366,19 @@ def _date_differs(date: datetime | None, records: SensorRecords) -> list[Finding
     return [Finding("date-differs", values)]
 
 
-def _images_not_logged(config: DiveConfig, known: Set[str]) -> list[Finding]:
-    """Report an upper camera of which the logs have no image, as an error."""
-    is_missing = config.camera.top is not None and Camera.TOP.key not in known
-    return [Finding("images-not-logged")] if is_missing else []
+def _images_not_logged(
+    config: DiveConfig, known: Set[str], notes: Sequence[Finding]
+) -> list[Finding]:
+    """Report an upper camera of which the logs have no image, as an error.
+
+    notes: of the logs, which say where pictures lie that no table names.
+    """
+    if config.camera.top is None or Camera.TOP.key in known:
+        return []
+    unnamed = [note for note in notes if note.code == "pictures-unnamed"]
+    return [
+        Finding("images-not-named", unnamed[0].values) if unnamed else Finding("images-not-logged")
+    ]
 
 
 def _lost_velocities(dvl: DvlPings | None, images: Mapping[str, ImageIndex]) -> list[Finding]:

@@ -316,6 +316,17 @@ def test_camera_without_logged_images_prevents_run(package, kit):
     )
 
 
+def test_photos_that_lie_beside_the_tables_are_not_to_be_given_up(package):
+    tables = package / "logs" / "tables"
+    tables.mkdir()
+    (tables / "pressure.csv").write_text("t,pascal\n1777887000,1e5\n")
+    for name in ("a.jpg", "b.jpg"):
+        (tables / name).touch()
+    verdict = check(package, 'logs.files=["logs/tables"]').verdict
+    assert "beside the tables lie 2 photos without times: put beside them camera_top.csv" in verdict
+    assert "take [camera.top]" not in verdict
+
+
 def test_the_last_line_is_the_verdict(package):
     found = check(package)
     assert found.lines()[-1].startswith(
