@@ -9,6 +9,7 @@
 
 #include "common/blas_guard.h"
 #include "common/errors.h"
+#include "common/free_memory.h"
 #include "solve/covariance.h"
 #include "solve/information.h"
 
@@ -48,7 +49,7 @@ struct JoinedProblem::Part {
   void wake() { model.wake(), shelf.take(); }
   void rest() {
     shelf.put(), model.rest();
-    if (given.pages) given.pages->rest();
+    if (given.pages) given.pages->rest(), return_free_memory();
   }
   int offset(int block) const { return schur.offset(block) - schur.interior(); }  // among interface and border
   void set(const std::vector<double>& unknowns) { std::copy(unknowns.begin(), unknowns.end(), model.unknowns().begin()); }
@@ -215,6 +216,8 @@ std::optional<double> JoinedProblem::step(double radius) {
   });
   if (!solved) return std::nullopt;
   top_->add_diagonal(damping_);
+  // Each access to the diagonal has mapped the pages around it, all of the top
+  if (pages_) pages_->rest();
   if (!top_->factor()) return std::nullopt;
   top_->solve(step_);
   each([&](Part& part) {
