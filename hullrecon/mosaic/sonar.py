@@ -211,7 +211,7 @@ class Contrast:
             return (
                 f"where the hull lies in the sonar's pings they are {self.logged:.2f} times as "
                 "bright as on average: its ranges, its mount or its servo's angle contradict the "
-                "hull"
+                "hull, or noise is brighter than the hull"
             )
         return ""
 
