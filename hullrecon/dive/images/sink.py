@@ -21,12 +21,12 @@ from hullrecon.dive.logs.timeline import put_in_order
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.findings.package import WITHOUT_CAMERAS
-from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import ImageIndex
 from hullrecon.typing import Ints
 
 PATIENCE = 5  # images after which one of the calibration's size must have come
 RUN = 8  # neighbouring images that are sampled together, so that both cameras keep the same ones
+LEAST_STILL = 5  # images that are one picture, from which on a camera stands still
 MOST = 128  # images that are kept as samples: some tens of megabytes
 
 
@@ -39,6 +39,8 @@ class ImageSink:
         size: tuple[int, int],
         package: Path,
         open_file: Callable[[], BinaryIO],
+        *,
+        is_alone: bool = False,
     ) -> None:
         """Set up the sink of one camera.
 
@@ -48,8 +50,10 @@ class ImageSink:
         size : (width, height) of the calibration
         package : the folder that files are relative to
         open_file : called once, when the first bytes are to be kept
+        is_alone : whether the vehicle has no other camera
         """
         self._camera, self._size, self._package = camera, size, package
+        self._is_alone = is_alone
         self._open_file, self._at = open_file, 0  # byte of the file at which the next image goes
         self._file: BinaryIO | None = None
         # of each image: stamp and logging time, ns, number of the log, file in the package or "",
@@ -103,7 +107,8 @@ class ImageSink:
         """Index the images in order of time, with whether each can be used. None without any.
 
         Copies and images with the stamp of another one are left out. Raises InputError where none
-        can be read, where none has the calibration's size, or where all are one picture.
+        can be read, where none has the calibration's size, or where all of the only camera are one
+        picture.
 
         notes: findings of what was assumed or left out are added.
         """
@@ -189,14 +194,16 @@ class ImageSink:
             )
 
     def _check_motion(self) -> None:
-        """Raise InputError where several images are one picture: the camera shows no motion."""
-        if len(self._again) > 1 and all(self._again[1:]):
+        """Raise InputError where all images of the only camera are one picture.
+
+        Without another camera no two images are left that could be matched.
+        """
+        still = len(self._again) >= LEAST_STILL and all(self._again[1:])
+        if self._is_alone and still:
             raise InputError(
                 f"all {len(self._again)} images of {self._camera} are one picture to the last "
                 "byte: the camera or its driver stood still",
-                remedy=WITHOUT_CAMERAS
-                if self._camera == Camera.TOP.key
-                else "take [camera.bottom] out of dive.toml, and the top camera is used alone",
+                remedy=WITHOUT_CAMERAS,
             )
 
     def _describe(self, usable: list[bool], bits: int) -> list[Finding]:

@@ -172,7 +172,13 @@ def _image_sinks(
 ) -> dict[str, ImageSink]:
     """Make the sink of each calibrated camera, which indexes and stores its images."""
     return {
-        name: ImageSink(name, (camera.width, camera.height), package, partial(open_file, name))
+        name: ImageSink(
+            name,
+            (camera.width, camera.height),
+            package,
+            partial(open_file, name),
+            is_alone=len(cameras) == 1,
+        )
         for name, camera in cameras.items()
     }
 
