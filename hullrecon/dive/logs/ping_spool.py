@@ -93,7 +93,7 @@ class PingSpool:
 
 
 def look_of(sample: SonarSample) -> PingLook:
-    """Return what was seen of a ping's image, or look at it."""
+    """Take what the spool noted of a ping's pixels, or look at those of a ping in memory."""
     known = sample.look if isinstance(sample, SpooledPing) else None
     return known or look_at(sample.image)
 
