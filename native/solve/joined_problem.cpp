@@ -216,8 +216,6 @@ std::optional<double> JoinedProblem::step(double radius) {
   });
   if (!solved) return std::nullopt;
   top_->add_diagonal(damping_);
-  // Each access to the diagonal has mapped the pages around it, all of the top
-  if (pages_) pages_->rest();
   if (!top_->factor()) return std::nullopt;
   top_->solve(step_);
   each([&](Part& part) {

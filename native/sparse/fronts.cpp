@@ -89,7 +89,6 @@ void Fronts::clear() {
   for_slabs(static_cast<int64_t>(tree_.fronts().size()), threads_, fill, 64);
 }
 
-// Removes a panel from memory if it is large and stands in a file.
 void Fronts::rest(int front) {
   const Front& f = tree_.fronts()[front];
   if (file_ && int64_t{f.height} * f.size >= kRests) file_->rest(at(front, 0, 0), at(front, 0, f.size));

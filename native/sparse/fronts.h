@@ -28,6 +28,7 @@ class Fronts {
 
   const FrontTree& tree() const { return tree_; }
   void clear();
+  void rest(int front);  // removes its panel from memory if that is large and stands in a file
   // Index of scalar (row, column) of a front's panel, both counted from the panel's top left.
   double* at(int front, int row, int column) {
     const Front& f = tree_.fronts()[front];
@@ -55,7 +56,6 @@ class Fronts {
   void visit_all(Order order, const Visit& visit);
   int root() const { return static_cast<int>(tree_.fronts().size()) - 1; }
   bool is_kept(int front) const { return keeps_root_ && front == root(); }
-  void rest(int front);
   void factor_front(int front);
   void take_own(int child);
   void take_rest(int child);

@@ -121,6 +121,7 @@ void ReducedSystem::add_diagonal(const Eigen::VectorXd& d) {
   int k = 0;
   for (int f = 0; f < static_cast<int>(tree.fronts().size()); ++f) {
     for (int c = 0; c < tree.fronts()[f].size; ++c) *fronts_->at(f, c, c) += d[k++];
+    fronts_->rest(f);  // each access has mapped the pages around it, in all of the panel
   }
 }
 
