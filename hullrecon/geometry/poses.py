@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.rotations import mount_angles_deg
+from hullrecon.geometry.rotations import compose, mount_angles_deg, multiply
 from hullrecon.typing import Array, Ints, Ints32, Mask
 
 
@@ -102,16 +102,7 @@ def _multiply(first: Array, second: Array) -> Array:
 
     A batch of one broadcasts.
     """
-    ax, ay, az, aw = _components(first)
-    bx, by, bz, bw = _components(second)
-    product = np.array(
-        [
-            aw * bx + bw * ax + (ay * bz - az * by),
-            aw * by + bw * ay + (az * bx - ax * bz),
-            aw * bz + bw * az + (ax * by - ay * bx),
-            aw * bw - ax * bx - ay * by - az * bz,
-        ]
-    )
+    product = multiply(_components(first), _components(second))
     return np.stack(_components(product.reshape(4, -1).T), axis=-1).reshape(-1, 4)
 
 
@@ -232,8 +223,9 @@ def interpolate(t_ns: Ints, poses: Poses, wanted_ns: Ints) -> Poses:
     share = (at - t_ns[left]) / np.maximum(1, t_ns[right] - t_ns[left])
     a, b = poses[left], poses[right]
     # The rotation from one pose to the next, in the axes of the first, of which a share is taken
-    turn = (a.rotation.inv() * b.rotation).as_rotvec() * share[:, None]
-    rotation = a.rotation * Rotation.from_rotvec(turn)
+    start = a.rotation
+    turn = compose(start.inv(), b.rotation).as_rotvec() * share[:, None]
+    rotation = compose(start, Rotation.from_rotvec(turn))
     return Poses(
         rotation.as_quat(), a.translation + share[:, None] * (b.translation - a.translation)
     )

@@ -30,6 +30,18 @@ def robust_sigma(values: Array, about: float | None = None) -> float:
     return float(NORMAL_MAD * np.median(distance, overwrite_input=True))
 
 
+def median_of_known(values: Array) -> Array:
+    """Compute the medians (...) of rows (..., m), each of its values that are not NaN.
+
+    As `numpy.nanmedian`, which masks arrays of short rows and takes ten times as long. NaN, without
+    a warning, where all values are.
+    """
+    ordered = np.sort(values, axis=-1)  # NaN is last
+    known = np.count_nonzero(~np.isnan(ordered), axis=-1, keepdims=True)
+    middle = np.concatenate([np.maximum(known - 1, 0) // 2, known // 2], axis=-1)
+    return np.asarray(np.take_along_axis(ordered, middle, axis=-1).sum(axis=-1) / 2)
+
+
 def huber_weight(residual: Array, sigma: float | Array) -> Array:
     """Compute weights of residuals in least squares: 1 / sigma^2, less beyond HUBER sigmas."""
     ratio = HUBER * sigma / np.maximum(np.abs(residual), 1e-12)

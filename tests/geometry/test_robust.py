@@ -2,12 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hullrecon.geometry.robust import robust_sigma, robust_sigma_of_blocks, weighted_quantile
+from hullrecon.geometry.robust import (
+    median_of_known,
+    robust_sigma,
+    robust_sigma_of_blocks,
+    weighted_quantile,
+)
 
 NORMAL = np.random.default_rng(1).normal(5.0, 0.2, 20_000)
 
@@ -61,6 +68,18 @@ def test_about_their_median_is_what_it_does_by_itself(values: list[int]) -> None
 def test_of_blocks_it_is_that_of_all_values_together(values: list[list[int]]) -> None:
     blocks = [np.array(block, float) for block in values]
     assert robust_sigma_of_blocks(lambda: blocks) == robust_sigma(np.concatenate(blocks))
+
+
+@pytest.mark.parametrize("width", [1, 4, 5, 700])
+def test_medians_of_known_values_are_those_of_numpy(width: int) -> None:
+    rng = np.random.default_rng(4)
+    values = rng.standard_normal((6, 50, width))
+    values[rng.random(values.shape) < 0.4] = np.nan
+    values[0, 0] = np.nan
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # numpy's of a row without a value
+        expected = np.nanmedian(values, axis=-1)
+    np.testing.assert_array_equal(median_of_known(values), expected)
 
 
 def test_the_quantile_counts_area() -> None:

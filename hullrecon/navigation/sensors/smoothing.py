@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from hullrecon.geometry.robust import median_of_known
 from hullrecon.typing import Array, Ints
 
 BINS_A_WIDTH = 6
@@ -60,14 +61,8 @@ def running_median(values: Array, count: int) -> Array:
     Beyond the ends the first and the last value are repeated. The result is NaN where all
     neighbours are.
     """
-    import warnings
-
     padded = np.pad(values, ((count // 2, count // 2), (0, 0)), mode="edge")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # a window of nothing but NaN gives NaN
-        return np.asarray(
-            np.nanmedian(np.lib.stride_tricks.sliding_window_view(padded, count, axis=0), axis=-1)
-        )
+    return median_of_known(np.lib.stride_tricks.sliding_window_view(padded, count, axis=0))
 
 
 def _bins_near(cell: Ints) -> Ints:

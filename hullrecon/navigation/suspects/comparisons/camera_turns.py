@@ -15,7 +15,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses
-from hullrecon.geometry.robust import NORMAL_MAD, huber_weight
+from hullrecon.geometry.robust import NORMAL_MAD, huber_weight, median_of_known
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.rows import spread_rows
 from hullrecon.typing import Array, Ints
@@ -68,7 +68,7 @@ def fit_turns(
         error = ((b @ essential) * a).sum(axis=2) / size
         jacobian = ((b[:, None] @ by_unknown) * a[:, None]).sum(axis=3) / size[:, None]
         # one normal equation a pair
-        sigma = np.maximum(NORMAL_MAD * np.nanmedian(np.abs(error), axis=1), LEAST_SIGMA)[:, None]
+        sigma = np.maximum(NORMAL_MAD * median_of_known(np.abs(error)), LEAST_SIGMA)[:, None]
         weight = huber_weight(error, sigma)
         known = np.isfinite(error)
         weight, error = np.where(known, weight, 0.0), np.where(known, error, 0.0)

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses, interpolate, tray_poses
-from hullrecon.geometry.rotations import cross
+from hullrecon.geometry.rotations import compose, cross
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.suspects.comparisons.comparison import LEAST_WINDOWS, TILT_RAD
@@ -69,7 +69,8 @@ def track_of(records: SensorRecords, rig: Rig) -> Track | None:
     turned = Poses(imu.quaternion, np.zeros((len(imu.t_ns), 3)))  # without a position
     global_from_vehicle = interpolate(imu.t_ns, turned, t_ns).rotation
     tray = tray_poses(rig.tray_origin, servo(records.tray, int(t_ns[0])).angle_at(t_ns))
-    global_from_dvl = global_from_vehicle * tray.rotation * rig.tray_from_dvl.rotation
+    global_from_tray = compose(global_from_vehicle, tray.rotation)
+    global_from_dvl = compose(global_from_tray, rig.tray_from_dvl.rotation)
     velocity = global_from_dvl.apply(dvl.velocity[rows])
     dvl_origin = tray.apply(np.tile(rig.tray_from_dvl.translation, (len(t_ns), 1)))
     return Track(

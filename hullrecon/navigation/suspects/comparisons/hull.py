@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hullrecon.geometry.robust import median_of_known
 from hullrecon.navigation.dead_reckoning.integral import integral
 from hullrecon.navigation.sensors.motion_signals import hull_normals
 from hullrecon.navigation.sensors.smoothing import local_line
@@ -49,7 +50,7 @@ def hull_planes(dvl: DvlPings) -> HullPlanes:
         return HullPlanes(ping=t_ns, normal=normal, distance=np.zeros(0))
     ping = np.searchsorted(dvl.t_ns, t_ns)
     ends = dvl.ranges[ping][:, :, None] * dvl.beams
-    distance = np.nanmedian((ends * normal[:, None]).sum(axis=2), axis=1)
+    distance = median_of_known((ends * normal[:, None]).sum(axis=2))
     return HullPlanes(ping=ping, normal=normal, distance=distance)
 
 

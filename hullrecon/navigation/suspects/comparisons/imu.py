@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.streams.imu import GRAVITY_M_S2
 from hullrecon.geometry.robust import robust_sigma
-from hullrecon.geometry.rotations import cross
+from hullrecon.geometry.rotations import compose, cross
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral
 from hullrecon.navigation.sensors.motion_signals import acceleration_in_global, is_still
 from hullrecon.navigation.sensors.smoothing import local_line
@@ -58,12 +58,13 @@ def compare_rates(imu: ImuSamples) -> Comparison | None:
     t_s = seconds(t_ns, int(t_ns[0]))
     by_rates = change_over(integral(t_s, rates).total, windows)
     attitude = Rotation.from_quat(imu.quaternion[known])
-    turn = (attitude[windows[:, 0]].inv() * attitude[windows[:, 1]]).as_rotvec()
+    turn = compose(attitude[windows[:, 0]].inv(), attitude[windows[:, 1]]).as_rotvec()
     # White noise of the orientation, from the steps between readings that the rates do not explain,
     # or from the scatter of the turns themselves if that is less.
-    step = (attitude[:-1].inv() * attitude[1:]).as_rotvec() - 0.5 * (
-        rates[1:] + rates[:-1]
-    ) * np.diff(t_s)[:, None]
+    step = (
+        compose(attitude[:-1].inv(), attitude[1:]).as_rotvec()
+        - 0.5 * (rates[1:] + rates[:-1]) * np.diff(t_s)[:, None]
+    )
     white = min(robust_sigma(step.ravel()), robust_sigma(np.diff(turn, axis=0).ravel()))
     # by a time offset of LATE_S, where the rate changes within a window
     lag = np.abs(rates[windows[:, 1]] - rates[windows[:, 0]]) * LATE_S
@@ -93,7 +94,7 @@ def compare_heading(imu: ImuSamples) -> Comparison | None:
         return None
     t_s = seconds(t_ns, int(t_ns[0]))
     rate = attitude.apply(imu.angular_velocity[known])[:, 2]
-    step = (attitude[1:] * attitude[:-1].inv()).as_rotvec()[:, 2]
+    step = compose(attitude[1:], attitude[:-1].inv()).as_rotvec()[:, 2]
     by_rates = change_over(integral(t_s, rate).total, windows)
     turn = change_over(np.concatenate([[0.0], np.cumsum(step)]), windows)
     white = robust_sigma(step - 0.5 * (rate[1:] + rate[:-1]) * np.diff(t_s))
