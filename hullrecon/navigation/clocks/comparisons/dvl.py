@@ -132,8 +132,8 @@ def compare_hull_turns(
     def turned(shift_ns: int) -> tuple[Array, Array]:
         """Turn the normals and the tray axis (n, 3) into `global`, by an attitude shifted so."""
         at_ns = used_ns + shift_ns
-        global_from_vehicle = attitude_at(at_ns)
-        seen, axis = (global_from_vehicle.apply(vectors) for vectors in (in_vehicle, TRAY_AXIS))
+        turn = attitude_at(at_ns).as_matrix()
+        seen, axis = np.einsum("nij,nj->ni", turn, in_vehicle), turn @ TRAY_AXIS
         seen[(at_ns < attitude.t_ns[0]) | (at_ns > attitude.t_ns[-1])] = np.nan
         return seen, axis
 
@@ -233,7 +233,7 @@ def _second_difference(values: Array, triples: Ints) -> Array:
 
     A constant bias and a steady drift cancel in it.
     """
-    first, middle, last = values[triples].transpose(1, 0, 2)
+    first, middle, last = (values.take(rows, axis=0) for rows in triples.T)
     return np.asarray(first - 2 * middle + last)
 
 
