@@ -85,15 +85,13 @@ def heights(
     return [o.height for o in reported(scenery, found)[0]]
 
 
-@pytest.mark.parametrize(
-    ("radius_m", "width_m"), [(2.5, 1.0), (2.5, 1.6), (4.0, 1.6), (8.0, 2.4), (20.0, 4.0)]
-)
+@pytest.mark.parametrize(("radius_m", "width_m"), [(2.5, 1.6), (8.0, 2.4), (20.0, 4.0)])
 def test_facets_are_no_structures(radius_m: float, width_m: float) -> None:
     assert facet_sagitta(faceted(radius_m, width_m)).max() > OPTIONS.min_height_m
     assert heights(radius_m, width_m, ON_EDGE, 0.0) == []
 
 
-@pytest.mark.parametrize("at", [ON_EDGE, (1.45, 1.0), (2.0, 1.0)])
+@pytest.mark.parametrize("at", [ON_EDGE, (2.0, 1.0)])
 def test_structure_lower_than_sagitta_of_facets_is_found(
     at: tuple[float, float],
 ) -> None:
