@@ -20,6 +20,7 @@ from hullrecon.dive.config.load import FILE, LoadedConfig, load_config
 from hullrecon.dive.init.log_summary import LogSummary, guess_topics, summarise_logs
 from hullrecon.dive.init.proposals import missing_calibrations, questions
 from hullrecon.dive.init.template import fill_template
+from hullrecon.dive.logs.formats.stamps import ASSUMED
 from hullrecon.dive.logs.read_streams import Watch
 from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.package_files import check_files, check_log, lies_inside
@@ -73,7 +74,7 @@ def init(
     log = Path(log)
     logs = _find_logs(log, allow_outside)
     _require_utf8([log, *logs])
-    found = summarise_logs([open_log(path) for path in logs])
+    found = summarise_logs([open_log(path, clock=ASSUMED) for path in logs])
     if not found.topics:
         raise InputError(found.why_nothing(), where=str(log), remedy=A_RUN_NEEDS)
     folder = Path(out) if out is not None else (log if log.is_dir() else Path())
@@ -156,7 +157,9 @@ def check_loaded(
 
 def summarise(path: Path | str, *, allow_outside: bool = False) -> LogSummary:
     """Summarise a bare log, or the logs of a folder without a dive.toml."""
-    return summarise_logs([open_log(log) for log in _find_logs(Path(path), allow_outside)])
+    return summarise_logs(
+        [open_log(log, clock=ASSUMED) for log in _find_logs(Path(path), allow_outside)]
+    )
 
 
 def _find_logs(path: Path, allow_outside: bool) -> list[Path]:

@@ -13,6 +13,8 @@ from collections.abc import Callable, Mapping, Sequence
 Words = str | Callable[..., str]
 
 
+LACKING = {"logs.time_zone": "time zone", "dive.date": "day"}  # by the key that says it
+COUNTED = {"logs.time_zone": "in UTC", "dive.date": "from 1970-01-01"}
 YEAR_S = 365.25 * 86400.0
 
 
@@ -300,6 +302,10 @@ NOTES: dict[str, Words] = {
     "folder-by-name": "{why}; the folder's files were read by name",
     # files of instruments and tables
     "table-empty": "it has a header and no row",
+    "stamps-open": lambda lacks: (
+        f"its stamps tell no {' and no '.join(LACKING[key] for key in lacks)}, and are counted "
+        f"{' and '.join(COUNTED[key] for key in lacks)} here"
+    ),
     "columns-not-read": "columns that are not read: {columns}; read are {read}",
     "pictures-unnamed": "{what} are not read: {remedy}",
     "tables-not-read": "not read: {files}; the tables of sensors are {tables}",

@@ -21,6 +21,7 @@ from hullrecon.dive.ingest.ingest import ingest
 from hullrecon.dive.ingest.request import IngestRequest, LogUnits, whole_ns
 from hullrecon.dive.ingest.result import IngestResult
 from hullrecon.dive.logs.dvl_beams import tilted_beams
+from hullrecon.dive.logs.formats.stamps import LoggerClock, zone_of
 from hullrecon.dive.logs.ping_spool import Images, PingStorage
 from hullrecon.dive.logs.streams.pressure import PressureModel
 from hullrecon.dive.logs.time_window import Instant
@@ -49,8 +50,10 @@ def request_of(settings: StageSettings) -> IngestRequest:
     }
     keys = ("density", "gravity", "atmosphere")
     azimuth = settings.read_optional("sonar.beam_azimuth_deg", tuple)
+    logs = settings.read("logs", Logs)
     return IngestRequest(
-        logs=settings.read("logs", Logs).files,
+        logs=logs.files,
+        clock=_clock(logs.time_zone, settings.read_optional("dive.date", datetime)),
         topics=_drop_empty(named),
         joints=_drop_empty(
             {
@@ -106,6 +109,17 @@ def _needs_logged_calibration(settings: StageSettings, camera: Camera) -> bool:
         settings[f"{camera.section}.{CARRIED}"] is not None
         and settings[f"{camera.section}.calibration"] is None
     )
+
+
+def _clock(time_zone: str | None, start: datetime | None) -> LoggerClock:
+    """Say in which zone tables are stamped, and on which day of it the dive began.
+
+    start: of the dive. One without a zone is in that of the tables.
+    """
+    zone = zone_of(time_zone)
+    if start is not None and start.tzinfo is not None:
+        start = start.astimezone(zone or start.tzinfo)
+    return LoggerClock(zone=zone, day=None if start is None else start.date())
 
 
 def _instant(settings: StageSettings, name: str) -> Instant:

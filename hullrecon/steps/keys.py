@@ -13,6 +13,7 @@ TIME_OFFSETS = {  # sections with the time_offset of each sensor
     **{camera.key: camera.section for camera in Camera},
 }
 INGEST_KEYS = (
+    "dive.date",
     "dive.from",
     "dive.to",
     "logs",

@@ -143,6 +143,7 @@ FOLLOWED = {
             "dive/config/load.py::_check_units",
             "dive/config/load.py::_check_tilt",
             "dive/config/mount_units.py::refuse_lever_arm",
+            "dive/config/mount_units.py::refuse_one_place",
             "dive/config/mount_units.py::refuse_radians",
         ),
         "dive/config/test_load.py::test_what_is_printed_to_do_about_dive_toml_heals",
@@ -211,7 +212,7 @@ FOLLOWED = {
     "test_a_path_of_windows_is_refused_with_how_to_write_it",
     "dive/logs/readers/open.py::_not_read": "dive/readers/test_open.py::"
     "test_what_is_no_log_is_an_input_error_that_lists_the_formats",
-    "dive/logs/readers/plain.py::_read_table": "dive/readers/test_plain.py::"
+    "dive/logs/readers/plain.py::_refuse": "dive/readers/test_plain.py::"
     "test_stamps_in_other_units_are_refused_with_likely_unit",
     "dive/logs/readers/scratch.py::_no_space": "dive/readers/test_rosbag2.py::"
     "test_no_room_to_unpack_is_one_line_and_leaves_nothing",

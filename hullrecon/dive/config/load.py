@@ -23,7 +23,11 @@ from hullrecon.dive.config.config_errors import (
     refuse_not_finite,
     shorten,
 )
-from hullrecon.dive.config.mount_units import refuse_lever_arm, refuse_radians
+from hullrecon.dive.config.mount_units import (
+    refuse_lever_arm,
+    refuse_one_place,
+    refuse_radians,
+)
 from hullrecon.dive.config.schema import DiveConfig, Dvl, HullRegion, Topics
 from hullrecon.dive.files import MIB, read_text
 from hullrecon.errors import InputError, UsageError
@@ -269,6 +273,8 @@ def _check_units(config: DiveConfig) -> None:
     for key, numbers in (mounts | origins).items():
         if isinstance(numbers, tuple):
             refuse_lever_arm(key, numbers)
+    if bottom is not None and isinstance(bottom.pose_in_top, tuple):
+        refuse_one_place("camera.bottom.pose_in_top", bottom.pose_in_top)
     turned = mounts | {"hull.pose": None if hull is None else hull.pose}
     for key, numbers in (turned | {"imu.mount_deg": config.imu.mount_deg}).items():
         if isinstance(numbers, tuple):

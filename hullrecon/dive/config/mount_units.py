@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tell lever arms that are no metres, and angles that are no degrees."""
+"""Tell lever arms that are no metres, angles that are no degrees, and stereo rigs that are none."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from hullrecon.errors import InputError
 
 FARTHEST_M = 20.0  # of a sensor from the vehicle's origin: no vehicle at a hull is as long
+LEAST_BASELINE_M = 1e-3  # across the optical axis: closer no two cameras can stand
 # right angles in radians, and how close to one an angle has to be (three digits) to be in radians
 RIGHT_ANGLES_RAD, CLOSE_RAD = (0.5 * math.pi, math.pi, 1.5 * math.pi), 6e-4
 
@@ -27,6 +28,22 @@ def refuse_lever_arm(key: str, numbers: Sequence[float], source: str = "") -> No
             where="dive.toml",
             remedy=f"give {key} in metres",
         )
+
+
+def refuse_one_place(key: str, numbers: Sequence[float], source: str = "") -> None:
+    """Raise InputError for a lower camera in the place of the upper one, or straight ahead of it.
+
+    Then both see the same, and no distance follows from what differs. source: as above.
+    """
+    if math.hypot(*numbers[:2]) >= LEAST_BASELINE_M:
+        return
+    by = f" by {source}" if source else ""
+    raise InputError(
+        f"{key} puts the lower camera on the optical axis of the upper one{by}: such two see no "
+        "distance",
+        where="dive.toml",
+        remedy=f"give the baseline of the stereo calibration in {key}, x and y across the axis",
+    )
 
 
 def refuse_radians(key: str, numbers: Sequence[float]) -> None:

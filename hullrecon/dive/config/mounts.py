@@ -12,7 +12,7 @@ import numpy as np
 from msgspec import Struct, structs
 
 from hullrecon.dive.config.load import LoadedConfig
-from hullrecon.dive.config.mount_units import refuse_lever_arm
+from hullrecon.dive.config.mount_units import refuse_lever_arm, refuse_one_place
 from hullrecon.dive.config.schema import DEFAULT_MOUNTS, FROM_LOG, DiveConfig
 from hullrecon.dive.logs.fixed_frames import RIG, FixedSensor
 from hullrecon.dive.logs.messages.descriptions import mount_of
@@ -162,6 +162,8 @@ def refuse_mounts(
     for key, mount in choose_mounts(values, known).items():
         if mount.source:
             refuse_lever_arm(key, mount.value, mount.source)
+            if key == "camera.bottom.pose_in_top":
+                refuse_one_place(key, mount.value, mount.source)
 
 
 def _refuse_parted_tray(values: Mapping[str, object], sensors: Mapping[str, FixedSensor]) -> None:

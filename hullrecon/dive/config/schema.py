@@ -71,6 +71,7 @@ CalibrationSigma = Annotated[
     ),
 ]
 TopicName = Annotated[str, Meta(pattern=ONE_LINE, max_length=1000)]
+TimeZone = Annotated[str, Meta(pattern=r"^(UTC|[+-](0[0-9]|1[0-4]):(00|15|30|45))$")]
 Hour = Annotated[datetime, Meta(tz=True)]
 WindowLimit = Annotated[
     Hour | Annotated[float, Meta(ge=0, le=4e9)] | None,
@@ -100,7 +101,10 @@ class Dive(Section, frozen=True):
     vessel: Annotated[
         str, Meta(pattern=ONE_LINE, max_length=200, description="name of the ship, for the report")
     ] = ""
-    date: Annotated[datetime | None, Meta(description="start of the dive, for the report")] = None
+    date: Annotated[
+        datetime | None,
+        Meta(description="start of the dive, for the report, and the day of times of day in CSVs"),
+    ] = None
     start: WindowLimit = field(name="from", default=None)
     end: WindowLimit = field(name="to", default=None)
 
@@ -116,6 +120,13 @@ class Logs(Section, frozen=True):
             "or a folder of CSVs",
         ),
     ]
+    time_zone: Annotated[
+        TimeZone | None,
+        Meta(
+            description='of stamps in CSVs that are dates and times without one: "UTC", or by how '
+            'much the clock is ahead of it, as "+02:00"',
+        ),
+    ] = None
 
 
 class Topics(Section, frozen=True):

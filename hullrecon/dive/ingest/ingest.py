@@ -129,7 +129,7 @@ def _open_logs(package: Path, request: IngestRequest, problems: Problems) -> lis
     logs = []
     for name in request.logs:
         with problems.collect():
-            logs.append(open_log(package / name, package))
+            logs.append(open_log(package / name, package, request.clock))
     return logs
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from hullrecon.dive.logs.formats.stamps import LoggerClock
 from hullrecon.dive.logs.streams.pressure import PressureModel
 from hullrecon.dive.logs.time_window import Instant
 from hullrecon.records.clock import NS
@@ -29,6 +30,7 @@ class IngestRequest:
     """What ingest needs of dive.toml."""
 
     logs: tuple[str, ...]  # relative to the package, as all files
+    clock: LoggerClock = field(default_factory=LoggerClock)  # of tables whose stamps are open
     topics: Mapping[str, str]  # by sensor
     joints: Mapping[str, str]  # name of the servo by record ("tray", "sonar_tray")
     tray_positive: str = "up"  # or "down": which way it tilts where its logged angle grows

@@ -33,16 +33,32 @@ from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.frames import Camera
 
+STAMPS_OPEN = {  # by key of dive.toml, what the stamps of tables may leave open
+    "logs.time_zone": 'the zone of the tables\' times, "UTC" or as "+02:00"',
+    "dive.date": "the day on which the dive began, as the tables have times of day alone",
+}
+
 
 def questions(summary: LogSummary) -> list[Finding]:
     """List what the log leaves open and a run needs. Empty where it leaves nothing open.
 
-    That is where the beams of DVL and sonar point, and how a DVL sits whose attitude is used.
+    That is where the beams of DVL and sonar point, how a DVL sits whose attitude is used, and the
+    zone and day of stamps that do not tell them.
     """
     beams, fan = beams_to_ask_for(summary), azimuths_to_ask_for(summary)
     out = [Finding("question", {"question": ask_for_beams(beams).line()})] if beams else []
     out += [Finding("question", {"question": ask_for_azimuths(fan).line()})] if fan else []
+    out += [
+        Finding("question", {"question": f"{key}: {STAMPS_OPEN[key]}"})
+        for key in open_in_stamps(summary)
+    ]
     return out + ([Finding("mount-of-dvl-open")] if has_attitude_of_dvl(summary) else [])
+
+
+def open_in_stamps(summary: LogSummary) -> list[str]:
+    """List the keys of dive.toml that say what the stamps of tables leave open."""
+    lacks = {str(note.values["lacks"]) for note in summary.notes if note.code == "stamps-open"}
+    return [key for key in STAMPS_OPEN if any(key in keys for keys in lacks)]
 
 
 def _note_of(summary: LogSummary, sensor: str) -> TopicNote | None:

@@ -19,6 +19,7 @@ from hullrecon.dive.init.proposals import (
     find_calibration,
     has_attitude_of_dvl,
     imu_frame,
+    open_in_stamps,
     pose_by_calibration,
     pressure_unit,
     proposed_mounts,
@@ -39,7 +40,7 @@ vessel = ""                      # the ship's name, for the report
 {date}
 [logs]
 files = [{logs}]
-
+{time_zone}
 [topics]                         # a sensor without a line was not carried
 {topics}
 [tray]                           # the servoed tray that carries DVL and cameras
@@ -125,6 +126,15 @@ MOUNT_DEG = """\
 BY_SIGN = "# by its values: they are negative below the water"
 BY_VALUES = "# by its values: as pascal they lie above the water"
 
+DATE = """\
+# to fill in: the day on which the dive began, of which the log has times alone
+# date = 2026-05-04T09:30:00Z
+"""
+TIME_ZONE = """\
+# to fill in: the zone of the tables' stamps, by how much their clock is ahead of UTC
+# time_zone = "+00:00"
+"""
+
 BEAMS = """\
 # beam_angle_deg = 30.0          # to fill in, from its manual: from its axis to each beam
 # beam_azimuth_deg = [180.0, 0.0, 90.0, -90.0]  # of each beam about its z axis, from x towards y
@@ -166,6 +176,13 @@ def _depth_lines(unit: str | None, grows_up: bool) -> str:
     return "".join(lines)
 
 
+def _date_line(starts_ns: Sequence[int], lacks: Sequence[str]) -> str:
+    """Write the key dive.date: of the first message, a comment where no stamp tells the day."""
+    if "dive.date" in lacks:
+        return DATE
+    return f"date = {format_time(min(starts_ns))[:19]}Z\n" if starts_ns else ""
+
+
 def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> str:
     """Write a dive.toml for a folder, with comments for what no log tells.
 
@@ -192,7 +209,8 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
         name=_quote(
             re.sub(r"[^A-Za-z0-9._-]+", "-", folder.resolve().name).lstrip(".-")[:100] or "dive"
         ),
-        date=f"date = {format_time(min(starts))[:19]}Z\n" if starts else "",
+        date=_date_line(starts, open_in_stamps(summary)),
+        time_zone=TIME_ZONE if "logs.time_zone" in open_in_stamps(summary) else "",
         logs=", ".join(_quote(Path(os.path.relpath(log, folder)).as_posix()) for log in logs),
         beams=BEAMS if beams_to_ask_for(summary) else "",
         topics=_topic_lines(summary, guessed),

@@ -352,6 +352,12 @@ HEALED = {  # by what is printed to do: what is refused, and what that makes of 
         '[topics]\ndvl = "/a"\njoints = "/a"',
         '[topics]\ndvl = "/a"\njoints = "/b"',
     ),
+    "give the baseline of the stereo calibration in camera.bottom.pose_in_top": (
+        '[camera.top]\ncalibration = "a.yaml"\n[camera.bottom]\ncalibration = "b.yaml"\n'
+        "pose_in_top = [0, 0, 0.1, 0, 0, 0]",
+        '[camera.top]\ncalibration = "a.yaml"\n[camera.bottom]\ncalibration = "b.yaml"\n'
+        "pose_in_top = [0, 0.1, 0, 0, 0, 0]",
+    ),
     "give each region its own name": (
         HULL + '[[hull.region]]\nname = "a"\nalong = [1, 2]\n' * 2,
         "".join([HULL, *(f'[[hull.region]]\nname = "{name}"\nalong = [1, 2]\n' for name in "ab")]),

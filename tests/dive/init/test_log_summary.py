@@ -15,11 +15,14 @@ from hullrecon.dive.init.log_summary import (
     summarise_log,
     summarise_logs,
 )
+from hullrecon.dive.init.proposals import questions
 from hullrecon.dive.init.template import beams_to_ask_for, fill_template
+from hullrecon.dive.logs.formats.stamps import ASSUMED
 from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.logs.readers.protocol import Channel
 from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.findings.finding import sentences
+from hullrecon.steps.ingest import ingest_settings, request_of
 
 IMAGE = "sensor_msgs/msg/CompressedImage"
 
@@ -196,6 +199,26 @@ def test_the_first_configuration_of_plain_files_has_no_topics(tmp_path):
     assert load_config(tmp_path).config.logs.files == ("logs",)
     assert load_config(tmp_path).config.topics.pressure is None
     assert "the names of the files say which sensor is which" in text
+
+
+@pytest.mark.parametrize("stamp", ["09:30:00", "2026-05-04 09:30:00", "2026-05-04 09:30:00Z"])
+def test_what_stamps_of_tables_leave_open_is_asked_for(tmp_path, stamp):
+    (tmp_path / "pressure.csv").write_text(f"t,pascal\n{stamp},101325\n")
+    summary = summarise_logs([open_log(tmp_path, clock=ASSUMED)])
+    text = fill_template(summary, [tmp_path], tmp_path)
+    asked = " ".join(sentences(questions(summary)))
+    assert ("logs.time_zone" in asked, "dive.date" in asked) == (
+        "Z" not in stamp,
+        "2026" not in stamp,
+    )
+    assert ('# time_zone = "+00:00"' in text) == ("Z" not in stamp)
+    assert ("\n# date = " in text) == ("2026" not in stamp)
+    (tmp_path / "dive.toml").write_text(
+        text.replace("# time_zone", "time_zone").replace("# date", "date")
+    )
+    request = request_of(ingest_settings(load_config(tmp_path)))
+    (message,) = open_log(tmp_path, clock=request.clock).messages()
+    assert message.t_ns == 1_777_887_000 * 10**9
 
 
 def test_a_sonar_in_the_log_gives_a_sonar_section(kit, tmp_path):

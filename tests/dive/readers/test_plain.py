@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import os
 import tracemalloc
+from datetime import UTC, date, timedelta, timezone
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from hullrecon.dive.logs.formats.stamps import LoggerClock
 from hullrecon.dive.logs.readers.plain import PlainLog
 from hullrecon.dive.logs.samples import SonarSample
 from hullrecon.errors import InputError
@@ -174,7 +176,7 @@ def test_decimal_commas_between_commas_are_refused_until_semicolons_part_them(tm
 
 
 def test_a_missing_column_is_an_input_error_that_names_it(tmp_path):
-    (tmp_path / "pressure.csv").write_text("time,pascal\n0,1e5\n")
+    (tmp_path / "pressure.csv").write_text("seconds,pascal\n0,1e5\n")
     with pytest.raises(InputError, match=r"pressure\.csv has no column t"):
         read(tmp_path)
 
@@ -228,6 +230,20 @@ def test_stamps_in_days_are_refused_until_they_are_seconds(tmp_path, began):
         with pytest.raises(InputError, match="are they days") as caught:
             list(PlainLog(tmp_path).messages())
         assert "seconds since 1970" in caught.value.remedy
+
+
+@pytest.mark.parametrize("sensor", ["dvl", "imu"])
+def test_milliseconds_of_a_logger_are_refused_until_they_are_seconds(tmp_path, sensor):
+    head = {"dvl": "t,vx,vy,vz", "imu": "t,qx,qy,qz,qw"}[sensor]
+    for scale, taken in ((1e3, False), (1.0, True)):
+        stamps = (scale * (123.0 + 0.05 * np.arange(30))).tolist()
+        rows = "".join(f"{t!r},0,0,0{',1' if sensor == 'imu' else ''}\n" for t in stamps)
+        (tmp_path / f"{sensor}.csv").write_text(f"{head}\n{rows}")
+        if taken:
+            assert len(list(PlainLog(tmp_path).messages())) == 30
+            continue
+        with pytest.raises(InputError, match="50 s from one to the next: are they milliseconds"):
+            list(PlainLog(tmp_path).messages())
 
 
 @pytest.mark.parametrize("stamp", ["1e300", "inf", "9" * 40])
@@ -473,8 +489,54 @@ def test_a_date_and_time_with_its_zone_is_a_stamp(tmp_path):
     assert read(tmp_path)[0][0].t_ns == samples[0].t_ns == 1_777_887_000_250_000_000
 
 
-@pytest.mark.parametrize("stamp", ["2026-05-04T09:30:00", "05/04/2026 09:30:00 AM"])
-def test_a_local_time_is_refused_by_name(tmp_path, stamp):
+@pytest.mark.parametrize("stamp", ["05/04/2026 09:30:00", "2026-05-04 09:30:00 AM", "25:00:00"])
+def test_a_date_in_an_unclear_order_is_refused_by_name(tmp_path, stamp):
     (tmp_path / "pressure.csv").write_text(f"t,pascal\n{stamp},5\n")
     with pytest.raises(InputError, match=f"t = '{stamp}' is no number of seconds since 1970"):
         read(tmp_path)
+
+
+ON_DECK = LoggerClock(zone=timezone(timedelta(hours=2)), day=date(2026, 5, 4))
+
+
+@pytest.mark.parametrize(
+    ("header", "cells"),
+    [
+        ("t", "2026-05-04 11:30:00.25"),
+        ("t", "2026/05/04 11:30:00.25"),
+        ("t", "04.05.2026 11:30:00.25"),
+        ("Time", "11:30:00.25"),
+        ("t", "9:30:00.25Z"),
+        ("date,time", "2026-05-04,11:30:00.25"),
+        ("date,t", "20260504,11:30:00.25"),
+        ("date,time", "4.5.2026,09:30:00.25 UTC"),
+        ("date,t", "2025-01-01,1777887000.25"),  # t alone tells it
+    ],
+)
+def test_dates_and_times_are_read_by_the_clock_of_the_dive(tmp_path, header, cells):
+    (tmp_path / "pressure.csv").write_text(f"{header},pascal\n{cells},5\n")
+    log = PlainLog(tmp_path, clock=ON_DECK)
+    assert [m.data.t_ns for m in log.messages()] == [1_777_887_000_250_000_000]
+
+
+def test_times_of_day_go_on_past_midnight(tmp_path):
+    rows = ("23:59:59.5", "00:00:00.5", "23:59:59.9", "00:00:01.5")
+    (tmp_path / "pressure.csv").write_text("t,pascal\n" + "".join(f"{t},5\n" for t in rows))
+    t_ns = [message.data.t_ns for message in PlainLog(tmp_path, clock=ON_DECK).messages()]
+    assert [t - t_ns[0] for t in t_ns] == [0, 1_000_000_000, 400_000_000, 2_000_000_000]
+
+
+@pytest.mark.parametrize(
+    ("stamp", "clock", "remedy"),
+    [
+        ("2026-05-04 11:30:00", LoggerClock(), "logs.time_zone"),
+        ("11:30:00", LoggerClock(day=date(2026, 5, 4)), "logs.time_zone"),
+        ("11:30:00", LoggerClock(zone=UTC), "dive.date"),
+    ],
+)
+def test_a_stamp_without_zone_or_day_is_refused_until_given(tmp_path, stamp, clock, remedy):
+    (tmp_path / "pressure.csv").write_text(f"t,pascal\n{stamp},5\n")
+    with pytest.raises(InputError) as refused:
+        list(PlainLog(tmp_path, clock=clock).messages())
+    assert remedy in refused.value.remedy
+    assert len(list(PlainLog(tmp_path, clock=ON_DECK).messages())) == 1

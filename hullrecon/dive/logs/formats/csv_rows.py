@@ -21,6 +21,7 @@ MOST_COLUMNS = 512
 ENDS = ("\n", "\r")
 SEPARATORS = ",;\t"
 HEADER_WITHIN = 50  # first lines in which the header is sought; loggers write remarks above it
+TIMES = ("time", "timestamp", "datetime")  # other names of column t
 SHOWN = 60  # characters of a line that is no header
 # as spreadsheets write numbers where the comma does not separate cells
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+(e[-+]?\d+)?\s*", re.IGNORECASE)
@@ -54,7 +55,7 @@ def read_rows(path: Path, needed: Sequence[str]) -> Iterator[tuple[int, Row | No
             for number, line in lines:
                 cells = _cells(line, separator)
                 _refuse_decimal_commas(path, number, cells, header, separator)
-                names = [cell.strip().lower() for cell in cells or []]
+                names = _names(cells)
                 if set(needed) <= set(names):  # once more, where tables were pasted together
                     _check_header(path, names, needed)
                     header = names
@@ -86,7 +87,7 @@ def _find_header(
     first, missing = "", list(needed)
     for number, line in lines:
         for separator in SEPARATORS:
-            header = [name.strip().lower() for name in _cells(line, separator) or []]
+            header = _names(_cells(line, separator))
             lacking = [name for name in needed if name not in header]
             if not lacking:
                 _check_header(path, header, needed)
@@ -102,6 +103,13 @@ def _find_header(
         where=printable(str(path.parent)),
         remedy=f"its header row needs {', '.join(needed)}, with commas, semicolons or tabs between",
     )
+
+
+def _names(cells: Sequence[str] | None) -> list[str]:
+    """Make names of columns of a row. Where none is t, the first of TIMES is."""
+    names = [cell.strip().lower() for cell in cells or []]
+    stamp = next((name for name in TIMES if name in names), "t")
+    return names if "t" in names else ["t" if name == stamp else name for name in names]
 
 
 def _refuse_decimal_commas(

@@ -17,6 +17,7 @@ from hullrecon.dive.logs.formats.foreign_forms import (
     describe_folder,
     is_page,
 )
+from hullrecon.dive.logs.formats.stamps import LoggerClock
 from hullrecon.dive.logs.readers import sqlite
 from hullrecon.dive.logs.readers.ad2cp.blocks import is_ad2cp
 from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog
@@ -72,17 +73,21 @@ FORMS = (
 )
 
 
-def open_log(path: Path, package: Path | None = None) -> Log:
+def open_log(path: Path, package: Path | None = None, clock: LoggerClock | None = None) -> Log:
     """Choose the reader of a log, by its first bytes, else by its name.
 
     Raises InputError where the log is missing, empty or of no known format.
 
-    package: the folder that paths in tables may be relative to.
+    Parameters
+    ----------
+    path : the log
+    package : the folder that paths in tables may be relative to
+    clock : zone and day of the stamps of tables that do not tell them
     """
     where, name = printable(str(path.parent)), printable(path.name)
     try:
         if path.is_dir():
-            return _open_folder(path, package)
+            return _open_folder(path, package, clock)
         start = _start(path)
     except FileNotFoundError:
         raise InputError(
@@ -113,13 +118,13 @@ def open_log(path: Path, package: Path | None = None) -> Log:
     return found[0](path)
 
 
-def _open_folder(path: Path, package: Path | None) -> Log:
+def _open_folder(path: Path, package: Path | None, clock: LoggerClock | None) -> Log:
     """Choose the reader of a folder: of a ROS 2 recording, else of tables."""
     names = {p.name for p in path.iterdir()}
     if METADATA in names or any(map(is_stored, names)):
         return Rosbag2Log(path)
     if any(f"{sensor}.csv" in names for sensor in COLUMNS):
-        return PlainLog(path, package)
+        return PlainLog(path, package, clock)
     raise _not_read(
         f"the folder {printable(path.name)}",
         printable(str(path.parent)),

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +14,14 @@ from hullrecon.dive.logs.formats import video_frames
 from hullrecon.dive.logs.formats.csv_rows import Row, read_rows
 from hullrecon.dive.logs.formats.foreign_forms import describe_pictures
 from hullrecon.dive.logs.formats.sonar_file import read_ping
+from hullrecon.dive.logs.formats.stamps import (
+    LateStampError,
+    LoggerClock,
+    OpenStampError,
+    StampReader,
+    is_time_of_day,
+    words_for_unit,
+)
 from hullrecon.dive.logs.messages.sonar import in_fan
 from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
 from hullrecon.dive.logs.readers.unpack import LONGEST_REASON, printable
@@ -30,6 +37,7 @@ from hullrecon.dive.logs.samples import (
 )
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
+from hullrecon.records.clock import NS
 
 COLUMNS = {
     "dvl": ("t", "vx", "vy", "vz"),
@@ -43,11 +51,12 @@ COLUMNS = {
 }
 # ends of the names of tables that are packed, or of another form than CSV
 OTHER_FORMS = (".gz", ".bz2", ".xz", ".zst", ".zip", ".tsv", ".txt", ".xls", ".xlsx", ".ods")
-UNITS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
-EARLIEST_S, LATEST_S = 3e8, 4.2e9  # 1979 and 2103: no log of a dive lies outside
 # Mean time between two readings that no sensor is faster than, and rows that tell it. Stamps that
 # count days stay below: a reading each second is 1.2e-5 days
 LEAST_ROWS, SHORTEST_NS = 20, 20_000
+# Nothing tells how a vehicle moved in between, so that a DVL or IMU is read far more often. In
+# milliseconds even 100 readings a second are as far apart
+LONGEST_NS, PATHS = 9 * NS, ("dvl", "imu")
 LISTED_LINES = 5
 # all pings together may unpack to the first number of bytes plus the second times their files' size
 PING_FREE_BYTES, PING_RATIO = 1 << 26, 64
@@ -76,9 +85,18 @@ class PlainLog:
     kind = "plain files"
     gives_samples = True
 
-    def __init__(self, path: Path, package: Path | None = None) -> None:
-        """Take the folder, and the package in which files named by tables may lie as well."""
-        self.path, self.package = path, package or path
+    def __init__(
+        self, path: Path, package: Path | None = None, clock: LoggerClock | None = None
+    ) -> None:
+        """Take the folder.
+
+        Parameters
+        ----------
+        path : the folder
+        package : in which files named by tables may lie as well
+        clock : zone and day of stamps that do not tell them. None: these are refused
+        """
+        self.path, self.package, self._clock = path, package or path, clock or LoggerClock()
         self.notes: list[Finding] = []
         self._losses: list[Loss] = []
         # sonar files and the number in each of the pings that were read: none may be named twice
@@ -178,8 +196,8 @@ class PlainLog:
         loss. Raises InputError where that is all of them, or where most stamps are no seconds.
         """
         channel, translate = Channel(sensor, f"{sensor}.csv", "sample"), self._translators()[sensor]
-        bad, rows, late, first_reason = _BadLines(), 0, list[float](), ""
-        first_ns = last_ns = read = 0
+        stamps = StampReader(self._clock)
+        bad, rows, pace = _BadLines(), 0, _Pace()
         for line, row in self._read(sensor):
             if row is not None and _is_remark(row["t"]):
                 continue
@@ -189,12 +207,7 @@ class PlainLog:
             try:
                 if row is None:
                     raise ValueError("it is cut off, too long or no CSV")
-                sample = translate(row)
-            except _LateStampError as error:
-                late.append(error.seconds)
-                first_reason = first_reason or str(error)
-                bad.add(line)
-                continue
+                sample = translate(row, stamps.read_ns(row))
             except (
                 ValueError,
                 TypeError,
@@ -203,53 +216,54 @@ class PlainLog:
                 AttributeError,
                 OSError,
             ) as error:
-                first_reason = first_reason or printable(str(error), LONGEST_REASON)
-                bad.add(line)
+                bad.add(line, error)
                 continue
-            first_ns, last_ns = sample.t_ns if read == 0 else first_ns, sample.t_ns
-            read += 1
+            pace.add(sample.t_ns)
             yield Message(channel, sample.t_ns, sample)
-        if read >= LEAST_ROWS and 0 < last_ns - first_ns < SHORTEST_NS * (read - 1):
-            raise InputError(
-                f"{sensor}.csv has {read} stamps from {first_ns / 1e9:.10g} to "
-                f"{last_ns / 1e9:.10g}, which are no seconds: are they days, as in a spreadsheet?",
-                where=str(self.path),
-                remedy="write column t in seconds since 1970",
-            )
-        if 2 * len(late) > rows:
-            raise InputError(
-                f"{sensor}.csv has stamps such as {late[0]:.17g}{words_for_unit(late[0])}",
-                where=str(self.path),
-                remedy="write column t in seconds since 1970",
-            )
         if not rows:
             self.notes.append(Finding("table-empty", where=f"{sensor}.csv"))
-        if rows and bad.count == rows:
-            raise InputError(
-                f"{sensor}.csv has no row that can be read: line {bad.first[0]}: {first_reason}",
-                where=str(self.path),
-            )
+        self._refuse(sensor, rows, bad, pace)
+        if self._clock.is_assumed and stamps.open:
+            self.notes.append(Finding("stamps-open", {"lacks": stamps.open}, f"{sensor}.csv"))
         if bad.count:
             why = f"{bad.listed()} of {sensor}.csv cannot be read"
-            why += f": {first_reason}" if first_reason else ""
+            why += f": {bad.reason}" if bad.reason else ""
             self._losses.append(Loss(why, sensor, messages=bad.count))
+
+    def _refuse(self, sensor: str, rows: int, bad: _BadLines, pace: _Pace) -> None:
+        """Raise InputError for a table whose stamps are no seconds, or without a row to be read."""
+        where, in_seconds = str(self.path), "write column t in seconds since 1970"
+        doubt = pace.doubt(sensor in PATHS)
+        if doubt:
+            raise InputError(f"{sensor}.csv has {doubt}", where=where, remedy=in_seconds)
+        if 2 * len(bad.late_s) > rows:
+            late_s = bad.late_s[0]
+            raise InputError(
+                f"{sensor}.csv has stamps such as {late_s:.17g}{words_for_unit(late_s)}",
+                where=where,
+                remedy=in_seconds,
+            )
+        if rows and bad.count == rows:
+            raise InputError(
+                f"{sensor}.csv has no row that can be read: line {bad.first[0]}: {bad.reason}",
+                where=where,
+                remedy=bad.remedy,
+            )
 
     def _read(self, sensor: str) -> Iterator[tuple[int, Row | None]]:
         return read_rows(self.path / f"{sensor}.csv", COLUMNS[sensor])
 
-    def _translators(self) -> dict[str, Callable[[Row], Sample]]:
-        """List the function that translates a row, by table."""
+    def _translators(self) -> dict[str, Callable[[Row, int], Sample]]:
+        """List the function that translates a row and its stamp, ns, by table."""
         return {
             "dvl": _dvl,
             "imu": _imu,
-            "pressure": lambda row: PressureSample(
-                _read_stamp_ns(row), _read_number(row["pascal"])
+            "pressure": lambda row, t_ns: PressureSample(t_ns, _read_number(row["pascal"])),
+            "joints": lambda row, t_ns: JointSample(
+                t_ns, printable(row["name"].strip()), _read_number(row["rad"])
             ),
-            "joints": lambda row: JointSample(
-                _read_stamp_ns(row), printable(row["name"].strip()), _read_number(row["rad"])
-            ),
-            "camera_top": lambda row: self._read_image("camera_top", row),
-            "camera_bottom": lambda row: self._read_image("camera_bottom", row),
+            "camera_top": lambda row, t_ns: self._read_image("camera_top", row, t_ns),
+            "camera_bottom": lambda row, t_ns: self._read_image("camera_bottom", row, t_ns),
             "sonar": self._read_ping,
             "position": _position,
         }
@@ -264,7 +278,7 @@ class PlainLog:
         places = [folder / known for known in names for folder in (self.path, self.package)]
         return next((place for place in places if is_there(place)), self.package / name.strip())
 
-    def _read_image(self, camera: str, row: Row) -> ImageSample:
+    def _read_image(self, camera: str, row: Row, t_ns: int) -> ImageSample:
         """Read a row of a camera's table, which names an image file or a frame of a video.
 
         The bytes of an image file stay there: they are read when the image is checked. A frame of a
@@ -276,10 +290,8 @@ class PlainLog:
         if not is_name or (is_there(path) and not is_file(path)):
             raise ValueError(f"{printable(name, LONGEST_REASON)!r} is no file")
         if path.suffix.lower() in video_frames.SUFFIXES:
-            return ImageSample(
-                _read_stamp_ns(row), camera, self._read_video_frame(camera, path, row)
-            )
-        return ImageSample(_read_stamp_ns(row), camera, b"", self._in_package(path).as_posix())
+            return ImageSample(t_ns, camera, self._read_video_frame(camera, path, row))
+        return ImageSample(t_ns, camera, b"", self._in_package(path).as_posix())
 
     def _read_video_frame(self, camera: str, path: Path, row: Row) -> bytes:
         """Read a frame of a video as JPEG. Rows have to be in the order of the frames.
@@ -303,7 +315,7 @@ class PlainLog:
             path.relative_to(self.package) if path.is_relative_to(self.package) else path.absolute()
         )
 
-    def _read_ping(self, row: Row) -> SonarSample:
+    def _read_ping(self, row: Row, t_ns: int) -> SonarSample:
         """Read a ping. Beams lie in the y-z plane of `sonar`, azimuth from z towards y.
 
         Raises ValueError for a file that cannot be read, a ping that was named before, and where
@@ -327,9 +339,7 @@ class PlainLog:
             raise ValueError(
                 f"{name}: with it the pings would unpack to more than {PING_RATIO} times their size"
             )
-        return SonarSample(
-            _read_stamp_ns(row), image, None if azimuth is None else in_fan(azimuth), range_m
-        )
+        return SonarSample(t_ns, image, None if azimuth is None else in_fan(azimuth), range_m)
 
 
 def _is_remark(stamp: str) -> bool:
@@ -345,24 +355,34 @@ def _other_columns(sensor: str, row: Row) -> list[Finding]:
     others = [
         name
         for name in row
-        if name and name not in read and not (sensor == "dvl" and name.startswith(RANGE))
+        if name
+        and name not in read
+        and not (sensor == "dvl" and name.startswith(RANGE))
+        and not (name == "date" and is_time_of_day(row["t"]))
     ]
     values = {"columns": printable(", ".join(others), LONGEST_REASON), "read": ", ".join(read)}
     return [Finding("columns-not-read", values, f"{sensor}.csv")] if others else []
 
 
 class _BadLines:
-    """Count the lines that cannot be read, and keep the numbers of the first."""
+    """Count the lines that cannot be read, and keep the numbers of the first, and why."""
 
     def __init__(self) -> None:
         self.count = 0
         self.first: list[int] = []
+        self.reason = self.remedy = ""  # of the first that has one
+        self.late_s: list[float] = []  # stamps too large to be seconds
 
-    def add(self, line: int) -> None:
+    def add(self, line: int, error: Exception) -> None:
         """Count a line that cannot be read."""
         self.count += 1
         if len(self.first) < LISTED_LINES:
             self.first.append(line)
+        self.reason = self.reason or printable(str(error), LONGEST_REASON)
+        if isinstance(error, OpenStampError):
+            self.remedy = self.remedy or error.remedy
+        if isinstance(error, LateStampError):
+            self.late_s.append(error.seconds)
 
     def listed(self) -> str:
         """Name the first of these lines, such as "lines 3, 5, ..."."""
@@ -370,6 +390,37 @@ class _BadLines:
         return f"{noun} {', '.join(map(str, self.first))}" + (
             ", ..." if self.count > LISTED_LINES else ""
         )
+
+
+class _Pace:
+    """Watches how fast the stamps of a table follow each other."""
+
+    def __init__(self) -> None:
+        self.read = self.slow = 0  # stamps, and steps of more than LONGEST_NS
+        self.first_ns = self.last_ns = 0
+
+    def add(self, t_ns: int) -> None:
+        """Take the next stamp."""
+        if self.read == 0:
+            self.first_ns = t_ns
+        elif t_ns - self.last_ns > LONGEST_NS:
+            self.slow += 1
+        self.read, self.last_ns = self.read + 1, t_ns
+
+    def doubt(self, is_of_path: bool) -> str:
+        """Word why the stamps are no seconds. "" where they may be.
+
+        is_of_path: the readings are those of which a path is made, so that they are frequent.
+        """
+        if self.read < LEAST_ROWS:
+            return ""
+        span = f"{self.read} stamps from {self.first_ns / 1e9:.10g} to {self.last_ns / 1e9:.10g}"
+        if 0 < self.last_ns - self.first_ns < SHORTEST_NS * (self.read - 1):
+            return f"{span}, which are no seconds: are they days, as in a spreadsheet?"
+        if is_of_path and 2 * self.slow > self.read:
+            step_s = (self.last_ns - self.first_ns) / (self.read - 1) / 1e9
+            return f"{span}, {step_s:.3g} s from one to the next: are they milliseconds?"
+        return ""
 
 
 def is_there(path: Path) -> bool:
@@ -388,21 +439,7 @@ def is_file(path: Path) -> bool:
         return False
 
 
-class _LateStampError(ValueError):
-    """Raised for a stamp that is too large to be seconds since 1970."""
-
-    def __init__(self, seconds: float) -> None:
-        super().__init__(f"the stamp {seconds:.17g} lies behind any log")
-        self.seconds = seconds
-
-
-def words_for_unit(value: float) -> str:
-    """Word the likely unit of a stamp that cannot be in seconds. "" where no unit fits."""
-    fits = [name for name, size in UNITS.items() if EARLIEST_S <= value / size <= LATEST_S]
-    return f", which look like {fits[0]}" if fits else ""
-
-
-def _dvl(row: Row) -> DvlSample:
+def _dvl(row: Row, t_ns: int) -> DvlSample:
     """Translate a row of dvl.csv. Empty cells of velocities, ranges and altitude are lost values.
 
     The directions of the beams are those of dive.toml.
@@ -415,22 +452,20 @@ def _dvl(row: Row) -> DvlSample:
     velocity = np.array([_read_number(row[name], lost=True) for name in ("vx", "vy", "vz")])
     ranges = np.array([_read_number(row[name], lost=True) for name in names])
     altitude = _read_number(row[ALTITUDE], lost=True) if ALTITUDE in row else float("nan")
-    return DvlSample(
-        _read_stamp_ns(row), velocity, float("nan"), ranges, None, altitude=altitude, by_hand=True
-    )
+    return DvlSample(t_ns, velocity, float("nan"), ranges, None, altitude=altitude, by_hand=True)
 
 
-def _imu(row: Row) -> ImuSample:
+def _imu(row: Row, t_ns: int) -> ImuSample:
     """Translate a row of imu.csv. Rates and accelerations may be missing."""
     quaternion = np.array([_read_number(row[name]) for name in ("qx", "qy", "qz", "qw")])
     rates, acceleration = (
         np.array([_read_number(row.get(name) or "", lost=True) for name in names])
         for names in (RATES, ACCELERATION)
     )
-    return ImuSample(_read_stamp_ns(row), quaternion, rates, acceleration)
+    return ImuSample(t_ns, quaternion, rates, acceleration)
 
 
-def _position(row: Row) -> PositionSample:
+def _position(row: Row, t_ns: int) -> PositionSample:
     """Translate a row of position.csv: latitude and longitude, or x and y.
 
     NaN where the cells are empty, as there was no fix then.
@@ -441,7 +476,7 @@ def _position(row: Row) -> PositionSample:
         raise ValueError("a position needs columns latitude and longitude, or x and y")
     place = np.array([_read_number(row.get(name) or "", lost=True) for name in names])
     return PositionSample(
-        _read_stamp_ns(row), place, _read_number(row.get("sigma_m") or "", lost=True), geographic
+        t_ns, place, _read_number(row.get("sigma_m") or "", lost=True), geographic
     )
 
 
@@ -459,42 +494,3 @@ def _read_number(value: str, lost: bool = False) -> float:
         return float(value)
     except ValueError:
         raise ValueError(f"{value.strip()!r} is no number") from None
-
-
-def _read_stamp_ns(row: Row) -> int:
-    """Read seconds since 1970 as nanoseconds, exact to the digits written, or a date and time.
-
-    Raises ValueError for anything else, with the seconds (_LateStampError) for stamps that are far
-    too late: they may be in another unit.
-    """
-    text = row["t"].strip()
-    try:
-        seconds = float(text)
-    except ValueError:
-        return _date_and_time_ns(text)
-    if seconds > LATEST_S:
-        raise _LateStampError(seconds)
-    if seconds < -LATEST_S:
-        raise ValueError(f"the stamp {seconds:g} lies before any log")
-    whole, _, fraction = text.partition(".")
-    if (
-        whole.lstrip("-").isdigit()
-        and (not fraction or fraction.isdigit())
-        and not whole.startswith("-")
-    ):
-        return int(whole) * 1_000_000_000 + int((fraction + "0" * 9)[:9])
-    return round(seconds * 1e9)
-
-
-def _date_and_time_ns(text: str) -> int:
-    """Read a date and time of ISO 8601 with its zone."""
-    for name in (" UTC", " GMT"):
-        text = text.removesuffix(name) + ("Z" if text.endswith(name) else "")
-    try:
-        since = datetime.fromisoformat(text) - datetime(1970, 1, 1, tzinfo=UTC)
-    except (ValueError, TypeError):  # none, or without a zone
-        raise ValueError(
-            f"t = {text!r} is no number of seconds since 1970, nor a date and time of ISO 8601 "
-            "with its zone"
-        ) from None
-    return since // timedelta(microseconds=1) * 1000
