@@ -29,6 +29,7 @@ from hullrecon.findings.finding import Finding
 from hullrecon.findings.package import A_RUN_NEEDS
 from hullrecon.steps.chain import stages
 from hullrecon.steps.ingest import ingest_settings, request_of
+from hullrecon.steps.path_check import check_path
 from hullrecon.steps.sensor_check import check_sensors
 from hullrecon.steps.stereo_check import check_sampled_rig
 
@@ -145,7 +146,7 @@ def check_loaded(
     watch: Watch = iter
     if progress is not None:
         watch = partial(progress.track, label="check: messages", total=None)
-    checked = check_package(loaded, request, watch, check_sampled_rig, check_sensors)
+    checked = check_package(loaded, request, watch, check_sampled_rig, check_sensors, check_path)
     if checked.reasons:
         return checked
     found, chain = checked.found, Chain(stages(), loaded.sections, loaded.package)

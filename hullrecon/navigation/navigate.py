@@ -70,9 +70,9 @@ def choose_path(
         )
     if dvl is None:
         return _with_remark(by_stereo(), f"no DVL: {BY_STEREO}"), "stereo"
-    share = 1.0 if stereo is None else _share_reached(dvl, imu, stereo)
-    if share >= LEAST_REACHED:
+    if stereo is None or is_by_dvl(dvl, imu, stereo):
         return by_dvl(), "dvl"
+    share = _share_reached(dvl, imu, stereo)
     reached = f"DVL and IMU were heard together for {100 * share:.0f} % of the images"
     try:
         return _with_remark(
@@ -87,6 +87,11 @@ def choose_path(
 
 
 BY_STEREO = "the path is stereo visual odometry; its scale is that of the rig's baseline"
+
+
+def is_by_dvl(dvl: DvlPings, imu: ImuSamples | None, stereo: ImageIndex) -> bool:
+    """Tell whether DVL and IMU were heard together long enough for the path to be the DVL's."""
+    return _share_reached(dvl, imu, stereo) >= LEAST_REACHED
 
 
 def _with_remark(found: Navigated, remark: str) -> Navigated:

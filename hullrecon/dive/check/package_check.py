@@ -187,6 +187,7 @@ def check_package(
     watch: Watch = iter,
     check_images: CheckImages | None = None,
     check_sensors: CheckSensors | None = None,
+    check_path: CheckImages | None = None,
 ) -> PackageCheck:
     """Read a whole package, and list what it holds, what it lacks and what cannot be used.
 
@@ -199,6 +200,8 @@ def check_package(
     watch : sees every message pass, to report progress
     check_images : looks at some of the images, None: at none. Not called where a sensor is wrong
     check_sensors : compares the sensors with each other, None: they are not compared
+    check_path : finds out whether there is a path, None: it is not. Not called where it is known
+        already that no run is possible
     """
     request, missing_files = _leave_out_missing(loaded.package, request)
     logo = logo_of(loaded)
@@ -229,7 +232,7 @@ def check_package(
     if check_images is not None and not wrong_sensors:
         warnings += check_images(loaded, replace(found, records=records), sampled)
     defaults = defaults_of(loaded, with_positions="position" in logged | known)
-    return PackageCheck(
+    checked = PackageCheck(
         name=loaded.config.dive.name,
         vessel=loaded.config.dive.vessel,
         found=found,
@@ -260,6 +263,10 @@ def check_package(
         defaults={key: value for key, value in defaults.items() if key not in mounts},
         suspects=suspects,
     )
+    if check_path is None or checked.reasons:
+        return checked
+    pathless = check_path(loaded, replace(found, records=records), sampled)
+    return replace(checked, unusable=[*checked.unusable, *pathless])
 
 
 def _known_sensors(

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -157,6 +158,13 @@ def dead_reckon(
     )
 
 
+def refuse_unreckonable(logs: NavigationLogs) -> None:
+    """Raise StageError where DVL and IMU are too short for a path, without computing one."""
+    logs = usable_logs(logs)
+    velocities, _, span = _extend_velocities(logs, _placed_velocities(logs), None)
+    _nodes_in(logs, velocities, span)
+
+
 @dataclass(frozen=True, kw_only=True)
 class MotionReadings:
     """Usable velocities of the DVL and smoothed attitude of the IMU, before integration."""
@@ -173,11 +181,16 @@ def usable_readings(logs: NavigationLogs, tilt_rad: float) -> MotionReadings:
 
     tilt_rad: white sigma of roll and pitch where the IMU's rates do not tell it.
     """
+    return MotionReadings(
+        velocities=_placed_velocities(logs), attitude=attitude_history(logs.imu, tilt_rad)
+    )
+
+
+def _placed_velocities(logs: NavigationLogs) -> Velocities:
+    """Select the DVL's velocities while the IMU was read, without outliers."""
     slack = int(LONGEST_GAP_S * 1e9)
     read = int(logs.imu.t_ns[0]) - slack, int(logs.imu.t_ns[-1]) + slack
-    return MotionReadings(
-        velocities=usable_velocities(logs.dvl, read), attitude=attitude_history(logs.imu, tilt_rad)
-    )
+    return usable_velocities(logs.dvl, read)
 
 
 def usable_logs(logs: NavigationLogs) -> NavigationLogs:
@@ -277,22 +290,29 @@ def _place_nodes(
     walk
         Finds the frames that overlap neither side of an outage. Without it each frame gets a node.
     """
-    measured_ns, reach = path.velocities.t_ns, int(REACH_S * 1e9)
-    pings = logs.dvl.t_ns[
-        (logs.dvl.t_ns >= measured_ns[0] - reach) & (logs.dvl.t_ns <= measured_ns[-1] + reach)
-    ]
     # frames in badly bridged outages that are joined to neither side, as spans
     outages = path.velocities.outages
     unsure = outages[path.velocities.bridged_variance(*outages.T) > LOST_SIGMA_M**2]
     lost = [] if walk is None else [walk.lost_in((begin, end)) for begin, end in unsure.tolist()]
+    return _nodes_in(logs, path.velocities, span_ns, [span for span in lost if span is not None])
+
+
+def _nodes_in(
+    logs: NavigationLogs,
+    velocities: Velocities,
+    span_ns: tuple[int, int],
+    lost_ns: Sequence[tuple[int, int]] = (),
+) -> Nodes:
+    """Choose the nodes of a span, but for frames in `lost_ns`.
+
+    Raises StageError for fewer than two nodes.
+    """
+    measured_ns, reach = velocities.t_ns, int(REACH_S * 1e9)
+    pings = logs.dvl.t_ns[
+        (logs.dvl.t_ns >= measured_ns[0] - reach) & (logs.dvl.t_ns <= measured_ns[-1] + reach)
+    ]
     top, bottom = usable_frames(logs.top), usable_frames(logs.bottom)
-    nodes = choose_nodes(
-        top,
-        bottom,
-        pings,
-        span_ns,
-        [span for span in lost if span is not None],
-    )
+    nodes = choose_nodes(top, bottom, pings, span_ns, lost_ns)
     if len(nodes.t_ns) < 2:
         raise StageError("fewer than two images and pings lie where the motion is known")
     return nodes

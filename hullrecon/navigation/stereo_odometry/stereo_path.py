@@ -100,7 +100,7 @@ def stereo_navigate(
         Where there are fewer than two pairs, or where more than half of the steps cannot be
         measured.
     """
-    t_ns, image = _stereo_pairs(frames)
+    t_ns, image = stereo_pairs(frames)
 
     # Motions between stereo pairs, in the camera's and then in the vehicle's axes.
     tray = servo(aids.tray, int(t_ns[0]))
@@ -109,7 +109,7 @@ def stereo_navigate(
     history = _smooth_attitude(aids.imu, sigmas.tilt_rad)
     guess = _prepare_guess(t_ns, history, vehicle_from_camera)
     chain = measure_steps([(int(a), int(b)) for a, b in image], motion, guess, progress)
-    _refuse_unjoined(chain)
+    refuse_unjoined(len(chain.lost), len(chain.step))
     step, covariance, by_calibration = in_vehicle(chain, vehicle_from_camera)
 
     # The path that they give from the first pair on, with its errors.
@@ -141,7 +141,7 @@ def stereo_navigate(
     )
 
 
-def _stereo_pairs(frames: Frames) -> tuple[Ints, Ints]:
+def stereo_pairs(frames: Frames) -> tuple[Ints, Ints]:
     """Pair the frames of both cameras: stamps (n,), and rows (n, 2) in the cameras' indices.
 
     Raises StageError where there are fewer than two pairs.
@@ -156,13 +156,10 @@ def _stereo_pairs(frames: Frames) -> tuple[Ints, Ints]:
     return frames.top[0][top], np.stack([frames.top[1][top], frames.bottom[1][bottom]], axis=1)
 
 
-def _refuse_unjoined(chain: StereoChain) -> None:
+def refuse_unjoined(lost: int, steps: int) -> None:
     """Raise StageError where more than half of the steps cannot be measured."""
-    if 2 * len(chain.lost) > len(chain.step):
-        where = (
-            f"{len(chain.lost)} of {len(chain.step)} steps have fewer than "
-            f"{INLIERS} common features"
-        )
+    if 2 * lost > steps:
+        where = f"{lost} of {steps} steps have fewer than {INLIERS} common features"
         raise StageError("the stereo pairs do not join", where=where)
 
 
