@@ -254,6 +254,8 @@ FOLLOWED = {
     "test_a_window_that_ends_before_it_begins_is_an_input_error",
     "dive/logs/timeline.py::put_in_order": "dive/logs/test_timeline.py::"
     "test_a_clock_that_stands_still_is_refused",
+    "dive/logs/timeline.py::_refuse_coarse": "dive/logs/test_timeline.py::"
+    "test_stamps_in_steps_of_seconds_are_refused_until_finer",
     "dive/logs/timeline.py::_refuse_open_step": "dive/logs/test_timeline.py::"
     "test_stamps_that_fall_back_to_before_the_log_are_refused_until_one_part_is_given",
     "dive/logs/timeline.py::_refuse_two_bases": "dive/logs/test_timeline.py::"

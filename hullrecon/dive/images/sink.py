@@ -90,7 +90,7 @@ class ImageSink:
             (sample.t_ns, logged_ns, log, sample.file, offset, kept, size == self._size)
         )
         if len(self._rows) == PATIENCE:
-            self._check_size()
+            self._check_size(1)  # a camera may start with another size
 
     def stamps(self) -> tuple[list[int], list[int], list[int]]:
         """List the stamps of all images, when they were logged, and the numbers of their logs."""
@@ -107,14 +107,14 @@ class ImageSink:
         """Index the images in order of time, with whether each can be used. None without any.
 
         Copies and images with the stamp of another one are left out. Raises InputError where none
-        can be read, where none has the calibration's size, or where all of the only camera are one
-        picture.
+        can be read, where most have another size than the calibration's, or where all of the only
+        camera are one picture.
 
         notes: findings of what was assumed or left out are added.
         """
         if not self._rows:
             return None
-        self._check_size()
+        self._check_size(-(-sum(self._sizes.values()) // 2))
         self._check_motion()
         if not any(row[-1] for row in self._rows):
             count = len(self._rows)
@@ -182,16 +182,22 @@ class ImageSink:
         self._at += len(encoded)
         return self._at - len(encoded)
 
-    def _check_size(self) -> None:
-        """Raise InputError where images could be read, but none has the calibration's size."""
-        if self._sizes and not self._sizes[self._size]:
-            logged = self._sizes.most_common(1)[0][0]
-            turn = f" as stored, to be shown {self._turn}" if self._turn else ""
-            raise InputError(
-                f"the images of {self._camera} have {logged[0]} x {logged[1]} pixels{turn}, its "
-                f"calibration is for {self._size[0]} x {self._size[1]}",
-                remedy="give the calibration of this camera at this size",
-            )
+    def _check_size(self, least: int) -> None:
+        """Raise InputError where fewer than `least` images have the calibration's size.
+
+        Images that cannot be read do not count: nothing is raised where none can.
+        """
+        right, readable = self._sizes[self._size], sum(self._sizes.values())
+        if right >= least or not readable:
+            return
+        logged, count = self._sizes.most_common(1)[0]
+        turn = f" as stored, to be shown {self._turn}" if self._turn else ""
+        images = f"{count} of {readable} images" if right else "the images"
+        raise InputError(
+            f"{images} of {self._camera} have {logged[0]} x {logged[1]} pixels{turn}, its "
+            f"calibration is for {self._size[0]} x {self._size[1]}",
+            remedy="give the calibration of this camera at this size",
+        )
 
     def _check_motion(self) -> None:
         """Raise InputError where all images of the only camera are one picture.

@@ -69,7 +69,8 @@ def put_in_order(
     Raises
     ------
     InputError
-        The sensor's clock stands still, or changes in a way that nothing tells how to correct.
+        The sensor's clock stands still or is too coarse, or changes in a way that nothing tells how
+        to correct.
     """
     stamp, logged = np.asarray(stamp_ns, np.int64), np.asarray(logged_ns, np.int64)
     number = np.zeros(len(stamp), np.int64) if log is None else np.asarray(log, np.int64)
@@ -98,6 +99,7 @@ def put_in_order(
     if not bursts or (jumped + set_back).any():
         notes += _describe_jumps(name, stamp, logged, number, jumped, set_back)
     doubled = int(np.count_nonzero(~kept))
+    _refuse_coarse(name, right[order][kept], len(right))
     if doubled:
         notes.append(Finding("stamps-doubled", {"doubled": doubled, "count": len(stamp)}, name))
     backward = int(np.count_nonzero(np.diff(stamp) < 0))
@@ -134,6 +136,23 @@ def _on_first_logger(stamp: Ints, logged: Ints, log: Ints) -> Ints:
         if len(same) >= LASTING and logged[rows].min() < last and logged[rows].max() > first:
             out[rows] -= int(np.median(logged[rows][same] - out[before][same_before]))
     return out
+
+
+def _refuse_coarse(name: str, distinct: Ints, count: int) -> None:
+    """Raise InputError where most readings have the stamp of another one.
+
+    Their clock is written with too few digits. Where its steps are short and even, readings were
+    spread over them before.
+
+    distinct: (m,) sorted stamps, each once. count: of the readings.
+    """
+    if count < LASTING or 2 * len(distinct) >= count:
+        return
+    step_s = float(np.median(np.diff(distinct))) / NS
+    raise InputError(
+        f"{name}: {count} readings have only {len(distinct)} stamps, {step_s:.3g} s apart",
+        remedy="write the stamps with all their digits, or log those of the sensor",
+    )
 
 
 def _refuse_two_bases(name: str, stamp: Ints) -> None:

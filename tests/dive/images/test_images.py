@@ -104,6 +104,18 @@ def test_image_of_other_size_is_unusable_and_counted(tmp_path, kit, jpegs):
     assert sentences(notes) == ["camera_top: 1 of 2 images have another size and are left out"]
 
 
+@pytest.mark.parametrize("count", [3, 9])
+def test_a_camera_most_of_whose_images_are_of_another_size_is_refused(tmp_path, kit, count):
+    pictures = [kit.jpeg(0), *(kit.jpeg(t, 32, 24) for t in range(1, count))]
+    images = [image(t, picture) for t, picture in enumerate(pictures)]
+    words = f"{count - 1} of {count} images of camera_top have 32 x 24 pixels"
+    with pytest.raises(InputError, match=words) as refused:
+        take(sink(tmp_path)[0], *images)
+    assert refused.value.remedy == "give the calibration of this camera at this size"
+    index, _ = take(sink(tmp_path, (32, 24))[0], *images)
+    assert index.usable.sum() == count - 1
+
+
 def test_images_unlike_calibration_are_refused_early_with_sizes(tmp_path, jpegs):
     store, _ = sink(tmp_path, (640, 480))
     for t in range(4):
