@@ -147,6 +147,8 @@ def reckon_dive(
     dvl_s, pressure_s = (
         clocks.late_sigma_s.get(s, 0.0) for s in (ClockedSensor.DVL, ClockedSensor.PRESSURE)
     )
+    if clocks.logs.pressure is None:  # no depth follows its clock
+        pressure_s = 0.0
     sigmas = replace(sigmas, dvl_late_s=dvl_s, pressure_late_s=pressure_s)
     found = dead_reckon(clocks.logs, rig, sigmas, walk, clocks.readings)
     return replace(

@@ -177,6 +177,12 @@ def test_sigma_of_a_path_without_evidence_holds_a_late_dvl(felt):
     assert any("known to 0.10 s" in remark for remark in right.remarks)
 
 
+def test_nothing_is_said_of_the_clock_of_a_sensor_that_was_not_logged(felt, monkeypatch):
+    monkeypatch.setattr("hullrecon.navigation.navigate.UNSURE_M", 0.0)
+    remarks = reckon_dive(blind(felt), RIG, SIGMAS).remarks
+    assert [remark[:4] for remark in remarks if "its clock agrees" in remark] == ["DVL:"]
+
+
 def test_accelerations_do_not_accuse_clocks_that_agree(felt):
     gravity = poses.from_rpy(np.zeros((len(felt.imu.t_ns), 3)), 0 * felt.imu.acceleration)
     still = replace(felt.imu, acceleration=gravity.rotation.apply([0.0, 0.0, -9.81]))

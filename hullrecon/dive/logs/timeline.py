@@ -33,6 +33,9 @@ FAR_SHARE = 0.05  # of a sensor's readings; more are another dive, which is not 
 # the last one of the previous part
 STEPPED_NS, AGAIN = round(0.128 * NS), 3
 SUMMER_NS = 3600 * NS  # by which clocks of local time fall back when summer time ends
+# between stamps of which several readings have each: a motion is told from readings closer than
+# that. Of readings in shorter steps the first of each is enough
+COARSE_S = 1.0
 FEW = 2  # readings with one stamp are duplicates; more, and no other, are a clock that stands still
 MOST_GAPS = 5  # that are listed one by one
 
@@ -139,16 +142,18 @@ def _on_first_logger(stamp: Ints, logged: Ints, log: Ints) -> Ints:
 
 
 def _refuse_coarse(name: str, distinct: Ints, count: int) -> None:
-    """Raise InputError where most readings have the stamp of another one.
+    """Raise InputError where most readings have the stamp of another one, seconds from the next.
 
-    Their clock is written with too few digits. Where its steps are short and even, readings were
-    spread over them before.
+    Their clock is written with too few digits. Where its steps are even and hold enough readings,
+    these were spread over them before.
 
     distinct: (m,) sorted stamps, each once. count: of the readings.
     """
     if count < LASTING or 2 * len(distinct) >= count:
         return
     step_s = float(np.median(np.diff(distinct))) / NS
+    if step_s < COARSE_S:
+        return
     raise InputError(
         f"{name}: {count} readings have only {len(distinct)} stamps, {step_s:.3g} s apart",
         remedy="write the stamps with all their digits, or log those of the sensor",
