@@ -50,7 +50,7 @@ def package(tmp_path: Path) -> Path:
     for name in "abc":
         cv2.imwrite(
             str(logs / f"{name}.jpg"),
-            np.random.default_rng(1).integers(0, 255, (24, 32, 3), np.uint8),
+            np.random.default_rng(ord(name)).integers(0, 255, (24, 32, 3), np.uint8),
         )
     (logs / "camera_top.csv").write_text("t,file\n0.4,a.jpg\n0.8,b.jpg\n1.2,c.jpg\n")
     return folder
@@ -374,7 +374,7 @@ def test_check_ends_with_a_verdict_whatever_stands_against_a_run(capsys, package
     (package / "dive.toml").write_text(TOML.replace("vessel", "vesel"))
     wanted = {
         "empty": "no dive.toml",
-        "table": "no column t",
+        "table": "no column vx",
         "nowhere": "no dive.toml",
         "package": "unknown key dive.vesel",
     }
