@@ -34,7 +34,7 @@ TABLES = {
     "imu": "t,qx,qy,qz,qw\n0,0,0,0,1\n1,0,0,0,1\n2,0,0,0,1\n",
     "pressure": "t,pascal\n0,111380\n1,111380\n2,121435\n",
     "joints": "t,name,rad\n0,tray,0.1\n1,tray,0.2\n0,fan,0.3\n",
-    "camera_top": "t,file\n0,a.png\n1,b.png\n",
+    "camera_top": "t,file\n0,a.png\n1,b.png\n2,c.png\n",
     "sonar": "t,file\n0,p.npz\n1,q.npz\n",
 }
 
@@ -48,10 +48,10 @@ def package(tmp_path: Path) -> Path:
         (folder / name).write_text(text)
     for name, text in TABLES.items():
         (logs / f"{name}.csv").write_text(text)
-    for name in "ab":
+    for name in "abc":
         cv2.imwrite(
             str(logs / f"{name}.png"),
-            np.random.default_rng(1).integers(0, 255, (24, 32, 3), np.uint8),
+            np.random.default_rng(ord(name)).integers(0, 255, (24, 32, 3), np.uint8),
         )
     for name in "pq":
         write_ping(logs / f"{name}.npz")
@@ -115,7 +115,7 @@ def calibration_as_folder(package):
 
 def all_images(data):
     def spoil(package):
-        for name in "ab":
+        for name in "abc":
             (package / "logs" / f"{name}.png").write_bytes(data)
 
     return spoil
@@ -219,7 +219,7 @@ REFUSED = {
     ),
     "a misspelt joint": (toml('"fan"', '"fun"'), 3, r"did you mean \"fan\""),
     "beams that nothing describes": (toml(BEAMS, ""), 3, r"DVL's 4 beams"),
-    "every image is empty": (all_images(b""), 3, r"none of the 2 images of camera_top can be read"),
+    "every image is empty": (all_images(b""), 3, r"none of the 3 images of camera_top can be read"),
     "a calibration of another size": (
         file("top.yaml", YAML.replace("32", "64").encode()),
         3,
@@ -294,20 +294,20 @@ TOLD = {
         r"the clock jumps by -2",
     ),
     "every range is lost": (
-        table("dvl", "t,vx,vy,vz,range_1\n0,1,0,0,\n1,1,0,0,0\n"),
+        table("dvl", "t,vx,vy,vz,range_1\n0,1,0,0,\n1,1,0,0,0\n2,1,0,0,\n"),
         r"dvl: every range is lost",
     ),
-    "one ping": (
-        table("dvl", "t,vx,vy,vz,range_1,range_2,range_3,range_4\n0,1,0,0,1,1,1,1\n"),
-        r"dvl: 1 ping in",
+    "one beam": (
+        table("dvl", "t,vx,vy,vz,range_1,range_2,range_3,range_4\n0,1,0,0,1,,,\n1,1,0,0,1,,,\n"),
+        r"DVL ranges run from 1\.00 to 1\.00 m",
     ),
     "one quaternion of zeros": (
-        table("imu", ZEROS + "2,0,0,0.6,0.8\n"),
-        r"imu: 2 of 3 readings have no attitude",
+        table("imu", "t,qx,qy,qz,qw\n0,0,0,0.6,0.8\n1,0,0,0,0\n2,0,0,0.6,0.8\n"),
+        r"imu: 1 of 3 readings have no attitude",
     ),
     "one image of no bytes": (
         file("logs/a.png", b""),
-        r"camera_top: 1 of 2 images are missing or damaged",
+        r"camera_top: 1 of 3 images are missing or damaged",
     ),
     "an absurd velocity": (
         table("dvl", "t,vx,vy,vz\n0,1000,0,0\n1,1,0,0\n2,1,0,0\n"),
