@@ -76,6 +76,21 @@ def test_a_sealed_mapping_comes_back(value: dict[str, Any]) -> None:
     assert unseal(seal(value)) == value
 
 
+@pytest.mark.parametrize("value", [{}, {"a": 1}, {"z": {"seal": "0" * 64}}, {"a": [], "z": {}}])
+def test_the_seal_is_the_digest_of_what_is_sealed(value: dict[str, Any]) -> None:
+    assert seal(value) == encode({**value, "seal": digest(value)})
+    assert unseal(seal(value)) == value
+
+
+@pytest.mark.parametrize("value", [{"a": 1}, {"a": 1, "z": 2}])
+def test_a_sealed_mapping_written_otherwise_is_damaged(value: dict[str, Any]) -> None:
+    members = json.loads(seal(value))
+    seal_first = {"seal": members["seal"], **value}
+    for text in (json.dumps(members, indent=2), json.dumps(seal_first, indent=1)):
+        with pytest.raises(DamagedArtifactError):
+            unseal(f"{text}\n".encode())
+
+
 def test_any_flipped_bit_breaks_the_seal() -> None:
     data = seal({"a": 1, "text": "ü", "list": [0.5, -1e-9, True]})
     for bit in range(8 * len(data)):
