@@ -22,7 +22,7 @@ from hullrecon.navigation.sensors.servo import doubtful_angles, frozen_readings
 from hullrecon.navigation.suspects.comparisons.comparison import Sensor
 from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.depth_steps import depth_steps
-from hullrecon.navigation.suspects.hypotheses import Conventions
+from hullrecon.navigation.suspects.faults.axes import Conventions
 from hullrecon.navigation.suspects.shifted_imu import mend_shifted_imu
 from hullrecon.navigation.suspects.suspects import Judged, judge
 from hullrecon.records.clock import NS

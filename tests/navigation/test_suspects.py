@@ -20,7 +20,8 @@ from hullrecon.geometry.robust import GAIN
 from hullrecon.navigation.suspects.comparisons.comparison import Sensor
 from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.comparisons.motions import Motions, compare
-from hullrecon.navigation.suspects.hypotheses import Conventions, Hypothesis
+from hullrecon.navigation.suspects.faults.axes import Conventions
+from hullrecon.navigation.suspects.faults.hypothesis import Hypothesis
 from hullrecon.navigation.suspects.shifted_imu import mend_shifted_imu
 from hullrecon.navigation.suspects.suspects import Tried, explain_best, judge
 from hullrecon.records.sensors import (

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import mount_angles_deg
 from hullrecon.navigation.suspects.comparisons.comparison import Sensor
-from hullrecon.navigation.suspects.hypotheses import Conventions, is_mirrored, signed_axes
+from hullrecon.navigation.suspects.faults.axes import Conventions, is_mirrored, signed_axes
 
 # the other of two conventions
 OTHER = {"ned": "enu", "enu": "ned", "up": "down", "down": "up"}

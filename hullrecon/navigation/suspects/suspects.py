@@ -24,12 +24,9 @@ from hullrecon.navigation.suspects.comparisons.comparison import Comparison, Sen
 from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.comparisons.imu import compare_rates
 from hullrecon.navigation.suspects.comparisons.motions import DEPENDS_ON, Motions, compare
-from hullrecon.navigation.suspects.hypotheses import (
-    BY_DEFAULT,
-    Conventions,
-    Hypothesis,
-    hypotheses,
-)
+from hullrecon.navigation.suspects.faults.axes import BY_DEFAULT, Conventions
+from hullrecon.navigation.suspects.faults.hypothesis import Hypothesis
+from hullrecon.navigation.suspects.hypotheses import hypotheses
 from hullrecon.navigation.suspects.remedies import find_remedy
 from hullrecon.records.sensors import ImuSamples, SensorRecords
 from hullrecon.rig import Rig
