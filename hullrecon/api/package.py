@@ -14,7 +14,8 @@ from hullrecon.api.costs import findings_of, predict, size_of
 from hullrecon.artifacts.chain import Chain
 from hullrecon.artifacts.disk import storage_errors, write_file
 from hullrecon.artifacts.progress import Progress
-from hullrecon.dive.check.package_check import PackageCheck, check_package
+from hullrecon.dive.check.package_check import check_package
+from hullrecon.dive.check.package_report import PackageCheck
 from hullrecon.dive.check.requirements import to_fill_in
 from hullrecon.dive.config.load import FILE, LoadedConfig, load_config
 from hullrecon.dive.init.log_summary import LogSummary, guess_topics, summarise_logs

@@ -13,9 +13,11 @@ import numpy as np
 from hullrecon.artifacts.stage import Context
 from hullrecon.detection.as_found.hull_as_found import Fusion, fuse_heights
 from hullrecon.detection.base_surface import BaseSurface
-from hullrecon.detection.coverage import Facts, SonarSurvey, summarise_coverage
+from hullrecon.detection.coverage import summarise_coverage
 from hullrecon.detection.find_structures import Structures, find_structures
+from hullrecon.detection.hull_patches import Facts
 from hullrecon.detection.options import DetectOptions
+from hullrecon.detection.sonar_visibility import SonarSurvey
 from hullrecon.detection.views import CameraViews, views_of_top_camera
 from hullrecon.dive.config.schema import HullRegion
 from hullrecon.errors import StageError

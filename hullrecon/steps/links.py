@@ -15,8 +15,9 @@ from hullrecon.navigation.pose_graph.ties import describe_parts
 from hullrecon.records.links import COMMON_FEATURE, no_links
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.steps.artifacts import COMMON_FEATURES, InputArtifacts
+from hullrecon.typing import Ints
 from hullrecon.vision.compared_pairs import CommonFeatures
-from hullrecon.vision.link_images import NavigatedDive, PathSolver, link_images
+from hullrecon.vision.link_images import LinkedImages, NavigatedDive, PathSolver, link_images
 from hullrecon.vision.options import LinkOptions, MatchOptions
 from hullrecon.vision.pairs.match_worker import MatchWorker
 from hullrecon.vision.pairs.matching import MatchStrategy
@@ -87,10 +88,9 @@ def pose_graph(inputs: InputArtifacts, settings: StageSettings, kernel: str = KE
 def _link_images(
     context: Context[LinkOptions], solve: PathSolver[GraphSolution], strategy: MatchStrategy
 ) -> tuple[dict[str, object], GraphSolution]:
-    """Link the images, and write the links and the path.
+    """Link the images, write the links and the path, and warn of what they leave open.
 
-    It warns where navigation alone ties parts of the dive, and where images that look alike were
-    not taken for one place. Returns the figures for links.json, and the solution of the path with
+    Returns the figures for links.json, and the solution of the path with
     the links.
     """
     inputs = InputArtifacts(context.inputs)
@@ -124,7 +124,23 @@ def _link_images(
     context.out.arrays("links.npz", to_arrays(found.links))
     context.out.arrays("stereo.npz", to_arrays(found.stereo))
     context.out.arrays("path.npz", to_arrays(found.path))
-    sentence = describe_parts(found.path, navigate.trajectory.t_ns)
+    _warn_of_links(context, found, navigate.trajectory.t_ns)
+    facts: dict[str, object] = {
+        "keyframes": len(found.keyframes),
+        "rounds": found.rounds(),
+        "look_alikes": found.look_alikes,
+    }
+    if found.appearance:
+        facts["appearance"] = [asked.facts() for asked in found.appearance]
+    return facts, solved
+
+
+def _warn_of_links(context: Context[LinkOptions], found: LinkedImages, t_ns: Ints) -> None:
+    """Warn of parts that navigation alone ties, and of images that look alike.
+
+    t_ns (n,): stamps of the nodes.
+    """
+    sentence = describe_parts(found.path, t_ns)
     if sentence is not None:
         context.warn(sentence)
     if found.look_alikes:
@@ -136,14 +152,6 @@ def _link_images(
         context.warn(
             f"How images look does not say what lies where: {found.appearance[-1].refusal}."
         )
-    facts: dict[str, object] = {
-        "keyframes": len(found.keyframes),
-        "rounds": found.rounds(),
-        "look_alikes": found.look_alikes,
-    }
-    if found.appearance:
-        facts["appearance"] = [asked.facts() for asked in found.appearance]
-    return facts, solved
 
 
 def _write_features(context: Context[LinkOptions], features: CommonFeatures) -> None:

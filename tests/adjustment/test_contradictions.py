@@ -28,7 +28,7 @@ from hullrecon.adjustment import contradictions
 from hullrecon.adjustment.bundle_adjustment import adjust, solve_path
 from hullrecon.adjustment.contradictions import believe_place, explain_refusal
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions
-from hullrecon.adjustment.results.summary import explained_as_well
+from hullrecon.adjustment.results.adjustment_warnings import explained_as_well
 from hullrecon.adjustment.rounds import ACCEPTED, Phase, RoundSolver, Verdict
 from hullrecon.adjustment.suspects import Trial, best_explanations
 from hullrecon.errors import ContradictionError

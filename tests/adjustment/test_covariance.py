@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 
-from hullrecon.adjustment.hull_pose.registration import perturb_pose
+from hullrecon.adjustment.hull_pose.pose_cost import perturb_pose
 from hullrecon.adjustment.results.covariance import hull_axes, points_in_hull, poses_in_hull
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses

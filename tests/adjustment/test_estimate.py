@@ -12,13 +12,8 @@ from adjustment.solved_dives import solved
 
 from hullrecon.adjustment.hull_pose import estimate
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
-from hullrecon.adjustment.hull_pose.registration import (
-    frame_at,
-    perturb_pose,
-    register,
-    signed_distances,
-    thin_points,
-)
+from hullrecon.adjustment.hull_pose.pose_cost import frame_at, perturb_pose, signed_distances
+from hullrecon.adjustment.hull_pose.registration import register, thin_points
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry import poses
 from hullrecon.geometry.meshes.mesh import Mesh

@@ -16,7 +16,8 @@ from hullrecon.adjustment.hull_pose.other_headings import (
     height_below_guess,
     turn_from_guess,
 )
-from hullrecon.adjustment.hull_pose.registration import perturb_pose, register
+from hullrecon.adjustment.hull_pose.pose_cost import perturb_pose
+from hullrecon.adjustment.hull_pose.registration import register
 from hullrecon.geometry.poses import Poses
 
 MESH = side(1.0)

@@ -9,6 +9,7 @@ from adjustment.scenes import ERROR, TRUTH, cad_model, side, survey
 from scipy.linalg import cho_factor
 
 from hullrecon.adjustment.hull_pose import cad_error
+from hullrecon.adjustment.hull_pose.pose_cost import HullPoseCost, perturb_pose
 from hullrecon.adjustment.hull_pose.profile_likelihood import (
     Valley,
     inflate_covariance,
@@ -18,7 +19,7 @@ from hullrecon.adjustment.hull_pose.profile_likelihood import (
     profile,
     raise_to_moment,
 )
-from hullrecon.adjustment.hull_pose.registration import HullPoseCost, perturb_pose, thin_points
+from hullrecon.adjustment.hull_pose.registration import thin_points
 from hullrecon.geometry import poses
 from hullrecon.geometry.pose_solver import LinearisedCost
 

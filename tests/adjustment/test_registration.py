@@ -9,12 +9,8 @@ from adjustment.scenes import ERROR, TRUTH, cad_model, lying, side, survey
 from hullrecon.adjustment.hull_pose import registration
 from hullrecon.adjustment.hull_pose.cad_error import matern32
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
-from hullrecon.adjustment.hull_pose.registration import (
-    frame_at,
-    perturb_pose,
-    register,
-    thin_points,
-)
+from hullrecon.adjustment.hull_pose.pose_cost import frame_at, perturb_pose
+from hullrecon.adjustment.hull_pose.registration import register, thin_points
 from hullrecon.geometry.meshes.mesh import Mesh
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from end_to_end.json_schema import violations
 
-from hullrecon.detection import coverage
+from hullrecon.detection import coverage, coverage_holes, hull_patches, sonar_visibility
 from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.views import find_visibility
 from hullrecon.geometry.frames import Frame
@@ -34,8 +34,8 @@ SCHEMA = (
 
 
 @pytest.fixture
-def hull(wall) -> coverage.HullPatches:
-    return coverage.hull_patches(refine(wall, 0.06)[0])
+def hull(wall) -> hull_patches.HullPatches:
+    return hull_patches.hull_patches(refine(wall, 0.06)[0])
 
 
 def test_pieces_hold_the_whole_area(hull) -> None:
@@ -101,14 +101,14 @@ def _sonar_at(x: float, y: float) -> Poses:
     return Poses(Rotation.from_matrix(turn).as_quat()[None], np.array([[x, y, 1.0]]))
 
 
-def _survey(poses: Poses) -> coverage.SonarSurvey:
-    return coverage.SonarSurvey(
+def _survey(poses: Poses) -> sonar_visibility.SonarSurvey:
+    return sonar_visibility.SonarSurvey(
         pings=_pings(np.radians(30)), poses=poses, half_elevation_rad=np.radians(7)
     )
 
 
 def test_sonar_sees_strip_of_its_fan_and_elevation(hull, wall) -> None:
-    seen = coverage.visible_to_sonar(hull, _survey(_sonar_at(2.0, 4.0)), Scene(wall))
+    seen = sonar_visibility.visible_to_sonar(hull, _survey(_sonar_at(2.0, 4.0)), Scene(wall))
     x, _, z = hull.mesh.vertices[seen].T
     assert np.abs(x - 2).max() == pytest.approx(2 * np.tan(np.radians(30)), abs=0.1)
     assert (
@@ -119,9 +119,11 @@ def test_sonar_sees_strip_of_its_fan_and_elevation(hull, wall) -> None:
 
 
 def test_beyond_its_range_and_from_behind_the_sonar_sees_nothing(hull, wall) -> None:
-    assert not coverage.visible_to_sonar(hull, _survey(_sonar_at(2.0, 5.0)), Scene(wall)).any()
+    assert not sonar_visibility.visible_to_sonar(
+        hull, _survey(_sonar_at(2.0, 5.0)), Scene(wall)
+    ).any()
     behind = Poses(from_rpy([0, 0, 0], [0, 0, 0]).quaternion, np.array([[2.0, 2.0, -1.0]]))
-    assert not coverage.visible_to_sonar(hull, _survey(behind), Scene(wall)).any()
+    assert not sonar_visibility.visible_to_sonar(hull, _survey(behind), Scene(wall)).any()
 
 
 def test_area_seen_by_sonar_has_sigma_of_hull_pose(hull, wall) -> None:
@@ -137,7 +139,7 @@ def test_area_seen_by_sonar_has_sigma_of_hull_pose(hull, wall) -> None:
     assert "area_sigma_m2" not in coverage.sonar_facts(hull, survey, Scene(wall), None)
     sideways = replace(hull_pose, covariance=np.diag([0.25, 0, 0, 0, 0, 0]))
     left, right = (
-        coverage.visible_to_sonar(hull, _survey(_sonar_at(x, 4.0)), Scene(wall)) @ hull.area
+        sonar_visibility.visible_to_sonar(hull, _survey(_sonar_at(x, 4.0)), Scene(wall)) @ hull.area
         for x in (-0.5, 0.5)
     )
     found = coverage.sonar_facts(hull, survey, Scene(wall), sideways)
@@ -154,7 +156,7 @@ def test_hole_in_survey_has_address_and_area(hull, scenery) -> None:
     x, _, z = hull.mesh.vertices.T
     seen = (np.abs(x - 2) < 1.2) & (np.abs(z - 1) < 0.8)
     seen &= np.maximum(np.abs(x - 2.5), np.abs(z - 1.0)) > 0.25
-    (hole,) = coverage.find_holes(hull, seen, scenery.chart, _address)
+    (hole,) = coverage_holes.find_holes(hull, seen, scenery.chart, _address)
     assert hole["address"] == "x 2.5"
     assert hole["area_m2"] == pytest.approx(0.25, rel=0.1)
     assert np.allclose(hole["center"], [2.5, 2, 1], atol=0.1)
@@ -166,7 +168,7 @@ def test_the_largest_hole_comes_first_and_specks_are_left_out(hull, scenery) -> 
     for at, half in ((1.2, 0.2), (2.4, 0.3), (3.2, 0.04)):
         seen &= np.maximum(np.abs(x - at), np.abs(z - 1.0)) > half
     assert [
-        hole["address"] for hole in coverage.find_holes(hull, seen, scenery.chart, _address)
+        hole["address"] for hole in coverage_holes.find_holes(hull, seen, scenery.chart, _address)
     ] == ["x 2.4", "x 1.2"]
 
 
@@ -201,36 +203,36 @@ def test_bay_of_the_rim_is_a_hole_if_deeper_than_a_cell(depth_m, holes, hull, sc
     x, _, z = hull.mesh.vertices.T
     seen = (np.abs(x - 2) < 1.2) & (np.abs(z - 1) < 0.6)
     seen &= (np.abs(x - 2) > 0.3) | (z < 1.6 - depth_m)
-    assert len(coverage.find_holes(hull, seen, scenery.chart, _address)) == holes
+    assert len(coverage_holes.find_holes(hull, seen, scenery.chart, _address)) == holes
 
 
 def test_what_lies_outside_the_survey_is_no_hole(hull, scenery) -> None:
     seen = np.abs(hull.mesh.vertices[:, 0] - 2) < 1
-    assert coverage.find_holes(hull, seen, scenery.chart, _address) == []
-    assert coverage.find_holes(hull, np.zeros(len(seen), bool), scenery.chart, _address) == []
+    assert coverage_holes.find_holes(hull, seen, scenery.chart, _address) == []
+    assert coverage_holes.find_holes(hull, np.zeros(len(seen), bool), scenery.chart, _address) == []
 
 
 def test_a_part_without_any_surface_inside_the_survey_is_a_hole(hull, scenery) -> None:
     """Without a CAD model the hull itself ends where nothing was measured; so do its patches."""
     middle = hull.mesh.vertices[hull.mesh.faces].mean(axis=1)
     gap = np.maximum(np.abs(middle[:, 0] - 2.0), np.abs(middle[:, 2] - 1.0)) < 0.75
-    rest = coverage.hull_patches(Mesh(hull.mesh.vertices, hull.mesh.faces[~gap]))
+    rest = hull_patches.hull_patches(Mesh(hull.mesh.vertices, hull.mesh.faces[~gap]))
     torn = np.isin(np.arange(len(hull.mesh.vertices)), rest.mesh.faces)
     rows = np.flatnonzero(torn)
     number = np.full(len(torn), -1)
     number[rows] = np.arange(len(rows))
-    rest = coverage.hull_patches(
+    rest = hull_patches.hull_patches(
         Mesh(hull.mesh.vertices[rows], number[rest.mesh.faces].astype(np.int32))
     )
-    (hole,) = coverage.find_holes(rest, np.ones(len(rows), bool), scenery.chart, _address)
+    (hole,) = coverage_holes.find_holes(rest, np.ones(len(rows), bool), scenery.chart, _address)
     assert hole["area_m2"] == pytest.approx(1.5**2, rel=0.3)
     assert hole["address"] == "x 2.0"
 
 
 def test_patches_wider_than_a_cell_leave_no_holes_between_them(wall, scenery) -> None:
-    coarse = coverage.hull_patches(refine(wall, 0.12)[0])
+    coarse = hull_patches.hull_patches(refine(wall, 0.12)[0])
     seen = np.abs(coarse.mesh.vertices[:, 0] - 2) < 1.2
-    assert coverage.find_holes(coarse, seen, scenery.chart, _address) == []
+    assert coverage_holes.find_holes(coarse, seen, scenery.chart, _address) == []
 
 
 @pytest.fixture
@@ -266,8 +268,8 @@ def _track(along_sigma: tuple[float, float]) -> VehicleTrack:
 
 
 def test_a_hole_is_known_as_well_as_the_path_beside_it(base: BaseSurface) -> None:
-    hole = coverage.locate_hole(np.array([2.8, 2.0, 1.0]), base, _track((9.0, 0.3)))
-    cell = coverage.CELL_M / 12**0.5
+    hole = coverage_holes.locate_hole(np.array([2.8, 2.0, 1.0]), base, _track((9.0, 0.3)))
+    cell = coverage_holes.CELL_M / 12**0.5
     assert (hole["along"], hole["girth"], hole["side"], hole["frame"], hole["depth"]) == (
         2.8,
         1.0,
@@ -289,11 +291,11 @@ def test_hole_keeps_to_schema_and_has_position_sigma(base: BaseSurface, hull, sc
         & (np.maximum(np.abs(x - 2.5), np.abs(z - 1.0)) > 0.25)
     )
     holes = [
-        coverage.find_holes(
+        coverage_holes.find_holes(
             hull,
             seen,
             scenery.chart,
-            lambda center, on=on: coverage.locate_hole(center, on, _track((0.3, 0.3))),
+            lambda center, on=on: coverage_holes.locate_hole(center, on, _track((0.3, 0.3))),
         )
         for on in (base, replace(base, depth_known=False))
     ]

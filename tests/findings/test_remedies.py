@@ -154,18 +154,18 @@ FOLLOWED = {
     "test_a_place_of_which_tf_static_says_two_has_to_be_given",
     "dive/config/mounts.py::_refuse_parted_tray": "dive/config/test_mounts.py::"
     "test_camera_on_servo_beside_fixed_dvl_is_refused",
-    "dive/hull/load.py::_load_mesh": "dive/hull/test_hull.py::"
-    "test_unread_mesh_format_is_refused_with_the_formats_read",
-    "dive/hull/load.py::_parse_mesh": "dive/hull/test_hull.py::"
-    "test_a_file_that_is_cut_off_is_read_once_it_is_whole",
-    "dive/hull/load.py::_refuse_other_kind": "dive/hull/test_hull.py::"
-    "test_a_binary_stl_that_is_cut_off_is_named",
     "dive/hull/load.py::_check_extent": "dive/hull/test_hull.py::"
     "test_cad_model_in_wrong_units_is_refused_with_likely_ones",
     "dive/hull/load.py::_refuse_stray": "dive/hull/test_hull.py::"
     "test_a_body_far_from_the_ship_is_refused",
     "dive/hull/load.py::_check_step": "dive/hull/test_precision.py::"
     "test_what_the_refusal_asks_for_is_read",
+    "dive/hull/mesh_files.py::load_mesh": "dive/hull/test_hull.py::"
+    "test_unread_mesh_format_is_refused_with_the_formats_read",
+    "dive/hull/mesh_files.py::_parse_mesh": "dive/hull/test_hull.py::"
+    "test_a_file_that_is_cut_off_is_read_once_it_is_whole",
+    "dive/hull/mesh_files.py::_refuse_other_kind": "dive/hull/test_hull.py::"
+    "test_a_binary_stl_that_is_cut_off_is_named",
     "dive/images/logged_calibrations.py::check_constant": "dive/images/"
     "test_logged_calibrations.py::test_a_calibration_that_changes_within_the_log_is_refused",
     "dive/images/logged_calibrations.py::_build_camera": "dive/images/test_logged_calibrations.py::"
@@ -288,6 +288,10 @@ FOLLOWED = {
     "test_pairs_that_are_wrong_for_a_part_of_the_dive_are_told_from_a_wrong_rig",
     "vision/stereo/rig_causes.py::_name_cause": "vision/stereo/test_pose_conventions.py::"
     "test_pose_of_another_convention_is_read_as_meant",
+    "vision/stereo/rig_causes.py::_miswritten_calibration": "vision/stereo/test_rig_check.py::"
+    "test_exchanged_calibrations_are_named_and_exchanging_them_heals",
+    "vision/stereo/rig_causes.py::_fitted_cause": "vision/stereo/test_rig_check.py::"
+    "test_pictures_that_stand_on_their_head_are_no_wrong_pose",
 }
 
 

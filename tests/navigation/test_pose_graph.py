@@ -30,9 +30,9 @@ from hullrecon.navigation.pose_graph.graph import (
     GraphErrors,
     GraphSolution,
     PoseGraph,
-    link_table,
     linked_parts,
 )
+from hullrecon.navigation.pose_graph.link_table import link_table
 from hullrecon.navigation.pose_graph.start import path_along_links
 from hullrecon.records.links import CameraLinks
 from hullrecon.studies.scenes.ellipsoid_dive import reckoned

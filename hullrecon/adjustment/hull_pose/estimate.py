@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from hullrecon.adjustment.hull_pose import cad_error, profile_likelihood, registration
+from hullrecon.adjustment.hull_pose import cad_error, pose_cost, profile_likelihood, registration
 from hullrecon.adjustment.hull_pose.cad_error import CadError
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
 from hullrecon.adjustment.problem.assembly import Selection
@@ -87,7 +87,7 @@ class HullPoseEvidence:
                 middle = pose.inverse().apply(at).mean(axis=0)
                 value, vector = np.linalg.eigh(to_hull @ covariance @ to_hull.T)
                 # Points that move act as a hull that moves the other way: a covariance has no sign
-                by_step = registration.signed_distances(at, pose, middle, self.cad_model.mesh)[1]
+                by_step = pose_cost.signed_distances(at, pose, middle, self.cad_model.mesh)[1]
                 out[own, k] = by_step @ (vector * np.sqrt(np.maximum(value, 0)))
         return np.asarray(out.reshape(len(self.points), -1))
 
@@ -326,7 +326,7 @@ def _outliers(evidence: HullPoseEvidence, pose: Poses, factor: CholeskyFactor) -
 
     factor: Cholesky factor of the distances' covariance.
     """
-    distance, _ = registration.signed_distances(
+    distance, _ = pose_cost.signed_distances(
         evidence.points, pose, evidence.center, evidence.cad_model.mesh
     )
     return cad_error.find_outliers(factor, distance)
@@ -416,7 +416,7 @@ def field_as_motion(evidence: HullPoseEvidence, pose: Poses, grid: DeviationGrid
     Array
         (6, size).
     """
-    by_motion = registration.signed_distances(
+    by_motion = pose_cost.signed_distances(
         evidence.points, pose, evidence.center, evidence.cad_model.mesh
     )[1]
     at = cad_error.chart_coordinates(evidence.cad_model, pose.inverse().apply(evidence.points))
@@ -433,7 +433,7 @@ def _range_scale_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
     covariance is that of the step by which the fit moves where all ranges grow by one sigma.
     """
     valley = _valley(evidence, pose, evidence.cad_model.chart.ship_axes[0])
-    _, jacobian = registration.signed_distances(
+    _, jacobian = pose_cost.signed_distances(
         evidence.points, pose, evidence.center, evidence.cad_model.mesh
     )
     # How distances change as the points move: as if the hull moved the other way
@@ -451,7 +451,7 @@ def _contradiction_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
     if not evidence.cad_model.contradicted:
         return np.zeros((6, 6))
     # The step is in M's axes. A covariance has its translation in g
-    step = registration.prior_step(pose, evidence.cad_model, evidence.center)
+    step = pose_cost.prior_step(pose, evidence.cad_model, evidence.center)
     apart = np.r_[evidence.cad_model.guess.rotation.as_matrix()[0] @ step[:3], step[3:]]
     return np.outer(apart, apart)
 
@@ -476,7 +476,7 @@ def _valley(evidence: HullPoseEvidence, pose: Poses, direction: Array) -> profil
 
     pose: at which the covariance of the distances is computed.
     """
-    cost = registration.HullPoseCost(
+    cost = pose_cost.HullPoseCost(
         points=evidence.points,
         cad_model=evidence.cad_model,
         center=evidence.center,

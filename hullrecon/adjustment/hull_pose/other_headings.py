@@ -14,12 +14,12 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.adjustment.hull_pose.pose_cost import prior_step
 from hullrecon.adjustment.hull_pose.registration import (
     GOOD_FITNESS,
     GUESS_SIGMAS,
     Registration,
     few_points,
-    prior_step,
     register_near,
 )
 from hullrecon.adjustment.problem.measurements import CadModel
@@ -39,9 +39,9 @@ def stated_model(found: Registration) -> CadModel:
 
 
 def turn_from_guess(found: Registration) -> float | None:
-    """Compute by which heading, rad, the hull is turned from the guess.
+    """Compute the turn about g's z axis, rad, from the guess to the registered pose of the hull.
 
-    None where the guess is not contradicted, or not in its heading alone.
+    Positive to starboard. None where the guess is not contradicted, or not in its heading alone.
     """
     return None if found.sigmas_off <= GUESS_SIGMAS else _turn_from(stated_model(found), found)
 
@@ -62,7 +62,7 @@ def height_below_guess(found: Registration) -> float | None:
 
 
 def _turn_from(cad_model: CadModel, found: Registration) -> float | None:
-    """Compute the turn about the vertical from a guess to a registered pose, rad.
+    """Compute the turn about g's z axis, rad, from a guess to a registered pose.
 
     The turn may be about the first pose of the path, as with a wrong IMU, or about the survey, as
     with a wrong guess. None where with neither the turned guess agrees with the registered pose to

@@ -13,13 +13,13 @@ from dataclasses import replace
 import numpy as np
 
 from hullrecon.adjustment.hull_pose.other_headings import stated_model
+from hullrecon.adjustment.hull_pose.pose_cost import prior_step
 from hullrecon.adjustment.hull_pose.registration import (
     GOOD_FITNESS,
     GUESS_SIGMAS,
     Registration,
     few_points,
     fits_far_better,
-    prior_step,
     register_near,
     rms_m,
 )

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.adjustment.hull_pose.registration import HullPoseCost, perturb_pose
+from hullrecon.adjustment.hull_pose.pose_cost import HullPoseCost, perturb_pose
 from hullrecon.geometry.pose_solver import minimise_over_pose
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array

@@ -17,7 +17,7 @@ from itertools import product
 import numpy as np
 
 from hullrecon import native
-from hullrecon.adjustment.hull_pose import registration
+from hullrecon.adjustment.hull_pose import pose_cost, registration
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry import poses
 from hullrecon.geometry.meshes.mesh import Mesh
@@ -274,7 +274,7 @@ def _search(points: Array, beams: Array, cad_model: CadModel, center: Array) -> 
     costs: list[tuple[float, int, Poses]] = []
     for along, across in product(_grid(sigma[0]), _grid(sigma[1])):
         step = np.r_[rotate @ (np.array([along, across]) @ level), 0.0, 0.0, 0.0]
-        pose = registration.perturb_pose(cad_model.guess, center, step)
+        pose = pose_cost.perturb_pose(cad_model.guess, center, step)
         distance = np.abs(cad_model.mesh.index.closest(pose.inverse().apply(points)).distance)
         distance = np.where(
             _from_within(points, beams, pose, cad_model.mesh),

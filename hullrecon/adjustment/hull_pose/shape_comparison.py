@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtri  # not scipy.stats, which takes a quarter of a second to load
 
-from hullrecon.adjustment.hull_pose import cad_error, registration
+from hullrecon.adjustment.hull_pose import cad_error, pose_cost
 from hullrecon.adjustment.hull_pose.estimate import HullPoseEvidence
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry.poses import Poses
@@ -112,7 +112,7 @@ def compare_shape(evidence: HullPoseEvidence, pose: Poses) -> ShapeComparison:
         global_from_hull, fitted to the points.
     """
     cad_model, expected = evidence.cad_model, evidence.cad_error_model
-    distance, jacobian = registration.signed_distances(
+    distance, jacobian = pose_cost.signed_distances(
         evidence.points, pose, evidence.center, cad_model.mesh
     )
     at = pose.inverse().apply(evidence.points)
@@ -176,7 +176,7 @@ def _distances_by_open_directions(jacobian: Array, cad_model: CadModel, noise: f
     noise
         Variance of the distances, m2.
     """
-    return _beyond_noise(jacobian @ np.linalg.inv(registration.prior_rows(cad_model)), noise)
+    return _beyond_noise(jacobian @ np.linalg.inv(pose_cost.prior_rows(cad_model)), noise)
 
 
 def _beyond_noise(by_sigma: Array, noise: float) -> Array:

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.sparse import coo_array
 
 from hullrecon import native
-from hullrecon.adjustment.hull_pose.registration import frame_at
+from hullrecon.adjustment.hull_pose.pose_cost import frame_at
 from hullrecon.adjustment.problem.deviation_field import as_rows, prior_rows
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.observations import (

@@ -152,6 +152,7 @@ def _moved(m: Measurements, tracks: Tracks) -> Tracks:
 
 
 def _moved_pixels(m: Measurements, camera: Camera, pixels: Array) -> Array:
+    """Move raw pixels (n, 2) of a camera by its lens displacements."""
     model = m.rig.camera_models.get(camera)
     if model is not None:
         for found in m.lens_steps:

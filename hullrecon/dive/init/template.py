@@ -10,7 +10,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from hullrecon.dive.hull.load import FORMATS
+from hullrecon.dive.hull.mesh_files import FORMATS
 from hullrecon.dive.init.log_summary import LogSummary, guess_topics
 from hullrecon.dive.init.proposals import (
     azimuths_to_ask_for,

@@ -28,6 +28,7 @@ from hullrecon.estimation.plane_tables import with_planes
 from hullrecon.estimation.position_tables import PositionFit, fit_of_positions, with_positions
 from hullrecon.geometry.poses import Poses, pose_from_vector, pose_vector
 from hullrecon.geometry.rotations import cross_matrix
+from hullrecon.navigation.pose_graph.link_table import link_table, shared_noise
 from hullrecon.navigation.pose_graph.start import path_along_links
 from hullrecon.records.iterations import reached_cost
 from hullrecon.records.links import CameraLinks, LinkedPath
@@ -39,8 +40,6 @@ from hullrecon.typing import Array, Ints, Mask
 # chi-square of a link over its rows; beyond, dynamic covariance scaling has all but dropped it
 REJECTED_CHI2 = 5.0
 MAX_REJECTED_SHARE = 0.03  # of the links; if more are rejected, the path itself may be wrong
-# links of a node that count as independent; with more, they share the noise of its features
-SHARED_IMAGES = 2.0
 MOUNTS = ("T_s_d", "T_s_ct", "T_ct_cb")
 KERNELS = {
     "scaling": native.LinkKernel.SCALING,
@@ -245,7 +244,7 @@ class GraphSolution:
         kept = ~self.rejected
         ends = np.concatenate([self.links.first[kept], self.links.second[kept]])
         degree = 1 + np.bincount(ends, minlength=len(bottom))  # with the new link
-        own = information / _shared_noise(degree, first, second)[:, None, None]
+        own = information / shared_noise(degree, first, second)[:, None, None]
         held = GraphErrors(problem=self.problem.hold(*MOUNTS), bottom=bottom)
         known = held.relative_covariance(first, second)
         return np.asarray(0.5 * np.linalg.slogdet(np.eye(6) + own @ known)[1])
@@ -350,7 +349,7 @@ class GraphErrors:
         (n, 4, 4) of the camera on the tray.
         """
         pose = self.problem.unknowns.pose
-        vehicle = Poses(pose[:, 3:7], pose[:, :3]).rotation.as_matrix()
+        vehicle = _vehicle(pose).rotation.as_matrix()
         cos, sin, zero, one = (
             np.cos(pose[:, 7]),
             np.sin(pose[:, 7]),
@@ -389,72 +388,6 @@ def _unlinked_motions(odometry: Odometry, links: CameraLinks) -> Odometry:
     nodes = 1 + max(int(odometry.second.max(initial=0)), int(links.second.max(initial=0)))
     linked = np.isin(odometry.first * nodes + odometry.second, links.first * nodes + links.second)
     return odometry.take(~(odometry.from_images & linked))
-
-
-def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> native.LinkTable:
-    """Make the native table of link factors.
-
-    Links of one node share the noise of its features. So the more links a node has, the less each
-    weighs (`_shared_noise`).
-
-    Rejected links are not left out: the kernel reduces their weight.
-
-    Parameters
-    ----------
-    links
-        Relative poses.
-    nodes
-        Number of nodes.
-    kernel
-        Robust kernel of all links.
-    """
-    degree = np.bincount(np.concatenate([links.first, links.second]), minlength=nodes)
-    shared = _shared_noise(degree, links.first, links.second)
-    # in the native table, `first` is the camera in whose axes the motion is given
-    return native.LinkTable(
-        first=links.second.astype(np.int32),
-        second=links.first.astype(np.int32),
-        camera_first=links.bottom[:, 1].astype(np.int32),
-        camera_second=links.bottom[:, 0].astype(np.int32),
-        measured=Poses(links.quaternion, links.translation).vectors(),
-        sqrt_information=_square_root_information(links) / np.sqrt(shared)[:, None, None],
-        scaled=links.scaled,
-        kernel=np.full(len(links), int(kernel), np.int32),
-    )
-
-
-def _shared_noise(degree: Ints, first: Ints, second: Ints) -> Array:
-    """Compute the factor (m,) by which the variance of links is inflated, 1 or more.
-
-    Links of one node all hold the noise of its features, but are taken as independent. From
-    SHARED_IMAGES links on, the factor keeps them from seeming better than these features are.
-
-    degree (n,): links of each node. first, second (m,): nodes of the links.
-    """
-    return np.asarray(np.maximum(0.5 * (degree[first] + degree[second]) / SHARED_IMAGES, 1.0))
-
-
-def _square_root_information(links: CameraLinks) -> Array:
-    """Compute the square root of the links' information (m, 6, 6), from the Cholesky factor.
-
-    Multiplied by it residuals are in sigmas. A link without a length measures five numbers, two of
-    the direction and three of the rotation. Their square root is in the leading block (5, 5).
-    """
-    covariance = links.covariance.copy()
-    free = np.flatnonzero(~links.scaled)
-    out = np.zeros_like(covariance)
-    full = np.flatnonzero(links.scaled)
-    out[full] = np.linalg.inv(np.linalg.cholesky(covariance[full]))
-    length = np.linalg.norm(links.translation[free], axis=1)
-    # derivative of the five by translation and rotation: two directions across the translation
-    to_five = np.zeros((len(free), 5, 6))
-    to_five[:, :2, :3] = (
-        native.bearing_basis(links.translation[free]).swapaxes(1, 2) / length[:, None, None]
-    )
-    to_five[:, 2:, 3:] = np.eye(3)
-    five = to_five @ covariance[free] @ to_five.swapaxes(1, 2)
-    out[free, :5, :5] = np.linalg.inv(np.linalg.cholesky(five))
-    return out
 
 
 def _vehicle(pose: Array) -> Poses:

@@ -210,7 +210,7 @@ _SINGLE = Chapter(
             code=(
                 "native/factors/link_residuals.h:BearingLink",
                 "native/factors/mixture.h:ScalingLoss",
-                "hullrecon/navigation/pose_graph/graph.py:link_table",
+                "hullrecon/navigation/pose_graph/link_table.py:link_table",
             ),
             tests=(
                 "tests/native/test_links.py::test_noisy_links_restore_the_path_despite_wrong_ones",

@@ -186,13 +186,7 @@ def structure_heights(
         axis.scatter(k + spread, np.sort(values), s=7, color=colour(name), alpha=0.8, linewidths=0)
         if len(values):
             axis.hlines(np.median(values), k - 0.38, k + 0.38, color=INK, linewidth=1.6)
-            axis.annotate(
-                f"{np.median(values):.3f} m",
-                (k, 0.02),
-                xycoords=("data", "axes fraction"),
-                fontsize=8,
-                ha="center",
-            )
+            _write_height(axis, k, f"{np.median(values):.3f} m")
         table += [f"{name},{value:.5f}," for value in values.tolist()]
     ticks, delivery = (
         [name.replace(" ", "\n", 1).replace("weighted ", "weighted\n") for name in heights],
@@ -201,13 +195,7 @@ def structure_heights(
     if delivered is not None:
         at, height, sigma = len(heights), delivered.height_m, delivered.sigma_m
         axis.errorbar(at, height, sigma, fmt="D", color=GREEN, capsize=4, markersize=6)
-        axis.annotate(
-            f"{height:.3f} ± {sigma:.3f} m",
-            (at, 0.02),
-            xycoords=("data", "axes fraction"),
-            fontsize=8,
-            ha="center",
-        )
+        _write_height(axis, at, f"{height:.3f} ± {sigma:.3f} m")
         ticks.append("delivered\n(objects.json)")
         table.append(f"delivered,{height:.5f},{sigma:.5f}")
         delivery = (
@@ -245,6 +233,11 @@ def structure_heights(
             ),
         ),
     )
+
+
+def _write_height(axis: Axes, at: int, text: str) -> None:
+    """Write a height below its column, the number `at`, at the foot of the plot."""
+    axis.annotate(text, (at, 0.02), xycoords=("data", "axes fraction"), fontsize=8, ha="center")
 
 
 def _draw_overview(axis: Axes, overview: WholeSection) -> None:

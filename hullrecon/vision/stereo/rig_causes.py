@@ -21,6 +21,7 @@ from hullrecon.vision.stereo.image_matcher import (
     fit_pose,
 )
 from hullrecon.vision.stereo.lens_hypotheses import (
+    LensFit,
     best_lenses,
     epipolar_error_px,
     in_other_order,
@@ -215,9 +216,38 @@ def _name_cause(
             what=f"{what}; they fit {words}", remedy=", or ".join(one.remedy for one in conventions)
         )
     lenses = best_lenses(matcher.lenses, matcher.given, *seen)
-    best_px = min(lenses[0].error_px, fitted_px if found is not None else np.inf)
-    # Exchanged calibrations, and coefficients in another order, have no number to fit, so that they
-    # are believed before a fitted cause.
+    best_px = _best_px(lenses, found, fitted_px)
+    miswritten = _miswritten_calibration(matcher, seen, what, error_px, best_px)
+    if miswritten is not None:
+        return miswritten
+    if best_px > MAX_ERROR_PX:
+        return RigProblem(
+            what=f"{what}, and neither one pose, one delay of the bottom camera nor one lens fits "
+            "them: do its stamps drift, or were images paired wrongly from some time on?",
+            remedy="",
+        )
+    return _fitted_cause(matcher, found, lenses, what, fitted_px)
+
+
+def _miswritten_calibration(
+    matcher: ImageMatcher, seen: tuple[Array, Array], what: str, error_px: float, best_px: float
+) -> RigProblem | None:
+    """Name calibrations that were exchanged, or whose coefficients are in another order.
+
+    These have no number to fit, so that they are believed before a fitted cause. None where neither
+    explains the images.
+
+    Parameters
+    ----------
+    matcher
+        Has the rig as calibrated.
+    seen
+        Raw pixels (n, 2) of the matches in both images.
+    what
+        The contradiction in words.
+    error_px, best_px
+        Median epipolar error as calibrated, and with the best fitted cause.
+    """
     exchanged_px = epipolar_error_px(matcher.lenses[::-1], essential_of(matcher.given), seen)
     if exchanged_px <= min(MAX_ERROR_PX, AS_GOOD * best_px):
         return RigProblem(
@@ -232,12 +262,31 @@ def _name_cause(
             "k2, k3, p1, p2",
             remedy="write distortion_coefficients of both cameras as k1, k2, p1, p2, k3",
         )
-    if best_px > MAX_ERROR_PX:
-        return RigProblem(
-            what=f"{what}, and neither one pose, one delay of the bottom camera nor one lens fits "
-            "them: do its stamps drift, or were images paired wrongly from some time on?",
-            remedy="",
-        )
+    return None
+
+
+def _fitted_cause(
+    matcher: ImageMatcher,
+    found: Array | None,
+    lenses: Sequence[LensFit],
+    what: str,
+    fitted_px: float,
+) -> RigProblem:
+    """Name the turn of the bottom camera or the wrong lenses that explain the images best.
+
+    Parameters
+    ----------
+    matcher
+        Has the rig as calibrated.
+    found, fitted_px
+        Fitted bottom_from_top (4, 4), None where no single pose fits all pairs, and the median
+        epipolar error with it.
+    lenses
+        Changed lenses, the best ones first.
+    what
+        The contradiction in words.
+    """
+    best_px = _best_px(lenses, found, fitted_px)
     causes = []
     if found is not None and fitted_px <= AS_GOOD * best_px:
         turn_deg = np.degrees(_turn_rad(matcher.given, found))
@@ -253,6 +302,11 @@ def _name_cause(
         if lens.error_px <= AS_GOOD * best_px
     ]
     return RigProblem(what=f"{what}, {', or as well '.join(causes)}", remedy=CALIBRATE)
+
+
+def _best_px(lenses: Sequence[LensFit], found: Array | None, fitted_px: float) -> float:
+    """Compute the epipolar error with the fitted cause that explains most, px."""
+    return min(lenses[0].error_px, fitted_px if found is not None else np.inf)
 
 
 def _turn_rad(given: Array, found: Array) -> float:

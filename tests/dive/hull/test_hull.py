@@ -11,13 +11,8 @@ import trimesh
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hullrecon.dive.hull.load import (
-    GLB_HEAD,
-    clean_mesh,
-    find_degenerate,
-    merge_corners,
-    read_hull,
-)
+from hullrecon.dive.hull.load import clean_mesh, find_degenerate, merge_corners, read_hull
+from hullrecon.dive.hull.mesh_files import GLB_HEAD
 from hullrecon.dive.hull.mirrors import find_boundary, find_possible_cuts, reflect_mesh
 from hullrecon.dive.hull.orientation import orient_outward
 from hullrecon.errors import HullreconError, InputError

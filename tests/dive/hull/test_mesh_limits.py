@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from hullrecon.dive.hull import load
-from hullrecon.dive.hull.load import MOST_GROUPS, prepare, read_hull
+from hullrecon.dive.hull import mesh_files
+from hullrecon.dive.hull.load import read_hull
+from hullrecon.dive.hull.mesh_files import MOST_GROUPS, prepare
 from hullrecon.dive.hull.orientation import orient_outward
 from hullrecon.errors import InputError
 from hullrecon.geometry.meshes.mesh import Mesh
@@ -97,7 +98,7 @@ def test_damaged_gzip_mesh_is_an_input_error(tmp_path):
 
 
 def test_a_gzip_bomb_is_refused_before_it_is_kept(tmp_path, monkeypatch):
-    monkeypatch.setattr(load, "FREE_BYTES", 1 << 20)
+    monkeypatch.setattr(mesh_files, "FREE_BYTES", 1 << 20)
     assert "unpacks to more than 1 MiB" in refusal(
         tmp_path / "h.stl.gz", gzip.compress(bytes(3 << 20))
     )
@@ -169,7 +170,7 @@ def test_a_sound_file_is_parsed_as_it_is(kind):
 
 def test_a_short_glb_is_refused():
     with pytest.raises(ValueError, match="header"):
-        load.prepare(b"glTF", "glb")
+        prepare(b"glTF", "glb")
 
 
 def test_thousands_of_separate_faces_are_oriented_in_one_search():

@@ -156,7 +156,8 @@ class PlainLog:
     def _other_tables(self) -> list[str]:
         """List the files of the folder that may be tables and are not read.
 
-        They have another name, or that of a sensor and are packed or of another program.
+        These are CSVs of any other name, and files with the name of a sensor that are packed or of
+        another form than CSV.
         """
         read = self.tables()
         return sorted(
