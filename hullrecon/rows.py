@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import fields, replace
 from mmap import mmap
 from typing import Any, ClassVar, Self, TypeVar
@@ -43,6 +44,11 @@ class Rows:
         return [name for name in names if name not in self.SHARED]
 
 
+def blocks_of_rows(count: int, at_once: int) -> Iterator[slice]:
+    """Yield the rows of a table of `count` rows, `at_once` at a time, to limit memory."""
+    return (slice(first, first + at_once) for first in range(0, count, at_once))
+
+
 def spread_rows(count: int, most: int) -> Ints:
     """Choose at most `most` of `count` rows, spread evenly from the first to the last one."""
     return np.unique(np.linspace(0, count - 1, most).astype(np.int64))[:count]
@@ -68,8 +74,7 @@ def _take_large(column: NDArray[Number], rows: Mask) -> NDArray[Number]:
     """
     out = empty_array((int(rows.sum()), *column.shape[1:]), column.dtype)
     filled = 0
-    for first in range(0, len(rows), BLOCK):
-        some = slice(first, first + BLOCK)
+    for some in blocks_of_rows(len(rows), BLOCK):
         kept = column[some][rows[some]]
         out[filled : filled + len(kept)] = kept
         filled += len(kept)

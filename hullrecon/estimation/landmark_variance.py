@@ -14,6 +14,7 @@ import numpy as np
 from hullrecon.geometry.neighbours import Nearest
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.records.solution import HullPose
+from hullrecon.rows import blocks_of_rows
 from hullrecon.typing import Array
 
 NEIGHBOURS = 32  # of a landmark, with whose variances its own is compared
@@ -84,8 +85,7 @@ def shared_variance(position: Array, normal: Array, covariance: Array) -> Array:
     if not len(position):
         return np.zeros(0)
     near, best = Nearest(position), np.empty(len(position))
-    for start in range(0, len(position), AT_ONCE):
-        rows = slice(start, start + AT_ONCE)
+    for rows in blocks_of_rows(len(position), AT_ONCE):
         _, row = near(position[rows], min(NEIGHBOURS, len(position)))
         least = np.full((2, len(row)), np.inf)
         for neighbour in row.T:
@@ -108,8 +108,7 @@ def _pose_covariance(
     found = np.zeros_like(covariance)
     if hull_pose is None:
         return found
-    for start in range(0, len(position), AT_ONCE):
-        rows = slice(start, start + AT_ONCE)
+    for rows in blocks_of_rows(len(position), AT_ONCE):
         motion = _motion_by_pose(position[rows], hull_pose)
         found[rows] = motion @ hull_pose.covariance @ motion.transpose(0, 2, 1)
         whole = along_normals(normal[rows], covariance[rows])

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.charts.chart import Chart
-from hullrecon.geometry.meshes.mesh import Mesh, blocks_of_faces
+from hullrecon.geometry.meshes.mesh import FACES_AT_ONCE, Mesh
 from hullrecon.native import least_tangents
+from hullrecon.rows import blocks_of_rows
 from hullrecon.typing import Array, Floats32, Ints, Ints32, Mask
 
 # Side of a cell of the chart. The outermost point of the surface in each is kept. With cells of
@@ -67,7 +68,7 @@ def _meet(charted: Array, faces: Ints32, limits: Array) -> Mask:
     Bounding boxes of the faces on the chart are tested: some are marked that only pass near.
     """
     out = np.zeros(len(faces), bool)
-    for rows in blocks_of_faces(len(faces)):
+    for rows in blocks_of_rows(len(faces), FACES_AT_ONCE):
         corner = charted[faces[rows]]
         # A corner off the chart is taken to lie at its neighbour
         corner = np.where(np.isfinite(corner), corner, np.roll(corner, 1, axis=1))
@@ -82,7 +83,7 @@ def _points_between(vertices: Array, faces: Ints32) -> Array:
     Otherwise cells inside a large face would have no point, and nothing would seem to occlude.
     """
     parts = np.zeros(len(faces), np.int64)
-    for rows in blocks_of_faces(len(faces)):
+    for rows in blocks_of_rows(len(faces), FACES_AT_ONCE):
         corner = vertices[faces[rows]]
         edge = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max(axis=1, initial=0)
         parts[rows] = np.ceil(edge / CELL_M)

@@ -16,6 +16,7 @@ import numpy as np
 
 from hullrecon.records.links import CameraLinks, LinkedPath, NodePairs, NodeStereo
 from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel, VehiclePath
+from hullrecon.rows import blocks_of_rows
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.appearance.recognition import (
     Recognition,
@@ -300,8 +301,7 @@ class _Rounds(Generic[Solved]):
             return probability, gain
         bottom, options = self.scene.bottom, self.scene.worker.options
         expected = compared.expected_links(bottom, options.min_inliers)
-        for start in range(0, len(gain), COVARIANCE_BLOCK):
-            rows = slice(start, start + COVARIANCE_BLOCK)
+        for rows in blocks_of_rows(len(gain), COVARIANCE_BLOCK):
             first, second = revisits.proposal.first[rows], revisits.proposal.second[rows]
             common = expected.common(first, second, revisits.expected_overlap[rows])
             first_pose, second_pose = (track.global_from_camera[nodes] for nodes in (first, second))

@@ -92,7 +92,7 @@ def _two_peaks(found, saddle_m: float):
 def test_neighbours_with_a_low_bridge_between_them_are_two(found) -> None:
     regions = find_regions(_two_peaks(found, saddle_m=0.03), OPTIONS)
     assert [r.height for r in regions] == pytest.approx([0.10, 0.08], abs=0.005)
-    assert not set(regions[0].foot) & set(regions[1].foot)
+    assert not set(regions[0].footprint) & set(regions[1].footprint)
 
 
 def test_peaks_with_a_high_saddle_between_them_are_one(found) -> None:

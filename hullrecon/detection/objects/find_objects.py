@@ -10,12 +10,7 @@ import numpy as np
 
 from hullrecon.detection.as_found.hull_as_found import HullAsFound
 from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
-from hullrecon.detection.base_surface import (
-    MIDDLE_SHARE,
-    BaseSurface,
-    hull_position,
-    rounded,
-)
+from hullrecon.detection.base_surface import MIDDLE_SHARE, BaseSurface, hull_position, rounded
 from hullrecon.detection.objects.footprint import (
     find_open_edge,
     hidden_extent,
@@ -181,7 +176,7 @@ def _unreported(
     covariances = landmarks.covariances(found, region)
     if not len(covariances):
         covariances = landmarks.nearest_covariance(center)
-    middle_sigma = MIDDLE_SHARE * float(np.sqrt(area[region.foot].sum()))
+    middle_sigma = MIDDLE_SHARE * float(np.sqrt(area[region.footprint].sum()))
     position = hull_position(
         center, found.normal[evidence.center], covariances, evidence.sigma, middle_sigma, base
     )
@@ -268,7 +263,10 @@ def _rejection_reason(
 
 
 def _too_low(height: float, facets: float) -> str:
-    """Say how high a region is that is too low for an object, and what facets may explain of it."""
+    """Say how high a region is that is too low for an object, and what facets may explain of it.
+
+    height, facets: m.
+    """
     said = f"only {abs(height):.3f} m off the hull around it"
     if facets < 0.0005:
         return said
@@ -361,7 +359,7 @@ def _object(
     area: of the vertices of the base (n,) m2. around: index of these vertices.
     """
     region = evidence.region
-    foot, core = region.foot, region.core
+    footprint, core = region.footprint, region.core
     normal = np.average(found.normal[core], axis=0, weights=np.maximum(area[core], 1e-12))
     normal /= np.linalg.norm(normal)
     # The deviation of the top is a quantile, so that no single vertex decides it
@@ -397,7 +395,7 @@ def _object(
         views=len(evidence.seen),
         p_value=float(f"{evidence.chance:.3g}"),
         images=tuple(views.name[view] for view in evidence.seen[:IMAGES]),
-        outline=tuple(rounded(point) for point in outline(found.mesh, foot)),
+        outline=tuple(rounded(point) for point in outline(found.mesh, footprint)),
         **position.members(base),
     )
 

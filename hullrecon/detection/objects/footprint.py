@@ -53,23 +53,25 @@ def find_open_edge(found: HullAsFound, region: Region, area: Array, around: Arou
     around
         Search tree of these vertices.
     """
-    at, foot = found.base.vertices, region.foot
-    reach = max(BAND_M, float(np.linalg.norm(at[foot] - at[foot].mean(axis=0), axis=1).max()))
-    near = np.setdiff1d(around.ball(at[foot], reach), foot)
+    at, footprint = found.base.vertices, region.footprint
+    reach = max(
+        BAND_M, float(np.linalg.norm(at[footprint] - at[footprint].mean(axis=0), axis=1).max())
+    )
+    near = np.setdiff1d(around.ball(at[footprint], reach), footprint)
     unmeasured = ~found.measured[near]
     # Unmeasured vertices in a band around the footprint
-    band = nearest(at[foot], at[near], 1)[0][:, 0] <= BAND_M
+    band = nearest(at[footprint], at[near], 1)[0][:, 0] <= BAND_M
     gap = near[band & unmeasured]
     if not len(gap):
         return OpenEdge(share=0.0, beyond=np.zeros(0, np.int64), height=0.0)
     # Unmeasured vertices within reach of the gap, and the height of the footprint next to it
     hidden = near[unmeasured]
-    beside = is_near(at[gap], at[foot], BAND_M)
+    beside = is_near(at[gap], at[footprint], BAND_M)
     return OpenEdge(
         share=float(area[gap].sum() / area[near[band]].sum()),
         beyond=hidden[is_near(at[gap], at[hidden], reach)],
         # the rise is positive on the region's side, the height outward
-        height=region.side * float(np.mean(region.rise(found, foot[beside]))),
+        height=region.side * float(np.mean(region.rise(found, footprint[beside]))),
     )
 
 
@@ -113,8 +115,8 @@ def measure_size(
     chart
         Gives the direction along the hull.
     """
-    foot, at = region.foot, found.base.vertices[region.foot]
-    extent, size = _extent(at, at, normal, chart), float(area[foot].sum())
+    footprint, at = region.footprint, found.base.vertices[region.footprint]
+    extent, size = _extent(at, at, normal, chart), float(area[footprint].sum())
     longer, hidden = (
         hidden_extent(found, region, open_edge, normal, chart),
         UNIFORM * float(area[open_edge.beyond].sum()),
@@ -122,7 +124,7 @@ def measure_size(
     edge = float(np.sqrt(2) * EDGE_SIGMA_M)  # of two opposite edges, each on its own
     # Sigma of the area: that of the edge's position times the circumference of a disc of this area
     edge_area = SHARED_EDGE * 2 * float(np.sqrt(np.pi * size)) * EDGE_SIGMA_M
-    volume = region.side * float((region.rise(found, foot) * area[foot]).sum())
+    volume = region.side * float((region.rise(found, footprint) * area[footprint]).sum())
     # By the height, by the edge (where the structure has about 0.6 of its height), and by what is
     # hidden
     volume_sigma = np.linalg.norm(
@@ -146,8 +148,8 @@ def hidden_extent(
     What is added to the extent is taken as uniform between nothing and all of that part. normal,
     chart: as for `measure_size`.
     """
-    vertices, foot = found.base.vertices, region.foot
-    seen, all_of_it = vertices[foot], vertices[np.append(foot, open_edge.beyond)]
+    vertices, footprint = found.base.vertices, region.footprint
+    seen, all_of_it = vertices[footprint], vertices[np.append(footprint, open_edge.beyond)]
     more = _extent(all_of_it, seen, normal, chart) - _extent(seen, seen, normal, chart)
     return np.asarray(UNIFORM * np.maximum(0.0, more))
 

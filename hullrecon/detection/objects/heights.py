@@ -111,7 +111,7 @@ def _heights(
     # Refit the polynomial in the tangent plane with Tukey's weights.
     first_axis, second_axis = _tangents(normal)
     from_vertex = feet[row] - at[:, None, :]
-    terms = _terms(
+    terms = quadratic_terms(
         np.einsum("nki,ni->nk", from_vertex, first_axis),
         np.einsum("nki,ni->nk", from_vertex, second_axis),
     )
@@ -133,9 +133,9 @@ def _heights(
     )
 
 
-def _terms(a: Array, b: Array) -> Array:
-    """Evaluate the terms (n, k, 6) of the polynomial at a, b (n, k) m: 1, a, b, a^2, a b, b^2."""
-    return np.stack([np.ones_like(a), a, b, a * a, a * b, b * b], axis=2)
+def quadratic_terms(a: Array, b: Array) -> Array:
+    """Evaluate the terms (..., 6) of a polynomial at a, b (...) m: 1, a, b, a^2, a b, b^2."""
+    return np.stack([np.ones_like(a), a, b, a * a, a * b, b * b], axis=-1)
 
 
 def _sigma_of_heights(

@@ -11,6 +11,7 @@ import numpy as np
 
 from hullrecon.detection.as_found.hull_as_found import HullAsFound
 from hullrecon.detection.as_found.shapes import dbscan
+from hullrecon.detection.objects.heights import quadratic_terms
 from hullrecon.detection.options import MIN_CLUSTER_POINTS, MIN_OFFSET_M, DetectOptions
 from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.geometry.neighbours import Around, nearest
@@ -87,7 +88,7 @@ ROUNDS = 4  # rounds of reweighting and fitting
 # and larger than a single vertex
 TOP_M2 = 0.0008
 SPECK = 0.3  # share of the least area of an object, below which a region is noise
-FOOT_SHARE, CORE_SHARE = 0.25, 0.5  # shares of the height, at which footprint and core end
+FOOTPRINT_SHARE, CORE_SHARE = 0.25, 0.5  # shares of the height, at which footprint and core end
 SADDLE_STEP = 1.2  # factor between the levels at which saddles are looked for
 RING_GAP_M = 0.04  # distance of the ring of bare hull from a region, whose edge smoothing blurs
 # Width of the ring, as a share of the root of the region's area, and its limits
@@ -115,7 +116,7 @@ class HullAround:
 
     def _terms(self, points: Array) -> Array:
         """Evaluate the terms (n, 6) of the polynomial at points (n, 3)."""
-        return _terms((points - self.middle) @ self.axes.T)
+        return quadratic_terms(*((points - self.middle) @ self.axes.T).T)
 
 
 def fit_hull_around(ring: Array, offset: Array, weight: Array, normal: Array) -> HullAround:
@@ -139,7 +140,7 @@ def fit_hull_around(ring: Array, offset: Array, weight: Array, normal: Array) ->
     """
     middle = np.average(ring, axis=0, weights=weight)
     axes = np.linalg.svd(normal[None])[2][1:]
-    terms = _terms((ring - middle) @ axes.T)
+    terms = quadratic_terms(*((ring - middle) @ axes.T).T)
     prior = np.diag([1e-6, *[SLOPE_SIGMA**-2] * 2, *[BEND_SIGMA**-2] * 3])
     fit = np.zeros(6)
     fit[0] = weighted_quantile(offset, weight, 0.5)
@@ -156,18 +157,12 @@ def fit_hull_around(ring: Array, offset: Array, weight: Array, normal: Array) ->
     )
 
 
-def _terms(at: Array) -> Array:
-    """Evaluate the terms (n, 6) of the polynomial at (a, b) (n, 2) m: 1, a, b, a^2, a b, b^2."""
-    a, b = at.T
-    return np.stack([np.ones_like(a), a, b, a * a, a * b, b * b], axis=1)
-
-
 @dataclass(frozen=True, kw_only=True)
 class Region:
     """A part of the surface that stands off the hull around it."""
 
     side: float  # +1 raised, -1 sunken
-    foot: Ints  # vertices of the footprint
+    footprint: Ints  # its vertices
     core: Ints  # vertices of its part above half height
     ring: Ints  # vertices of the hull around it
     hull: HullAround  # the hull beneath it
@@ -232,7 +227,7 @@ def find_regions(found: HullAsFound, options: DetectOptions) -> list[Region]:
         for seed, foreign in _seeds(relief, side)
     ]
     return sorted(
-        (r for r in regions if r is not None), key=lambda r: (-abs(r.height), int(r.foot[0]))
+        (r for r in regions if r is not None), key=lambda r: (-abs(r.height), int(r.footprint[0]))
     )
 
 
@@ -339,12 +334,14 @@ def _measure_region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> 
         & found.measured[near]
         & ~np.isin(near, foreign)
     )
-    foot, core = (near[own & (above >= share * height)] for share in (FOOT_SHARE, CORE_SHARE))
+    footprint, core = (
+        near[own & (above >= share * height)] for share in (FOOTPRINT_SHARE, CORE_SHARE)
+    )
     if not len(core):
         return None
     return Region(
         side=side,
-        foot=foot,
+        footprint=footprint,
         core=core,
         ring=ring,
         hull=hull,

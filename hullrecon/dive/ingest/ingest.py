@@ -84,7 +84,7 @@ def ingest(
     window = None
     with problems.collect():
         window = time_window(request.start, request.end, logs)
-    sinks = _image_sinks(package, request, out.cameras, open_file)
+    sinks = _image_sinks(package, out.cameras, open_file)
     frames = FrameListener(topics)
     spool = PingSpool(None if pings is None else pings.spool)
 
@@ -166,7 +166,6 @@ def _rig_of_camchain(
 
 def _image_sinks(
     package: Path,
-    request: IngestRequest,
     cameras: Mapping[str, CameraModel],
     open_file: OpenFile,
 ) -> dict[str, ImageSink]:

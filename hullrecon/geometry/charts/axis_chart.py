@@ -25,6 +25,7 @@ from hullrecon.geometry.charts.section_casting import (
 )
 from hullrecon.geometry.charts.sections import Sections
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.rows import blocks_of_rows
 from hullrecon.typing import Array
 
 TABLES = ("station", "angle", "radius", "girth")  # of the sections, as stored
@@ -57,8 +58,7 @@ class AxisChart:
         """Project points onto the mesh, and look up the girth of their feet. See `Chart`."""
         turned = np.atleast_2d(np.asarray(points, float)) @ self.axes.T
         out = np.empty(turned.shape)
-        for start in range(0, len(turned), POINTS_AT_ONCE):
-            rows = slice(start, start + POINTS_AT_ONCE)
+        for rows in blocks_of_rows(len(turned), POINTS_AT_ONCE):
             out[rows] = self._chart_turned(turned[rows])
         return out
 

@@ -4,13 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from hullrecon.native import MeshIndex
+from hullrecon.rows import blocks_of_rows
 from hullrecon.typing import Array, Ints32
 
 FACES_AT_ONCE = 1 << 17  # their corners take 10 MB, and each array of edge vectors as much
@@ -73,7 +73,7 @@ def vertex_normals(mesh: Mesh) -> Array:
 def corner_angles(mesh: Mesh) -> Array:
     """Compute the angle of each face at each of its corners (m, 3), rad."""
     out = np.zeros(mesh.faces.shape)
-    for rows in blocks_of_faces(len(out)):
+    for rows in blocks_of_rows(len(out), FACES_AT_ONCE):
         corner = mesh.vertices[mesh.faces[rows]]
         for k in range(3):
             a, b = corner[:, (k + 1) % 3] - corner[:, k], corner[:, (k + 2) % 3] - corner[:, k]
@@ -105,12 +105,7 @@ def corner_shares(corners: Array, points: Array) -> Array:
 def face_cross_products(mesh: Mesh) -> Array:
     """Compute (b - a) x (c - a) of each face (m, 3): twice the area along the normal."""
     out = np.empty(mesh.faces.shape)
-    for rows in blocks_of_faces(len(out)):
+    for rows in blocks_of_rows(len(out), FACES_AT_ONCE):
         a, b, c = mesh.vertices[mesh.faces[rows]].transpose(1, 0, 2)
         out[rows] = np.cross(b - a, c - a)
     return out
-
-
-def blocks_of_faces(count: int) -> Iterator[slice]:
-    """Yield the rows of FACES_AT_ONCE faces at a time, to limit memory."""
-    return (slice(k, k + FACES_AT_ONCE) for k in range(0, count, FACES_AT_ONCE))

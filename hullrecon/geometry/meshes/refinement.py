@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.rows import blocks_of_rows
 from hullrecon.typing import Array, Ints, Mask
 
 # Two angles opposite an edge count as half a turn, and the edge is not flipped, if the sine of
@@ -133,7 +134,7 @@ def _mark_edges(
         Largest length allowed for each edge.
     """
     length = np.empty(len(edge))
-    for rows in _blocks(len(edge)):
+    for rows in blocks_of_rows(len(edge), EDGES_AT_ONCE):
         ends = vertices[edge[rows]]
         length[rows] = _lengths(ends[:, 1] - ends[:, 0])
     marked = limits.exceeded(edge, vertices, length)
@@ -285,7 +286,7 @@ def _angle_excess(vertices: Array, edge: Ints, opposite: Ints) -> Array:
     edge (k, 2): vertices. opposite (k, 2): the third vertices of its two faces.
     """
     out = np.empty(len(edge))
-    for rows in _blocks(len(edge)):
+    for rows in blocks_of_rows(len(edge), EDGES_AT_ONCE):
         a, b = vertices[edge[rows, 0]], vertices[edge[rows, 1]]
         cosine, sine = np.zeros((2, len(a))), np.zeros((2, len(a)))
         for side in (0, 1):
@@ -297,10 +298,6 @@ def _angle_excess(vertices: Array, edge: Ints, opposite: Ints) -> Array:
             sine[side] = _lengths(np.cross(to_a, to_b)) / size
         out[rows] = -(cosine[0] * sine[1] + sine[0] * cosine[1])
     return out
-
-
-def _blocks(edges: int) -> Iterator[slice]:
-    return (slice(k, k + EDGES_AT_ONCE) for k in range(0, edges, EDGES_AT_ONCE))
 
 
 def _lengths(vectors: Array) -> Array:
