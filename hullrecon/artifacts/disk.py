@@ -161,6 +161,7 @@ def sync_tree(path: Path, *, only_itself: bool = False) -> None:
 
 
 def _sync(path: Path) -> None:
+    """Sync a file or folder itself."""
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)

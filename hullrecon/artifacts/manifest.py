@@ -113,7 +113,7 @@ class HashCache:
         """Read the store, if there is one. A damaged one is taken as empty, and written anew."""
         self._store, self._trusting, self._changed = store, trusting, False
         self._known: dict[str, object] = {}  # size, mtime_ns, inode and hash by path
-        self._read_here: dict[str, int] = {}  # ctime, ns, of files this process looked at, by path
+        self._seen_ctime_ns: dict[str, int] = {}  # of files this process looked at, by path
         if store is not None and store.is_file():
             try:
                 self._known = unseal(store.read_bytes())
@@ -132,9 +132,9 @@ class HashCache:
         if isinstance(known, list) and known[:3] == _mark(status):
             # A file that this process looked at before must still have its ctime, which, unlike the
             # time of modification, no program can set back.
-            seen_ns = self._read_here.get(str(path))
+            seen_ns = self._seen_ctime_ns.get(str(path))
             if self._trusting if seen_ns is None else seen_ns == status.st_ctime_ns:
-                self._read_here.setdefault(str(path), status.st_ctime_ns)
+                self._seen_ctime_ns.setdefault(str(path), status.st_ctime_ns)
                 return FileRecord(str(known[3]), status.st_size)
         record = hash_file(path)
         self._note(path, status, record)
@@ -153,7 +153,7 @@ class HashCache:
 
     def _note(self, path: Path, status: os.stat_result, record: FileRecord) -> None:
         """Remember the hash of a file that was just read."""
-        self._read_here[str(path)] = status.st_ctime_ns
+        self._seen_ctime_ns[str(path)] = status.st_ctime_ns
         entry = [*_mark(status), record.sha256]
         if self._known.get(str(path)) != entry:
             self._known[str(path)] = entry

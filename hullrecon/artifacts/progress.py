@@ -278,7 +278,10 @@ class LogLines(Progress):
         outlook: Outlook | None = None,
         kept: int = 0,
     ) -> Generator[Item, None, None]:
-        """Yield the items, and log a line whenever `seconds` have passed since the last one."""
+        """Yield the items, and log a line whenever `seconds` have passed since the last one.
+
+        The parameters are those of `Progress.track`.
+        """
         last, rate = self._clock(), _Rate(total, kept, self._clock)
         for done, item in enumerate(items):
             if self._clock() - last >= self._seconds:
@@ -303,7 +306,10 @@ class Bars(Progress):
         outlook: Outlook | None = None,
         kept: int = 0,
     ) -> Generator[Item, None, None]:
-        """Yield the items, and move the loop's bar on. The last loop's end stops the display."""
+        """Yield the items, and move the loop's bar on. The last loop's end stops the display.
+
+        The parameters are those of `Progress.track`.
+        """
         display, rate = self._start(), _Rate(total, kept)
         task = display.add_task(label, total=total, run="")
         try:

@@ -111,6 +111,7 @@ class Truth:
 
     @cached_property
     def _rim(self) -> cKDTree:
+        """Index the vertices at the open boundary of the true surface."""
         from scipy.spatial import cKDTree
 
         return cKDTree(

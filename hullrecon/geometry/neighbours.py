@@ -13,7 +13,7 @@ from hullrecon.typing import Array, Ints, Mask
 MANY = 5000  # query points for which threads are started: 7 ms of search, to 0.1 ms for the threads
 
 
-def nearest(points: Array, wanted: Array, count: int, reach: float = np.inf) -> tuple[Array, Ints]:
+def nearest(points: Array, queries: Array, count: int, reach: float = np.inf) -> tuple[Array, Ints]:
     """Find the `count` points (n, k) that are nearest to each query point (m, k).
 
     Returns
@@ -22,7 +22,7 @@ def nearest(points: Array, wanted: Array, count: int, reach: float = np.inf) -> 
         (m, count) each, nearest first. Where fewer points are within reach, the distance is inf and
         the row is n.
     """
-    return Nearest(points)(wanted, count, reach)
+    return Nearest(points)(queries, count, reach)
 
 
 class Nearest:
@@ -33,13 +33,13 @@ class Nearest:
 
         self._tree = cKDTree(points)
 
-    def __call__(self, wanted: Array, count: int, reach: float = np.inf) -> tuple[Array, Ints]:
+    def __call__(self, queries: Array, count: int, reach: float = np.inf) -> tuple[Array, Ints]:
         """Find the nearest to each query point (m, k). Returns as `nearest`."""
         distance, row = self._tree.query(
-            wanted,
+            queries,
             k=[*range(1, count + 1)],
             distance_upper_bound=reach,
-            workers=_threads(len(wanted)),
+            workers=_threads(len(queries)),
         )
         return np.asarray(distance, np.float64), np.asarray(row, np.int64)
 
@@ -65,23 +65,23 @@ class Around:
         return self(center, float(np.linalg.norm(points - center, axis=1).max()) + reach)
 
 
-def is_near(points: Array, wanted: Array, reach: float) -> Mask:
+def is_near(points: Array, queries: Array, reach: float) -> Mask:
     """Tell which query points (m, k) have one of the points (n, k) within reach."""
     if not len(points):
-        return np.zeros(len(wanted), bool)
-    return np.asarray(np.isfinite(nearest(points, wanted, 1, reach)[0][:, 0]))
+        return np.zeros(len(queries), bool)
+    return np.asarray(np.isfinite(nearest(points, queries, 1, reach)[0][:, 0]))
 
 
-def count_within(points: Array, wanted: Array, reach: float) -> Ints:
+def count_within(points: Array, queries: Array, reach: float) -> Ints:
     """Count the points (n, k) within reach of each query point (m, k)."""
     from scipy.spatial import cKDTree
 
     counts = cKDTree(points).query_ball_point(
-        wanted, reach, return_length=True, workers=_threads(len(wanted))
+        queries, reach, return_length=True, workers=_threads(len(queries))
     )
     return np.asarray(counts, np.int64)
 
 
-def _threads(queries: int) -> int:
+def _threads(count: int) -> int:
     """Choose the number of threads that search. The result does not depend on it."""
-    return len(os.sched_getaffinity(0)) if queries > MANY else 1
+    return len(os.sched_getaffinity(0)) if count > MANY else 1

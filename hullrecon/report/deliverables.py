@@ -203,6 +203,7 @@ def _why_no_result(survey: Survey, step: str) -> str:
 
 
 def _why_no_alignment(survey: Survey) -> str:
+    """Say why there is no alignment of dive and CAD model. "" where there is one."""
     if not survey.provenance.carried.cad_model:
         return "no CAD model was given, so there is nothing to align to"
     if survey.adjusted is None:

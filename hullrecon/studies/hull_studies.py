@@ -39,20 +39,22 @@ def _compare_links(given: StudyDive) -> StudyResult:
 
 
 def _draw_methods(given: StudyDive) -> StudyResult:
+    """Draw the figures of the methods, with the heights of objects that are delivered."""
     from hullrecon.studies.methods.figures import draw_method_figures
 
     truth, variants = given.truth, given.variants
-    method_variants.find_objects(given.dive, given.run_context)
+    method_variants.run_to_detect(given.dive, given.run_context)
     objects = method_variants.read_objects(given.dive)
     figures = draw_method_figures(variants, given.start, truth, objects)
     return StudyResult(figures=tuple(figures))
 
 
 def _draw_paths(given: StudyDive) -> StudyResult:
+    """Draw the figures of paths, for which the chain has to have run as far as `detect`."""
     from hullrecon.studies.paths.path_figures import draw_path_figures
 
     truth, start = given.truth, given.start
-    method_variants.find_objects(given.dive, given.run_context)
+    method_variants.run_to_detect(given.dive, given.run_context)
     figures = draw_path_figures(given.dive, start, truth, given.run_context)
     return StudyResult(figures=tuple(figures))
 

@@ -20,6 +20,7 @@ LOST_SHARE, WILD_SHARE = 0.02, 0.005  # of the DVL's ranges: missing ones, outli
 ROLL_PITCH_SIGMA, HEADING_SIGMA = np.radians(0.1), np.radians(0.05)
 GYRO_SIGMA, ACCELERATION_SIGMA = 0.002, 0.03  # rad/s, m/s2
 DEPTH_SIGMA = 0.02  # m
+DVL_HZ, IMU_HZ, PRESSURE_HZ, JOINTS_HZ = 5.0, 25.0, 10.0, 10.0
 LEAST_POSITION_SIGMA_M = 0.001  # in dive.toml, for positions simulated without noise
 
 
@@ -56,7 +57,7 @@ NO_POSITIONS = Series(np.zeros(0), np.zeros((0, 3)))
 def dvl(spec: DiveSpec, motion: Motion, rig: TrueRig, hull: BuiltHull) -> Dvl:
     """Simulate the DVL: velocity over ground with noise and scale error, and ranges to the hull."""
     random = spec.random("dvl")
-    t = ticks(motion, 5.0, random)
+    t = ticks(motion, DVL_HZ, random)
     at = motion.on_tray(t, rig.tray_from_dvl, TRAY_ORIGIN)
     # The DVL's own velocity, lever arm and tray included, is a central difference over 80 ms.
     ahead, behind = (
@@ -77,11 +78,11 @@ def imu(spec: DiveSpec, motion: Motion) -> Imu:
     from scipy.spatial.transform import Rotation
 
     random = spec.random("imu")
-    t = ticks(motion, 25.0, random, first_s=0.06)
+    t = ticks(motion, IMU_HZ, random, first_s=0.06)
     n = len(t)
     level = ROLL_PITCH_SIGMA * (random.standard_normal(2) + 0.3 * random.standard_normal((n, 2)))
-    # A random walk whose sigma reaches HEADING_SIGMA in a minute of readings 0.04 s apart
-    walk = HEADING_SIGMA * np.cumsum(random.standard_normal(n)) * np.sqrt(0.04 / 60)
+    # A random walk whose sigma reaches HEADING_SIGMA in a minute of readings
+    walk = HEADING_SIGMA * np.cumsum(random.standard_normal(n)) * np.sqrt(1 / IMU_HZ / 60)
     drift = np.radians(spec.errors.heading_drift_deg_per_hour) / 3600
     heading = drift * t + walk + 0.5 * HEADING_SIGMA * random.standard_normal(n)
     error = Rotation.from_euler("xyz", np.column_stack([level, np.zeros(n)]))
@@ -103,7 +104,7 @@ def pressure(spec: DiveSpec, motion: Motion) -> Series:
     Its bias is 3 cm, of either sign.
     """
     random = spec.random("pressure")
-    t = ticks(motion, 10.0, random, first_s=0.12)
+    t = ticks(motion, PRESSURE_HZ, random, first_s=0.12)
     bias = 0.03 * random.choice([-1.0, 1.0])
     depth = (
         motion.vehicle(t).translation[:, 2] + bias + DEPTH_SIGMA * random.standard_normal(len(t))
@@ -134,7 +135,7 @@ def positions(spec: DiveSpec, motion: Motion) -> Series:
 def joints(spec: DiveSpec, motion: Motion) -> Series:
     """Simulate the encoders of the tray and the sonar's servo: angles (n, 2) with noise, rad."""
     random = spec.random("joints")
-    t = ticks(motion, 10.0, random, first_s=0.09)
+    t = ticks(motion, JOINTS_HZ, random, first_s=0.09)
     series = (motion.encoder, motion.sonar_tray)
     reported = np.stack([motion.angle(s, t) for s in series], axis=1)
     return Series(

@@ -176,6 +176,7 @@ def _views(dive: Dive, point: Array) -> int:
 
 
 def _pose_document(motion: Poses) -> dict[str, Any]:
+    """Write a pose (a batch of one) as translation, quaternion and matrix."""
     return {
         "translation": motion.translation[0].tolist(),
         "quaternion": motion.quaternion[0].tolist(),

@@ -243,6 +243,7 @@ def fills_most(xy: Array, camera: CameraModel) -> bool:
 
 
 def _measured_motion(found: PairMatch) -> MeasuredMotion | None:
+    """Take the motion of a pair that matched. None of one that did not."""
     if found.motion is None or found.calibration is None:
         return None
     return MeasuredMotion(

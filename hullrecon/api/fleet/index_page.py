@@ -143,7 +143,10 @@ class FleetIndex:
 
 
 def _row_state(dive: FleetDive, running: bool) -> tuple[str, str, bool]:
-    """Choose kind and state of a dive's row, and whether its result is of the present package."""
+    """Choose the kind of a dive's row (a key of `_WORDS`), and word its state.
+
+    Returns them and whether the dive's result is of the present package.
+    """
     if running:
         return "running", "running", False
     if dive.state == "failed":

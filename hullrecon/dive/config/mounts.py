@@ -130,9 +130,9 @@ def _servo_axis(key: str, carried: Sequence[FixedSensor]) -> ChosenMount | None:
 def split_by_servo(sensors: Mapping[str, FixedSensor]) -> tuple[FixedSensor, FixedSensor] | None:
     """Find which of DVL and upper camera tf_static has on the tray's servo, and which off it.
 
-    None where both or neither are on the servo.
+    A sensor is on the servo where the servo's frame lies between the vehicle and the sensor, or
+    where tf_static ends at the servo. None where both or neither are on it.
     """
-    # on the servo: by the servo's frame on the way, or as tf_static leads no farther
     both = _on_axis("tray.origin", sensors)
     turning, fixed = (
         [s for s in both if (s.on_servo or s.servo_origin is not None) == turns]

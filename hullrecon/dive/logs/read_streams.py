@@ -273,7 +273,7 @@ def _carry_joints_into_window(out: LogContents, window: TimeWindow) -> None:
         later_ns = window.first_ns - window.time_of(sample.t_ns, logged_ns)
         if first.get(name) == sample.t_ns + later_ns:
             continue
-        out.outside -= 1
+        out.outside -= 1  # the reading was counted as outside of the window
         out.samples["joints"].insert(0, replace(sample, t_ns=sample.t_ns + later_ns))
         out.logged_ns["joints"].insert(0, logged_ns + later_ns)
         out.log["joints"].insert(0, log)

@@ -68,8 +68,9 @@ def dead_reckoning_errors(
     white[:, [0, 1, 2], [0, 1, 2]] = LEAST_SIGMA_M**2
     in_hole = path.attitude.hole_sigma(at.t_ns)
     white[:, [3, 4, 5], [3, 4, 5]] = (path.attitude.sigma_rad**2 + in_hole**2)[:, None]
+    one_stretch = np.zeros(len(at.t_ns), np.int64)
     walk[:, [0, 1, 2], [0, 1, 2]] += _variance_by_direction(
-        at, path.servo.unread_sigma(at.t_ns), np.zeros(len(at.t_ns), np.int64)
+        at, path.servo.unread_sigma(at.t_ns), one_stretch
     )[:, None]
     walk[:, [0, 1, 2], [0, 1, 2]] += _variance_by_direction(
         at, in_hole, path.attitude.holes_before(at.t_ns)

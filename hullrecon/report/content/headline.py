@@ -232,6 +232,7 @@ def _landmarks(adjusted: AdjustedDive | None) -> str:
 
 
 def _mosaics(survey: Survey) -> str:
+    """Name the mosaics with their resolution. "" without any."""
     resolutions = {name: m.facts.resolution_m for name, m in survey.mosaics.named().items()}
     parts = [
         f"{name} at {1000 * step:.1f} mm per pixel" for name, step in resolutions.items() if step

@@ -57,6 +57,7 @@ def adjust_plane(start: Array, normal: Array, first: Array, second: Array) -> tu
     across = mono_motion.tangent_basis(normal)
 
     def unpacked(x: Array) -> tuple[Array, Array]:
+        """Apply a step (8,), of rotation, translation and tilt, to motion and normal."""
         motion = start.copy()
         motion[:3, :3] = start[:3, :3] @ Rotation.from_rotvec(x[:3]).as_matrix()
         motion[:3, 3] = start[:3, 3] + x[3:6]

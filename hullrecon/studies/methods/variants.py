@@ -99,7 +99,7 @@ def solve_all(dive: DiveRun, run_context: RunContext) -> None:
         run_context.hashes.save()
 
 
-def find_objects(dive: DiveRun, run_context: RunContext) -> None:
+def run_to_detect(dive: DiveRun, run_context: RunContext) -> None:
     """Bring the chain up to date as far as `detect`, whose heights are delivered."""
     if any(s.name == "detect" for s in dive.chain.stages):
         run_chain(dive.chain.up_to("detect"), dive.workspace, run_context)

@@ -103,7 +103,10 @@ def tree_of_joins(submaps: list[EkfMap]) -> Tree:
 
 
 def graph_over_time(submaps: list[EkfMap]) -> list[Moment]:
-    """Add submaps to a graph: the moments before and after loops are found."""
+    """Add submaps to a graph, and keep some moments of it.
+
+    These are the moments before and after the first loop is found, after the next one, and the end.
+    """
     graph = Hierarchy(Effort())
     moments: list[Moment] = []
     last: Moment | None = None

@@ -232,7 +232,22 @@ def mutual_information(clique: Clique) -> Array:
 
 
 def _conditional(information: Array, blocks: list[slice], pair: list[int], given: int) -> Array:
-    """Compute what is known of a pair of variables besides what is known of one of them."""
+    """Compute what is known of a pair of variables besides what is known of one of them.
+
+    Parameters
+    ----------
+    information
+        Information matrix (n, n) of all variables.
+    blocks
+        Rows of each variable.
+    pair, given
+        Numbers of the two variables, and of that of them whose own information is taken off.
+
+    Returns
+    -------
+    Array
+        Information matrix of both variables, in the order of `pair`.
+    """
     columns = np.concatenate([np.r_[blocks[k]] for k in pair])
     joint = _marginal(information, columns)
     own = np.flatnonzero(np.isin(columns, np.r_[blocks[given]]))
@@ -241,6 +256,7 @@ def _conditional(information: Array, blocks: list[slice], pair: list[int], given
 
 
 def _marginal(information: Array, kept: Ints) -> Array:
+    """Eliminate all but some rows (k,) from an information matrix: (k, k) is left."""
     gone = np.setdiff1d(np.arange(len(information)), kept)
     left = information[np.ix_(kept, kept)].copy()
     if len(gone):

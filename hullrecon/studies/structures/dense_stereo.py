@@ -26,7 +26,7 @@ from hullrecon.studies.figure_style import (
 )
 from hullrecon.studies.methods.figures import tallest
 from hullrecon.studies.methods.method_figures import height_over_steel
-from hullrecon.studies.methods.variants import find_objects
+from hullrecon.studies.methods.variants import run_to_detect
 from hullrecon.studies.structures.inspected import InspectedHull, inspect
 from hullrecon.studies.structures.steps import best_view
 from hullrecon.studies.study import ComparedValue, StudyDive, StudyResult
@@ -64,7 +64,7 @@ class StructureHeights:
 def study(given: StudyDive) -> StudyResult:
     """Rectify and match the pairs that see structures best. Raises InputError with one camera."""
     truth = given.truth
-    find_objects(given.dive, given.run_context)
+    run_to_detect(given.dive, given.run_context)
     hull = inspect(given.dive, truth)
     if hull.rig.stereo_mount is None:
         raise InputError(

@@ -30,7 +30,7 @@ from hullrecon.studies.figure_style import (
     new_canvas,
 )
 from hullrecon.studies.methods.figures import tallest
-from hullrecon.studies.methods.variants import find_objects
+from hullrecon.studies.methods.variants import run_to_detect
 from hullrecon.studies.structures.inspected import InspectedHull, inspect
 from hullrecon.studies.study import ComparedValue, StudyDive, StudyResult
 from hullrecon.typing import Array, Ints, Ints32, Pixels
@@ -79,7 +79,7 @@ class FusedVertex:
 def study(given: StudyDive) -> StudyResult:
     """Follow one image through Algorithm 4, and one vertex through Algorithm 5."""
     truth = given.truth
-    find_objects(given.dive, given.run_context)
+    run_to_detect(given.dive, given.run_context)
     hull = inspect(given.dive, truth)
     structure = tallest(truth)
     assert structure is not None

@@ -28,7 +28,7 @@ from hullrecon.studies.figure_style import (
     finish_figure,
     new_canvas,
 )
-from hullrecon.studies.methods.variants import find_objects
+from hullrecon.studies.methods.variants import run_to_detect
 from hullrecon.studies.structures.inspected import InspectedHull, inspect
 from hullrecon.studies.study import ComparedValue, StudyDive, StudyResult
 from hullrecon.studies.surfaces.regression import fuse_shapes
@@ -67,7 +67,7 @@ class ThresholdCount:
 def study(given: StudyDive) -> StudyResult:
     """Count what each threshold finds, by Algorithm 5 and by the product."""
     truth = given.truth
-    find_objects(given.dive, given.run_context)
+    run_to_detect(given.dive, given.run_context)
     hull = inspect(given.dive, truth)
     mesh = refine_near(hull.cad_model, hull.features, EDGE_M, REACH_M)
     remeshed = [remesh(hull, mesh, float(threshold)) for threshold in THRESHOLDS_M]

@@ -28,7 +28,7 @@ from hullrecon.studies.figure_style import (
     finish_figure,
     new_canvas,
 )
-from hullrecon.studies.methods.variants import find_objects
+from hullrecon.studies.methods.variants import run_to_detect
 from hullrecon.studies.paths.path_figures import solve_planes
 from hullrecon.studies.structures.dense_stereo import (
     dense_points,
@@ -63,7 +63,7 @@ class OnChart:
 def study(given: StudyDive) -> StudyResult:
     """Draw the maps of one dive, and the meshes of its surface."""
     truth = given.truth
-    find_objects(given.dive, given.run_context)
+    run_to_detect(given.dive, given.run_context)
     hull = inspect(given.dive, truth)
     survey = _survey(given, hull)
     options = cast("SurfaceOptions", given.dive.chain.sections["surface"])

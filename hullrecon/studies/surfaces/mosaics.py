@@ -33,7 +33,7 @@ from hullrecon.steps.mosaics import REACH_M
 from hullrecon.steps.sonar import ping_poses
 from hullrecon.studies.dive_steps import inputs_of_step
 from hullrecon.studies.figure_style import PublishedFigure, finish_figure, new_canvas
-from hullrecon.studies.methods.variants import find_objects
+from hullrecon.studies.methods.variants import run_to_detect
 from hullrecon.studies.paths.path_figures import extent_m, join_tiles
 from hullrecon.studies.structures.inspected import InspectedHull, inspect
 from hullrecon.studies.study import ComparedValue, StudyDive, StudyResult
@@ -65,7 +65,7 @@ class CloseUp:
 def study(given: StudyDive) -> StudyResult:
     """Lay close-ups on both surfaces, and the sonar's pings."""
     truth = given.truth
-    find_objects(given.dive, given.run_context)
+    run_to_detect(given.dive, given.run_context)
     hull = inspect(given.dive, truth)
     as_found = DetectArtifact(given.dive.workspace.artifact("detect")).as_found
     assert as_found is not None  # there are images and a CAD model

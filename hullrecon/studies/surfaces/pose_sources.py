@@ -20,7 +20,7 @@ from hullrecon.steps import adjust
 from hullrecon.steps.artifacts import AdjustArtifact, IngestArtifact, LinksArtifact
 from hullrecon.steps.chain import stage
 from hullrecon.studies.dive_steps import build_beside, with_stages
-from hullrecon.studies.methods.variants import find_objects
+from hullrecon.studies.methods.variants import run_to_detect
 from hullrecon.studies.paths.path_figures import linked_track, path_by_planes, place_on_cad_model
 from hullrecon.studies.study import StudyDive
 from hullrecon.typing import Array
@@ -57,7 +57,7 @@ def place_paths(given: StudyDive) -> PlacedPaths:
     Raises InputError for a dive without a CAD model, DVL ranges or links.
     """
     dive, start = given.dive, given.start
-    find_objects(dive, given.run_context)
+    run_to_detect(dive, given.run_context)
     mesh = IngestArtifact(dive.workspace.artifact("ingest")).hull
     if mesh is None or start.returns is None or dive.workspace.manifest("links") is None:
         raise InputError(

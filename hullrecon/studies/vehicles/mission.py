@@ -34,10 +34,8 @@ class Mission:
         Depth is as pressure measures it, or added up too.
         """
         steps = [
-            rotation(attitude) @ velocity * self.step_s
-            for attitude, velocity in zip(
-                self.measured[:-1, :3], self.measured[:-1, 3:6], strict=True
-            )
+            rotation(measured[:3]) @ measured[3:6] * self.step_s  # attitude, velocity
+            for measured in self.measured[:-1]
         ]
         position = self.truth[0, :3] + np.vstack([np.zeros(3), np.cumsum(steps, axis=0)])
         if by_pressure:

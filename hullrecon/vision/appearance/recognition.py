@@ -253,7 +253,7 @@ def _strongest(worker: MatchWorker, node: MatchNode, most: int) -> Descriptors:
 
 
 def _propose(scene: LinkedScene, track: CameraTrack, nodes: Array) -> Proposal:
-    """Propose pairs of nodes (m, 2) for comparison, with the overlap that the path predicts."""
+    """Propose pairs of nodes (m, 2) across legs, with the overlap that the path predicts."""
     first, second = nodes[:, 0].astype(np.int64), nodes[:, 1].astype(np.int64)
     overlap = footprint_overlap(track, first, second, scene.depth_m, scene.camera)
     return Proposal(first=first, second=second, across=np.ones(len(first), bool), overlap=overlap)

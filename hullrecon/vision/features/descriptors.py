@@ -74,7 +74,7 @@ MatchDescriptors = Callable[[Described, Described, tuple[Ints, Ints] | None], Pu
 def match_descriptors(
     first: Described, second: Described, allowed: tuple[Ints, Ints] | None
 ) -> Putative:
-    """Match mutual best descriptors that pass the ratio test, one match a place.
+    """Match mutual best descriptors that pass the ratio test, one match a place (pixel).
 
     Features with two about equally good partners are left out. There may be no match.
 

@@ -117,23 +117,28 @@ def _project(motions: Array, points: Array) -> Array:
     return np.asarray(seen[:2] / depth)
 
 
-def in_box(wanted: Array, half_width: Array, points: Array) -> tuple[Ints, Ints]:
-    """Pair each wanted (n, 2) with the points (m, 2) in a box of half_width (2,) about it.
+def in_box(predicted: Array, half_width: Array, points: Array) -> tuple[Ints, Ints]:
+    """Pair each predicted position (n, 2) with the points (m, 2) in a box about it.
 
-    Pairs are in order of both rows. Rows with NaN pair with none.
+    half_width: (2,) of the box, in the unit of the points. Pairs are rows of both, in order. Rows
+    with NaN pair with none.
     """
-    return native.pairs_in_regions(wanted, np.broadcast_to(half_width, wanted.shape), None, points)
+    return native.pairs_in_regions(
+        predicted, np.broadcast_to(half_width, predicted.shape), None, points
+    )
 
 
-def in_ellipse(wanted: Array, covariance: Array, points: Array, chi2: float) -> tuple[Ints, Ints]:
-    """Pair each wanted (n, 2) with the points (m, 2) whose chi-square about it is below `chi2`.
+def in_ellipse(
+    predicted: Array, covariance: Array, points: Array, chi2: float
+) -> tuple[Ints, Ints]:
+    """Pair each predicted position (n, 2) with the points (m, 2) of a chi-square below `chi2`.
 
-    covariance: (n, 2, 2) of each wanted position. Pairs are rows of both, in order. Rows with NaN
-    pair with none.
+    covariance: (n, 2, 2) of each predicted position. Pairs are rows of both, in order. Rows with
+    NaN pair with none.
     """
     # The inverse covariance over chi2, as (xx, xy, yy): an ellipse's points have the value 1.
     xx, xy, yy = covariance[:, 0, 0], covariance[:, 0, 1], covariance[:, 1, 1]
     form = np.stack([yy, -xy, xx], axis=1) / (chi2 * (xx * yy - xy * xy))[:, None]
     return native.pairs_in_regions(
-        wanted, np.sqrt(chi2 * covariance[:, [0, 1], [0, 1]]), form, points
+        predicted, np.sqrt(chi2 * covariance[:, [0, 1], [0, 1]]), form, points
     )

@@ -113,7 +113,7 @@ def gather(
 
 
 def on_lines(motion: Array, first: Array, second: Array, tolerance: float) -> Mask:
-    """Select matches (n, 2) within a tolerance of their epipolar lines, motion (4, 4)."""
+    """Select matches (n, 2) within a tolerance of their epipolar lines by second_from_first."""
     return np.asarray(sampson_squared(essential_of(motion), first, second) < tolerance**2)
 
 
@@ -154,7 +154,7 @@ def refine_on_inliers(
 class _OnInliers:
     """A motion fitted to the inliers of some matches."""
 
-    motion: Array  # (4, 4) with |t| = 1
+    motion: Array  # second_from_first (4, 4) with |t| = 1
     first: Array  # (n, 2) the matches, ideal coordinates
     second: Array
     good: Mask | None  # (n,) the inliers, None for all
@@ -233,7 +233,7 @@ def most_likely_motion(
     Returns
     -------
     motion
-        (4, 4) with |t| = 1.
+        second_from_first (4, 4) with |t| = 1.
     sigma
         Robust sigma of the matches about it, ideal coordinates.
     """

@@ -39,7 +39,7 @@ def refine(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
 
 
 def fit(motion: Array, first: Array, second: Array) -> Array:
-    """Minimise the Sampson distances of matches (n, 2) over motions (4, 4) with |t| = 1.
+    """Minimise the Sampson distances of matches (n, 2) over second_from_first with |t| = 1.
 
     It starts from `motion` and iterates by Levenberg-Marquardt. To first order the Sampson distance
     is the residual that a bundle adjustment of two views has once the point of the match is

@@ -42,9 +42,9 @@ def ransac(
     most_trials: int,
     seed: tuple[int, ...],
 ) -> Array | None:
-    """Find the motion (4, 4) of least truncated squared error by RANSAC on triples of points.
+    """Find second_from_first of least truncated squared error by RANSAC on triples of points.
 
-    It is second_from_first, a first guess for `refine`. Trials come in blocks, until a triple of
+    It is (4, 4), a first guess for `refine`. Trials come in blocks, until a triple of
     inliers has been drawn with the probability 1 - MISSED. None with fewer than three points.
 
     Parameters
@@ -78,7 +78,7 @@ def ransac(
 
 
 def _inlier_share(motion: Array, views: list[ObservedPoints], tolerance: float) -> float:
-    """Compute the share of observations that are inliers of a motion (4, 4), 0 without any."""
+    """Compute the share of observations that are inliers of second_from_first, 0 without any."""
     seen = sum(int(np.isfinite(s.xy[:, 0]).sum()) for s in views)
     good = sum(int(rows.sum()) for rows in _inliers(motion, views, tolerance))
     return good / max(seen, 1)
@@ -109,7 +109,7 @@ def refine(motion: Array, views: list[ObservedPoints], tolerance: float) -> tupl
     Returns
     -------
     motion
-        (4, 4).
+        second_from_first (4, 4).
     covariance
         (6, 6) as Motion defines it, scaled by the residuals.
     """

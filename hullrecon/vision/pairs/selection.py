@@ -225,19 +225,21 @@ def _preselect_near(
     return at[first[apart]].astype(np.int64), at[second[apart]].astype(np.int64)
 
 
-def _within_reach(middle: Array, size: float, more: Array, most: float) -> tuple[Ints, Ints]:
-    """Find pairs of points closer than `size` plus the margins of both, none of them twice.
+def _within_reach(
+    points: Array, distance_m: float, margin_m: Array, most_margin_m: float
+) -> tuple[Ints, Ints]:
+    """Find pairs of points closer than a distance plus the margins of both, none of them twice.
 
     Parameters
     ----------
-    middle
-        Points (n, 3).
-    size
-        Distance allowed to every pair, m.
-    more
-        Margin (n,) of each point, m.
-    most
-        Largest sum of both margins, m.
+    points
+        (n, 3) m.
+    distance_m
+        Allowed to every pair.
+    margin_m
+        (n,) of each point.
+    most_margin_m
+        Largest sum of both margins.
 
     Returns
     -------
@@ -246,18 +248,20 @@ def _within_reach(middle: Array, size: float, more: Array, most: float) -> tuple
     """
     from scipy.spatial import cKDTree
 
-    tree = cKDTree(middle)
+    tree = cKDTree(points)
     parts = [np.zeros((0, 2), np.int64)]
-    for start in range(0, len(middle), BLOCK):
-        rows = np.arange(start, min(start + BLOCK, len(middle)))
+    for start in range(0, len(points), BLOCK):
+        rows = np.arange(start, min(start + BLOCK, len(points)))
         # Twice its own margin: each pair is found from the end with the larger one.
-        found = tree.query_ball_point(middle[rows], size + np.minimum(2 * more[rows], most))
+        found = tree.query_ball_point(
+            points[rows], distance_m + np.minimum(2 * margin_m[rows], most_margin_m)
+        )
         a = np.repeat(rows, [len(near) for near in found])
         b = np.concatenate([*found]).astype(np.int64)
-        reach = size + np.minimum(more[a] + more[b], most)
-        near = np.linalg.norm(middle[a] - middle[b], axis=1) <= reach
+        reach = distance_m + np.minimum(margin_m[a] + margin_m[b], most_margin_m)
+        near = np.linalg.norm(points[a] - points[b], axis=1) <= reach
         # Of the two directions in which a pair may be found, that from the larger margin is kept.
-        keep = near & ((more[a] > more[b]) | ((more[a] == more[b]) & (a < b)))
+        keep = near & ((margin_m[a] > margin_m[b]) | ((margin_m[a] == margin_m[b]) & (a < b)))
         parts.append(np.sort(np.column_stack([a, b])[keep], axis=1))
     pairs = np.concatenate(parts)
     pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]

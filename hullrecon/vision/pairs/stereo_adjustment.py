@@ -68,7 +68,7 @@ class AdjustedMotion:
 def adjust_stereo_motion(
     motion: Array, first: NodeObservations, second: NodeObservations, bottom_from_top: Array
 ) -> AdjustedMotion | None:
-    """Adjust a motion (4, 4) together with the points of m features that both nodes saw.
+    """Adjust second_from_first (4, 4) together with the points of m features that both nodes saw.
 
     It refines a first guess, gives its covariance, and shows how errors of the stereo calibration
     would change it. Outliers are left out. None where too few features have a stereo point, or too

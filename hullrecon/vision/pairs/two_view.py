@@ -179,7 +179,7 @@ def motions_of(found: TwoView, first: Array, second: Array) -> list[PossibleMoti
 
 
 def _motion(rotation: Array, translation: Array) -> Array:
-    """Build a motion (4, 4) with |t| = 1, or 0 where the translation is 0."""
+    """Build second_from_first (4, 4) with |t| = 1, or 0 where the translation is 0."""
     out = np.eye(4)
     out[:3, :3], out[:3, 3] = rotation, translation / max(float(np.linalg.norm(translation)), 1e-12)
     return out

@@ -139,21 +139,21 @@ def locate_frame(frame: str, tree: Tree, servos: Set[str] = frozenset()) -> Loca
     return LocatedFrame(vehicle=None if servo else _by_common_parent(passed, tree), servo=servo)
 
 
-def _by_common_parent(passed: Mapping[str, Poses], tree: Tree) -> Poses | None:
-    """Compute vehicle_from_frame where base_link is a child of the frame or of one of its parents.
+def _by_common_parent(frame_from_sensor: Mapping[str, Poses], tree: Tree) -> Poses | None:
+    """Compute vehicle_from_sensor where base_link lies below the sensor's frame or a parent of it.
 
-    None where base_link and the frame have no parent in common. passed: pose of the frame in itself
-    and in each of its parents.
+    None where base_link and the sensor have no parent in common. frame_from_sensor: pose of the
+    sensor in its own frame, the identity, and in each parent of that.
     """
     for base in (name for name in tree if name.rpartition("/")[2] in BASE_FRAMES):
-        pose, at = identity(), base
+        frame_from_base, frame = identity(), base
         for _ in range(DEEPEST):
-            if at in passed:
-                return FRD_FROM_FLU @ pose.inverse() @ passed[at]
-            if at not in tree:
+            if frame in frame_from_sensor:
+                return FRD_FROM_FLU @ frame_from_base.inverse() @ frame_from_sensor[frame]
+            if frame not in tree:
                 break
-            at, step = tree[at]
-            pose = step @ pose
+            frame, parent_from_frame = tree[frame]
+            frame_from_base = parent_from_frame @ frame_from_base
     return None
 
 

@@ -148,9 +148,9 @@ def from_beams(beams: Array, angle_rad: float) -> Array:
 
 
 def earth_from_instrument(heading: float, pitch: float, roll: float) -> Array:
-    """Build the rotation (3, 3) from the instrument's axes to east, north, up.
+    """Build the rotation enu_from_instrument (3, 3), to east, north, up.
 
-    Angles in rad, as the instrument defines them (Teledyne RD Instruments, Coordinate
+    The angles are in rad, as the instrument defines them (Teledyne RD Instruments, Coordinate
     Transformation, equation 18).
     """
     ch, sh, cp, sp, cr, sr = (

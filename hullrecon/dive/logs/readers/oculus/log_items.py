@@ -29,6 +29,7 @@ FILE_HEADER_BYTES, ITEM_HEADER_BYTES = 48, 40
 LONGEST_HEADER = 1024
 # kinds of compression: none; zlib behind four bytes that tell the length (Qt's qCompress)
 PLAIN, PACKED = 0, 1
+LENGTH_BYTES = 4
 EARLIEST_S, LATEST_S = 1.2e9, 4.1e9  # 2008, before the first Oculus, and 2099
 MOST_BYTES = 1 << 26  # of a payload
 WINDOW = 1 << 20  # bytes that a search behind damage reads at a time
@@ -122,7 +123,7 @@ def items(
 def unpacked(header: ItemHeader, payload: bytes, budget: UnpackBudget) -> bytes:
     """Unpack a payload. Raises DamagedError for another size, and beyond the log's budget."""
     return (
-        decompress(payload[4:], "zlib", header.original_bytes, budget)
+        decompress(payload[LENGTH_BYTES:], "zlib", header.original_bytes, budget)
         if header.is_packed
         else payload
     )
