@@ -14,6 +14,7 @@ from hullrecon.typing import Array
 NORMAL_MAD = 1.4826
 SIGNIFICANT = 5.0  # sigmas by which an error has to differ from zero to be believed
 GAIN = SIGNIFICANT**2  # by which chi-square has to fall for a hypothesis to be believed
+ALIKE = 4.0  # hypotheses whose chi-squares differ by less explain as much
 HUBER = 2.0  # sigmas of a residual beyond which its weight falls
 
 

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from hullrecon.typing import Array, Ints
 
+LOST = np.full(3, np.nan)  # a vector that was not measured
+
 
 @dataclass(frozen=True, slots=True)
 class DvlSample:

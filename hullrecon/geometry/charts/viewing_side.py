@@ -7,9 +7,8 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.charts.tangents import STEP_M
 from hullrecon.typing import Array
-
-STEP_M = 0.05  # half the length of the central differences on a chart
 
 
 def flips(chart: Chart, along_girth: Array) -> tuple[bool, bool]:

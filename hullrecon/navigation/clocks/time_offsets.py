@@ -13,9 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hullrecon.geometry.robust import ALIKE
 from hullrecon.navigation.clocks.comparisons.comparison import ClockedSensor, Offsets, Span
 from hullrecon.navigation.clocks.evidence import Evidence
-from hullrecon.navigation.clocks.wrong_clocks import ALIKE, WrongClocks
+from hullrecon.navigation.clocks.wrong_clocks import WrongClocks
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,13 +17,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.geometry.robust import GAIN, SIGNIFICANT
+from hullrecon.geometry.robust import ALIKE, GAIN, SIGNIFICANT
 from hullrecon.navigation.clocks.comparisons.comparison import ClockedSensor, Offsets
 from hullrecon.navigation.clocks.evidence import FAR_S, OTHER_S, Evidence, refine
 
 SYNCHRONISED_S = 0.005  # prior sigma of a right clock's offset
 UNKNOWN_S = 1000.0  # prior sigma of a wrong clock's offset
-ALIKE = 4.0  # hypotheses whose chi-squares differ by less are equivalent
 TRIED = 3  # candidates that are refined
 
 

@@ -10,14 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.frames import Camera
+from hullrecon.navigation.sensors.tray_motion import SPAN_S
 from hullrecon.records.sensors import ImageIndex
 from hullrecon.records.trajectory import Exposures, Returns, Trajectory, VehiclePath
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
-# Time around an exposure over which the tray's motion is averaged: a vehicle keeps its speed for so
-# long, and noise of an encoder or an attitude then stays below the motion within an exposure.
-SPAN_S = 0.2
 NEAR_S = 1.0  # between a node and the DVL returns that measure the depth of its scene
 
 

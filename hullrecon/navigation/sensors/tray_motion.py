@@ -14,7 +14,9 @@ from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
 NEAR_S = 1.0  # readings on either side have to be as near
-SPAN_S = 0.2  # over which readings are averaged
+# Time over which the tray's motion is averaged: a vehicle keeps its speed for so long, and noise of
+# an encoder or an attitude then stays below the motion within an exposure of a camera.
+SPAN_S = 0.2
 
 
 def tray_motion(

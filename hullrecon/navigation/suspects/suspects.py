@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.heading import heading_by_rates
 from hullrecon.findings.finding import Finding
-from hullrecon.geometry.robust import GAIN
+from hullrecon.geometry.robust import ALIKE, GAIN
 from hullrecon.navigation.suspects.comparisons.comparison import Comparison, Sensor
 from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.comparisons.imu import compare_rates
@@ -31,7 +31,6 @@ from hullrecon.navigation.suspects.remedies import find_remedy
 from hullrecon.records.sensors import ImuSamples, SensorRecords
 from hullrecon.rig import Rig
 
-ALIKE = 4.0  # hypotheses whose chi-squares differ by less explain as much (navigation/clocks)
 EXPLAINED = 0.4  # residuals of a hypothesis, as a share of the motion, below which it is explained
 GROSS = 0.6  # residuals as a share of the motion, above which a path would be worthless
 GROSS_SWING_RAD = 0.1  # swing of a heading: a path then errs sideways by a tenth of its length

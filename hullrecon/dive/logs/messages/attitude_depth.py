@@ -19,9 +19,9 @@ from hullrecon.dive.logs.messages.covariance import (
     NO_DIRECTION_RAD,
     sigma_of,
 )
-from hullrecon.dive.logs.messages.decode import LOST, Fields, vector
+from hullrecon.dive.logs.messages.decode import Fields, vector
 from hullrecon.dive.logs.readers.unpack import DamagedError
-from hullrecon.dive.logs.samples import DepthSample, ImuSample, PressureSample, Sample
+from hullrecon.dive.logs.samples import LOST, DepthSample, ImuSample, PressureSample, Sample
 
 AXES = (0, 1, 2)  # of a covariance
 NO_DATA = -9999.0  # ds_sensor_msgs: DEPTH_PRESSURE_NO_DATA

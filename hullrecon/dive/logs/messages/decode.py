@@ -25,7 +25,6 @@ UNDEFINED = (
     "the log has no definition of their type; convert it to MCAP by `ros2 bag convert` where the "
     "type's package is installed"
 )
-LOST = np.full(3, np.nan)  # a vector that was not measured
 
 
 def type_name(channel: Channel) -> str:

@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from hullrecon.dive.logs.messages.covariance import FAR_M, UNKNOWN_SIGMA, sigma_of
-from hullrecon.dive.logs.messages.decode import LOST, Fields, vector
-from hullrecon.dive.logs.samples import PositionSample, Sample
+from hullrecon.dive.logs.messages.decode import Fields, vector
+from hullrecon.dive.logs.samples import LOST, PositionSample, Sample
 
 HORIZONTAL = (0, 1)  # axes of a covariance
 NO_FIX, UNKNOWN_COVARIANCE = -1, 0  # of sensor_msgs/NavSatStatus and NavSatFix

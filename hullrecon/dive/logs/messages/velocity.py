@@ -13,8 +13,8 @@ import numpy as np
 
 from hullrecon.dive.logs.dvl_beams import A50, a50_beams
 from hullrecon.dive.logs.messages.covariance import LOST_SIGMA, UNKNOWN_SIGMA, sigma_of
-from hullrecon.dive.logs.messages.decode import LOST, Fields, vector
-from hullrecon.dive.logs.samples import DvlSample, Sample
+from hullrecon.dive.logs.messages.decode import Fields, vector
+from hullrecon.dive.logs.samples import LOST, DvlSample, Sample
 from hullrecon.typing import Array
 
 NO_RANGES = np.zeros(0)

@@ -40,15 +40,18 @@ from hullrecon.dive.logs.formats.mcap_summary import (
 )
 from hullrecon.dive.logs.readers.file_log import FileLog
 from hullrecon.dive.logs.readers.protocol import Message
-from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, UnpackBudget, fields
+from hullrecon.dive.logs.readers.unpack import (
+    LARGEST_CHUNK,
+    PATIENCE,
+    DamagedError,
+    UnpackBudget,
+    fields,
+)
 from hullrecon.findings.finding import Finding
 
 BLOCK = 1 << 20  # bytes read at a time
 # opcode of a chunk and a length of 8 bytes, of which no chunk needs the upper three
 LIKE_A_CHUNK = re.compile(rb"\x06(?=.{5}\x00\x00\x00)", re.DOTALL)
-# Bytes of chunks that turn out damaged, over the file's size, after which the rest is given up:
-# false chunks may each claim the rest of the file
-PATIENCE = 4
 
 
 class McapLog(FileLog):

@@ -18,7 +18,7 @@ from hullrecon.dive.logs.formats.pd0_ensemble import Ensemble, ensembles
 from hullrecon.dive.logs.readers.file_log import FileLog
 from hullrecon.dive.logs.readers.protocol import Channel, Message
 from hullrecon.dive.logs.readers.unpack import printable
-from hullrecon.dive.logs.samples import DepthSample, DvlSample, ImuSample
+from hullrecon.dive.logs.samples import LOST, DepthSample, DvlSample, ImuSample
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.frames import NED_FROM_ENU
@@ -29,7 +29,6 @@ CHANNEL, ATTITUDE, DEPTH = (
 )
 HEX_MAGIC = pd0_ensemble.MAGIC.hex().upper().encode()
 DVL_FROM_INSTRUMENT = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])
-LOST = np.full(3, np.nan)
 AZIMUTH_RAD = np.radians([-90.0, 90.0, 0.0, 180.0])  # of beams 1 to 4 about z of `dvl`
 
 

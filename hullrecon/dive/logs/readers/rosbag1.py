@@ -24,7 +24,7 @@ from hullrecon.dive.logs.formats.bag_records import (
 )
 from hullrecon.dive.logs.readers.file_log import FileLog
 from hullrecon.dive.logs.readers.protocol import Message
-from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, UnpackBudget
+from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, PATIENCE, DamagedError, UnpackBudget
 from hullrecon.findings.finding import Finding
 
 OP_CHUNK = b"\x04\x00\x00\x00op=\x05"  # the field of a head that makes its record a chunk
@@ -32,9 +32,6 @@ HEAD_REACH = 64  # bytes: largest distance from the start of a chunk's head to i
 LONGEST_CHUNK_HEAD = 4 * HEAD_REACH
 LIKE_A_LENGTH = re.compile(rb"(?=[\x09-\xff]\x00\x00\x00)", re.DOTALL)  # of a chunk's head
 BLOCK = 1 << 20  # bytes read at a time
-# Bytes of chunks that turn out damaged, over the file's size, after which the rest is given up:
-# false chunks may each claim the rest of the file
-PATIENCE = 4
 
 
 class Rosbag1Log(FileLog):

@@ -18,6 +18,9 @@ FREE_BYTES, RATIO = 1 << 23, 256
 # Bytes that a search reads first. The step then doubles, so that many searches over short distances
 # do not each read a whole window
 FIRST_STEP = 1 << 14
+# Bytes of records that turn out to be none, over the file's size, after which the rest is given up:
+# false records may each claim the rest of the file
+PATIENCE = 4
 LONGEST_NAME = 400  # characters; ROS allows 255, and a line that names one stays a line
 # characters of what a library says about damaged bytes: they may quote all of them
 LONGEST_REASON = 200

@@ -20,7 +20,7 @@ from hullrecon.dive.logs.messages.velocity import FIGURE_OF_MERIT_LIMIT
 from hullrecon.dive.logs.readers.file_log import FileLog
 from hullrecon.dive.logs.readers.protocol import Channel, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
-from hullrecon.dive.logs.samples import DvlSample, ImuSample
+from hullrecon.dive.logs.samples import LOST, DvlSample, ImuSample
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.typing import Array
@@ -33,7 +33,6 @@ MARKS = (b'"transducers"', b'"position_local"', b'"response_to"')
 START_BYTES = 4096
 SUFFIXES = (".json", ".jsonl", ".txt", ".log")
 VELOCITY, ATTITUDE = (Channel(sensor, "Water Linked JSON", "sample") for sensor in ("dvl", "imu"))
-LOST = np.full(3, np.nan)
 NS_PER_US = 1000
 MOST_BEAMS = 8
 

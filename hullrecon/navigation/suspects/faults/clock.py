@@ -18,7 +18,7 @@ from hullrecon.typing import Ints
 
 # By which stamps may be late (negative: early), as far as navigation/clocks searches. Near zero the
 # steps are so small that the comparison of depths agrees at the nearest
-LATE_S = [s * late for late in (*np.arange(0.25, 5.0, 0.25), *range(5, 61)) for s in (1, -1)]
+TRIED_LATE_S = [s * late for late in (*np.arange(0.25, 5.0, 0.25), *range(5, 61)) for s in (1, -1)]
 FASTEST = 0.03  # largest error of a clock's rate: quartz is right to 1e-4, a wrong divider is not
 
 Stream = TypeVar("Stream")
@@ -51,7 +51,7 @@ def clock_faults(t_ns: Ints, farthest_s: float = np.inf) -> Iterator[ClockFault]
     """
     since_ns = t_ns - t_ns[:1]
     lasts_s = float(np.ptp(t_ns)) / NS if len(t_ns) else 0.0
-    for late_s in (late_s for late_s in LATE_S if abs(late_s) < farthest_s):
+    for late_s in (late_s for late_s in TRIED_LATE_S if abs(late_s) < farthest_s):
         moved = t_ns - round(late_s * NS)
         yield ClockFault(fault="clock", value=f"{late_s:g} s", late_s=late_s, t_ns=moved)
         if abs(late_s) < FASTEST * lasts_s:

@@ -16,6 +16,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from hullrecon.dive.logs.readers.unpack import DamagedError, fields
+from hullrecon.dive.logs.samples import LOST
 from hullrecon.typing import Array
 
 DF20, DF21, WATER_TRACK, TEXT = 0x17, 0x1B, 0x1D, 0xA0  # kinds of blocks
@@ -39,7 +40,6 @@ DVL_VALUES = (
     # three times
     "<24f20f"
 )
-LOST = np.full(3, np.nan)
 
 
 @dataclass(frozen=True, kw_only=True)

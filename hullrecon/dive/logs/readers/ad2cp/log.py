@@ -21,7 +21,7 @@ from hullrecon.dive.logs.readers.ad2cp.bottom_track import BottomTrack
 from hullrecon.dive.logs.readers.file_log import FileLog
 from hullrecon.dive.logs.readers.protocol import Channel, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError
-from hullrecon.dive.logs.samples import DvlSample, ImuSample
+from hullrecon.dive.logs.samples import LOST, DvlSample, ImuSample
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.frames import NED_FROM_ENU
 from hullrecon.typing import Array
@@ -144,9 +144,9 @@ def to_sample(ping: BottomTrack, units: Array | None, enu_from_dvl: Array | None
     """
     velocity = ping.velocity
     if ping.frame == "beam":
-        velocity = tracks.LOST if units is None else velocity_from_beams(velocity, units)
+        velocity = LOST if units is None else velocity_from_beams(velocity, units)
     elif ping.frame == "enu":
-        velocity = tracks.LOST if enu_from_dvl is None else enu_from_dvl.T @ velocity
+        velocity = LOST if enu_from_dvl is None else enu_from_dvl.T @ velocity
     return DvlSample(ping.t_ns, velocity, ping.sigma, ping.distance_m, units, along_axis=True)
 
 
@@ -177,8 +177,8 @@ def attitude(t_ns: int, turn: Array) -> ImuSample:
     return ImuSample(
         t_ns,
         Rotation.from_matrix(NED_FROM_ENU @ turn).as_quat(),
-        tracks.LOST,
-        tracks.LOST,
+        LOST,
+        LOST,
         of_dvl=True,
     )
 

@@ -14,6 +14,7 @@ from typing import BinaryIO
 
 from hullrecon.dive.logs.formats.oculus_ping import message_bytes
 from hullrecon.dive.logs.readers.unpack import (
+    PATIENCE,
     DamagedError,
     HeaderMark,
     UnpackBudget,
@@ -33,8 +34,6 @@ LENGTH_BYTES = 4
 EARLIEST_S, LATEST_S = 1.2e9, 4.1e9  # 2008, before the first Oculus, and 2099
 MOST_BYTES = 1 << 26  # of a payload
 WINDOW = 1 << 20  # bytes that a search behind damage reads at a time
-# bytes of payloads that turn out to be none, over the file's size, after which the rest is given up
-PATIENCE = 4
 
 
 @dataclass(frozen=True, kw_only=True)
