@@ -135,6 +135,7 @@ class _Search:
         return most > len(self.best) or (with_pair and most == len(self.best) and nearer)
 
     def _keep_if_better(self) -> None:
+        """Keep the hypothesis if it has more pairs than the best, or as many that lie nearer."""
         now = self._hypothesis
         more = len(now.pairs) > len(self.best)
         as_many = len(now.pairs) == len(self.best)

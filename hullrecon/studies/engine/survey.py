@@ -161,6 +161,7 @@ def without_lasting_errors(trajectory: Trajectory, errors: TrajectoryErrorModel)
 
 
 def _score_links(artifact: LinksArtifact, hull_from_camera: Poses) -> ModelLinks:
+    """Count the links of a model of the camera, and compare them with the true camera poses."""
     return ModelLinks(
         joined=int(artifact.pairs.joined.sum()),
         against_navigation=int((artifact.pairs.reason == Reason.AGAINST_NAVIGATION).sum()),

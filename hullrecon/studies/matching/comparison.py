@@ -111,6 +111,7 @@ def _build(dive: DiveRun, name: str, variant: LinkVariant, run_context: RunConte
 
 
 def _score(workspace: Workspace, true: Array) -> Figures:
+    """Count joined pairs, and measure the path's error after rigid alignment. true: (n, 3) m."""
     artifact = LinksArtifact(workspace.artifact("links"))
     pairs, at = artifact.pairs, artifact.path.path().poses.translation
     return {

@@ -124,6 +124,7 @@ def graph_over_time(submaps: list[EkfMap]) -> list[Moment]:
 
 
 def _moment(graph: Hierarchy) -> Moment:
+    """Record the frames of the graph with the covariances of their places in the first one."""
     world = graph.world
     blocks = []
     for k in range(len(world) + 1):

@@ -209,6 +209,7 @@ class Beams(Factors):
 def _whitened(
     sqrt_information: Array, error: Array, by_pose: list[Array], by_plane: list[Array] | None = None
 ) -> Linear:
+    """Whiten errors (n, d) and their derivatives by poses and planes by sqrt_information."""
     return _linear(
         np.einsum("nij,nj->ni", sqrt_information, error),
         [sqrt_information @ d for d in by_pose],
@@ -217,6 +218,7 @@ def _whitened(
 
 
 def _linear(residual: Array, by_pose: list[Array], by_plane: list[Array] | None = None) -> Linear:
+    """Stack whitened residuals (n, d) and their derivatives by each pose and each plane."""
     m, d = residual.shape
     return Linear(
         residual=residual,

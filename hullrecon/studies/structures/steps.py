@@ -228,6 +228,7 @@ def _draw_clusters(axis: Axes, shapes: ShapesOfView) -> None:
 
 
 def _draw_meshes(axis: Axes, shapes: ShapesOfView) -> None:
+    """Draw the alpha shapes of the clusters over the image."""
     for k, faces in enumerate(shapes.faces):
         if len(faces):
             axis.triplot(*shapes.pixel[shapes.members(k)].T, faces, color="white", linewidth=0.8)

@@ -172,6 +172,7 @@ def simulate(
 def _scan(
     pose: Array, landmarks: Array, noise: Noise, survey: Survey, rng: np.random.Generator
 ) -> Scan:
+    """Simulate a scan from a pose: ranges and bearings of the landmarks in view, with noise."""
     off = np.linalg.norm(landmarks - pose[:2], axis=1)
     seen = np.flatnonzero((off > survey.blind_m) & (off < survey.view_m))
     sigmas = [noise.range_m, noise.bearing_rad]
