@@ -90,6 +90,7 @@ def _draw_misalignment(random: np.random.Generator, shift_m: float, turn_deg: fl
 
 
 STEP_S = 0.02  # between samples of the path
+SMOOTHED_S = 0.6  # sigma of the Gaussian that rounds the corners of the path
 WAVES = 7  # sine waves of the wobble that the controller does not suppress
 SETTLE_S = 0.7  # sigma in time with which heading and tray follow the hull
 # How much lower than the cameras the sonar looks, rad, and by how much less per radian of the
@@ -257,7 +258,9 @@ def _time_path(corners: Array, speed: float) -> tuple[Array, Array]:
     t = np.arange(0, knots[-1], STEP_S)
     path = np.vstack([corners[:1], corners, corners[-1:]])
     along, girth = (np.interp(t, knots, path[:, k]) for k in (0, 1))
-    along, girth = (gaussian_filter1d(v, 0.6 / STEP_S, mode="nearest") for v in (along, girth))
+    along, girth = (
+        gaussian_filter1d(v, SMOOTHED_S / STEP_S, mode="nearest") for v in (along, girth)
+    )
     return along, girth
 
 

@@ -207,18 +207,18 @@ def _with_wider_guess(
     return replace(again, sigmas_off=off)
 
 
-def thin_points(points: Array, voxel: float, most: int) -> Array:
-    """Average points (n, 3) in voxels, whose side (m) grows until at most `most` points remain.
+def thin_points(points: Array, voxel_m: float, most_points: int) -> Array:
+    """Average points (n, 3) m in voxels, whose side grows until at most `most_points` remain.
 
     Then legs with more points count no more, and a fit with a dense covariance takes little time.
     """
     while True:
-        cell = np.floor(points / voxel).astype(np.int64)
+        cell = np.floor(points / voxel_m).astype(np.int64)
         _, owner = np.unique(cell, axis=0, return_inverse=True)
         count = np.bincount(owner)
-        if len(count) <= most:
+        if len(count) <= most_points:
             return np.stack([np.bincount(owner, points[:, k]) / count for k in range(3)], axis=1)
-        voxel *= 1.25
+        voxel_m *= 1.25
 
 
 def few_points(points: Array) -> Array:
