@@ -239,6 +239,11 @@ WARNINGS: dict[str, Words] = {
         f"{up} point down? Then give hull.pose = [{_numbers(pose)}]. Else its origin is another "
         "point than that of hull.pose, or the depth of that is wrong, or its angles are in radians"
     ),
+    "hull-out-of-reach": lambda far_m, way_m, seen_m, sigma_m: (
+        f"hull.pose puts it {far_m:.0f} m from where the dive begins, at x = y = 0. By its "
+        f"velocities the vehicle came at most {way_m:.0f} m far and saw {seen_m:.0f} m farther, "
+        f"and hull.pose_sigma is {sigma_m:g} m: a run cannot find it there and leaves it out"
+    ),
     "hull-length-differs": lambda length_m, stated_m: (
         f"it is {length_m:.2f} m long, {100 * abs(length_m / stated_m - 1):.1f} % "
         f"{'more' if length_m > stated_m else 'less'} than hull.length_overall: where that is no "

@@ -300,6 +300,8 @@ WARNINGS: dict[str, Words] = {
     "depth-steps": _depth_steps,
     "images-blank-some": "{blank} of {count} images, spread over the dive, show no feature: they "
     "are black, white or out of focus, and tell nothing",
+    "images-unmatched": "none of {count} pairs of neighbouring images, spread over the dive, could "
+    "be matched: they have too little in common, and a run ends where no other images have more",
     "images-frozen-some": "{same} of {count} images, spread over the dive, are one picture to "
     "the last bit: the camera or its driver stood still meanwhile",
     "read-beside": _beside,

@@ -33,7 +33,7 @@ from hullrecon.navigation.stereo_odometry.visual_odometry import LOOK_BACK
 from hullrecon.records.sensors import SensorRecords
 from hullrecon.rig import rig_from_settings
 from hullrecon.rows import spread_rows
-from hullrecon.steps.stereo_check import image_reader
+from hullrecon.steps.stereo_check import image_reader, sampled_only
 from hullrecon.typing import Ints
 from hullrecon.vision.odometry import OdometryFrame, StereoOdometer, stereo_odometer
 from hullrecon.vision.stereo.image_matcher import ReadImage
@@ -96,7 +96,8 @@ def _refuse_pairs(
     loaded: LoadedConfig, found: IngestResult, sampled: Mapping[str, SampledImages]
 ) -> None:
     """Raise StageError where there are too few stereo pairs, or where they do not join."""
-    top, bottom = (usable_frames(found.images[camera.key]) for camera in Camera)
+    index = [found.images[camera.key] for camera in Camera]
+    top, bottom = map(usable_frames, index)
     _, pairs = stereo_pairs(Frames(top=top, bottom=bottom))
     models = {camera: found.cameras[camera.key] for camera in Camera if camera.key in found.cameras}
     camera = loaded.config.camera.bottom
@@ -105,18 +106,32 @@ def _refuse_pairs(
     rig = rig_from_settings({key: loaded.value(key) for key in RIG_KEYS}, models)
     sigma_rad = float(np.radians(max(camera.pose_sigma[3:])))
     odometer = stereo_odometer(rig, FEATURES, INLIERS, sigma_rad)
-    joined = _joined_steps(odometer, image_reader(loaded, found, sampled), pairs)
+    kept = [
+        sampled_only(one, sampled.get(camera.key)).usable
+        for one, camera in zip(index, Camera, strict=True)
+    ]
+    is_read = kept[0][pairs[:, 0]] & kept[1][pairs[:, 1]]
+    steps = 1 + np.flatnonzero(is_read[1:] & is_read[:-1])
+    read = image_reader(loaded, found, sampled)
+    joined = _joined_steps(odometer, read, pairs, steps[spread_rows(len(steps), LOOKED_AT)])
     lost, looked_at = joined.count(False), len(joined)
     if looked_at and (looked_at == len(pairs) - 1 or lost == looked_at >= LOOKED_AT):
         refuse_unjoined(lost, looked_at)
 
 
-def _joined_steps(odometer: StereoOdometer, read: ReadImage, pairs: Ints) -> list[bool]:
+def _joined_steps(
+    odometer: StereoOdometer, read: ReadImage, pairs: Ints, steps: Ints
+) -> list[bool]:
     """Measure some steps between neighbouring pairs. Returns whether each could be measured.
 
-    Steps to images that were not sampled, or do not decode, are left out.
+    Steps between images that do not decode are left out.
 
-    pairs: (n, 2) rows of the images of both cameras.
+    Parameters
+    ----------
+    odometer : measures the motion between two pairs
+    read : reads an image by camera and row, None where it was not sampled
+    pairs : (n, 2) rows of the images of both cameras
+    steps : (m,) numbers of pairs to which the steps lead
     """
 
     @cache
@@ -128,7 +143,7 @@ def _joined_steps(odometer: StereoOdometer, read: ReadImage, pairs: Ints) -> lis
         return odometer.frame(rows[0], pictures[0], pictures[1])
 
     out = []
-    for number in (1 + spread_rows(len(pairs) - 1, LOOKED_AT)).tolist():
+    for number in steps.tolist():
         new = frame(number)
         recent = [frame(k) for k in range(number - 1, max(-1, number - 1 - LOOK_BACK), -1)]
         if new is not None and recent[0] is not None:

@@ -19,7 +19,7 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames
 from hullrecon.navigation.sensors.servo import doubtful_angles, frozen_readings
-from hullrecon.navigation.suspects.comparisons.comparison import Sensor
+from hullrecon.navigation.suspects.comparisons.comparison import LEAST_WINDOWS, Sensor
 from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.depth_steps import depth_steps
 from hullrecon.navigation.suspects.faults.axes import Conventions
@@ -28,9 +28,11 @@ from hullrecon.navigation.suspects.suspects import Judged, judge
 from hullrecon.records.clock import NS
 from hullrecon.records.sensors import ImageIndex, SensorRecords
 from hullrecon.rig import Rig, rig_from_settings
+from hullrecon.rows import spread_rows
 from hullrecon.steps.image_check import check_images
 from hullrecon.steps.keys import SENSOR_KEYS, WATER_KEYS
-from hullrecon.steps.stereo_check import image_reader
+from hullrecon.steps.stereo_check import image_reader, sampled_only
+from hullrecon.typing import Ints
 from hullrecon.vision.odometry import ReadRow, TopImages
 
 # Pairs of neighbouring images whose motion is compared, features of each, least matches of a pair
@@ -173,15 +175,23 @@ def check_sensors(
         The hypotheses of faults that were tried, for the JSON of `check`.
     """
     settings = {key: loaded.value(key) for key in SENSOR_KEYS}
-    index, model = found.images.get(Camera.TOP.key), found.cameras.get(Camera.TOP.key)
+    model = found.cameras.get(Camera.TOP.key)
     flows: list[Flow] = []
     cameras = {} if model is None else {Camera.TOP: model}
     read = image_reader(loaded, found, sampled)
-    logged = {camera: found.images[camera.key] for camera in Camera if camera.key in found.images}
+    logged = {
+        camera: sampled_only(found.images[camera.key], sampled.get(camera.key))
+        for camera in Camera
+        if camera.key in found.images
+    }
+    index = logged.get(Camera.TOP)
     image_findings = check_images(logged, read)
     if index is not None and cameras and not image_findings:
         rig = rig_from_settings(settings, cameras)
         flows = image_flows(rig, index, lambda row: read(Camera.TOP, row))
+        pairs = len(_pairs_of_flows(index))
+        if pairs >= LEAST_WINDOWS and not flows:
+            image_findings = [Finding("images-unmatched", {"count": pairs}, Camera.TOP.key)]
     judged = judge_sensors(settings, found.records, flows, cameras)
     return (
         judged.records,
@@ -196,17 +206,21 @@ def image_flows(rig: Rig, index: ImageIndex, read: ReadRow) -> list[Flow]:
     How features move between them shows the camera's motion, which other sensors measured too.
     Pairs with too few matches are left out, so there may be none. read: reads an image by its row.
     """
-    t_ns, rows = usable_frames(index)
-    if len(t_ns) < 2 or rig.tray_from_top is None:
+    if rig.tray_from_top is None:
         return []
-    images = TopImages(rig, read, FEATURES, INLIERS)
-    near = np.flatnonzero(np.diff(t_ns) < NEIGHBOURS_S * NS)
-    out = []
-    for k in np.unique(near[np.linspace(0, len(near) - 1, PAIRS).astype(int)]) if len(near) else ():
+    t_ns, rows = usable_frames(index)
+    images, out = TopImages(rig, read, FEATURES, INLIERS), []
+    for k in _pairs_of_flows(index).tolist():
         found = images.flow(int(rows[k]), int(rows[k + 1]))
         if found is not None:
             out.append(Flow(t_ns=(int(t_ns[k]), int(t_ns[k + 1])), first=found[0], second=found[1]))
     return out
+
+
+def _pairs_of_flows(index: ImageIndex) -> Ints:
+    """Choose the usable frames (p,) of which each is matched with the next one."""
+    near = np.flatnonzero(np.diff(usable_frames(index)[0]) < NEIGHBOURS_S * NS)
+    return near[spread_rows(len(near), PAIRS)]
 
 
 def _number(value: object) -> float:

@@ -146,3 +146,18 @@ def image_reader(
         return None if data is None else decode(data, int(found.images[camera.key].bits))
 
     return read
+
+
+def sampled_only(index: ImageIndex, sampled: SampledImages | None) -> ImageIndex:
+    """Mark images of a log that were not sampled as unusable. Those in files of their own are kept.
+
+    Of a long log few were sampled: pairs that are chosen among all would hardly be among them.
+    """
+    kept = np.array(
+        [
+            bool(file) or (sampled is not None and sampled.image_at(int(offset)) is not None)
+            for file, offset in zip(index.file, index.offset, strict=True)
+        ],
+        bool,
+    )
+    return replace(index, usable=index.usable & kept)

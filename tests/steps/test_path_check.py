@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -115,3 +116,28 @@ def agree_on_path(package: Path, tmp_path: Path, why: str) -> None:
     assert why in "; ".join(found.reasons)
     with pytest.raises(StageError, match=why):
         hullrecon.run(package, tmp_path / "runs", last_step="navigate", jobs=1)
+
+
+def test_images_that_no_others_match_are_named_before_a_run(package):
+    write_dvl_dive(package, 50, 200)
+    write_stereo_dive(package, 10, hidden=True)
+    assert "images-unmatched" in [finding.code for finding in check(package).warnings]
+
+
+def test_images_that_match_are_not_accused(package):
+    write_dvl_dive(package, 50, 200)
+    write_stereo_dive(package, 10, hidden=False)
+    assert "images-unmatched" not in [finding.code for finding in check(package).warnings]
+
+
+@pytest.mark.parametrize("still", [("top", "bottom"), ("top",)])
+def test_cameras_that_stood_still_are_refused_where_no_other_moved(package, still):
+    write_dvl_dive(package, 50, 200)
+    write_stereo_dive(package, 6, hidden=False)
+    for camera in still:
+        for k in range(1, 6):
+            shutil.copy(package / "logs" / f"{camera}0.png", package / "logs" / f"{camera}{k}.png")
+    reasons = "; ".join(check(package).reasons)
+    assert [
+        camera for camera in ("top", "bottom") if f"camera_{camera} are one pic" in reasons
+    ] == (list(still) if len(still) == 2 else [])

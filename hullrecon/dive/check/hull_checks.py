@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from hullrecon.dive.config.mounts import guess_sigma
 from hullrecon.dive.config.schema import Hull
 from hullrecon.dive.hull.afloat import find_sunk
 from hullrecon.dive.hull.symmetry import find_lying_side
@@ -19,9 +20,12 @@ from hullrecon.geometry.charts.section_casting import AXES, first_station, hull_
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.units import METRES_PER_UNIT
 from hullrecon.geometry.poses import from_mount, up_in
+from hullrecon.records.clock import NS
+from hullrecon.records.sensors import DvlPings
 from hullrecon.typing import Array
 
 FARTHEST_M = 1000.0  # from where a dive begins to the ship that is inspected
+SURE = 5.0  # sigmas of hull.pose that count as possible
 AFT_SHARE = 0.25  # of the length; no aft perpendicular lies farther from the aft end
 # Shares by which a CAD model's length differs from the stated one. Within the first it is to scale:
 # papers round to a decimetre, and models lack rails and fenders. Beyond the second it is not, and
@@ -49,6 +53,30 @@ def refuse_far_hull(hull: Hull, mesh: Mesh) -> None:
             remedy="give the pose of the CAD model's own origin, or export it about an origin "
             "near the ship and give the pose of that",
         )
+
+
+def check_reach(hull: Hull, mesh: Mesh, dvl: DvlPings) -> list[Finding]:
+    """Warn of a CAD model that hull.pose puts where the dive never came.
+
+    The way of the vehicle is at most that of its speed, the fastest where the DVL gave none. The
+    CAD model lies within its box, and hull.pose within SURE of its sigmas.
+    """
+    speed = np.linalg.norm(dvl.velocity, axis=1)
+    if not np.isfinite(speed).any():
+        return []
+    filled = np.where(np.isfinite(speed), speed, np.nanmax(speed))
+    way_m = float(filled[:-1] @ (np.diff(dvl.t_ns) / NS))
+    seen_m = float(np.nanmax(dvl.ranges, initial=0.0))
+    # from where the dive begins, at the height of the CAD model, to its box
+    pose, low, high = from_mount(hull.pose), mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    height_m = pose.apply(0.5 * (low + high)[None])[0, 2]
+    begin = pose.inverse().apply(np.array([[0.0, 0.0, height_m]]))[0]
+    far_m = float(np.linalg.norm(begin - np.clip(begin, low, high)))
+    sigma_m = float(guess_sigma(hull.pose, hull.pose_sigma)[:3].max())
+    if far_m - SURE * sigma_m <= way_m + seen_m:
+        return []
+    values = {"far_m": far_m, "way_m": way_m, "seen_m": seen_m, "sigma_m": sigma_m}
+    return [Finding("hull-out-of-reach", values, "the CAD model")]
 
 
 def check_afloat(hull: Hull, mesh: Mesh) -> list[Finding]:

@@ -22,6 +22,7 @@ from hullrecon.dive.check.contents import describe_start_offset
 from hullrecon.dive.check.hull_checks import (
     check_afloat,
     check_length,
+    check_reach,
     check_upright,
     describe_bow,
     describe_regions,
@@ -124,6 +125,9 @@ def check_package(
         records, judged, suspects = check_sensors(loaded, found, sampled)
     wrong_sensors = [finding for finding in judged if finding.severity == "error"]
     warnings = _warn_of_contradictions(loaded, found, records, judged)
+    hull = loaded.config.hull
+    if hull is not None and found.hull is not None and records.dvl is not None and bow:
+        wrong_pose = [*wrong_pose, *check_reach(hull, found.hull, records.dvl)]
     if check_images is not None and not wrong_sensors:
         warnings += check_images(loaded, replace(found, records=records), sampled)
     defaults = defaults_of(loaded, with_positions="position" in logged | known)

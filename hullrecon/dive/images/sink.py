@@ -39,8 +39,6 @@ class ImageSink:
         size: tuple[int, int],
         package: Path,
         open_file: Callable[[], BinaryIO],
-        *,
-        is_alone: bool = False,
     ) -> None:
         """Set up the sink of one camera.
 
@@ -50,10 +48,8 @@ class ImageSink:
         size : (width, height) of the calibration
         package : the folder that files are relative to
         open_file : called once, when the first bytes are to be kept
-        is_alone : whether the vehicle has no other camera
         """
         self._camera, self._size, self._package = camera, size, package
-        self._is_alone = is_alone
         self._open_file, self._at = open_file, 0  # byte of the file at which the next image goes
         self._file: BinaryIO | None = None
         # of each image: stamp and logging time, ns, number of the log, file in the package or "",
@@ -103,19 +99,25 @@ class ImageSink:
             (row[0] + int(more), *row[1:]) for row, more in zip(self._rows, shift_ns, strict=True)
         ]
 
-    def finish(self, notes: list[Finding]) -> ImageIndex | None:
+    @property
+    def is_still(self) -> bool:
+        """Whether all images are one picture, by their bytes."""
+        return len(self._again) >= LEAST_STILL and all(self._again[1:])
+
+    def finish(self, notes: list[Finding], *, is_dive_still: bool = False) -> ImageIndex | None:
         """Index the images in order of time, with whether each can be used. None without any.
 
         Copies and images with the stamp of another one are left out. Raises InputError where none
-        can be read, where most have another size than the calibration's, or where all of the only
-        camera are one picture.
+        can be read, where most have another size than the calibration's, or where all are one
+        picture in a dive without another one.
 
-        notes: findings of what was assumed or left out are added.
+        notes: findings of what was assumed or left out are added. is_dive_still: no camera moves.
         """
         if not self._rows:
             return None
         self._check_size(-(-sum(self._sizes.values()) // 2))
-        self._check_motion()
+        if is_dive_still:
+            self._refuse_still()
         if not any(row[-1] for row in self._rows):
             count = len(self._rows)
             first = printable(self._rows[0][3])
@@ -199,18 +201,16 @@ class ImageSink:
             remedy="give the calibration of this camera at this size",
         )
 
-    def _check_motion(self) -> None:
-        """Raise InputError where all images of the only camera are one picture.
+    def _refuse_still(self) -> None:
+        """Raise InputError for images that are all one picture.
 
-        Without another camera no two images are left that could be matched.
+        Without another camera that moves no two images are left that could be matched.
         """
-        still = len(self._again) >= LEAST_STILL and all(self._again[1:])
-        if self._is_alone and still:
-            raise InputError(
-                f"all {len(self._again)} images of {self._camera} are one picture to the last "
-                "byte: the camera or its driver stood still",
-                remedy=WITHOUT_CAMERAS,
-            )
+        raise InputError(
+            f"all {len(self._again)} images of {self._camera} are one picture to the last byte: "
+            "the camera or its driver stood still",
+            remedy=WITHOUT_CAMERAS,
+        )
 
     def _describe(self, usable: list[bool], bits: int) -> list[Finding]:
         """Describe images that are left out, and how 16-bit images are read.

@@ -176,7 +176,6 @@ def _image_sinks(
             (camera.width, camera.height),
             package,
             partial(open_file, name),
-            is_alone=len(cameras) == 1,
         )
         for name, camera in cameras.items()
     }
@@ -198,10 +197,10 @@ def _index_images(
     notes: what was found wrong is added. problems: collects the error of a camera, so that the
     others are still indexed, or lets it pass.
     """
-    images = {}
+    images, still = {}, all(sink.is_still for sink in sinks.values())
     for name, sink in sinks.items():
         with problems.collect():
-            index = sink.finish(notes)
+            index = sink.finish(notes, is_dive_still=still)
             if index is not None:
                 images[name] = index
     return images

@@ -5,11 +5,12 @@
 import numpy as np
 import pytest
 
-from hullrecon.dive.check.hull_checks import describe_bow, refuse_far_hull
+from hullrecon.dive.check.hull_checks import check_reach, describe_bow, refuse_far_hull
 from hullrecon.dive.config.schema import Hull
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import sentences
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.records.sensors import DvlPings
 
 
 def box(low, high):
@@ -91,3 +92,33 @@ def test_pose_that_leaves_the_ship_at_its_berth_is_refused():
         refuse_far_hull(hull(pose=(8.7, 33.1, 3.5, 180.0, 0.0, 0.0)), at_berth)
     refuse_far_hull(hull(pose=(-573437.0, 6020155.0, 3.5, 180.0, 0.0, 0.0)), at_berth)
     refuse_far_hull(hull(pose=(800.0, -600.0, 3.5, 180.0, 0.0, 0.0)), SHIP)
+
+
+@pytest.mark.parametrize(
+    ("x_m", "sigma_m", "lost", "is_told"),
+    [
+        (5.0, 1.0, 0, False),  # the dive begins below the ship
+        (16.0, 1.0, 0, False),  # 6 m of way, 6 m of range and five sigmas reach it
+        (19.0, 1.0, 0, True),
+        (19.0, 2.0, 0, False),
+        (19.0, 1.0, 15, False),  # as fast as the fastest where the DVL gave no velocity
+        (19.0, 1.0, 60, False),  # nothing tells how far it came
+    ],
+)
+def test_a_ship_where_the_dive_never_came_is_told(x_m, sigma_m, lost, is_told):
+    velocity = np.tile([0.1, 0.0, 0.0], (61, 1))
+    velocity[0, 0] = 0.4
+    velocity[1 : 1 + lost] = np.nan
+    if lost == 60:
+        velocity[:] = np.nan
+    dvl = DvlPings(
+        t_ns=np.arange(61) * 10**9,
+        velocity=velocity,
+        velocity_sigma=np.full(61, 0.003),
+        ranges=np.full((61, 1), 6.0),
+        beams=np.array([[0.0, 0.0, 1.0]]),
+    )
+    pose = (x_m, 0.0, 3.0, 180.0, 0.0, 0.0)
+    placed = hull(pose=pose, pose_sigma=(sigma_m, sigma_m, 0.3, 1.0, 1.0, 5.0))
+    found = check_reach(placed, SHIP, dvl)
+    assert [one.code for one in found] == ["hull-out-of-reach"] * is_told
