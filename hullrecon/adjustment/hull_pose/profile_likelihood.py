@@ -12,12 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from hullrecon.adjustment.hull_pose.pose_cost import HullPoseCost, perturb_pose
 from hullrecon.geometry.pose_solver import minimise_over_pose
 from hullrecon.geometry.poses import Poses
+from hullrecon.threads import in_threads
 from hullrecon.typing import Array
 
 MAX_ITERATIONS = 40  # of one fit
@@ -164,22 +166,27 @@ def posterior_covariance(valley: Valley, pose: Poses) -> Array:
 def _fit_steps(valley: Valley, start: Poses, steps: Array) -> list[tuple[Poses, float]]:
     """Fit the pose with the hull held at each step, and return it with its cost.
 
-    Fits go outwards from the middle step, each from the pose of its neighbour. The direction is
-    that of `start` in g for all: if it turned with the hull, a fit could leave its step by turning.
+    Fits go outwards from the middle step, each from the pose of its neighbour, to both sides at the
+    same time. The direction is that of `start` in g for all: if it turned with the hull, a fit
+    could leave its step by turning.
 
     steps (k,): shifts along the direction, m.
     """
     middle = len(steps) // 2
     along = _in_global(valley, start)
-    found: dict[int, tuple[Poses, float]] = {}
-    for order in (range(middle, len(steps)), range(middle - 1, -1, -1)):
-        for k in order:
-            near = k - 1 if k > middle else k + 1
-            base, shift_m = (
-                (found[near][0], steps[k] - steps[near]) if near in found else (start, steps[k])
-            )
-            found[k] = _fit(valley, _shift(valley, base, shift_m * along), held=along)
-    return [found[k] for k in range(len(steps))]
+
+    def fit_from(base: Poses, shift_m: float) -> tuple[Poses, float]:
+        return _fit(valley, _shift(valley, base, shift_m * along), held=along)
+
+    def fit_outwards(outwards: Sequence[float]) -> list[tuple[Poses, float]]:
+        found = [at_middle]
+        for nearer, farther in pairwise((steps[middle], *outwards)):
+            found.append(fit_from(found[-1][0], farther - nearer))
+        return found[1:]
+
+    at_middle = fit_from(start, steps[middle])
+    below, above = in_threads(fit_outwards, [steps[:middle][::-1], steps[middle + 1 :]])
+    return [*below[::-1], at_middle, *above]
 
 
 def _in_global(valley: Valley, pose: Poses) -> Array:
