@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "common/errors.h"
+#include "common/free_memory.h"
 #include "model/tables.h"
 #include "solve/joined_problem.h"
 
@@ -231,7 +232,7 @@ class BoundParts {
                                                           {model.first_plane(), model.planes()},
                                                           {model.first_switch(), model.tables().link_switch.rows()}}};
       model.rest();
-      if (pages) pages->rest();
+      if (pages) pages->rest(), return_free_memory();
       out.push_back({&model, {}, pages});
       for (size_t kind = 0; kind < kinds.size(); ++kind) {
         for (const auto& [row, number] : shared_[k][kind]) {
