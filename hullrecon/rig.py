@@ -27,7 +27,7 @@ from hullrecon.records.trajectory import Returns, VehiclePath, VehicleTrack
 from hullrecon.typing import Array, Ints
 
 HELD_SIGMA = 1e-6  # m or rad: of a coordinate whose sigma dive.toml gives as zero
-DEPTH_BIAS = 4  # place among the errors of navigation
+HEADING_DRIFT, DEPTH_BIAS = 1, 4  # places among the errors of navigation
 LEAST_ERROR_SIGMA = 1e-9  # of an error of navigation that dive.toml gives as zero
 
 TraySensor: TypeAlias = Camera | Literal["tray", "dvl"]
@@ -203,10 +203,11 @@ class Rig:
         """Replace some of the priors, by their names in RigPriors."""
         return replace(self, priors=replace(self.priors, **priors))  # type: ignore[arg-type]
 
-    def with_depth_offset(self, sigma_m: float) -> Rig:
-        """Add another sigma, in squares, to the prior of the constant error of depths."""
+    def with_wider_navigation(self, *, depth_bias_m: float, heading_drift_rad_s: float) -> Rig:
+        """Add further sigmas, in squares, to the priors of two errors of navigation."""
         sigma = self.priors.navigation_sigma.copy()
-        sigma[DEPTH_BIAS] = np.hypot(sigma[DEPTH_BIAS], sigma_m)
+        for place, added in ((DEPTH_BIAS, depth_bias_m), (HEADING_DRIFT, heading_drift_rad_s)):
+            sigma[place] = np.hypot(sigma[place], added)
         return self.with_priors(navigation_sigma=sigma)
 
     @property

@@ -52,6 +52,11 @@ FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a 
     "axes, {value} the other way",
     ("IMU's orientation", "negated"): "orientation, rates and accelerations have {value} with the "
     "other sign",
+    (
+        "IMU's orientation",
+        "heading",
+    ): "its heading swings by {value} degrees (root mean square) about "
+    "that of the rates, as a compass does near a ship's steel",
     ("IMU's orientation", "angle"): "it turns by {value} the angle that the vehicle does",
     ("IMU's orientation", "sign"): "the orientation has its {value} with the other sign",
     ("IMU's acceleration", "axes"): "the accelerations are along {value} of the orientation's axes",
@@ -82,6 +87,7 @@ LEFT_AWAY = {"pressure": "leave topics.pressure away, or name the topic of the w
 DONE = {
     "constant": "they are left out",
     "repeated": "they are left out",
+    "heading": "the heading of the rates was taken, with a drift as large as they may have",
     "order": "it was put right",
     "angle": "it was put right",
     "sign": "it was put right",
@@ -94,8 +100,7 @@ EVIDENCE = {
     "{second_deg:.3g}",
     "heading": "within seconds the rates turn by up to {first_deg:.3g} degrees, the orientation by "
     "{second_deg:.3g}, and they part about the vertical alone, as where a compass swings near a "
-    'ship\'s steel. If so, give imu.heading = "rates"; `hullrecon check` then tells the '
-    "imu.heading_drift_deg_per_hour of the rates",
+    "ship's steel",
     "gravity": "gravity does not pull along the vertical of the orientation",
     "flow": "between two images the hull moves by up to {first_deg:.3g} degrees by the images, by "
     "{second_deg:.3g} by the DVL's velocity and ranges",
@@ -155,9 +160,13 @@ def _contradict(
             f"unit, sign or axis explains it: {evidence}"
         )
         return f"{said}; {LEFT_AWAY[sensors[0]]}" if sensors[0] in LEFT_AWAY else said
+    by_rates = (
+        '. If so, give imu.heading = "rates"; `hullrecon check` then tells the '
+        "imu.heading_drift_deg_per_hour of the rates"
+    )
     return (
         f"{' and '.join(sensors)} contradict each other, and which of them is wrong is not known: "
-        f"{evidence}"
+        f"{evidence}{by_rates if kind == 'heading' else ''}"
     )
 
 

@@ -190,6 +190,11 @@ class NavigateArtifact(StepArtifact):
         """Largest difference between two levels of the depths, m. 0 if the level never stepped."""
         return float(str(self.facts.get("depth_offset_m", 0.0)))
 
+    @property
+    def heading_drift_sigma_rad_s(self) -> float:
+        """Sigma of the drift of a heading that was taken from the rates. 0 if it was not."""
+        return float(str(self.facts.get("heading_drift_sigma_rad_s", 0.0)))
+
 
 class LinksArtifact(StepArtifact):
     """Pairs of nodes, the common features of their images, and the path solved with the links."""
@@ -373,10 +378,15 @@ class InputArtifacts:
     def rig(self, settings: StageSettings) -> Rig:
         """Build the rig with its priors, by settings that hold the log's mounts (`mounted`).
 
-        The prior of the depths' bias is wider where the level of the depths stepped.
+        The prior of the depths' bias is wider where the level of the depths stepped, and that of
+        the heading's drift where the heading was taken from the rates.
         """
         rig = rig_with_priors(settings, self.ingest.camera_models)
-        return rig.with_depth_offset(self.navigate.depth_offset_m)
+        navigate = self.navigate
+        return rig.with_wider_navigation(
+            depth_bias_m=navigate.depth_offset_m,
+            heading_drift_rad_s=navigate.heading_drift_sigma_rad_s,
+        )
 
     @property
     def track(self) -> VehicleTrack:

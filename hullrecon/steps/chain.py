@@ -139,7 +139,7 @@ STAGES = (
         optional=("links", "matches"),
         uses=(*RIG_SECTIONS, "hull"),
         parameters=AdjustOptions,
-        version=43,
+        version=44,
         run=_later("adjust"),
     ),
     Stage(

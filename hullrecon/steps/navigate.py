@@ -114,6 +114,7 @@ def run(context: Context[NoOptions]) -> None:
     facts = {
         "suspects": [one.document() for one in judged.tried],
         "depth_offset_m": judged.depth_offset_m,
+        "heading_drift_sigma_rad_s": judged.heading_drift_sigma_rad_s,
         **found.facts,
     }
     # That clocks are off is said with the estimated offsets, among the remarks of the path.
@@ -195,14 +196,15 @@ def _check_rig(context: Context[NoOptions], records: SensorRecords) -> Delay | N
 def _sigmas(context: Context[NoOptions], judged: Judged) -> NavigationSigmas:
     """Collect the sigmas of navigation by dive.toml, widened by what was found wrong.
 
-    They are wide for a tray whose logged angle was found useless, and for depths whose level
-    stepped.
+    They are wide for a tray whose logged angle was found useless, for depths whose level stepped,
+    and for a heading that was taken from the rates.
 
     judged: what the comparison of the sensors found.
     """
     sigmas = sigmas_from_settings(_ingest_and_settings(context)[1])
     depth_m = float(np.hypot(sigmas.depth_bias_m, judged.depth_offset_m))
-    sigmas = replace(sigmas, depth_bias_m=depth_m)
+    drift_rad_s = float(np.hypot(sigmas.heading_drift_rad_s, judged.heading_drift_sigma_rad_s))
+    sigmas = replace(sigmas, depth_bias_m=depth_m, heading_drift_rad_s=drift_rad_s)
     useless = any(finding.code in USELESS_ANGLES for finding in judged.findings)
     return replace(sigmas, tray_unknown_rad=UNKNOWN_TRAY_RAD) if useless else sigmas
 

@@ -780,17 +780,50 @@ def test_orientation_of_other_axes_is_named_before_rates_and_dvl(down, own, axes
     assert found.values["value"] == axes
 
 
-def test_compass_that_swings_is_told_with_the_key_that_heals():
+def swung(records: SensorRecords, swing_rad: np.ndarray) -> SensorRecords:
+    """The dive with a heading that is off by `swing_rad`, one for each reading of the IMU."""
+    turn = Rotation.from_euler("z", swing_rad[:, None])
+    quaternion = (turn * Rotation.from_quat(records.imu.quaternion)).as_quat()
+    return with_imu(records, quaternion=quaternion)
+
+
+@pytest.mark.parametrize("seen", [[], flows()], ids=["no camera", "camera"])
+@pytest.mark.parametrize("swing_deg", [4.0, 12.0])
+def test_compass_that_swings_is_put_right_by_the_rates(swing_deg, seen):
+    true = dive()
+    swing = np.radians(swing_deg) * np.sin(0.25 * true.imu.t_ns / NS)
+    found = judged(swung(true, swing), seen)
+    (finding,) = found.findings
+    assert (finding.code, finding.values["fault"]) == ("sensor-mended", "heading")
+    off = Rotation.from_quat(found.records.imu.quaternion) * attitude(true.imu.t_ns / NS).inv()
+    heading = np.degrees(off.as_rotvec()[:, 2])
+    assert np.ptp(heading) < swing_deg / 2
+    slope = np.polyfit(true.imu.t_ns / NS, heading, 1)[0]  # degrees a second
+    assert abs(slope) < 3 * np.degrees(found.heading_drift_sigma_rad_s)
+
+
+def test_compass_without_fault_adds_no_drift():
+    assert judged(dive()).heading_drift_sigma_rad_s == 0.0
+
+
+@pytest.mark.parametrize("factor", [0.0, 2.0], ids=["dead", "twice as fast"])
+def test_rates_that_are_wrong_about_the_vertical_are_not_taken_for_a_compass(factor):
     records = dive()
-    swing = np.radians(12.0) * np.sin(0.25 * records.imu.t_ns / NS)
-    level = Rotation.from_quat(records.imu.quaternion)
-    swung = Rotation.from_euler("z", swing[:, None]) * level
-    records = with_imu(records, quaternion=swung.as_quat())
-    (finding,) = judged(records).findings
-    assert finding.code == "sensors-contradict"
+    rates = records.imu.angular_velocity * [1.0, 1.0, factor]
+    (finding,) = judged(with_imu(records, angular_velocity=rates)).findings
+    assert finding.values["sensors"] == ["IMU's rates", "IMU's orientation"]
+
+
+def test_compass_that_turns_twice_as_far_as_the_rates_is_told_with_the_key_that_heals():
+    """Soft iron does that, and so do rates of a wrong scale: either may be wrong."""
+    true = dive()
+    given = swung(true, attitude(true.imu.t_ns / NS).as_euler("ZYX")[:, 0])
+    (finding,) = judged(given).findings
+    assert finding.values["sensors"] == ["IMU's rates", "IMU's orientation"]
     assert 'give imu.heading = "rates"' in finding.sentence
-    healed = heading_by_rates(records.imu.t_ns, swung, records.imu.angular_velocity)
-    assert not judged(with_imu(records, quaternion=healed.rotation.as_quat())).findings
+    logged = Rotation.from_quat(given.imu.quaternion)
+    healed = heading_by_rates(given.imu.t_ns, logged, given.imu.angular_velocity)
+    assert not judged(with_imu(given, quaternion=healed.rotation.as_quat())).findings
 
 
 def test_orientation_that_stands_still_does_not_blame_the_rates_alone():

@@ -31,7 +31,24 @@ class RateHeading:
     rotation: Rotation  # (n,) from the vehicle to `global`
     drift_rad_s: float  # of the rates' heading against the orientation's; it was taken off
     drift_sigma_rad_s: float
-    swing_rad: float  # root mean square of the difference of the headings once the drift is off
+    difference_rad: Array  # (n,) of this heading from the orientation's, once the drift is off
+    turned_rad: Array  # (n,) since the start about the vertical, by the rates alone
+
+    @property
+    def swing_rad(self) -> float:
+        """Root mean square of the difference of the headings."""
+        return float(np.sqrt(np.mean(np.square(self.difference_rad))))
+
+    def swing_beyond_scale(self) -> float:
+        """Compute the root mean square, rad, that a drift and a scale of the rates do not explain.
+
+        Rates that are too large by a factor turn away from the orientation as the vehicle turns.
+        """
+        design = np.column_stack(
+            [np.ones_like(self.turned_rad), np.arange(len(self.turned_rad)), self.turned_rad]
+        )
+        fit, *_ = np.linalg.lstsq(design, self.difference_rad, rcond=None)
+        return float(np.sqrt(np.mean(np.square(self.difference_rad - design @ fit))))
 
 
 def heading_by_rates(t_ns: Ints, rotation: Rotation, rates: Array) -> RateHeading:
@@ -63,9 +80,11 @@ def heading_by_rates(t_ns: Ints, rotation: Rotation, rates: Array) -> RateHeadin
     turned = rotation.apply(np.nan_to_num(rates))[:, 2]  # about the vertical, rad/s
     step_s = np.diff(t_s)
     by_orientation = (rotation[1:] * rotation[:-1].inv()).as_rotvec()[:, 2]
+    by_rates = 0.5 * (turned[1:] + turned[:-1]) * step_s
+    untold = (step_s > LONGEST_GAP_S) | ~known[1:] | ~known[:-1]
+    by_rates[untold] = by_orientation[untold]
     # by how much the heading of the rates turns more than that of the orientation, a step, rad
-    growth = 0.5 * (turned[1:] + turned[:-1]) * step_s - by_orientation
-    growth[(step_s > LONGEST_GAP_S) | ~known[1:] | ~known[:-1]] = 0.0
+    growth = by_rates - by_orientation
     # heading of the rates minus that of the orientation, rad
     difference = np.concatenate([[0.0], np.cumsum(growth)])
     drift, sigma = _estimate_drift(t_s, difference)
@@ -75,7 +94,8 @@ def heading_by_rates(t_ns: Ints, rotation: Rotation, rates: Array) -> RateHeadin
         rotation=Rotation.from_euler("z", difference[:, None]) * rotation,
         drift_rad_s=drift,
         drift_sigma_rad_s=sigma,
-        swing_rad=float(np.sqrt(np.mean(np.square(difference)))),
+        difference_rad=difference,
+        turned_rad=np.concatenate([[0.0], np.cumsum(by_rates)]),
     )
 
 

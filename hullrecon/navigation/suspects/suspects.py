@@ -82,6 +82,7 @@ class Judged:
     findings: list[Finding]
     tried: list[Tried]  # for each contradiction, the hypotheses that explain most
     depth_offset_m: float = 0.0  # by which the level of depths may be off, where it stepped
+    heading_drift_sigma_rad_s: float = 0.0  # of a heading that was taken from the rates
 
 
 def judge(
@@ -111,6 +112,7 @@ def judge(
     """
     findings: list[Finding] = []
     tried: list[Tried] = []
+    drift_sigma_rad_s = 0.0
     for _ in range(FAULTS):
         motions = Motions(records, rig, flows)
         base = compare(motions)
@@ -138,6 +140,7 @@ def judge(
             findings.append(Finding("pressure-unit-open", {"readings": units}, where))
         elif best[0][0].exact:
             records = best[0][0].mended
+            drift_sigma_rad_s = max(drift_sigma_rad_s, best[0][0].heading_drift_sigma_rad_s)
             findings.append(_describe_fault("sensor-mended", best[0][0], wrong, topics))
             continue
         else:
@@ -147,7 +150,12 @@ def judge(
             values = {**found_wrong.values, "remedy": remedy}
             findings.append(replace(found_wrong, values=values))
         break
-    return Judged(records=records, findings=findings, tried=tried)
+    return Judged(
+        records=records,
+        findings=findings,
+        tried=tried,
+        heading_drift_sigma_rad_s=drift_sigma_rad_s,
+    )
 
 
 def explain_best(found: Sequence[tuple[Hypothesis, Tried]]) -> list[tuple[Hypothesis, Tried]]:
@@ -253,11 +261,11 @@ def _try_all(
         remaining = None if is_constant else next((c for c in own if not repeated.solves(c)), None)
         if remaining is None:
             # the chi-square of comparisons that are not repeated yet falls to zero at best
-            gain = sum(c.chi2 - _chi2_under(c, repeated.comparison(c.kind)) for c in own)
+            gain = sum(c.chi2 - repeated.chi2(c) for c in own)
             gain += sum(c.chi2 for c in base if one.sensor in c.sensors and not c.accuses)
             solved.append((before - gain, one, repeated))
         else:
-            worse = _chi2_under(remaining, repeated.comparison(remaining.kind)) - remaining.chi2
+            worse = repeated.chi2(remaining) - remaining.chi2
             unsolved = sorted([*unsolved, (worse, one, repeated)], key=lambda row: row[0])[:SHOWN]
     # Repeat all comparisons of hypotheses that may still be the best, and of some that failed.
     tried: list[tuple[Hypothesis, Tried]] = []
@@ -280,6 +288,7 @@ class _RepeatedComparisons:
     def __init__(self, one: Hypothesis, before: Motions) -> None:
         flows = before.flows if one.flows is None else one.flows
         self._motions = Motions(one.mended, before.rig, flows, before)
+        self._untested = one.untested
         self._made: dict[str, Comparison | None] = {}
 
     def comparison(self, kind: str) -> Comparison | None:
@@ -299,6 +308,21 @@ class _RepeatedComparisons:
             return False
         return after.misfit < EXPLAINED or (before.is_reversed and not after.is_contradiction)
 
+    def chi2(self, before: Comparison) -> float:
+        """Compute a comparison's chi-square under the hypothesis.
+
+        Rows that are lost under it, or that agree whatever was logged, cost as much as before, but
+        at most one each, so that losing them is no gain.
+
+        before: the comparison as the dive was logged.
+        """
+        after = self.comparison(before.kind)
+        kept = after.chi2 if after is not None else 0.0
+        rows = len(before.residual)
+        lost = rows - (len(after.residual) if after is not None else 0)
+        lost += round(rows * self._untested.get(before.kind, 0.0))
+        return kept + max(0, lost) * min(1.0, before.chi2 / max(1, rows))
+
 
 def _weigh_hypothesis(
     one: Hypothesis, base: Sequence[Comparison], repeated: _RepeatedComparisons
@@ -311,11 +335,7 @@ def _weigh_hypothesis(
     """
     own = [c for c in base if c.accuses and one.sensor in c.sensors]
     before = sum(c.chi2 for c in base)
-    chi2 = before + sum(
-        _chi2_under(c, repeated.comparison(c.kind)) - c.chi2
-        for c in base
-        if one.sensor in c.sensors
-    )
+    chi2 = before + sum(repeated.chi2(c) - c.chi2 for c in base if one.sensor in c.sensors)
     chi2 += GAIN * (one.faults - 1)
     solved = one.fault == "constant" or all(repeated.solves(c) for c in own)
     after = [
@@ -331,19 +351,6 @@ def _weigh_hypothesis(
         chi2_before=before,
         explains=solved and sound and gains,
     )
-
-
-def _chi2_under(before: Comparison, after: Comparison | None) -> float:
-    """Compute a comparison's chi-square under a hypothesis.
-
-    Rows that are lost under it cost as much as before, but at most one each, so that losing them is
-    no gain.
-
-    before, after: the comparison as logged, and under the hypothesis.
-    """
-    kept = after.chi2 if after is not None else 0.0
-    lost = len(before.residual) - (len(after.residual) if after is not None else 0)
-    return kept + max(0, lost) * min(1.0, before.chi2 / max(1, len(before.residual)))
 
 
 def _describe_fault(

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -31,3 +31,6 @@ class Hypothesis:
     # by which the stamps are late (the last one, where the clock runs fast); negative: early
     late_s: float = 0.0
     faults: int = 1  # that are corrected at once
+    # share of a comparison's rows, by its kind, that the correction makes agree in any case
+    untested: Mapping[str, float] = field(default_factory=dict)
+    heading_drift_sigma_rad_s: float = 0.0  # of a heading that is the integral of rates

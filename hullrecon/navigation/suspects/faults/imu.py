@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.dive.logs.heading import LEAST_RATES, heading_by_rates
 from hullrecon.dive.logs.streams.imu import FRD_FROM_FLU, NED_FROM_ENU
 from hullrecon.dive.logs.turns import scale_between, turns_within_seconds
 from hullrecon.navigation.suspects.comparisons.comparison import Sensor
@@ -35,6 +36,9 @@ RADIANS_A_SECOND = {
     "mrad/s": 1e-3,
     "rpm": np.pi / 30,
 }
+LEAST_SWING_RAD = np.radians(0.5)  # of a heading about that of the rates: filters leave as much
+# Share of the rows of a comparison that agree whatever was logged, once the heading is the rates'
+BY_RATES = {"turn": 1 / 3, "heading": 1.0}
 UPRIGHT = 0.7  # mean cosine of the tilt, above which a vehicle is not on its side
 
 
@@ -82,12 +86,37 @@ def imu_faults(records: SensorRecords, imu: ImuSamples, given: Conventions) -> I
 
     Wrong are the orientation alone, the axes of the whole instrument, or the accelerations alone.
     """
+    yield from _swinging_heading(records, imu)
     yield from _orientation_faults(records, imu, given)
     for clock in clock_faults(imu.t_ns):
         yield clock.hypothesis(Sensor.ATTITUDE, replace(records, imu=clock.correct(imu)))
     yield from _turned_instruments(records, imu)
     yield from _left_handed(records, imu, given)
     yield from _acceleration_faults(records, imu, given)
+
+
+def _swinging_heading(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
+    """Yield a heading that swings about the integral of the rates, as a compass does near steel.
+
+    Nothing is yielded where the rates do not tell the heading: where too few were logged, one of
+    them stands still to the last digit, or a wrong scale of theirs explains the difference.
+    """
+    known = np.isfinite(imu.angular_velocity).all(axis=1)
+    if known.mean() < LEAST_RATES or (np.ptp(imu.angular_velocity[known], axis=0) == 0).any():
+        return
+    found = heading_by_rates(imu.t_ns, Rotation.from_quat(imu.quaternion), imu.angular_velocity)
+    if found.swing_beyond_scale() < LEAST_SWING_RAD:
+        return
+    steady = replace(imu, quaternion=found.rotation.as_quat())
+    yield Hypothesis(
+        sensor=Sensor.ATTITUDE,
+        fault="heading",
+        value=f"{np.degrees(found.swing_rad):.1f}",
+        mended=replace(records, imu=steady),
+        exact=True,
+        untested=BY_RATES,
+        heading_drift_sigma_rad_s=found.drift_sigma_rad_s,
+    )
 
 
 def _orientation_faults(
