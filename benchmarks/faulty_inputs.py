@@ -61,10 +61,14 @@ NAMES = {
 # of sentences on how well something is known, and on readings that any log has
 NEUTRAL = (
     r"is uncertain by|clock agrees with the \S+ is known to|too plain to tell"
-    r"|for a model that is to scale|rejected as outliers|fall into \d+ parts|^to fill in"
+    r"|for a model that is to scale|for a speed of sound that is right|rejected as outliers"
+    r"|fall into \d+ parts|^to fill in"
 )
 # that sigmas hold if an input is right: what no other measurement of a dive tells
-GIVEN = {"cad": r"sigmas of the position (on the hull )?hold for a model that is"}
+GIVEN = {
+    "cad": r"sigmas of the position (on the hull )?hold for a model that is",
+    "dvl": r"sigmas hold for a speed of sound that is right",
+}
 # what was compared is no accusation, and what a dive without cameras is mapped by
 EVIDENCE = r"\([^()]*\)|(?<=is not known): .*|a dive with a DVL is mapped by that alone"
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hullrecon.adjustment.partition import join
+from hullrecon.adjustment.problem import weighting
 from hullrecon.adjustment.problem.state import Weights
 from hullrecon.adjustment.rounds import Estimate, Phase, RoundSolver, Verdict
 from hullrecon.errors import StageError
@@ -298,7 +299,7 @@ def widen_ranges(after: Estimate, share: float) -> Weights:
     not determine a length better than one.
     """
     returns = after.measured.returns
-    if returns is None or not len(returns.range_m):
+    if returns is None:
         return after.weights
-    together_m = share * float(np.median(returns.range_m)) * np.sqrt(len(returns.range_m))
+    together_m = weighting.sigma_of_common_scale(returns.range_m, share)
     return replace(after.weights, range_sigma=max(after.weights.range_sigma, together_m))

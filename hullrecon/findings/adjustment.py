@@ -237,6 +237,9 @@ WARNINGS: dict[str, Words] = {
     "cad-model-untold": "The surveyed part of the hull is too plain to tell whether the CAD model "
     "is of this ship: another of her length would fit as well, and where on the hull the dive was "
     "is what hull.pose says. The sigmas of the position hold for a model that is right.",
+    "lengths-untold": "Nothing in this dive but the DVL tells how long distances are. The sigmas "
+    "hold for a speed of sound that is right to {per_cent:.2g} % (dvl.scale_sigma): set for sea "
+    "water, a DVL measures 3 % too long in fresh water.",
     "explained-as-well": _explained_as_well,
     "explained-better": _explained_better,
 }

@@ -60,6 +60,7 @@ def test_every_fault_has_a_sensor_and_changes_something(kind: str):
 def test_what_says_how_well_something_is_known_accuses_nobody():
     assert seen().accusations == []
     assert seen(told="the sigmas hold for a model that is to scale.").accusations == []
+    assert seen(told="they hold for a speed of sound that is right to 1 %").accusations == []
     assert seen(told="DVL: wrong (by the images)").accusations == ["DVL: wrong "]
 
 

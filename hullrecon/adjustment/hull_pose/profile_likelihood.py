@@ -178,7 +178,7 @@ def _fit_steps(valley: Valley, start: Poses, steps: Array) -> list[tuple[Poses, 
     def fit_from(base: Poses, shift_m: float) -> tuple[Poses, float]:
         return _fit(valley, _shift(valley, base, shift_m * along), held=along)
 
-    def fit_outwards(outwards: Sequence[float]) -> list[tuple[Poses, float]]:
+    def fit_outwards(outwards: Array) -> list[tuple[Poses, float]]:
         found = [at_middle]
         for nearer, farther in pairwise((steps[middle], *outwards)):
             found.append(fit_from(found[-1][0], farther - nearer))

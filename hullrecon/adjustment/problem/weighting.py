@@ -236,6 +236,16 @@ def _sigma_of_lengths(length: Array, redundancy: Array) -> float:
     return float(np.median(length) / np.sqrt(2 * np.log(2)) / np.sqrt(mean_redundancy))
 
 
+def sigma_of_common_scale(range_m: Array, share: float) -> float:
+    """Compute the sigma, m, with which ranges (n,) tell the scale they share to `share` together.
+
+    An error that all ranges share does not average out, however many there are. 0 without ranges.
+    """
+    if not len(range_m):
+        return 0.0
+    return share * float(np.median(range_m)) * float(np.sqrt(len(range_m)))
+
+
 def depth_sigma(m: Measurements, weights: Weights) -> float:
     """Compute the median sigma of a depth with these weights, m. NaN without depths."""
     return (

@@ -22,7 +22,8 @@ from hullrecon.adjustment.results.unexpected_errors import (
     navigation_warnings,
     scale_warning,
 )
-from hullrecon.adjustment.stereo_calibration import stereo_warning
+from hullrecon.adjustment.results.untold_lengths import only_dvl_tells_lengths
+from hullrecon.adjustment.stereo_calibration import DVL_SCALE, stereo_warning
 from hullrecon.adjustment.suspects import Trial, best_explanations
 from hullrecon.findings.finding import Finding
 from hullrecon.records.solution import Solution
@@ -124,7 +125,7 @@ def _segment_warnings(placement: Placement) -> list[str]:
 def unexpected_errors(
     m: Measurements, adjusted: Adjusted, marginals: native.Covariance
 ) -> list[str]:
-    """Warn of each sensor error and each mount that was found beyond what dive.toml allows."""
+    """Warn of errors of sensors and mounts beyond what dive.toml allows, and of untold lengths."""
     allowed, state = m.rig.priors.navigation_sigma, adjusted.state
     by_lengths = adjusted.verdict.stereo is not None and not adjusted.verdict.stereo.by_images
     # Where lengths disagree, another warning mentions the DVL's scale
@@ -149,6 +150,9 @@ def unexpected_errors(
             marginals.T_s_ct,
         ),
     }
+    if not lengths and only_dvl_tells_lengths(adjusted):
+        per_cent = 100 * float(m.rig.priors.navigation_sigma[DVL_SCALE])
+        lengths = [Finding("lengths-untold", {"per_cent": per_cent}).sentence]
     return [
         *lengths,
         *navigation_warnings(state.navigation, allowed, marginals.navigation),
