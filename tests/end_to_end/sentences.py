@@ -273,6 +273,15 @@ def _proportions(dive, _, percent):
     return [] if value(percent) > 0 else ["a sigma of zero"]
 
 
+def _lengths(dive, _, percent, in_fresh_water):
+    """Two cameras tell lengths. Sound goes at 1490 m/s in sea water of 10 degrees, in fresh water
+    of 10 degrees at 1447 m/s.
+    """
+    out = unlike("dvl.scale_sigma", percent, 100 * dive.settings["dvl"].get("scale_sigma", 0.005))
+    out += unlike("sea water over fresh", in_fresh_water, 100 * (1490 / 1447 - 1))
+    return out + (["two cameras tell lengths"] if len(dive.images) > 1 else [])
+
+
 def _cad_model(dive, _, faces, *sizes):
     size = dive.cad_mesh.bounds
     true = (*(size[1] - size[0]), *size[0], *size[1])
@@ -687,6 +696,11 @@ TABLE = (
         _tilt,
     ),
     (rf"tells the CAD model's proportions and scale to {N} % \(one sigma\)", _proportions),
+    (
+        rf"hold for a speed of sound that is right to {N} % \(dvl\.scale_sigma\): set for sea "
+        rf"water, a DVL measures {N} % too long in fresh water",
+        _lengths,
+    ),
     (
         rf"hull\.stl: {N} faces, {N} x {N} x {N} m, from \({N}, {N}, {N}\) to \({N}, {N}, {N}\)",
         _cad_model,
