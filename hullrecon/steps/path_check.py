@@ -15,6 +15,7 @@ from hullrecon.dive.images.sink import SampledImages
 from hullrecon.dive.ingest.result import IngestResult
 from hullrecon.errors import StageError
 from hullrecon.findings.finding import Finding
+from hullrecon.findings.package import DVL_ALONE
 from hullrecon.geometry.frames import Camera
 from hullrecon.navigation.dead_reckoning.dead_reckon import (
     NavigationLogs,
@@ -46,7 +47,7 @@ LOOKED_AT = 12
 def check_path(
     loaded: LoadedConfig, found: IngestResult, sampled: Mapping[str, SampledImages]
 ) -> list[Finding]:
-    """Report, as an error, that what was logged gives no path. Empty where it does.
+    """Report, as an error, that what was logged gives no path, or no two images to match.
 
     Sensors that are missing altogether are reported elsewhere.
 
@@ -57,6 +58,10 @@ def check_path(
     except StageError as error:
         values = {"what": error.what, "where": error.where, "remedy": error.remedy}
         return [Finding("unusable", values)]
+    usable = [np.count_nonzero(index.usable) for index in found.images.values()]
+    if usable and max(usable) < 2:
+        what = "no camera has two images that can be used, and one alone is matched with none"
+        return [Finding("unusable", {"what": what, "where": "", "remedy": DVL_ALONE})]
     return []
 
 

@@ -141,3 +141,12 @@ def test_cameras_that_stood_still_are_refused_where_no_other_moved(package, stil
     assert [
         camera for camera in ("top", "bottom") if f"camera_{camera} are one pic" in reasons
     ] == (list(still) if len(still) == 2 else [])
+
+
+def test_one_image_of_each_camera_is_refused_until_the_dvl_is_alone(package):
+    write_dvl_dive(package, 50, 200)
+    text = (package / "dive.toml").read_text()
+    write_stereo_dive(package, 1, hidden=False)
+    assert "no camera has two images" in "; ".join(check(package).reasons)
+    (package / "dive.toml").write_text(text)
+    assert check(package).run_is_possible
