@@ -13,7 +13,7 @@ from hullrecon.vision.pairs.camera_track import CameraTrack
 
 GRID = 8  # cells of a footprint along each side
 BLOCKS_AT_A_TIME = 2  # of footprints, in threads
-GRID_POINTS = 1_000_000  # of footprints, in memory at a time
+GRID_POINTS = 250_000  # of footprints, in memory at a time: few pairs have several blocks too
 
 
 def footprint_overlap(
