@@ -52,11 +52,8 @@ FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a 
     "axes, {value} the other way",
     ("IMU's orientation", "negated"): "orientation, rates and accelerations have {value} with the "
     "other sign",
-    (
-        "IMU's orientation",
-        "heading",
-    ): "its heading swings by {value} degrees (root mean square) about "
-    "that of the rates, as a compass does near a ship's steel",
+    ("IMU's orientation", "heading"): "its heading swings by {value} degrees (root mean square) "
+    "about that of the rates, as a compass does near a ship's steel",
     ("IMU's orientation", "angle"): "it turns by {value} the angle that the vehicle does",
     ("IMU's orientation", "sign"): "the orientation has its {value} with the other sign",
     ("IMU's acceleration", "axes"): "the accelerations are along {value} of the orientation's axes",
@@ -87,7 +84,7 @@ LEFT_AWAY = {"pressure": "leave topics.pressure away, or name the topic of the w
 DONE = {
     "constant": "they are left out",
     "repeated": "they are left out",
-    "heading": "the heading of the rates was taken, with a drift as large as they may have",
+    "heading": "the heading of the rates was taken, and their drift counts in the sigmas",
     "order": "it was put right",
     "angle": "it was put right",
     "sign": "it was put right",

@@ -3,7 +3,7 @@
 """Tell whether anything but the DVL says how long a dive's lengths are.
 
 A wrong speed of sound makes the velocities and the ranges of a DVL too long alike. In the solve the
-ranges have no error in common, so that its sigma of the scale says nothing of that.
+ranges have no error in common, so that the sigma of the scale that it gives does not hold that.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from hullrecon.adjustment.stereo_calibration import DVL_SCALE
 RangeTable = TypeVar("RangeTable", native.RangeTable, native.PlaneRangeTable)
 # With this sigma of their common scale, in sigmas of the DVL's scale, ranges tell nothing of that
 FREE = 10.0
-HALF = 0.5  # of the information on the scale: less comes from the dive, the rest from the prior
+MOSTLY_PRIOR = 0.5  # variance of the scale over its prior's, above which the dive tells less of it
 
 
 def only_dvl_tells_lengths(adjusted: Adjusted) -> bool:
@@ -43,7 +43,7 @@ def only_dvl_tells_lengths(adjusted: Adjusted) -> bool:
         plane_ranges=_untold_by(problem.plane_ranges, FREE * prior),
     )
     found = join.covariance(problem, adjusted.plan, adjusted.settings, of_landmarks=False)
-    return bool(found.navigation[DVL_SCALE, DVL_SCALE] > HALF * prior**2)
+    return bool(found.navigation[DVL_SCALE, DVL_SCALE] > MOSTLY_PRIOR * prior**2)
 
 
 def _untold_by(ranges: RangeTable, share: float) -> RangeTable:

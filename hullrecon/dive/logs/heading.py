@@ -44,9 +44,8 @@ class RateHeading:
 
         Rates that are too large by a factor turn away from the orientation as the vehicle turns.
         """
-        design = np.column_stack(
-            [np.ones_like(self.turned_rad), np.arange(len(self.turned_rad)), self.turned_rad]
-        )
+        level, drift = np.ones(len(self.turned_rad)), np.arange(len(self.turned_rad))
+        design = np.column_stack([level, drift, self.turned_rad])
         fit, *_ = np.linalg.lstsq(design, self.difference_rad, rcond=None)
         return float(np.sqrt(np.mean(np.square(self.difference_rad - design @ fit))))
 
