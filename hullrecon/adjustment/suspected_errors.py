@@ -112,6 +112,7 @@ def free_navigation(
     """
 
     def free(problem: native.Problem) -> native.Problem:
+        """Widen the priors of the problem's navigation errors."""
         wide = problem.priors.navigation_sigma.copy()
         for index, value in sigma.items():
             wide[index] = max(wide[index], value)
@@ -124,6 +125,7 @@ def _free_mount(block: str) -> Callable[[native.Problem], native.Problem]:
     """Make a function that widens the prior of the mount in a block of the problem."""
 
     def free(problem: native.Problem) -> native.Problem:
+        """Widen the prior of the mount to FREE_M and FREE_RAD."""
         prior = getattr(problem.priors, block)
         loose = np.diag(np.r_[np.full(3, 1 / FREE_M), np.full(3, 1 / FREE_RAD)])
         if block == "T_s_d":  # the DVL's position is held, as no measurement determines it
@@ -159,6 +161,7 @@ def _free_intrinsics(
     """
 
     def free(problem: native.Problem) -> native.Problem:
+        """Make the entries of the cameras' intrinsics unknowns with wide priors."""
         sigma = np.r_[np.full(4, HELD_PX), np.full(5, HELD)]
         pixels = entries != RADIAL
         sigma[entries] = FREE_SHARE * (problem.unknowns.intrinsics_top[FOCAL] if pixels else 1.0)
@@ -169,45 +172,55 @@ def _free_intrinsics(
 
 
 def without_attitude(problem: native.Problem, columns: Sequence[int]) -> native.Problem:
+    """Leave out some angles of the attitude sensor, by sigmas so large that they do not count.
+
+    columns: of the table's sigmas.
+    """
     sigma = problem.attitude.sigma.copy()
     sigma[:, columns] *= LEFT_OUT
     return replace(problem, attitude=replace(problem.attitude, sigma=sigma))
 
 
 def _loosen_tray(problem: native.Problem) -> native.Problem:
+    """Let the tray's angle be off by LOOSE_TRAY_RAD at each node."""
     sigma = np.hypot(problem.tray.sigma, LOOSE_TRAY_RAD)
     return replace(problem, tray=replace(problem.tray, sigma=sigma))
 
 
 def _without_planes(problem: native.Problem) -> native.Problem:
+    """Leave out the planes that the DVL saw."""
     return replace(
         problem, plane_ranges=native.PlaneRangeTable(), plane_pairs=native.PlanePairTable()
     )
 
 
 def _without_positions(problem: native.Problem) -> native.Problem:
+    """Leave out positions from outside, by sigmas so large that they do not count."""
     sigma = LEFT_OUT * problem.positions.sigma
     return replace(problem, positions=replace(problem.positions, sigma=sigma))
 
 
 def _without_velocities(problem: native.Problem) -> native.Problem:
+    """Leave out the translations of the odometry, which the DVL's velocities tell."""
     rows = problem.odometry.sqrt_information.copy()
     rows[:, :3] /= LEFT_OUT
     return replace(problem, odometry=replace(problem.odometry, sqrt_information=rows))
 
 
 def _without_turns(problem: native.Problem) -> native.Problem:
-    """Leave out the turns of the odometry. Its upper rows hold what the velocities tell alone."""
+    """Leave out the odometry's rotations. Its upper rows hold what the velocities tell alone."""
     rows = problem.odometry.sqrt_information.copy()
     rows[:, 3:] /= LEFT_OUT
     return replace(problem, odometry=replace(problem.odometry, sqrt_information=rows))
 
 
 def _found_scale(_: native.Problem, unknowns: native.Unknowns) -> float:
+    """Read the DVL's scale error that a solve found."""
     return float(unknowns.navigation[SCALE])
 
 
 def _found_tilt(_: native.Problem, unknowns: native.Unknowns) -> float:
+    """Compute the size, rad, of the error in roll and pitch that a solve found."""
     return float(np.hypot(unknowns.navigation[ROLL], unknowns.navigation[PITCH]))
 
 
@@ -218,6 +231,7 @@ def _turn(block: str) -> Callable[[native.Problem, native.Unknowns], float]:
     """
 
     def turn(problem: native.Problem, unknowns: native.Unknowns) -> float:
+        """Compute the angle, rad, between the mount's prior and the solution."""
         nominal = Rotation.from_quat(getattr(problem.priors, block).value[3:])
         found = Rotation.from_quat(getattr(unknowns, block)[3:])
         return float((nominal.inv() * found).magnitude())
@@ -232,6 +246,7 @@ def _focal_ratio(cameras: Sequence[str]) -> Callable[[native.Problem, native.Unk
     """
 
     def ratio(problem: native.Problem, unknowns: native.Unknowns) -> float:
+        """Compute the ratio of solved to calibrated focal length that is farthest from one."""
         ratios = np.concatenate(
             [getattr(unknowns, c)[FOCAL] / getattr(problem.unknowns, c)[FOCAL] for c in cameras]
         )
@@ -244,6 +259,7 @@ def _center_shift(cameras: Sequence[str]) -> Callable[[native.Problem, native.Un
     """Make a function that computes by how many pixels a solve moved a principal point at most."""
 
     def shift_px(problem: native.Problem, unknowns: native.Unknowns) -> float:
+        """Compute the largest distance, px, between a solved and a calibrated principal point."""
         shifts = [
             getattr(unknowns, c)[CENTER] - getattr(problem.unknowns, c)[CENTER] for c in cameras
         ]
@@ -263,6 +279,7 @@ def _distortion_change(
     """
 
     def change_px(problem: native.Problem, unknowns: native.Unknowns) -> float:
+        """Compute the rms, px, by which distortions part, of the camera that is moved most."""
         return max(
             _nonlinear_rms(
                 _pixels(problem, block), getattr(problem.unknowns, block), getattr(unknowns, block)

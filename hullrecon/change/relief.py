@@ -86,9 +86,10 @@ def blur(height: Array, cells: float) -> Array:
 
 
 def local_median(height: Array, window: int) -> Array:
-    """Compute a running median (a, g) over squares of `window` cells. NaN if nothing was seen.
+    """Compute a running median of heights (a, g), m, over squares of `window` cells.
 
-    To save time it is computed once for each block of a fifth of the window, over the 5 by 5 blocks
+    NaN where nothing was seen. a and g count cells of the chart along the hull and in girth. To
+    save time it is computed once for each block of a fifth of the window, over the 5 by 5 blocks
     around it, and interpolated between blocks.
     """
     # All heights of each block, then of the 5 by 5 blocks around it

@@ -134,7 +134,10 @@ def regress(kernel: Kernel, seen: Observations, wanted: Array, most: int = MOST)
 
 
 def _predict(kernel: Kernel, seen: Observations, wanted: Array) -> tuple[Array, Array]:
-    """Predict mean and sigma (k,) at points (k, 2). Without observations they are the prior's."""
+    """Predict mean and sigma (k,) m at points `wanted` (k, 2) m.
+
+    Without observations they are the prior's.
+    """
     if not len(seen.at):
         return np.zeros(len(wanted)), np.full(len(wanted), kernel.sigma)
     found = fit_robust(kernel, seen.at, seen.offset, seen.noise)
@@ -188,6 +191,7 @@ class Kernel:
         tree = cKDTree(right)
 
         def rows(part: Array) -> sparse.csr_array:
+            """Compute the rows of the matrix that belong to a part of the points `a`, scaled."""
             pairs = cKDTree(part).sparse_distance_matrix(
                 tree, 1.0, p=self.NORM, output_type="ndarray"
             )
@@ -227,15 +231,15 @@ class Regression:
     factor: CovarianceFactor  # of the observations' covariance
 
     def mean(self, wanted: Array) -> Array:
-        """Predict the field at points (k, 2) [Ozog2016 eq. 3.2]."""
+        """Predict the field (k,) m at points `wanted` (k, 2) m [Ozog2016 eq. 3.2]."""
         starts = range(0, len(wanted), CHUNK)
         parts = [self.kernel.matrix(wanted[i : i + CHUNK], self.at) @ self.weights for i in starts]
         return np.concatenate([np.zeros(0), *parts])
 
     def sigma(self, wanted: Array, noise: float = 0.0) -> Array:
-        """Predict the sigma of the field at points (k, 2) [Ozog2016 eq. 3.3].
+        """Predict the sigma (k,) m of the field at points `wanted` (k, 2) m [Ozog2016 eq. 3.3].
 
-        With the noise of a return, it is that of the offset which another return would measure.
+        With the noise of a return, m, it is that of the offset which another return would measure.
         """
         parts = [
             self._explained_variance(wanted[i : i + CHUNK]) for i in range(0, len(wanted), CHUNK)
@@ -261,7 +265,7 @@ def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
 def _condition(
     kernel: Kernel, covariance: sparse.csr_array, at: Array, values: Array, noise: Array
 ) -> Regression:
-    """Condition as `fit` does, given the kernel's covariance (n, n) of the points."""
+    """Condition a field on values as `fit` does, given the field's covariance (n, n) there."""
     factor = factorise(covariance + sparse.diags_array(noise**2).tocsr())
     return Regression(
         kernel=kernel, at=at, noise=noise, weights=factor.solve(values), factor=factor
@@ -307,22 +311,21 @@ def maximise_likelihood(
 
     # Unknowns: logarithms of both lengths (m), of sigma (m) and of the factor on the noise
     pair = np.tril_indices(len(at))  # each pair once: correlations are symmetric
-    difference = at[pair[0]] - at[pair[1]]
+    difference = at[pair[0]] - at[pair[1]]  # m, of the two points of each pair
     low = np.log([limit[0], limit[0], 1e-3, 0.3])
     high = np.log([limit[1], limit[1], 1.0, 10.0])
 
-    def read(x: Array) -> tuple[Kernel, float]:
-        along, girth, sigma, factor_ = np.exp(np.clip(x, low, high))
-        return replace(start, length=(float(along), float(girth)), sigma=float(sigma)), float(
-            factor_
-        )
+    def kernel_and_noise_factor(unknowns: Array) -> tuple[Kernel, float]:
+        """Turn the unknowns (4,), clipped to their limits, into a kernel and the noise's factor."""
+        along, girth, sigma, factor_ = np.exp(np.clip(unknowns, low, high)).tolist()
+        return replace(start, length=(along, girth), sigma=sigma), factor_
 
-    def cost(x: Array) -> float:
-        """Compute minus the log likelihood, and a penalty outside of the limits."""
-        kernel, factor_ = read(x)
-        correlation = np.zeros((len(at), len(at)))
+    def cost(unknowns: Array) -> float:
+        """Compute minus the log likelihood of the values, plus a penalty outside of the limits."""
+        kernel, factor_ = kernel_and_noise_factor(unknowns)
+        correlation = np.zeros((len(at), len(at)))  # only its lower half is needed
         correlation[pair] = kernel.correlation(difference / np.array(kernel.length))
-        outside = float(np.sum((x - np.clip(x, low, high)) ** 2))
+        outside = float(np.sum((unknowns - np.clip(unknowns, low, high)) ** 2))
         return outside - _log_likelihood(kernel.sigma**2 * correlation, values, noise * factor_)
 
     first = np.clip(np.log([*start.length, start.sigma, 1.0]), low, high)
@@ -336,7 +339,7 @@ def maximise_likelihood(
         method="Nelder-Mead",
         options={"initial_simplex": simplex, "xatol": 0.03, "fatol": 0.05, "maxfev": 120},
     )
-    return read(found.x)
+    return kernel_and_noise_factor(found.x)
 
 
 def _log_likelihood(covariance: Array, values: Array, noise: Array) -> float:

@@ -155,24 +155,29 @@ LATENCY_NS = {
     "joints": 7_000_000,
     "sonar": 130_000_000,
 }
+OTHER_LATENCY_NS = 60_000_000
 
 
 def write_mcap(path: Path, streams: Streams) -> None:
-    """Write all streams into one file, each message logged a little after its stamp."""
+    """Write all streams of a dive into one MCAP file, in the order in which they are logged.
+
+    As on a vehicle, a message is logged a little after its stamp (LATENCY_NS).
+    """
     from mcap.writer import CompressionType, Writer
 
     with path.open("wb") as file:
         writer = Writer(file, chunk_size=1 << 20, compression=CompressionType.ZSTD)
         writer.start(profile="ros2", library="hullrecon")
         channels = _channels(writer, {name for _, name, _ in in_order(streams)})
-        rows = sorted(
-            (ns + LATENCY_NS.get(name, 60_000_000), name, k, ns)
-            for ns, name, k in in_order(streams)
+        by_logging = sorted(
+            (stamp_ns + LATENCY_NS.get(name, OTHER_LATENCY_NS), name, row, stamp_ns)
+            for stamp_ns, name, row in in_order(streams)
         )
-        for logged_ns, name, k, ns in rows:
-            message = MESSAGES[name](streams, k, ns)
-            data = bytes(store().serialize_cdr(message, TOPICS[name][1]))
-            writer.add_message(channels[name], log_time=logged_ns, publish_time=ns, data=data)
+        for logged_ns, name, row, stamp_ns in by_logging:
+            _, message_type = TOPICS[name]
+            message = MESSAGES[name](streams, row, stamp_ns)
+            data = bytes(store().serialize_cdr(message, message_type))
+            writer.add_message(channels[name], log_time=logged_ns, publish_time=stamp_ns, data=data)
         writer.finish()
 
 

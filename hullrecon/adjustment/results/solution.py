@@ -121,6 +121,7 @@ def build_solution(m: Measurements, adjusted: Adjusted, marginals: native.Covari
         image=m.trajectory.image,
         global_from_vehicle=state.nodes,
         tray=state.tray,
+        # A pose has six rows, of translation and rotation, and one of the tray's angle
         tray_sigma=np.sqrt(np.maximum(marginals.pose[:, 6, 6], 0)),
         pose_covariance=pose_covariance + _covariance_by_dvl_position(m, state),
         landmarks=Landmarks(

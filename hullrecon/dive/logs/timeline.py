@@ -389,11 +389,14 @@ def _describe_jumps(
 def _logged_late(stamp: Ints, logged: Ints) -> Mask:
     """Find the readings (n,) that were logged late: their clock ran on while logging lagged.
 
+    stamp, logged: (n,) ns, by the sensor's clock and by the logger's, in order of logging.
+
     Their stamps are right, so that nothing is corrected. Logging has to catch up again. Where it
     never does, the sensor's clock jumped instead.
     """
     out = np.zeros(len(stamp), bool)
     offset, resumed = stamp - logged, 0
+    # Where the stamps fall behind the logger's clock at once, but do not go back
     drops = np.flatnonzero((np.diff(offset) <= -JUMP_S * NS) & (np.diff(stamp) >= 0))
     for last in drops.tolist():
         if last < resumed:

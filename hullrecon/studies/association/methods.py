@@ -26,9 +26,10 @@ MOST_TESTS = 200_000  # a search by joint compatibility is cut short after these
 
 
 def nearest_neighbours(sets: PointSets, confidence: float = CONFIDENCE) -> Association:
-    """Pair every second point with the first point nearest to it by Mahalanobis distance.
+    """Pair each point of the second set with the nearest of the first by Mahalanobis distance.
 
-    A first point that several would take goes to the nearest of them.
+    A point of the first set that several would take goes to the nearest of them. confidence: of the
+    gate of a pair.
     """
     distance = np.where(sets.compatible(confidence), sets.squared_distances, np.inf)
     pairs = []
@@ -97,6 +98,19 @@ class _Search:
         candidates: list[tuple[int, list[int]]],
         most_tests: int,
     ) -> None:
+        """Prepare a search.
+
+        Parameters
+        ----------
+        sets
+            The points.
+        confidence
+            Of all pairs together.
+        candidates
+            Each point of the second set to pair, with the points of the first that it may be.
+        most_tests
+            Joint tests after which the search stops.
+        """
         self._candidates, self._most_tests = candidates, most_tests
         self._confidence = confidence
         self._hypothesis = Hypothesis(sets)
@@ -128,7 +142,10 @@ class _Search:
             self.branch(depth + 1)
 
     def _may_win(self, depth: int, with_pair: bool) -> bool:
-        """Bound a branch by the most pairs that it can still hold."""
+        """Tell whether a branch can still beat the best hypothesis, by the pairs left to make.
+
+        with_pair: whether the point at this depth is paired in the branch.
+        """
         left = len(self._candidates) - depth - (0 if with_pair else 1)
         most = len(self._hypothesis.pairs) + left
         nearer = self._hypothesis.squared_distance < self.best_distance
@@ -192,13 +209,15 @@ def _draws_needed(good_share: float) -> float:
 
 
 def _order(found: Association) -> tuple[int, float]:
+    """Rank associations: more pairs are better, then a smaller joint distance."""
     return len(found.pairs), -found.squared_distance
 
 
 def _extend(sets: PointSets, seed: Association, compatible: Mask, confidence: float) -> Association:
     """Pair the points outside the seed by nearest neighbour, given the seed's pairs.
 
-    Every pair must pass its own gate and the joint one, as in `joint_compatibility`.
+    Every pair must pass its own gate, `compatible` (n, m), and the joint one of `confidence`, as in
+    `joint_compatibility`.
     """
     if not seed.pairs:
         return seed
@@ -228,7 +247,10 @@ def _extend(sets: PointSets, seed: Association, compatible: Mask, confidence: fl
 
 
 def distances_given(sets: PointSets, known: tuple[Pair, ...], pairs: Ints) -> Array:
-    """Compute squared distances (k,) of pairs (k, 2), given that the known pairs are true."""
+    """Compute squared Mahalanobis distances (k,) of pairs (k, 2), given that known pairs are true.
+
+    What the known pairs tell of an error that all share, such as an offset, is taken off first.
+    """
     d = sets.dimension
     rows = [rows_of(list(side), d) for side in zip(*known, strict=True)]
     wanted = [rows_of(side.tolist(), d) for side in pairs.T]

@@ -71,7 +71,10 @@ class PointSets:
         return squared_lengths(self.differences, self.spreads)
 
     def spread_of(self, firsts: Ints, seconds: Ints) -> Array:
-        """Compute the covariance (kd, kd) of pairs' differences, given their rows (kd,)."""
+        """Compute the joint covariance (kd, kd) of the differences of k pairs.
+
+        firsts, seconds: rows (kd,) of the pairs' points in either covariance, as of `rows_of`.
+        """
         spread = self.first_covariance[np.ix_(firsts, firsts)]
         spread = spread + self.second_covariance[np.ix_(seconds, seconds)]
         if self.cross_covariance is not None:
@@ -88,7 +91,7 @@ class PointSets:
         return float(off @ np.linalg.solve(self.spread_of(firsts, seconds), off))
 
     def part(self, firsts: Ints, seconds: Ints) -> PointSets:
-        """Take some points of either set."""
+        """Select points of either set by their numbers, with their covariances."""
         rows, columns = (rows_of(side.tolist(), self.dimension) for side in (firsts, seconds))
         cross = self.cross_covariance
         return PointSets(
@@ -100,7 +103,7 @@ class PointSets:
         )
 
     def compatible(self, confidence: float) -> Mask:
-        """Tell which pairs (n, m) pass the gate by themselves."""
+        """Tell which pairs (n, m) pass the chi-square gate of this confidence by themselves."""
         return np.asarray(self.squared_distances < chi_square(confidence, self.dimension))
 
 
@@ -126,6 +129,7 @@ class Hypothesis:
     """Pairs with the triangular factor of their joint covariance, grown pair by pair."""
 
     def __init__(self, sets: PointSets) -> None:
+        """Start without pairs. Memory is set aside for as many as the sets can have."""
         self._sets = sets
         self.pairs: list[Pair] = []
         size = min(len(sets.first), len(sets.second)) * sets.dimension
@@ -140,7 +144,7 @@ class Hypothesis:
         return self._squares[-1]
 
     def add(self, pair: Pair) -> None:
-        """Add a pair and bring the joint distance up to date."""
+        """Add a pair, and extend the inverse factor and the joint distance by its d rows."""
         d, have = self._sets.dimension, len(self.pairs) * self._sets.dimension
         whitening = self._whitening[:have, :have]
         gain = whitening @ self._across(pair)
@@ -184,17 +188,19 @@ def squared_lengths(off: Array, covariance: Array) -> Array:
 
 
 def rows_of(points: list[int], dimension: int) -> Ints:
-    """Find the rows of points in a covariance."""
+    """Find the rows (k * dimension,) of points, given by number, in a covariance."""
     return np.asarray(
         (np.array(points, dtype=np.int64)[:, None] * dimension + np.arange(dimension)).ravel()
     )
 
 
 def _block(matrix: Array, row: int, column: int, size: int) -> Array:
+    """Cut the block (size, size) of two points out of a covariance."""
     return matrix[row * size : (row + 1) * size, column * size : (column + 1) * size]
 
 
 def _diagonal_blocks(matrix: Array, size: int) -> Array:
+    """Cut the own covariance (n, size, size) of each point out of a covariance."""
     count = len(matrix) // size
     index = np.arange(count)
     return np.asarray(matrix.reshape(count, size, count, size)[index, :, index])

@@ -122,7 +122,7 @@ def score(fields: list[Field], method: str, seed: int = 0, confidence: float = C
 def associate(
     sets: PointSets, method: str, rng: np.random.Generator, confidence: float
 ) -> Association:
-    """Pair points by a method, given by its abbreviation in the thesis."""
+    """Pair points by the method NN, JCBB or RJC, with gates of this confidence."""
     if method == NN:
         return nearest_neighbours(sets, confidence)
     if method == JCBB:

@@ -74,24 +74,30 @@ def study_trunks() -> StudyResult:
 
 
 def find_at(distance: float, count: int, rng: np.random.Generator) -> Errors:
-    """Find `count` trunks, each alone at a distance, by the three rules of `Errors`.
+    """Measure the errors in the middles of `count` trunks, each alone at a distance, m.
 
-    One that either printed or widened rule misses counts as not found.
+    Each scan is searched by the three rules of `Errors`. A trunk that the printed or the widened
+    rule misses counts as not found.
     """
-    found = []
+    errors = []  # of each trunk found: by the three rules, m, and as the best one expects, m^2
     for _ in range(count):
         tree = _tree(distance, rng)
         ranges = scan_trees(np.zeros(3), tree, RANGE_SIGMA_M, rng)
-        by_rule = [find_trunks(ranges, widened) for widened in (False, True)]
-        if not all(by_rule):
+        by_printed, by_widened = (find_trunks(ranges, widened) for widened in (False, True))
+        if not by_printed or not by_widened:
             continue
-        best = fit_trunk(ranges, by_rule[0][0].beams, RANGE_SIGMA_M)
-        off = [error_m(trunks[0], tree[0]) for trunks in by_rule]
-        off.append(float(np.linalg.norm(best.middle_m - tree[0, :2])))
-        found.append([*off, best.mean_square_m2])
-    printed, widened, best_m, mean_square = np.array(found).T
+        best = fit_trunk(ranges, by_printed[0].beams, RANGE_SIGMA_M)
+        errors.append(
+            [
+                error_m(by_printed[0], tree[0]),
+                error_m(by_widened[0], tree[0]),
+                float(np.linalg.norm(best.middle_m - tree[0, :2])),
+                best.mean_square_m2,
+            ]
+        )
+    printed, widened, best_m, mean_square = np.array(errors).T
     return Errors(
-        found=len(found) / count,
+        found=len(errors) / count,
         printed_m=printed,
         widened_m=widened,
         best_m=best_m,
@@ -100,6 +106,7 @@ def find_at(distance: float, count: int, rng: np.random.Generator) -> Errors:
 
 
 def _row(distance: float, errors: Errors) -> tuple[str, ...]:
+    """Write the errors at one distance, m, as a row under HEADS."""
     quantiles = [
         np.quantile(off, q)
         for off in (errors.printed_m, errors.widened_m, errors.best_m)

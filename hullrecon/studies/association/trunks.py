@@ -33,7 +33,10 @@ class Trunk:
 
 
 def scan_trees(pose: Array, trees: Array, range_sigma_m: float, rng: np.random.Generator) -> Array:
-    """Simulate the ranges (BEAMS,) of a laser among trees (n, 3): x, y, radius."""
+    """Simulate the ranges (BEAMS,) m of a laser among trees (n, 3): x, y, radius, m.
+
+    pose: (3,) of the laser, x, y, heading. A beam that hits no tree has REACH_M.
+    """
     off = trees[:, :2] - pose[:2]
     middle = np.hypot(off[:, 0], off[:, 1])
     bearing = np.arctan2(off[:, 1], off[:, 0]) - pose[2] + np.pi / 2
@@ -80,7 +83,10 @@ def find_trunks(ranges: Array, widened: bool = True) -> list[Trunk]:
 
 
 def _groups(ranges: Array) -> list[tuple[int, int]]:
-    """Group neighbouring beams that stop at about the same range."""
+    """Group neighbouring beams whose ranges (BEAMS,) m are alike, as those that hit one thing.
+
+    Returns the first and last beam of each group. Beams that hit nothing near are in none.
+    """
     stops = ranges < FARTHEST_M + GAP_M
     starts = stops & ~np.concatenate([[False], stops[:-1] & (np.abs(np.diff(ranges)) < GAP_M)])
     ends = stops & ~np.concatenate([stops[1:] & (np.abs(np.diff(ranges)) < GAP_M), [False]])
@@ -88,6 +94,7 @@ def _groups(ranges: Array) -> list[tuple[int, int]]:
 
 
 def _chord(first_m: float, last_m: float, angle: float) -> float:
+    """Compute the distance, m, between the ends of two beams that are `angle`, rad, apart."""
     square = first_m**2 + last_m**2 - 2 * first_m * last_m * np.cos(angle)
     return float(np.sqrt(max(square, 0.0)))
 
@@ -148,5 +155,5 @@ def fit_trunk(ranges: Array, beams: tuple[int, int], range_sigma_m: float) -> Fi
 
 
 def trunk_readings(trunks: list[Trunk]) -> Array:
-    """Give trunks as ranges and bearings (n, 2), as the filter takes them."""
+    """Convert trunks to ranges and bearings (n, 2), m and rad, as the filter takes them."""
     return np.array([[t.range_m, t.bearing_rad] for t in trunks]).reshape(-1, 2)

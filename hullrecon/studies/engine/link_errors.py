@@ -25,10 +25,11 @@ class LinkErrors:
     chi2: Array  # (m,) of both together, by their covariance: five degrees of freedom
 
     def rows_of_same_pairs(self, other: LinkErrors) -> tuple[Ints, Ints]:
-        """Find the rows (k,) of pairs that both have, here and in the other."""
-        nodes = [1 + int(max(self.pairs.max(initial=0), other.pairs.max(initial=0))), 1]
+        """Find the pairs that both have: their rows (k,) here, and in the other."""
+        # One number for each pair of nodes, so that pairs can be intersected
+        count = 1 + int(max(self.pairs.max(initial=0), other.pairs.max(initial=0)))
         _, here, there = np.intersect1d(
-            self.pairs @ nodes, other.pairs @ nodes, return_indices=True
+            self.pairs @ [count, 1], other.pairs @ [count, 1], return_indices=True
         )
         return here, there
 

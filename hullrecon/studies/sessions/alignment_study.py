@@ -184,10 +184,14 @@ def conversion(draw: Draw) -> tuple[float, float]:
 
 
 def mean_steps(way: str, draws: list[Draw]) -> tuple[float, float]:
-    """Compute the mean count of steps with the first links, and from there with all."""
+    """Average the solver's iterations over draws: with the first links, and from there with all.
+
+    way: one of WAYS.
+    """
+    ways = [draw.ways[way] for draw in draws]
     return (
-        float(np.mean([s.iterations for d in draws if (s := d.ways[way].first)])),
-        float(np.mean([s.iterations for d in draws if (s := d.ways[way].last)])),
+        float(np.mean([w.first.iterations for w in ways if w.first])),
+        float(np.mean([w.last.iterations for w in ways if w.last])),
     )
 
 

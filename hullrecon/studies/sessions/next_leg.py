@@ -25,8 +25,12 @@ from hullrecon.studies.sessions.graph import covariance, pose_covariances, whole
 from hullrecon.studies.sessions.motions import plane_out
 from hullrecon.studies.sessions.survey import facing, legs, planes_before, surface, survey
 from hullrecon.studies.study import ComparedValue, StudyResult
+from hullrecon.typing import Array
 
-FROM_M, TO_M, SPACING_M = -10.0, 10.0, 2.6  # legs so far apart that images do not overlap
+FROM_M, TO_M = -10.0, 10.0  # x of the legs' ends, along the hull
+SPACING_M = 2.6  # of the two legs in depth: their images do not overlap
+SHALLOW_M, DEEP_M = 1.5, 1.5 + SPACING_M  # depths of the two legs
+HALF_WAY_M = 0.5 * (DEEP_M + SHALLOW_M)  # images overlap with those of both legs
 SEED = 0
 
 
@@ -49,29 +53,39 @@ SENSORS = {"links and planes": True, "links": False}
 
 def driven() -> Poses:
     """Drive two legs, one below the other."""
-    return legs(FROM_M, TO_M, (1.5, 1.5 + SPACING_M))
+    return legs(FROM_M, TO_M, (SHALLOW_M, DEEP_M))
 
 
 def legs_to_choose() -> dict[str, Poses]:
-    """Lay out legs from the end of the second one, at its first end."""
-    deep, shallow = 1.5 + SPACING_M, 1.5
+    """Lay out the legs that could follow: paths that face the hull, with a pose every metre.
+
+    The second leg was driven back, so each of them begins where it ended, at x = FROM_M. Depths are
+    chosen so that images overlap with those of the legs that a path runs beside.
+    """
+
+    def at(x_m: Array, depth_m: float | Array) -> Poses:
+        """Face the hull at places along it, x, and at their depths."""
+        return facing(*surface(x_m, np.broadcast_to(depth_m, x_m.shape)))
+
     x = np.arange(FROM_M, TO_M + 1e-9)
-    down = np.linspace(deep, shallow, 4)
+    middle = len(x) // 2
+    up_to_first = at(np.full(4, FROM_M), np.linspace(DEEP_M, SHALLOW_M, 4))
+    up_from_middle = at(np.full(3, x[middle]), np.linspace(2.5, 1.6, 3))
     return {
-        "a new leg below": facing(*surface(x, np.full(len(x), deep + 1.3))),
-        "back between both legs": facing(*surface(x, np.full(len(x), 0.5 * (deep + shallow)))),
-        "up to the first leg, and along it": stacked(
-            [facing(*surface(np.full(4, FROM_M), down)), facing(*surface(x[1:], 0 * x[1:] + 1.7))]
-        ),
+        "a new leg below": at(x, DEEP_M + 1.3),
+        "back between both legs": at(x, HALF_WAY_M),
+        "up to the first leg, and along it": stacked([up_to_first, at(x[1:], 1.7)]),
         "half of the way between, then up": stacked(
-            [facing(*surface(x[:11], np.full(11, 0.5 * (deep + shallow)))),
-             facing(*surface(np.full(3, x[10]), np.linspace(2.5, 1.6, 3)))]
+            [at(x[: middle + 1], HALF_WAY_M), up_from_middle]
         ),
-    }  # fmt: skip
+    }
 
 
 def foreseen_sigma(path: Poses, first: int, planes: bool) -> float:
-    """Predict the sigma of the first poses of a path, m, root mean square."""
+    """Predict the sigma of the first `first` poses of a path after all of it, m, root mean square.
+
+    planes: whether the DVL's planes are measured beside the links of images.
+    """
     session = survey(path, np.random.default_rng(SEED), planes=planes)
     truth = session.truth_in_session
     seen = planes_before(session.truth[session.seen_from])
@@ -85,7 +99,7 @@ def foreseen_sigma(path: Poses, first: int, planes: bool) -> float:
 
 
 def choices() -> tuple[dict[str, float], list[Choice]]:
-    """Foresee every leg: sigmas without any, and the legs."""
+    """Predict the sigmas, by sensors: of the path driven so far, and after each possible leg."""
     so_far = driven()
     count = len(so_far)
     before = {name: foreseen_sigma(so_far, count, planes) for name, planes in SENSORS.items()}
@@ -137,7 +151,10 @@ def study() -> StudyResult:
 
 
 def draw(before: dict[str, float], found: list[Choice]) -> PublishedFigure:
-    """Draw the legs on the hull, and the sigmas that they leave."""
+    """Draw the legs on the hull, and the sigmas that they leave.
+
+    before: sigma of the path driven so far without another leg, m, by sensors.
+    """
     figure, axes = new_canvas(9.6, 3.4, 1, 2)
     so_far = driven().translation
     axes[0][0].plot(so_far[:, 0], so_far[:, 2], ".-", color=COLOURS["naive"], label="driven")

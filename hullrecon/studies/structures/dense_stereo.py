@@ -133,7 +133,17 @@ def rectified_pair(hull: InspectedHull, view: int) -> RectifiedPair:
 
 
 def turn_image(image: Pixels, camera: CameraModel, rotation: Array, level: CameraModel) -> Pixels:
-    """Resample an image as a turned camera without distortion sees it."""
+    """Resample an image as a turned camera without distortion sees it.
+
+    Parameters
+    ----------
+    image, camera
+        The image, and the camera that took it.
+    rotation
+        (3, 3) turned from camera.
+    level
+        The turned camera.
+    """
     import cv2
 
     u, v = np.meshgrid(np.arange(level.width), np.arange(level.height))
@@ -181,7 +191,7 @@ def ranges(pair: RectifiedPair, disparity: Floats32) -> Array:
 
 
 def dense_points(pair: RectifiedPair, disparity: Floats32, step: int = 2) -> Array:
-    """Lift every `step`-th pixel to a point (n, 3) in the top camera."""
+    """Lift every `step`-th pixel of disparities (h, w) px to a point (n, 3) m in the top camera."""
     depth = ranges(pair, disparity)[::step, ::step]
     v, u = np.nonzero(np.isfinite(depth))
     camera, z = pair.camera, depth[v, u]
@@ -192,7 +202,10 @@ def dense_points(pair: RectifiedPair, disparity: Floats32, step: int = 2) -> Arr
 
 
 def column_gaps(images: tuple[Pixels, Pixels]) -> Array:
-    """Measure by how many columns (n,) matched features of a pair differ."""
+    """Measure by how many columns (n,) px matched features of a pair's images differ.
+
+    Zero in a rectified pair, whose epipolar lines are columns.
+    """
     import cv2
 
     sift = cv2.SIFT.create()
@@ -280,16 +293,16 @@ def draw_ranges(pair: RectifiedPair, disparity: Floats32) -> PublishedFigure:
 
 
 def _heights(hull: InspectedHull, truth: Truth, structure: TrueStructure) -> StructureHeights:
-    """Measure the heights of a structure by features and by dense stereo."""
+    """Measure the heights of points on a structure by features and by dense stereo."""
     view = view_of(hull, structure)
     pair = rectified_pair(hull, view)
-    points = dense_points(pair, disparities(pair, usual_distance(hull)))
-    in_hull = hull.views.result_from_camera[view].apply(points)
+    in_camera = dense_points(pair, disparities(pair, usual_distance(hull)))
+    in_hull = hull.views.result_from_camera[view].apply(in_camera)
     by_features, _ = height_over_steel(hull.features, structure, truth, hull.truth_from_result)
-    by_dense, true = height_over_steel(in_hull, structure, truth, hull.truth_from_result)
+    by_dense, true_of_dense = height_over_steel(in_hull, structure, truth, hull.truth_from_result)
     return StructureHeights(
         kind=structure.kind,
-        true=float(np.median(true)) if len(true) else structure.height,
+        true=float(np.median(true_of_dense)) if len(true_of_dense) else structure.height,
         features=by_features,
         dense=by_dense,
     )

@@ -39,6 +39,7 @@ SHOWN_M = (0.0, 0.06)  # [Ozog2016 Fig. 4.17 b, c]
 EDGE_M, REACH_M = 0.04, 0.1  # of the mesh that shapes are fused into, and around features
 FOUND_SHARE = 0.5  # of a structure's top that must be raised to half its height
 MARGIN_M = 0.1  # around a structure, where a raised vertex is no false one
+AXIS_REACH_M = 0.35  # along a structure's axis: higher than any, and less than to another side
 LEAST_AREA_M2 = 0.0025  # of a false object: detect.min_area_m2
 LOWEST_M = 0.001  # min_height_m of the run whose objects are then counted by threshold
 
@@ -112,12 +113,12 @@ def count_raised(remeshed: Remeshed, truth: Truth, motion: Poses) -> ThresholdCo
     explained, footprints = np.zeros((2, len(at)), bool)
     found = 0
     for structure in truth.structures():
-        tangential = _tangential(at, structure)
-        top = tangential < 0.35 * min(structure.extent)
+        from_axis = _distance_from_axis(at, structure)
+        top = from_axis < 0.35 * min(structure.extent)
         high = remeshed.moved & (remeshed.raised_m > 0.5 * structure.height)
         found += bool(top.any()) and float(np.mean(high[top])) >= FOUND_SHARE
-        footprints |= tangential < 0.5 * min(structure.extent)
-        explained |= tangential < 0.5 * max(structure.extent) + MARGIN_M
+        footprints |= from_axis < 0.5 * min(structure.extent)
+        explained |= from_axis < 0.5 * max(structure.extent) + MARGIN_M
     areas = patch_areas(remeshed.mesh, remeshed.moved & ~explained)
     false = areas[areas >= LEAST_AREA_M2]
     return ThresholdCount(
@@ -260,9 +261,14 @@ def _objects_of_any_height(given: StudyDive) -> tuple[ReportedObject, ...]:
     return msgspec.convert(rows, tuple[ReportedObject, ...])
 
 
-def _tangential(at: Array, structure: TrueStructure) -> Array:
-    """Measure the distances (n,) of points (n, 3) from a structure's axis, inf far off its hull."""
-    away = at - np.array(structure.center)
-    off = away @ np.array(structure.normal)
-    sideways = np.linalg.norm(away - off[:, None] * np.array(structure.normal), axis=1)
-    return np.where(np.abs(off) < 0.35, sideways, np.inf)
+def _distance_from_axis(points: Array, structure: TrueStructure) -> Array:
+    """Measure how far points (n, 3) are from a structure's axis along the hull's normal, (n,) m.
+
+    inf for points farther than AXIS_REACH_M from its centre along the axis: another side of the
+    hull, or no point of the structure.
+    """
+    normal = np.array(structure.normal)
+    from_center = points - np.array(structure.center)
+    along_axis = from_center @ normal
+    from_axis = np.linalg.norm(from_center - along_axis[:, None] * normal, axis=1)
+    return np.where(np.abs(along_axis) < AXIS_REACH_M, from_axis, np.inf)

@@ -98,17 +98,18 @@ def study_consistency() -> StudyResult:
         worlds = [simulate_loop(survey, LAPS, noise, seed) for seed in range(RUNS)]
         ends = [ends_of(world, build_variant(world)) for world in worlds]
         nees[f"{PRINTED}, {name}"] = together(ends).nees
-    own = {name: float(of.mean()) / bound(len(of)) for name, of in nees.items()}
+    submap_index = {name: float(of.mean()) / bound(len(of)) for name, of in nees.items()}
     # over the last third, after the loop
     at_end = {name: float(values[2 * len(values) // 3 :].mean()) for name, values in index.items()}
     rows = [
         (name, f"{values.mean():.2f}", f"{at_end[name]:.2f}", f"{100 * np.mean(values > 1):.0f}")
         for name, values in index.items()
     ]
-    rows += [(name, f"{value:.2f}", "–", "–") for name, value in own.items()]
+    rows += [(name, f"{value:.2f}", "–", "–") for name, value in submap_index.items()]
+    drawn = {name: submap_index[name] for name in (SUBMAPS, PRINTED)}
     return StudyResult(
-        figures=(_draw(laps, index, {name: own[name] for name in (SUBMAPS, PRINTED)}),),
-        values={**at_end, SUBMAPS: own[SUBMAPS]},
+        figures=(_draw(laps, index, drawn),),
+        values={**at_end, SUBMAPS: submap_index[SUBMAPS]},
         heads=("method", "index, all", "index, after the loop", "scans above 1, %"),
         rows=tuple(rows),
         compared=_compare(at_end, nees),
@@ -138,7 +139,11 @@ def nees_after_reading(range_m: float) -> float:
 
 
 def _compare(at_end: dict[str, float], nees: dict[str, Array]) -> tuple[ComparedValue, ...]:
-    """Compare consistency after the loop, and the NEES after a reading, with those printed."""
+    """Compare consistency after the loop, and the NEES after a reading, with those printed.
+
+    at_end: consistency index after the loop, by method. nees: NEES (n,) of where submaps ended, by
+    variant.
+    """
     ours = nees[SUBMAPS]
     low, high = mean_band(len(ours))
     printed = [
@@ -174,12 +179,26 @@ def _compare(at_end: dict[str, float], nees: dict[str, Array]) -> tuple[Compared
 
 
 def bound(runs: int) -> float:
-    """Compute what the mean NEES of consistent runs stays below in 95 of 100."""
+    """Compute the 95 % bound on the mean NEES of a pose (3 degrees of freedom) over runs."""
     return chi_square(0.95, 3 * runs) / runs
 
 
-def _draw(laps: list[Lap], index: dict[str, Array], own: dict[str, float]) -> PublishedFigure:
-    """Draw the tracks of one lap, and the consistency index over time by method."""
+def _draw(
+    laps: list[Lap], index: dict[str, Array], submap_index: dict[str, float]
+) -> PublishedFigure:
+    """Draw the tracks of the first lap, and the consistency index over time by method.
+
+    The index is the mean NEES of the pose over its 95 % bound: below 1 a method is consistent.
+
+    Parameters
+    ----------
+    laps
+        Runs with different noise, of which the index is the mean.
+    index
+        Index (n,) at each scan, by method.
+    submap_index
+        Index of where submaps ended in their own frames, by variant.
+    """
     canvas, rows = new_canvas(10.0, 4.2, 1, 2)
     world, tracks = laps[0].world, laps[0].tracks
     axis = rows[0][0]
@@ -193,7 +212,7 @@ def _draw(laps: list[Lap], index: dict[str, Array], own: dict[str, float]) -> Pu
     times = (tracks[EKF].steps + 1) * world.log.step_s[0]
     for name, values in index.items():
         axis.plot(times, values, color=LINES[name], lw=1.2, label=name)
-    for name, value in own.items():
+    for name, value in submap_index.items():
         axis.axhline(
             value, color=LINES[name], lw=1.2, ls="-" if name == SUBMAPS else ":", label=name
         )

@@ -65,13 +65,23 @@ class EkfMap:
     """
 
     def __init__(self, effort: Effort, whole: bool = False, first_estimates: bool = False) -> None:
-        self.mean = np.zeros(3)
+        """Start an empty map.
+
+        Parameters
+        ----------
+        effort
+            Counts the multiplications that the filter takes.
+        whole
+            Multiply F and H as they are printed, or leave out their ones and zeros.
+        first_estimates
+            Take Jacobians at first estimates, or at the newest ones, as they are printed.
+        """
+        self.mean = np.zeros(3)  # the car's pose, what a method adds, x and y of each landmark
         self.covariance = np.eye(3) * START
         self.fixed = 3  # rows before the landmarks: the car's pose, and what a method adds
         self.truth: list[int] = []  # true number of each landmark, only for judging
         self.path: list[PathPoint] = []
         self.wrong_pairs = 0  # against the truth
-        # multiply F and H as they are printed; else leave out their ones and zeros
         self._whole = whole
         self._first_estimates = first_estimates
         self._predicted = self.mean.copy()  # the car at the last scan, before its update
@@ -91,12 +101,26 @@ class EkfMap:
         noise: Array,
         covariance_at: Array | None = None,
     ) -> None:
-        """Move the car by the odometry since the last scan (3.7); landmarks stay."""
+        """Move the car by the odometry since the last scan (3.7). Landmarks stay.
+
+        Parameters
+        ----------
+        car
+            The motion model.
+        odometry, step_s
+            Speed and steering (k, 2), and duration (k,) of each step since the last scan.
+        noise
+            Covariance (2, 2) of a step's speed and steering.
+        covariance_at
+            Speed and steering (k, 2) at which the odometry's covariance is taken to second order.
+            If absent, it is taken at `odometry` to first order, as printed.
+        """
         before = self.mean[:3].copy()
         start = self._predicted if self._first_estimates else before
         self.mean[:3], by_pose, spread = car.move_steps(before, odometry, step_s, noise)
         if covariance_at is not None:
             spread = car.spread(before, covariance_at, step_s, noise, with_product=True)
+        # how heading moves the position, from where the step is linearised to where it ends
         by_pose[:2, 2] = start[1] - self.mean[1], self.mean[0] - start[0]
         self._predicted = self.mean[:3].copy()
         size = len(self.mean)
@@ -112,7 +136,10 @@ class EkfMap:
         self.covariance[:3, :3] += spread
 
     def observe(self, step: int, scan: Scan, noise: Array) -> None:
-        """Pair a scan's readings with landmarks, update by them, add the new ones."""
+        """Pair a scan's readings with landmarks, update by the pairs, and add new landmarks.
+
+        step: the odometry step that the scan follows. noise: covariance (2, 2) of a reading.
+        """
         found, near, distance = self._associate(scan.readings, noise)
         landmarks = [int(near[i]) for i, _ in found.pairs]
         readings = [j for _, j in found.pairs]
@@ -132,7 +159,17 @@ class EkfMap:
         )
 
     def _associate(self, readings: Array, noise: Array) -> tuple[Association, Ints, Array]:
-        """Pair landmarks near the car with readings, both in the car's frame."""
+        """Pair landmarks near the car with readings (m, 2), both as points in the car's frame.
+
+        Returns
+        -------
+        Association
+            Pairs of a row of the near landmarks and a reading.
+        Ints
+            (n,) the near landmarks' numbers in the map.
+        Array
+            (n, m) squared Mahalanobis distances of all pairs.
+        """
         farthest = readings[:, 0].max(initial=0.0) + MARGIN_M
         off = self.landmarks - self.mean[:2]
         near = np.asarray(np.flatnonzero((np.abs(off) < farthest).all(axis=1)), dtype=np.int64)
@@ -153,7 +190,11 @@ class EkfMap:
         return pair_points(sets), near, sets.squared_distances
 
     def update(self, landmarks: list[int], readings: Array, noise: Array) -> float:
-        """Update by readings (m, 2) of landmarks (m) (3.10), and return the innovation squared."""
+        """Update the state by readings (m, 2) of landmarks (3.10).
+
+        landmarks: (m) numbers in the map. noise: covariance (2, 2) of a reading. Returns the
+        normalised innovation squared.
+        """
         points = self.landmarks[landmarks]
         if self._first_estimates:
             by_pose, by_point = observe_jacobians(self._predicted, self._placed[landmarks])
@@ -175,13 +216,16 @@ class EkfMap:
         return nis
 
     def _printed(self, jacobian: Array, columns: Ints) -> Array:
-        """Fill H up with its zeros, as (3.20) prints it."""
+        """Widen a Jacobian (2m, k) by k columns of the state to all of them, as (3.20) prints H."""
         whole = np.zeros((len(jacobian), len(self.mean)))
         whole[:, columns] = jacobian
         return whole
 
     def _add(self, new: list[int], scan: Scan, noise: Array) -> None:
-        """Add readings as landmarks, with the covariance that the car and the laser give them."""
+        """Add readings as landmarks, with the covariance that the car and the laser give them.
+
+        new: rows of the scan's readings. noise: covariance (2, 2) of a reading.
+        """
         if not new:
             return
         readings = scan.readings[new]
@@ -199,12 +243,13 @@ class EkfMap:
         self.truth += [scan.truth[j] if scan.truth else -1 for j in new]
 
     def _judge(self, scan: Scan, landmarks: list[int], readings: list[int]) -> None:
+        """Count the pairs of landmark and reading that are wrong, where the truth is known."""
         if scan.truth:
             pairs = zip(landmarks, readings, strict=True)
             self.wrong_pairs += sum(self.truth[i] != scan.truth[j] for i, j in pairs)
 
     def rows(self, landmarks: Ints) -> Ints:
-        """Find the rows (2n) of landmarks (n) in the state."""
+        """Find the rows (2n,) of the state that hold x and y of landmarks (n,)."""
         rows = self.fixed + 2 * landmarks[:, None] + np.arange(2)
         return np.asarray(rows.ravel(), dtype=np.int64)
 
@@ -237,7 +282,7 @@ def update_state(
 
 
 def pair_points(sets: PointSets) -> Association:
-    """Pair points by joint compatibility, by nearest neighbour where that leaves no doubt.
+    """Pair points by joint compatibility, or by nearest neighbour where that leaves no doubt.
 
     Nearest neighbours that are jointly compatible, with every point paired that has a
     candidate, are as many pairs as joint compatibility can find.
@@ -295,5 +340,6 @@ def build_map(
 
 
 def _full(built: EkfMap, limits: Limits) -> bool:
+    """Tell whether a map has enough landmarks, or its car is too unsure, to go on with it."""
     position = float(np.trace(built.covariance[:2, :2]))
     return len(built.landmarks) >= limits.landmarks or position > limits.sigma_m**2

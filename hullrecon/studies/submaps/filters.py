@@ -78,7 +78,17 @@ class Information:
 def predict_information(
     state: Information, by_state: Array, offset: Array, noise: Array
 ) -> Information:
-    """Move a state by F x + offset with noise (n, n), which must be invertible."""
+    """Move a state x to F x + offset, in information form.
+
+    Parameters
+    ----------
+    state
+        Before the motion.
+    by_state, offset
+        F (n, n), and the offset (n,).
+    noise
+        Covariance (n, n) of the motion, which must be invertible.
+    """
     inverse = np.asarray(np.linalg.inv(noise))
     carried = inverse @ by_state
     rest = np.linalg.inv(state.matrix + by_state.T @ carried)
@@ -89,7 +99,15 @@ def predict_information(
 def update_information(
     state: Information, observed: Array, by_state: Array, noise: Array
 ) -> Information:
-    """Add an observation z = H x with noise R."""
+    """Add an observation z = H x with noise: information of independent sources is a sum.
+
+    Parameters
+    ----------
+    state
+        Before the observation.
+    observed, by_state, noise
+        z (k,), H (k, n), and R (k, k).
+    """
     weighted = np.linalg.solve(noise, by_state).T
     return Information(
         matrix=state.matrix + weighted @ by_state, vector=state.vector + weighted @ observed
@@ -130,7 +148,11 @@ def filter_information(start: Gaussian, steps: Sequence[LinearStep]) -> Informat
 
 
 def smooth(states: Sequence[Gaussian], steps: Sequence[LinearStep]) -> list[Gaussian]:
-    """Smooth the states of `filter_steps` from the last to the first [RauchTungStriebel1965]."""
+    """Smooth the states of `filter_steps`, from the last one back [RauchTungStriebel1965].
+
+    Each state learns from the one after it, which knows all later observations. steps: those that
+    the filter ran over.
+    """
     smoothed = [states[-1]]
     for state, step in zip(states[-2::-1], steps[::-1], strict=True):
         later = smoothed[-1]
@@ -148,22 +170,26 @@ def smooth(states: Sequence[Gaussian], steps: Sequence[LinearStep]) -> list[Gaus
 
 
 def solve_batch(start: Gaussian, steps: Sequence[LinearStep]) -> list[Gaussian]:
-    """Solve all states at once by least squares, for comparison."""
+    """Estimate all states at once by least squares, with which a smoother must agree.
+
+    The normal equations sum over the start, all motions and all observations.
+    """
     size, count = len(start.mean), len(steps) + 1
     matrix, vector = np.zeros((count * size, count * size)), np.zeros(count * size)
 
     def add(jacobian: Array, value: Array, noise: Array) -> None:
+        """Add to the normal equations that jacobian @ states = value, with covariance `noise`."""
         weighted = np.linalg.solve(noise, jacobian).T
         matrix[:] += weighted @ jacobian
         vector[:] += weighted @ value
 
-    everything = np.eye(count * size)
-    rows = [everything[k * size : (k + 1) * size] for k in range(count)]
-    add(rows[0], start.mean, start.covariance)
+    identity = np.eye(count * size)
+    pick = [identity[k * size : (k + 1) * size] for k in range(count)]  # state k out of all
+    add(pick[0], start.mean, start.covariance)
     for number, step in enumerate(steps):
-        motion = rows[number + 1] - step.by_state @ rows[number]
+        motion = pick[number + 1] - step.by_state @ pick[number]
         add(motion, step.offset, step.motion_noise)
-        add(step.observation @ rows[number + 1], step.observed, step.observation_noise)
+        add(step.observation @ pick[number + 1], step.observed, step.observation_noise)
     covariance = np.asarray(np.linalg.inv(matrix))
     mean = covariance @ vector
     return [

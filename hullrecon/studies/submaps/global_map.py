@@ -31,21 +31,24 @@ class GlobalMap:
         return len(self.mean) // 3
 
     def append(self, transform: Array, covariance: Array) -> None:
-        """Add the transform of a new frame, independent of all others."""
+        """Add the transform (3,) of a new frame in the last one, with its covariance (3, 3).
+
+        Its error is independent of those of all other transforms.
+        """
         size = len(self.mean)
         grown = np.zeros((size + 3, size + 3))
         grown[:size, :size], grown[size:, size:] = self.covariance, covariance
         self.mean, self.covariance = np.concatenate([self.mean, transform]), grown
 
     def relative(self, first: int, second: int) -> tuple[Array, Array]:
-        """Chain the transforms to the pose of frame `second` in frame `first`.
+        """Chain the transforms between two frames to the pose of `second` in `first`.
 
         Returns
         -------
         Array
             The pose (3,).
         Array
-            Its Jacobian (3, n) by all transforms.
+            Its Jacobian (3, 3k) by all k transforms, zero by those outside of the two frames.
         """
         if second < first:
             pose, jacobian = self.relative(second, first)
@@ -65,11 +68,12 @@ class GlobalMap:
         return chain(self.mean.reshape(-1, 3))
 
     def spreads_seen_from_each(self, frame: int) -> Array:
-        """Compute the covariance (k, 3, 3) of frame k's pose in each of the k frames before it.
+        """Compute the covariance (k, 3, 3) of a frame's pose in each of the k frames before it.
 
-        Positions are differences in the axes of frame 0. What an error of a link moves at frame k
-        does not depend on the frame that the chain starts in, so the covariance from frame j is the
-        sum over all pairs of links from j on. `sums` has these sums for all j at once.
+        k is `frame`. Positions are differences in the axes of frame 0. What an error of a link
+        moves at frame k does not depend on the frame that the chain starts in, so the covariance
+        from frame j is the sum over all pairs of links from j on. `sums` has these sums for all j
+        at once.
         """
         poses = self.frames()[: frame + 1]
         cos, sin = np.cos(poses[:-1, 2]), np.sin(poses[:-1, 2])
@@ -123,13 +127,16 @@ class Submap:
         return len(self.truth)
 
     def now(self, world: GlobalMap) -> Array:
-        """Compute the landmarks (2n,) by the transforms of now."""
+        """Compute the landmarks (2n,) m as they follow from the transforms of now."""
         change = world.mean[: len(self.given)] - self.given
         change[2::3] = wrap(change[2::3])
         return np.asarray(self.mean + self.gain @ change)
 
     def gain_of(self, size: int) -> Array:
-        """Give the gain (2n, size) by all transforms of now: it does not depend on later ones."""
+        """Widen the gain to (2n, size) by zeros: landmarks do not depend on later transforms.
+
+        size: number of the transforms' coordinates now.
+        """
         return np.pad(self.gain, ((0, 0), (0, size - self.gain.shape[1])))
 
 

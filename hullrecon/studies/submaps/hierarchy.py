@@ -31,6 +31,7 @@ class Hierarchy:
     """Submaps, the transforms between them, and loops."""
 
     def __init__(self, effort: Effort) -> None:
+        """Start without submaps. effort: counts the multiplications that it takes."""
         self.world = GlobalMap()
         self.loops: list[Loop] = []
         self._maps: list[PlainMap] = []
@@ -80,7 +81,7 @@ class Hierarchy:
         return [(first, second, *register(old, new, pairs, pose))]
 
     def _adjust(self) -> None:
-        """Adjust all transforms to what the maps and the loops say, by Gauss and Newton."""
+        """Adjust all transforms to the submaps' ends and to the loops, by Gauss-Newton."""
         size = len(self.world.mean)
         for _ in range(ITERATIONS):
             matrix, vector = np.zeros((size, size)), np.zeros(size)
@@ -117,7 +118,24 @@ class Hierarchy:
 def register(
     first: PlainMap, second: PlainMap, pairs: tuple[tuple[int, int], ...], start: Array
 ) -> tuple[Array, Array]:
-    """Fit the pose of the second map in the first to pairs of landmarks, with its covariance."""
+    """Fit the pose of the second map in the first to their common landmarks.
+
+    Parameters
+    ----------
+    first, second
+        The maps, with covariances of their landmarks.
+    pairs
+        Common landmarks: number in the first and in the second map.
+    start
+        Pose (3,) from which Gauss-Newton starts.
+
+    Returns
+    -------
+    Array
+        The pose (3,).
+    Array
+        Its covariance (3, 3).
+    """
     firsts, seconds = (list(side) for side in zip(*pairs, strict=True))
     rows, columns = ((3 + 2 * np.array(n)[:, None] + [0, 1]).ravel() for n in (firsts, seconds))
     fixed = first.covariance[np.ix_(rows, rows)]
@@ -134,6 +152,7 @@ def register(
 
 
 def _off(measured: Array, now: Array) -> Array:
+    """Subtract one pose (3,) from another, with the heading's difference in (-pi, pi]."""
     difference = measured - now
     difference[2] = wrap(difference[2])
     return difference

@@ -27,10 +27,17 @@ SAME_M2 = 1e-8  # variance by which two estimates of one landmark may differ: no
 def refer_to_base(
     points: Array, covariance: Array, transform: Array, transform_covariance: Array
 ) -> tuple[Array, Array]:
-    """Refer landmarks (n, 2) to another frame (3.13, 3.14).
+    """Refer landmarks (n, 2) with covariance (2n, 2n) to another frame (3.13, 3.14).
 
     The thesis prints J_j P_j J_j' alone. The chain of transforms between maps that do not follow
     each other is itself unsure: J_T P_T J_T' belongs to it.
+
+    Parameters
+    ----------
+    points, covariance
+        The landmarks in their own frame.
+    transform, transform_covariance
+        Pose (3,) of their frame in the other, with its covariance (3, 3).
 
     Returns
     -------
@@ -48,10 +55,11 @@ def refer_to_base(
 def landmarks_in_one_frame(
     world: GlobalMap, first: Submap, second: Submap, marks: tuple[Ints, Ints], effort: Effort
 ) -> PointSets:
-    """Give some landmarks of two submaps in the first's frame, correlated as they are.
+    """Express some landmarks of two submaps in the first's frame, with their full covariance.
 
-    Given the transforms, the maps are independent, and depend on the transforms from the oldest of
-    their frames on alone: only that part of the covariance is multiplied.
+    marks: numbers of the landmarks, of the first and of the second submap. Given the transforms,
+    the maps are independent, and depend on the transforms from the oldest of their frames on alone:
+    only that part of the covariance is multiplied.
     """
     start, size = 3 * min(*first.frames, *second.frames), len(world.mean)
     rows, twins = (rows_of(side.tolist(), 2) for side in marks)
@@ -74,12 +82,12 @@ def landmarks_in_one_frame(
 
 
 def turn_points(turn: Array, rows: Array) -> Array:
-    """Turn what belongs to points (2n, k), two rows each, by a rotation (2, 2)."""
+    """Rotate a matrix (2n, k), of which each point has two rows (x and y), by `turn` (2, 2)."""
     return np.asarray((turn @ rows.reshape(len(rows) // 2, 2, rows.shape[1])).reshape(rows.shape))
 
 
 def turn_both(turn: Array, covariance: Array) -> Array:
-    """Turn a covariance of points (2n, 2n) by a rotation (2, 2)."""
+    """Rotate the covariance (2n, 2n) of points by `turn` (2, 2), on both sides."""
     return turn_points(turn, turn_points(turn, covariance).T)
 
 
@@ -141,7 +149,21 @@ def fuse(
 def _tie(
     before: Array, at: Array, shared: Array, maps: tuple[Submap, Submap], pairs: tuple[Pair, ...]
 ) -> Tie:
-    """Linearise the difference of common landmarks at transforms and at the second's landmarks."""
+    """Linearise the difference of common landmarks.
+
+    Parameters
+    ----------
+    before
+        Transforms (g,) before the fusion, for which the tie is given.
+    at
+        Transforms (g,) at which it is linearised.
+    shared
+        The second's common landmarks (2k,) m at which it is linearised.
+    maps
+        The two submaps.
+    pairs
+        Common landmarks: number in the first and in the second submap.
+    """
     first, second = maps
     rows, twins = (rows_of(list(side), 2) for side in zip(*pairs, strict=True))
     world = GlobalMap()
@@ -174,7 +196,10 @@ def _merge(
     pairs: tuple[Pair, ...],
     effort: Effort,
 ) -> Submap:
-    """Put the updated landmarks of two maps into one, each common one once."""
+    """Put the updated landmarks of two maps into one, common ones once.
+
+    updated: mean (2n,) and gain (2n, g) of each submap after the tie's update.
+    """
     first, second = maps
     (mean, gain), (own_mean, own_gain) = updated
     mates = {second_point for _, second_point in pairs}

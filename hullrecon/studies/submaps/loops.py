@@ -42,7 +42,7 @@ class Proximity:
     spreads: Array  # (k - 1, 3, 3) covariance of the newest frame, seen from every other
 
     def overlap(self, other: Area, newest: Area) -> tuple[Ints, Ints]:
-        """List the landmarks of two maps that may be one of the other's."""
+        """List the landmarks of each map that may be the same as one of the other map."""
         off = np.linalg.norm(other.points[:, None] - newest.points[None], axis=2)
         near = off < self._reach_m(other, newest)
         return np.flatnonzero(near.any(axis=1)), np.flatnonzero(near.any(axis=0))
@@ -52,10 +52,15 @@ class Proximity:
         return float(self._distances(other).min())
 
     def _distances(self, other: Area) -> Array:
+        """Measure the distances (k,) m of a map's frames from the newest frame."""
         off = self.frames[list(other.frames), :2] - self.frames[-1, :2]
         return np.asarray(np.linalg.norm(off, axis=1))
 
     def _reach_m(self, other: Area, newest: Area) -> Array:
+        """Bound how far off each landmark (n,) of the newest map may be, seen from another map.
+
+        Errors of the newest frame's position and, by the landmark's lever arm, of its heading.
+        """
         spread = self.spreads[other.frames[int(np.argmin(self._distances(other)))]]
         lever = newest.points - self.frames[-1, :2]
         variance = np.trace(spread[:2, :2]) + (lever**2).sum(axis=1) * spread[2, 2]
@@ -73,7 +78,10 @@ def proximity(world: GlobalMap, effort: Effort) -> Proximity:
 
 
 def pair_maps(sets: PointSets, rng: np.random.Generator) -> Association:
-    """Pair landmarks of two maps: jointly where the overlap is small, else at random."""
+    """Pair landmarks of two maps by joint compatibility.
+
+    It is searched through where the overlap is small, and by random draws where it is large.
+    """
     compatible = sets.compatible(CONFIDENCE)
     firsts, seconds = (np.flatnonzero(compatible.any(axis=axis)) for axis in (1, 0))
     overlap = sets.part(firsts, seconds)

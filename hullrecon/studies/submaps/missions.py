@@ -58,7 +58,10 @@ class Track:
 def build_submaps(
     log: Log, limits: Limits, effort: Effort, whole: bool = False, first_estimates: bool = False
 ) -> list[EkfMap]:
-    """Build the submaps of a mission one after the other; steps after the last scan are left."""
+    """Build the submaps of a mission one after the other. Steps after the last scan are left.
+
+    whole, first_estimates: as of `EkfMap`.
+    """
     submaps, step, last = [], 0, max(log.scans)
     with effort.stage("local"):
         while step <= last:
@@ -70,14 +73,20 @@ def build_submaps(
 def run_filter(
     log: Log, effort: Effort, whole: bool = False, first_estimates: bool = False
 ) -> tuple[EkfMap, Track]:
-    """Run one filter over the whole mission."""
+    """Run one filter over the whole mission: its map, and the track it estimated.
+
+    whole, first_estimates: as of `EkfMap`.
+    """
     with effort.stage("local"):
         built, _ = build_map(log, 0, None, effort, whole, first_estimates)
     return built, track_of([(np.zeros(3), np.zeros((3, 3)), built)])
 
 
 def run_strategy(submaps: Sequence[EkfMap], strategy: Strategy) -> Track:
-    """Hand submaps to a strategy one by one: each is placed where the one before ended."""
+    """Hand submaps to a strategy one by one: each starts where the one before ended.
+
+    The track's poses are those known at the time: a later loop does not correct them.
+    """
     parts = []
     frame, covariance = np.zeros(3), np.zeros((3, 3))
     for built in submaps:
@@ -94,7 +103,10 @@ def final_track(submaps: Sequence[EkfMap], frames: Array) -> Track:
 
 
 def track_of(parts: list[tuple[Array, Array, EkfMap]]) -> Track:
-    """Put the paths of maps together, given where each map's frame was, with covariance."""
+    """Put the paths of maps together in the mission's frame.
+
+    parts: pose (3,) and covariance (3, 3) of each map's frame, and the map.
+    """
     steps, poses, covariances = [], [], []
     for frame, covariance, built in parts:
         for point in built.path:
@@ -109,5 +121,8 @@ def track_of(parts: list[tuple[Array, Array, EkfMap]]) -> Track:
 
 
 def map_errors(places: list[tuple[int, Array]], world: World) -> Array:
-    """Compute how far (n,) landmarks are from the true ones, m."""
+    """Compute how far (n,) mapped landmarks are from the true ones, m.
+
+    places: number of the true landmark, and where it was mapped (2,).
+    """
     return np.array([np.linalg.norm(place - world.landmarks[true]) for true, place in places])

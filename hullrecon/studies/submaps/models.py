@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A car with a laser in the plane: motion, observation, and poses composed [Aulinas2011 A, 3.4.1].
 
-A pose is (x, y, heading): m, m, rad. Every model is followed by its Jacobians.
+A pose is an array (3,) of x, y and heading: m, m, rad. Odometry is speed and steering: m/s, rad.
+A reading is range and bearing: m, rad. Every model is followed by its Jacobians.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ def wrap(angle: Array | float) -> Array:
 
 
 def compose(first: Array, second: Array) -> Array:
-    """Compose two poses: `second`, given in the frame of `first`, in first's own frame."""
+    """Compose two poses: `second` in the frame of `first`, the result in the parent of `first`."""
     cos, sin = np.cos(first[2]), np.sin(first[2])
     return np.array(
         [
@@ -42,7 +43,7 @@ def compose_jacobians(first: Array, second: Array) -> tuple[Array, Array]:
 
 
 def invert(pose: Array) -> Array:
-    """Invert a pose."""
+    """Invert a pose (3,): the parent frame's pose in the frame of `pose`."""
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
     return np.array(
         [-pose[0] * cos - pose[1] * sin, pose[0] * sin - pose[1] * cos, float(wrap(-pose[2]))]
@@ -50,7 +51,10 @@ def invert(pose: Array) -> Array:
 
 
 def invert_jacobian(pose: Array) -> Array:
-    """Differentiate `invert` (3, 3). The thesis prints -x sin - y cos in its upper right corner."""
+    """Differentiate `invert` by its pose (3, 3).
+
+    Its upper right corner is x sin - y cos, where the thesis prints -x sin - y cos.
+    """
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
     return np.array(
         [
@@ -73,7 +77,7 @@ def place(pose: Array, points: Array) -> Array:
 
 
 def place_by_pose(pose: Array, points: Array) -> Array:
-    """Differentiate `place` by the pose (2n, 3)."""
+    """Differentiate `place` of points (n, 2) by the pose (2n, 3): a row for each x and y."""
     turned = points @ rotation(pose[2]).T
     jacobian = np.zeros((2 * len(points), 3))
     jacobian[0::2, 0] = 1.0
@@ -84,7 +88,10 @@ def place_by_pose(pose: Array, points: Array) -> Array:
 
 
 def place_by_points(pose: Array, count: int) -> Array:
-    """Differentiate `place` by the points, all turned by the same angle (2 count, 2 count)."""
+    """Differentiate `place` of `count` points by the points (2 count, 2 count).
+
+    It is block diagonal: each point is turned by the pose's heading.
+    """
     return block_diagonal(np.broadcast_to(rotation(pose[2]), (count, 2, 2)))
 
 
@@ -110,15 +117,21 @@ class Car:
     laser_left_m: float = 0.5  # b
 
     def axle_speed(self, wheel_speed: Array, steering: Array) -> Array:
-        """Compute the speed of the axle's middle from that of the left wheel, m/s."""
+        """Compute the speed of the axle's middle from that of the left wheel, m/s.
+
+        In a curve the wheel is slower or faster than the axle. steering: rad, positive to the left.
+        """
         lever = self.encoder_m / self.wheelbase_m
         return np.asarray(wheel_speed / (1.0 - lever * np.tan(steering)))
 
     def move(self, pose: Array, speed: float, steering: float, step_s: float) -> Array:
-        """Move the laser by a step (3.17). The thesis prints tan(phi) for tan(alpha)."""
+        """Move the laser's pose (3,) by one step of speed, m/s, and steering, rad (3.17).
+
+        The thesis prints tan(phi) for tan(alpha).
+        """
         cos, sin = np.cos(pose[2]), np.sin(pose[2])
-        turn = speed / self.wheelbase_m * np.tan(steering)
-        a, b = self.laser_ahead_m, self.laser_left_m
+        turn = speed / self.wheelbase_m * np.tan(steering)  # rad/s
+        a, b = self.laser_ahead_m, self.laser_left_m  # the laser swings about the axle's middle
         rate = [
             speed * cos - turn * (a * sin + b * cos),
             speed * sin + turn * (a * cos - b * sin),
@@ -167,10 +180,10 @@ class Car:
         noise: Array,
         with_product: bool = False,
     ) -> Array:
-        """Compute the covariance (3, 3) that the odometry of many steps adds, as `move_steps`.
+        """Compute the covariance (3, 3) that the odometry of many steps adds to the laser's pose.
 
         G Q G' of (3.7) is of first order: the turn of a step, v tan(alpha) / L, errs by the product
-        of both errors, too. `with_product` adds that.
+        of both errors, too. `with_product` adds that. The other parameters are as in `move_steps`.
         """
         moves, swing, heading = self._steps(pose, odometry, step_s)
         speed, steering = odometry.T
@@ -188,16 +201,16 @@ class Car:
         return np.asarray(spread)
 
     def _steps(self, pose: Array, odometry: Array, step_s: Array) -> tuple[Array, Array, Array]:
-        """Move the laser by each step.
+        """Compute what each of k steps moves the laser. Parameters are as in `move_steps`.
 
         Returns
         -------
         Array
-            The steps (2, k).
+            Displacement of the laser in each step (2, k) m.
         Array
-            What the laser moves by a turn of one radian (2, k).
+            Its displacement for a turn of one radian at each step (2, k) m.
         Array
-            The heading before each step, and after the last (k + 1).
+            Heading before each step, and after the last (k + 1,) rad.
         """
         speed, steering = odometry.T
         turn = speed / self.wheelbase_m * np.tan(steering)
@@ -209,9 +222,10 @@ class Car:
 
 
 def observe(pose: Array, points: Array) -> Array:
-    """Predict ranges and bearings (n, 2) of points (n, 2), the bearing from the car's right (3.19).
+    """Predict the readings (n, 2) of points (n, 2) from the laser's pose (3,) (3.19).
 
-    The thesis prints the arc tangent of a quotient, which folds what lies behind the car.
+    A bearing counts from the car's right: pi / 2 is straight ahead. The thesis prints the arc
+    tangent of a quotient, which folds what lies behind the car.
     """
     off = points - pose[:2]
     bearing = np.arctan2(off[:, 1], off[:, 0]) - pose[2] + np.pi / 2
@@ -219,7 +233,7 @@ def observe(pose: Array, points: Array) -> Array:
 
 
 def observe_jacobians(pose: Array, points: Array) -> tuple[Array, Array]:
-    """Differentiate `observe` by the pose (n, 2, 3) and by the point (n, 2, 2), as (3.20).
+    """Differentiate `observe` by the pose (n, 2, 3) and by each point (n, 2, 2), as (3.20).
 
     The thesis prints -dx/D for the range by the point's x.
     """
@@ -234,13 +248,16 @@ def observe_jacobians(pose: Array, points: Array) -> tuple[Array, Array]:
 
 
 def sighted_points(readings: Array) -> Array:
-    """Place ranges and bearings (n, 2) in the car's frame (n, 2)."""
-    angle = readings[:, 1] - np.pi / 2
+    """Turn readings (n, 2) into points (n, 2) m in the laser's frame, x ahead and y to the left."""
+    angle = readings[:, 1] - np.pi / 2  # from straight ahead
     return np.asarray(readings[:, :1] * np.column_stack([np.cos(angle), np.sin(angle)]))
 
 
 def sighted_covariance(readings: Array, noise: Array) -> Array:
-    """Compute the covariance (n, 2, 2) of `sighted_points`, given range's and bearing's (2, 2)."""
+    """Compute the covariance (n, 2, 2) m^2 of each of `sighted_points`.
+
+    noise: covariance (2, 2) of one reading's range and bearing.
+    """
     angle, range_m = readings[:, 1] - np.pi / 2, readings[:, 0]
     cos, sin = np.cos(angle), np.sin(angle)
     jacobian = np.stack([cos, -range_m * sin, sin, range_m * cos], axis=1).reshape(-1, 2, 2)

@@ -28,6 +28,7 @@ STEP_S, STEPS_A_SCAN = 0.1, 10  # a scan a second, as printed
 LAPS = 2
 AHEAD_M = 8.0  # the car steers for a point of its way so far ahead
 SHARPEST_RAD = 0.5
+RANGE_SIGMA_M = 0.01  # of a laser's beam
 # not printed: of the car's counters, and of a trunk's middle as a scan shows it
 NOISE = Noise(
     speed_m_s=0.3, steering_rad=np.radians(3.0), range_m=0.10, bearing_rad=np.radians(0.3)
@@ -57,7 +58,7 @@ def simulate_park(seed: int, laps: float = LAPS) -> Park:
     for step, (speed, steering) in enumerate(controls):
         track[step + 1] = car.move(track[step], speed, steering, STEP_S)
         if (step + 1) % STEPS_A_SCAN == 0:
-            ranges = scan_trees(track[step + 1], trees, 0.01, rng)
+            ranges = scan_trees(track[step + 1], trees, RANGE_SIGMA_M, rng)
             readings = trunk_readings(find_trunks(ranges))
             scans[step] = Scan(readings=readings, truth=_nearest(readings, track[step + 1], trees))
     sigmas = [NOISE.speed_m_s, NOISE.steering_rad]
@@ -70,7 +71,10 @@ def simulate_park(seed: int, laps: float = LAPS) -> Park:
 
 
 def _way(laps: float) -> Array:
-    """Lay a way of laps through the park, a point every metre."""
+    """Lay a way (k, 2) m of laps through the park, about a point every metre.
+
+    An ellipse with a waist, so that curves go to either side.
+    """
     angle = np.linspace(0, 2 * np.pi * laps, round(laps * 400))
     x = SIZE_M[0] / 2 + 0.40 * SIZE_M[0] * np.cos(angle)
     y = SIZE_M[1] / 2 + 0.36 * SIZE_M[1] * np.sin(angle) * (1 + 0.25 * np.cos(2 * angle))
@@ -78,7 +82,7 @@ def _way(laps: float) -> Array:
 
 
 def _trees(way: Array, rng: np.random.Generator) -> Array:
-    """Plant trees apart from each other, and from the way."""
+    """Plant trees (k, 3), x, y and radius m, apart from each other and from the way."""
     planted: list[Array] = []
     while len(planted) < TREES:
         tree = rng.uniform([0.0, 0.0], SIZE_M)
@@ -89,7 +93,10 @@ def _trees(way: Array, rng: np.random.Generator) -> Array:
 
 
 def follow(way: Array) -> Array:
-    """Steer a car along a way (k, 2) that starts where it stands: speed and steering (n, 2)."""
+    """Steer a car along a way (k, 2) m by pure pursuit: speed and steering (n, 2).
+
+    The way starts where the car stands. It steers for the first point farther away than AHEAD_M.
+    """
     car, pose, nearest, controls = Car(), np.zeros(3), 0, []
     while nearest < len(way) - 1 - AHEAD_M:
         window = way[nearest : nearest + 20]
@@ -104,6 +111,7 @@ def follow(way: Array) -> Array:
 
 
 def _nearest(readings: Array, pose: Array, trees: Array) -> tuple[int, ...]:
+    """Find the tree that is nearest to each reading (n, 2), seen from a pose (3,)."""
     points = place(pose, sighted_points(readings))
     off = np.linalg.norm(points[:, None] - trees[None, :, :2], axis=2)
     return tuple(int(number) for number in off.argmin(axis=1))

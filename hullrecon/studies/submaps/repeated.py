@@ -56,9 +56,10 @@ class Repeated:
         }
 
     def place_m(self) -> dict[str, Array]:
-        """Compute the mean errors (runs,) of the car by method, where there is one by its map."""
+        """Compute the car's mean position error (runs,) m by method, by the final map if any."""
 
         def of(run: WorldRuns, name: str) -> float:
+            """Average over the scans of one run."""
             track = run.final.get(name, run.tracks[name])
             return float(track.distances(run.world).mean())
 
@@ -71,6 +72,7 @@ class Repeated:
         steps = survey.leg_m / (survey.speed_m_s * survey.step_s)
 
         def of(run: WorldRuns, name: str) -> float:
+            """Take the error at the last scan of the first leg."""
             track = run.tracks[name]
             return float(track.distances(run.world)[track.steps < steps][-1])
 

@@ -39,6 +39,17 @@ class SelectiveJoining:
     """
 
     def __init__(self, threshold: float, submap_size: int, effort: Effort) -> None:
+        """Start without submaps.
+
+        Parameters
+        ----------
+        threshold
+            Share of a submap's landmarks that must be common for a fusion.
+        submap_size
+            Landmarks of a full submap.
+        effort
+            Counts the multiplications that it takes.
+        """
         self.world = GlobalMap()
         self.submaps: list[Submap] = []
         self.fusions: list[Fusion] = []
@@ -66,12 +77,16 @@ class SelectiveJoining:
                     newest, near = fused, proximity(self.world, self._effort)
 
     def _area(self, submap: Submap) -> Area:
+        """Place a submap's landmarks in the mission's frame."""
         points = submap.now(self.world).reshape(-1, 2)
         self._effort.count(*submap.gain.shape)
         return Area(frames=submap.frames, points=place(self.world.frames()[submap.base], points))
 
     def _try(self, candidate: Submap, newest: Submap, marks: tuple[Ints, Ints]) -> Submap | None:
-        """Fuse two maps whose landmarks `marks` may be common, if enough of them are."""
+        """Fuse two maps if enough of their landmarks are common. None if they are not.
+
+        marks: numbers of the landmarks that may be common, of the candidate and of the newest.
+        """
         self.tried += 1
         sets = landmarks_in_one_frame(self.world, candidate, newest, marks, self._effort)
         if np.sum(sets.compatible(CONFIDENCE).any(axis=0)) < self._least:

@@ -45,7 +45,7 @@ class PlainMap:
 
 
 def plain_map(built: EkfMap) -> PlainMap:
-    """Take a finished submap over."""
+    """Take the state of a finished submap over, as joining needs no more."""
     return PlainMap(mean=built.mean, covariance=built.covariance, truth=tuple(built.truth))
 
 
@@ -87,7 +87,10 @@ def join_next(
 
 
 def _one_frame(first: PlainMap, second: PlainMap) -> tuple[Array, Array]:
-    """Refer both maps to the first's frame: the last pose, the first's landmarks, the second's."""
+    """Refer both maps to the first's frame: mean and covariance of the joint state.
+
+    It holds the second map's last pose, the first map's landmarks, then the second map's.
+    """
     pose, own = first.mean[:3], first.covariance
     by_first, by_second = compose_jacobians(pose, second.mean[:3])
     # the rows that move with the first's last pose: J_i of (3.14), which is one elsewhere
@@ -115,6 +118,10 @@ class JoinedSequence:
     """Maps in a row that are joined as soon as a rule says so."""
 
     def __init__(self, effort: Effort, tree: bool) -> None:
+        """Start without maps.
+
+        tree: join maps of the same size only (DCS), or each new map with the one before (LMJ).
+        """
         self._effort, self._tree = effort, tree
         self._rng = np.random.default_rng(SEED)
         self._maps: list[tuple[int, PlainMap]] = []  # submaps that each was made from

@@ -34,7 +34,7 @@ class Part:
     truth: dict[Key, int]  # only for judging
 
     def rows(self, keys: list[Key]) -> Ints:
-        """Find the rows of landmarks and poses."""
+        """Find the rows of the state that hold these landmarks and poses, in their order."""
         starts, row = {}, 0
         for key in self.keys:
             starts[key] = row
@@ -46,6 +46,7 @@ class SharedSeparators:
     """Maps in a row, each sharing its border with the next."""
 
     def __init__(self, limits: Limits, effort: Effort) -> None:
+        """Start with an empty map. effort: counts the multiplications that it takes."""
         self._effort, self._limits = effort, limits
         self._done: list[Part] = []
         self._filter = EkfMap(effort)
@@ -56,7 +57,7 @@ class SharedSeparators:
         self.costs: list[tuple[int, float]] = []  # step and multiplications, at each border
 
     def run(self, log: Log) -> Track:
-        """Run a mission."""
+        """Filter a mission scan by scan, and start a new map whenever one is full."""
         noise, filters = log.noise.odometry, [self._filter]
         first = 0
         for step, scan in sorted(log.scans.items()):
@@ -81,7 +82,7 @@ class SharedSeparators:
         return track_of(frames)
 
     def _part(self) -> Part:
-        """Take the newest map as it is now; its pose is the border to the next."""
+        """Copy the newest map as it is now. Its pose is the border to the next map."""
         built = self._filter
         end = ("pose", len(self._done))
         truth = dict(zip(self._keys, built.truth, strict=True))
@@ -133,7 +134,7 @@ class SharedSeparators:
         self._keys.append(key)
 
     def landmarks(self) -> list[tuple[int, Array]]:
-        """Tell each landmark's place, after what came later was carried back."""
+        """List each landmark's true number and place, after later knowledge was carried back."""
         with self._effort.stage("global"):
             parts = [*self._done, self._part()]
             for number in range(len(parts) - 2, -1, -1):
@@ -146,6 +147,7 @@ class SharedSeparators:
 
 
 def _size(key: Key) -> int:
+    """Count the coordinates of a pose (x, y, heading) or a landmark (x, y)."""
     return 3 if key[0] == "pose" else 2
 
 
@@ -155,7 +157,11 @@ def _common(first: Part, second: Part) -> list[Key]:
 
 
 def copy_landmark(key: Key, source: Part, target: Part, effort: Effort) -> None:
-    """Copy a landmark to the next map: given the separator it is independent of the rest there."""
+    """Add a landmark of one map to the next map, with its covariance there.
+
+    Given the separator, it is independent of the rest of the next map. So its mean and covariance
+    there follow from a regression on the separator, which the source map tells.
+    """
     shared = _common(source, target)
     border, own = source.rows(shared), source.rows([key])
     gain = np.linalg.solve(
@@ -175,7 +181,7 @@ def copy_landmark(key: Key, source: Part, target: Part, effort: Effort) -> None:
 
 
 def carry_back(part: Part, later: Part, effort: Effort) -> None:
-    """Tell a map what the next one learnt of their separator."""
+    """Update a map by what the next one learnt of their separator, as a smoother does."""
     shared = _common(part, later)
     border, there = part.rows(shared), later.rows(shared)
     gain = np.linalg.solve(part.covariance[np.ix_(border, border)], part.covariance[border]).T

@@ -78,6 +78,7 @@ def draw_world(world: World, mission: Mission) -> PublishedFigure:
 
 
 def _world(axis: Axes, world: World, path: Array, title: str) -> None:
+    """Draw true landmarks and a path (n, 2) m."""
     axis.plot(*world.landmarks.T, ".", color=LIGHT, ms=3)
     axis.plot(*path.T, color=INK, lw=0.8)
     axis.set_aspect("equal")

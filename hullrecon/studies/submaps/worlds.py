@@ -155,7 +155,21 @@ def simulate(
     survey: Survey,
     rng: np.random.Generator,
 ) -> World:
-    """Drive by true controls (n, 2) and take readings with noise."""
+    """Drive among landmarks (k, 2) by true controls, and take readings with noise.
+
+    Parameters
+    ----------
+    landmarks
+        (k, 2) m, in the frame of the track's first pose.
+    controls, step_s
+        True speed and steering (n, 2), and duration (n,) of each step.
+    noise
+        Of odometry and laser.
+    survey
+        What the laser sees, and how many steps pass between scans.
+    rng
+        Draws the noise.
+    """
     car = Car()
     track = np.zeros((len(controls) + 1, 3))
     scans = {}
@@ -181,7 +195,7 @@ def _scan(
 
 
 def dead_reckon(log: Log) -> Array:
-    """Add up the odometry alone: poses (n + 1, 3)."""
+    """Integrate the odometry alone: poses (n + 1, 3) in the frame of the first."""
     track = np.zeros((len(log.odometry) + 1, 3))
     for step, (speed, steering) in enumerate(log.odometry):
         track[step + 1] = log.car.move(track[step], speed, steering, log.step_s[step])

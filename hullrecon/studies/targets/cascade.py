@@ -2,8 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """A cascade of boosted classifiers, trained layer by layer [Aulinas2011 4.3.2, Table 4.1].
 
-AdaBoost [FreundSchapire1997] chooses a feature and its threshold at a time. A layer refuses most
-of what is left of the others, and keeps nearly every target.
+Patches of an image are judged by their features: `values` (n, f) has a patch a row and a feature a
+column, and `is_target` (n,) tells which patches show a target. The rest are "others". AdaBoost
+[FreundSchapire1997] chooses a feature and its threshold at a time. A layer refuses most of what is
+left of the others, and keeps nearly every target.
 """
 
 from __future__ import annotations
@@ -41,7 +43,7 @@ class Weak:
         return np.asarray(self.sign * (values[:, self.feature] - self.threshold) > 0)
 
     def score(self, values: Array) -> Array:
-        """Score patches between -vote and vote.
+        """Score patches (n,) by their features (n, f), between -vote and vote.
 
         A step of one spread, not a jump: a sum of n jumps has 2^n values, among which a layer's
         threshold could not be lowered by little.
@@ -130,7 +132,19 @@ def _train_layer(
     validation_target: Mask,
     wanted: tuple[float, float, int],
 ) -> Layer:
-    """Add features until the layer meets the rates wanted on what passed the layers before."""
+    """Add features to a layer until it meets the rates wanted on what passed the layers before.
+
+    Parameters
+    ----------
+    values, is_target
+        Features of the patches to learn from, and which are targets.
+    validation, validation_target
+        The same of the patches on which thresholds are set and rates are measured.
+    check
+        (m,) which of these passed the layers before.
+    wanted
+        Share of all targets to pass, share of all others that may pass, most features.
+    """
     detection, false, most = wanted
     boosted = Boost(values, is_target)
     for _ in range(most):
@@ -150,9 +164,9 @@ class Boost:
     """AdaBoost over features with one threshold each."""
 
     def __init__(self, values: Array, is_target: Mask) -> None:
+        """Start with equal weights of both classes. values: features (n, f) to learn from."""
         self._values, self._is_target = values, is_target
         self._order = np.argsort(values, axis=0)
-        # Both classes weigh the same at first.
         count = np.where(is_target, is_target.sum(), (~is_target).sum())
         self._weight = 0.5 / count
         self._weak: list[Weak] = []
@@ -176,7 +190,11 @@ class Boost:
         return tuple(self._weak)
 
     def _best(self, weight: Array) -> tuple[int, float, float, float]:
-        """Find the feature, threshold and sign of least weighted error."""
+        """Find the feature, threshold and sign of least weighted error, and that error.
+
+        weight: (n,) of the patches, which sum to one. All thresholds between two patches in the
+        order of a feature are tried at once.
+        """
         signed = np.where(self._is_target, weight, -weight)[self._order]
         all_targets = weight[self._is_target].sum()
         below = np.cumsum(signed, axis=0)  # targets less others up to each place
@@ -195,7 +213,7 @@ class Boost:
 
 
 def rates(layers: list[Layer], values: Array, is_target: Mask) -> Rates:
-    """Count what is left after each layer."""
+    """Measure the shares of targets and of others that are left after each layer."""
     left = np.ones(len(values), bool)
     detection, false = [], []
     for layer in layers:

@@ -64,12 +64,15 @@ def all_rectangles() -> list[Rectangles]:
 
 
 def integral_images(pictures: Array) -> Array:
-    """Sum each picture (n, r, c) above and to the left of each pixel (n, r + 1, c + 1)."""
+    """Sum pictures (n, r, c) above and to the left of each pixel: (n, r + 1, c + 1)."""
     return np.pad(pictures.cumsum(axis=1).cumsum(axis=2), ((0, 0), (1, 0), (1, 0)))
 
 
 def sum_in(integral: Array, top: int, bottom: int, left: int, right: int) -> Array:
-    """Sum rows top to bottom, columns left to right by four look-ups: 4 + 1 - (2 + 3)."""
+    """Sum a rectangle of each picture (n,) by four look-ups in its integral image.
+
+    It has the rows top to bottom and the columns left to right, without the last ones.
+    """
     return np.asarray(
         integral[:, bottom, right]
         + integral[:, top, left]
@@ -79,7 +82,7 @@ def sum_in(integral: Array, top: int, bottom: int, left: int, right: int) -> Arr
 
 
 def mean_in(integral: Array, top: int, bottom: int, left: int, right: int) -> Array:
-    """Compute the mean of rows top to bottom, columns left to right."""
+    """Compute the mean of each picture (n,) over a rectangle, as `sum_in`."""
     return sum_in(integral, top, bottom, left, right) / ((bottom - top) * (right - left))
 
 
@@ -92,11 +95,11 @@ CENTROID_NAMES = (
 
 
 def centroid_distances(picture: Array) -> Array:
-    """Measure the distance of a dark object's boundary from its centroid (4,).
+    """Describe a patch (r, c) by the distances of a dark object's boundary from its centroid (4,).
 
-    The object is the largest region darker than DARK, none gives zeros. Returns the mean of the
-    distances as a share of the patch's width, their spread as a share of their mean, then the
-    centroid's column and the object's area as shares of the patch.
+    The object is the largest region darker than DARK, and none gives zeros. The features are the
+    mean of the distances as a share of the patch's width, their spread as a share of their mean,
+    then the centroid's column and the object's area as shares of the patch.
     """
     rows, columns = picture.shape
     smooth = cv2.medianBlur(picture.astype(np.float32), 3)
@@ -122,7 +125,7 @@ def centroid_distances(picture: Array) -> Array:
 
 
 def describe(pictures: Array) -> tuple[Array, list[str]]:
-    """Evaluate all features (n, f) of patches (n, r, c). Returns them with their names."""
+    """Evaluate all features (n, f) of patches (n, r, c), and name the features."""
     integral = integral_images(pictures)
     rectangles = all_rectangles()
     values = np.column_stack([shape.value(integral) for shape in rectangles])

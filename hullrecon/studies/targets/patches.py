@@ -53,7 +53,7 @@ class Patches:
 
 
 def cut_patches(seed: int, tiles: int) -> Patches:
-    """Cut a patch around each thing of new tiles, and others from between the things."""
+    """Cut a patch around each thing of new tiles, and patches of bare floor from other tiles."""
     rng = np.random.default_rng(seed)
     pictures, kinds = [], []
     for _ in range(tiles):
@@ -85,7 +85,10 @@ def augment(patches: Patches, seed: int, targets: int, others: int) -> Patches:
 
 
 def _window(rng: np.random.Generator, tile: Floats32, thing: Thing) -> Array:
-    """Cut the window of a thing, as a scan over places and scales would meet it."""
+    """Cut the window of a thing out of a tile, resampled to a patch (ROWS, COLUMNS).
+
+    It is a little shifted and stretched, as a scan over places and scales would meet it.
+    """
     high, long = MARGIN * thing.width_m / ALONG_M, thing.length_m / ACROSS_M
     if thing.kind in (Kind.BRIGHT, Kind.DARK):
         # A scan has windows of a target's shape: the missing half is floor.
@@ -106,7 +109,7 @@ def _window(rng: np.random.Generator, tile: Floats32, thing: Thing) -> Array:
 
 
 def _vary(rng: np.random.Generator, picture: Array) -> Array:
-    """Change a patch's scale by up to 5 per cent, its intensity by 25, and add noise."""
+    """Vary a patch (ROWS, COLUMNS): scale by up to 5 per cent, intensity by up to 25, noise."""
     scale = 1 + 0.05 * rng.uniform(-1, 1, 2)
     size = (COLUMNS / scale[0], ROWS / scale[1])
     warp = np.array(

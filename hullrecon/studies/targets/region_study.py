@@ -29,8 +29,8 @@ class RegionTrial:
 
     recall: Array  # (n,) share of the rocks' pixels, of images with a rock
     false: Array  # (m,) share of the background's pixels taken for a region, of all images
-    bare: int  # images without a rock that got a region, of
-    bare_images: int
+    bare: int  # images without a rock that got a region
+    bare_images: int  # images without a rock
     inliers: Array  # (n,) matches that one similarity explains, after a quarter turn
     right: Array  # (n,) share of these that are where the floor's true place is
 
@@ -85,7 +85,7 @@ def try_regions(floors: int) -> RegionTrial:
 
 
 def _two_looks(floor: Floor, middle: Array, seed: int) -> tuple[View, View]:
-    """Look at a place twice: the second time turned by 90 degrees, nearer, in more haze."""
+    """Look at a place (2,) of the floor twice: then turned by 90 degrees, nearer, in more haze."""
     first = look(floor, seed, (middle[0], middle[1]))
     second = look(
         floor,

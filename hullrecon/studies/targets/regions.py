@@ -83,6 +83,7 @@ def hue_of(image: Pixels) -> Array:
 
 
 def _disc(diameter_px: int) -> Pixels:
+    """Make a disc as a structuring element of morphology."""
     return np.asarray(cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (diameter_px, diameter_px)))
 
 
@@ -105,9 +106,10 @@ class Matches:
 
 
 def match_regions(first: Pixels, second: Pixels, in_first: Mask, in_second: Mask) -> Matches:
-    """Match SIFT features of two even images, in their regions, by the ratio to the next best.
+    """Match SIFT features of two images (h, w), as of `even_out`, inside of their regions.
 
-    One turn, scale and shift of the image has to explain a match.
+    A match must be clearly better than the next best. Inliers are those that one rotation, scale
+    and shift of the image explains. in_first, in_second: the regions (h, w).
     """
     sift = cv2.SIFT.create(contrastThreshold=0.02)
     keys_a, words_a = sift.detectAndCompute(first, in_first.astype(np.uint8))
@@ -125,7 +127,7 @@ def match_regions(first: Pixels, second: Pixels, in_first: Mask, in_second: Mask
 
 
 def _nearest(a: Floats32, b: Floats32) -> list[tuple[int, int]]:
-    """Pair each descriptor with its nearest, where the second nearest is clearly further."""
+    """Pair descriptors of a (n, 128) with the nearest of b, where the second nearest is far off."""
     found = cv2.BFMatcher(cv2.NORM_L2).knnMatch(a, b, k=2)
     return [
         (near.queryIdx, near.trainIdx)

@@ -64,7 +64,7 @@ def draw_thing(
     range_m: float,
     altitude_m: float = ALTITUDE_M,
 ) -> Thing:
-    """Draw a thing at a place, of the size of a mine shape.
+    """Draw the size and brightness of a thing at a place, at random around those of a mine.
 
     A target has a flank of 45 degrees, seen as a highlight as long as it is high. A height h casts
     a shadow of h R / (H - h) at ground range R below a sonar at altitude H, so shadow and
@@ -101,7 +101,7 @@ def draw_tile(rng: np.random.Generator, rows: int, things: Sequence[Thing]) -> A
 
 
 def scatter_things(rng: np.random.Generator, kinds: Sequence[Kind]) -> list[Thing]:
-    """Draw things one a lane of LANE_M, in random order and at random ranges of RANGES_M."""
+    """Draw a thing of each kind in a lane of its own, in random order and at random ranges."""
     along = (rng.permutation(len(kinds)) + 0.5) * LANE_M
     ranges = rng.uniform(*RANGES_M, len(kinds))
     return [draw_thing(rng, *it) for it in zip(kinds, along, ranges, strict=True)]
@@ -113,7 +113,7 @@ def rows_of_lanes(lanes: int) -> int:
 
 
 def level_over_range(tile: Array) -> Floats32:
-    """Divide a tile by the level of the floor at each range: its gain goes, the floor is 1."""
+    """Divide a tile by the floor's level at each range: the gain goes, and the floor is 1."""
     return np.asarray(tile / np.maximum(np.median(tile, axis=0), 1.0), dtype=np.float32)
 
 
@@ -139,7 +139,10 @@ def _floor(rng: np.random.Generator, rows: int, columns: int) -> Array:
 
 
 def _seen_by_beam(amplitude: Array) -> Array:
-    """Blur along the track by the beam, whose width grows with range; in bands of 5 m."""
+    """Blur the floor's amplitude (rows, columns) along the track by the width of the beam.
+
+    That grows with range, which is taken as constant over bands of 5 m.
+    """
     seen = np.empty_like(amplitude)
     band = round(5.0 / ACROSS_M)
     for start in range(0, amplitude.shape[1], band):
@@ -155,7 +158,7 @@ def _paint(amplitude: Array, thing: Thing) -> None:
     near = column_of(thing.range_m)
     end = column_of(thing.range_m + thing.length_m)
     hollow = thing.kind is Kind.HOLLOW
-    first = thing.shadow_m if hollow else thing.highlight_m
+    first = thing.shadow_m if hollow else thing.highlight_m  # what is nearer to the sonar
     edge = column_of(thing.range_m + first)
     middle, half = row_of(thing.along_m), 0.5 * thing.width_m / ALONG_M
     for row in range(max(0, round(middle - half)), min(len(amplitude), round(middle + half) + 1)):

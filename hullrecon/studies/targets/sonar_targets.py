@@ -100,7 +100,24 @@ def _run_through(marked: Mask, row: int) -> int:
 
 
 def sonar_sees(point: Array, start: Array, heading: float, mount: float) -> tuple[float, float]:
-    """Find way and range at which a sonar, turned by its mount, sees a point (2,) of the map."""
+    """Compute where a straight pass of a side-scan sonar sees a point (2,) m of the map.
+
+    Parameters
+    ----------
+    point
+        The point.
+    start, heading
+        Where the pass starts (2,) m, and its heading, rad.
+    mount
+        Turn of the sonar about the vertical, rad, from looking to port.
+
+    Returns
+    -------
+    float
+        Way of the vehicle from the start, m, when it sees the point.
+    float
+        Range, m.
+    """
     ahead = np.array([np.cos(heading), np.sin(heading)])
     port = np.array([-np.sin(heading + mount), np.cos(heading + mount)])
     along, across = np.linalg.solve(np.column_stack([ahead, port]), point - start)
@@ -158,6 +175,19 @@ def place_targets(
 ) -> tuple[list[SonarTarget], list[SonarTarget]]:
     """Pair the detections of passes, place the targets, and select the confirmed ones.
 
+    Each pass in turn is paired with the map that the passes before it give.
+
+    Parameters
+    ----------
+    passes
+        The passes with their detections.
+    sigmas
+        Of the passes' poses and of the mount.
+    errors
+        Of a detection's reading.
+    area_m2
+        Of the survey, over which unrelated detections may lie.
+
     Returns
     -------
     list[SonarTarget]
@@ -190,7 +220,10 @@ def place_targets(
 
 
 def _places(seen: Pass, errors: ReadingErrors) -> tuple[Array, Array]:
-    """Place a pass's detections (n, 2), and differentiate by x, y, heading, mount (n, 2, 4)."""
+    """Place a pass's detections (n, 2) m in the map, with their Jacobian (n, 2, 4).
+
+    It is by the pass's x, y and heading, and by the turn of the mount.
+    """
     along = seen.readings.along_m - errors.bias[0]
     across = seen.readings.range_m - errors.bias[1]
     jacobian = np.zeros((len(along), 2, 4))

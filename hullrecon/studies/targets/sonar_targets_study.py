@@ -157,6 +157,7 @@ def calibrate_readings(rng: np.random.Generator, tiles: int) -> ReadingErrors:
 
 
 def _read(rng: np.random.Generator, things: Sequence[Thing]) -> Readings:
+    """Draw a tile with things, and measure what is detected in it."""
     tile = draw_tile(rng, rows_of_lanes(len(LYING) + FISH_LANES + 1), things)
     return read_detections(detect_by_thresholds(tile))
 
@@ -197,7 +198,10 @@ def _shoals(rng: np.random.Generator, lanes: Array) -> Array:
 
 
 def _as_seen(thing: Thing, start: Array, heading: float, mount: float) -> Thing:
-    """Move a thing of the map into a pass's tile, and cast its shadow from there."""
+    """Move a thing of the map to where a pass's tile shows it, and cast a target's shadow anew.
+
+    start, heading, mount: of the pass, as of `sonar_sees`.
+    """
     point = np.array([thing.along_m, thing.range_m])
     along, range_m = sonar_sees(point, start, heading, mount)
     height = thing.highlight_m

@@ -89,9 +89,10 @@ def _without_specks(bright: Mask) -> Mask:
 
 
 def _pair(spots: Mask, shadows: Mask) -> tuple[Mask, Ints, Ints]:
-    """Keep spots that have a shadow on their far side, left of their middle.
+    """Keep bright spots (rows, columns) that have a shadow on their far side, left of their middle.
 
-    Returns what was found, and of each target the row of its middle and its near column.
+    Returns a mask of what was found, spots with their shadows, and of each target the row of its
+    middle and the column of its near edge.
     """
     count, labels, stats, middles = cv2.connectedComponentsWithStats(spots.astype(np.uint8))
     _, shade = cv2.connectedComponents(shadows.astype(np.uint8))

@@ -36,9 +36,16 @@ class Trials:
 
 
 def converge(seed: int, trials: int, rho: float) -> Trials:
-    """Pass landmarks sideways at known poses, and update each by its pixels.
+    """Move sideways past landmarks at known poses, and filter the inverse depth of each.
 
-    All start from one inverse depth `rho`, 1/m.
+    Parameters
+    ----------
+    seed
+        Of places and noise.
+    trials
+        Number of landmarks.
+    rho
+        Inverse depth from which all start, 1/m.
     """
     rng = np.random.default_rng(seed)
     truth = np.empty(trials)
@@ -52,6 +59,7 @@ def converge(seed: int, trials: int, rho: float) -> Trials:
         truth[trial] = 1 / np.linalg.norm(point)
         heading = rotation(attitude) @ np.array([1.0, 0.0, 0.0])
         noisy = pixel + PIXEL_SIGMA * rng.standard_normal(2)
+        # Each step is the same share of the depth, so that parallax grows alike in all trials
         poses = [np.r_[k * STEP_SHARE * depth * heading, attitude] for k in range(STEPS + 1)]
         found[trial], sigma[trial] = _follow(rng, point, noisy, poses, rho)
     return Trials(truth=truth, rho=found, sigma=sigma)
@@ -60,7 +68,28 @@ def converge(seed: int, trials: int, rho: float) -> Trials:
 def _follow(
     rng: np.random.Generator, point: Array, pixel: Array, poses: list[Array], rho: float
 ) -> tuple[Array, Array]:
-    """Estimate the inverse depth of a point and its sigma at each pose."""
+    """Filter the inverse depth of a point over images from known poses.
+
+    Parameters
+    ----------
+    rng
+        Draws the noise of the pixels.
+    point
+        (3,) m, where it truly is.
+    pixel
+        (2,) of the first image.
+    poses
+        (6,) of the vehicle at each image.
+    rho
+        Inverse depth at the first image, 1/m.
+
+    Returns
+    -------
+    Array
+        Inverse depth after each image, 1/m.
+    Array
+        Its sigma.
+    """
     noise = PIXEL_SIGMA**2 * np.eye(2)
     landmark, _, by_seen = new_landmark(CAMERA, poses[0], pixel, rho)
     covariance = by_seen @ np.diag([PIXEL_SIGMA**2] * 2 + [RHO_SIGMA**2]) @ by_seen.T

@@ -61,7 +61,10 @@ def first_inside(trials: Trials) -> float:
 
 
 def _draw(both: dict[float, Trials]) -> PublishedFigure:
-    """Draw the error of the inverse depth and its sigma over frames."""
+    """Draw the relative error of the inverse depth and its sigma over frames.
+
+    both: trials by the inverse depth from which they start, 1/m.
+    """
     canvas, axes = new_canvas(9.0, 3.6, 1, len(both), sharey="all")
     table = ["start,frame,error_95,sigma"]
     frames = np.arange(STEPS + 1)

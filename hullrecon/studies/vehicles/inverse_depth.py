@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Landmarks by inverse depth, for one camera [Aulinas2011 5.3.2], [Civera2008].
 
-A landmark is (c, alpha, beta, rho): where the camera was when it first saw it, azimuth and
-elevation of the ray in the world, and the inverse of the distance along it.
+A landmark (6,) is (c, alpha, beta, rho): where the camera was when it first saw it (3,), m,
+azimuth and elevation of the ray in the world, rad, and the inverse of the distance along it, 1/m.
+A vehicle's pose is (6,): position, m, and roll, pitch, yaw, rad.
 
 Corrected here: (5.20) prints (cos a sin b - sin a, -sin a, cos a cos b) for m, which is no unit
 vector; (5.21) takes r from rho c, and leaves m unrotated; (5.23) has no K^-1.
@@ -68,7 +69,8 @@ def to_point(landmark: Array) -> tuple[Array, Array]:
 def see_landmark(camera: Pinhole, pose: Array, landmark: Array) -> tuple[Array, Array, Array]:
     """Predict a landmark's pixel: h = R_CW (rho (c - r) + m) (5.21), then (5.22).
 
-    The camera is at the vehicle's origin and looks down.
+    The camera is at the vehicle's origin and looks down. The ray is scaled by rho, so that it is
+    finite for a landmark at infinity.
 
     Returns
     -------
@@ -97,12 +99,28 @@ def see_landmark(camera: Pinhole, pose: Array, landmark: Array) -> tuple[Array, 
 def new_landmark(
     camera: Pinhole, pose: Array, pixel: Array, rho: float
 ) -> tuple[Array, Array, Array]:
-    """Make a landmark (6,) of the first pixel that shows it: q = R_WC K^-1 (u, v, 1) (5.23, 5.24).
+    """Make a landmark of the first pixel that shows it: q = R_WC K^-1 (u, v, 1) (5.23, 5.24).
 
-    Returns it with its Jacobians by position and attitude (6, 6), and by pixel and rho (6, 3).
+    Parameters
+    ----------
+    camera, pose
+        The camera, and the vehicle's pose (6,) when it saw the landmark.
+    pixel
+        (2,) where the image shows it.
+    rho
+        A guess of its inverse depth, 1/m, which one image does not tell.
+
+    Returns
+    -------
+    Array
+        The landmark (6,).
+    Array
+        Jacobian (6, 6) by the vehicle's pose.
+    Array
+        Jacobian (6, 3) by pixel and rho.
     """
-    ray = DOWN @ camera.ray(pixel)
-    q = rotation(pose[3:]) @ ray
+    ray = DOWN @ camera.ray(pixel)  # in the vehicle's frame
+    q = rotation(pose[3:]) @ ray  # in the world, along y and in the plane of x and z
     flat = np.hypot(q[0], q[2])
     landmark = np.r_[pose[:3], np.arctan2(q[0], q[2]), np.arctan2(-q[1], flat), rho]
     by_q = np.array(

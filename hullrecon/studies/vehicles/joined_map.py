@@ -19,6 +19,7 @@ from hullrecon.typing import Array, Ints
 
 SHARED = 0.4  # of a submap's landmarks that have to be known for it to be fused [Aulinas2011 3.4.1]
 SAME = float(chi2.ppf(0.99, 3))  # squared Mahalanobis distance of what may be one landmark
+FAR_M = 30.0  # landmarks farther apart in x or y are not tried: saves time
 NUDGE_M2 = 1e-6  # variance of "the same place"
 
 
@@ -36,8 +37,17 @@ class JoinedMap:
     """Where each submap starts (`axes` numbers) and the landmarks (3 each), with covariance."""
 
     def __init__(self, axes: int, labelled: bool = False) -> None:
-        self._axes = axes  # in which submaps are shifted
-        self._labelled = labelled  # landmarks are paired by their labels, else by place
+        """Start an empty map at the origin.
+
+        Parameters
+        ----------
+        axes
+            2 if a submap is shifted in x and y, 3 if in depth too.
+        labelled
+            Pair landmarks by their true labels, or by place.
+        """
+        self._axes = axes
+        self._labelled = labelled
         self.mean, self.covariance = np.zeros(axes), 1e-9 * np.eye(axes)
         self._starts = [0]  # first row of each submap's start
         self._landmarks: list[int] = []  # first row of each landmark
@@ -75,7 +85,10 @@ class JoinedMap:
             self.fused += 1
 
     def _append(self, submap: Submap) -> None:
-        """Shift a submap to its start, with the covariance of both."""
+        """Append a submap's landmarks and end to the state, shifted to where the submap starts.
+
+        Their covariance is that of the submap plus that of its start, with which they correlate.
+        """
         n, base = len(submap.points), self._starts[-1] + np.arange(self._axes)
         shift = np.zeros((3 * n + self._axes, self._axes))
         for axis in range(self._axes):
@@ -92,7 +105,11 @@ class JoinedMap:
         self.labels += submap.labels
 
     def _pairs(self, known: int) -> list[tuple[int, int]]:
-        """Pair known landmarks with those just appended: by label, or by place within a gate."""
+        """Pair known landmarks with those just appended: by label, or by place within a gate.
+
+        known: number of landmarks before the submap was appended. By place, the pairs of least
+        summed squared Mahalanobis distance are taken.
+        """
         if self._labelled:
             at = {label: k for k, label in enumerate(self.labels[:known])}
             new = enumerate(self.labels[known:], start=known)
@@ -102,7 +119,7 @@ class JoinedMap:
             for i in range(known):
                 a, b = self._landmarks[i] + np.arange(3), self._landmarks[known + j] + np.arange(3)
                 off = self.mean[b] - self.mean[a]
-                if np.abs(off[:2]).max() > 30.0:
+                if np.abs(off[:2]).max() > FAR_M:
                     continue
                 mixed = self.covariance[np.ix_(a, b)]
                 spread = (
@@ -128,7 +145,7 @@ class JoinedMap:
         self._drop([j for _, j in pairs])
 
     def _drop(self, landmarks: list[int]) -> None:
-        """Drop landmarks from the state."""
+        """Drop landmarks, given by number, from the state, and renumber the rows of the others."""
         gone = self._rows([self._landmarks[j] for j in landmarks])
         kept = np.setdiff1d(np.arange(len(self.mean)), gone)
         at = {int(row): k for k, row in enumerate(kept)}
@@ -140,5 +157,5 @@ class JoinedMap:
 
     @staticmethod
     def _rows(firsts: list[int]) -> Ints:
-        """List the three rows of each landmark."""
+        """List the three rows of each landmark, given the first of them."""
         return np.asarray((np.array(firsts, int)[:, None] + np.arange(3)).ravel())

@@ -19,6 +19,11 @@ class LocalMap:
     """State (5.1) and covariance of a vehicle, then of its landmarks, `size` numbers each."""
 
     def __init__(self, vehicle: Array, covariance: Array, size: int) -> None:
+        """Start with a vehicle's state and covariance, and no landmarks.
+
+        vehicle: position, attitude, velocity (9,), and what else a mission estimates. size: numbers
+        that make a landmark.
+        """
         self.mean, self.covariance = vehicle.copy(), covariance.copy()
         self._rows, self._size = len(vehicle), size
         self.count = 0  # of landmarks
@@ -39,9 +44,9 @@ class LocalMap:
         return self.mean[self.rows_of(k)]
 
     def predict(self, step_s: float, noise: Array) -> None:
-        """Move the vehicle by constant velocity; landmarks, and what else it has, stay.
+        """Move the vehicle by constant velocity. Landmarks, and what else it has, stay.
 
-        `noise`: variances that a step adds to the vehicle's state.
+        noise: variances that a step adds to the vehicle's state.
         """
         n = self._rows
         moved, jacobian = move(self.mean[:9], step_s)
@@ -53,7 +58,10 @@ class LocalMap:
         self.covariance[np.arange(n), np.arange(n)] += noise
 
     def innovation(self, rows: Ints, jacobian: Array, noise: Array) -> tuple[Array, Array]:
-        """Compute P H' and S = H P H' + R of a measurement by some rows of the state."""
+        """Compute P H' and the innovation's covariance S = H P H' + R of a measurement.
+
+        Parameters are as of `update`.
+        """
         carried = self.covariance[:, rows] @ jacobian.T
         return carried, jacobian @ carried[rows] + noise
 

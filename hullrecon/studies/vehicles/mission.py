@@ -29,9 +29,9 @@ class Mission:
         return np.asarray(np.arange(len(self.truth)) * self.step_s, float)
 
     def dead_reckoned(self, by_pressure: bool = True) -> Array:
-        """Add up measured velocities along measured attitudes: positions (n, 3).
+        """Integrate measured velocities along measured attitudes: positions (n, 3) m in the world.
 
-        Depth is as pressure measures it, or added up too.
+        Depth is as pressure measures it, or integrated too.
         """
         steps = [
             rotation(measured[:3]) @ measured[3:6] * self.step_s  # attitude, velocity
@@ -73,12 +73,20 @@ def drive(
 
     Parameters
     ----------
+    rng
+        Draws the noise of the measurements.
     waypoints
-        (w, 2) in the world.
+        (w, 2) m in the world.
     depth_m
         Depth (w,) wanted on the way to each.
     floor_m
         Mean depth of the floor, which oscillates by decimetres.
+    manner
+        How the vehicle goes.
+    step_s
+        Time between measurements.
+    sigmas
+        Noise of the sensors.
     """
     truth = _track(waypoints, depth_m, manner, step_s)
     n = len(truth)
@@ -89,7 +97,11 @@ def drive(
 
 
 def _track(waypoints: Array, depth_m: Array, manner: Manner, step_s: float) -> Array:
-    """Steer from waypoint to waypoint: states (n, 9) that constant velocity links exactly."""
+    """Steer from waypoint to waypoint: true states (n, 9) of the vehicle, one a step.
+
+    Each follows from the one before by `move` but for the attitude and velocity that steering sets,
+    so that constant velocity links positions exactly. Parameters are as of `drive`.
+    """
     ahead = waypoints[1] - waypoints[0]
     state = np.r_[waypoints[0], depth_m[0], 0, 0, np.arctan2(ahead[1], ahead[0])]
     state = np.r_[state, manner.speed_mps, 0, 0]
@@ -106,6 +118,7 @@ def _track(waypoints: Array, depth_m: Array, manner: Manner, step_s: float) -> A
         k = len(track)
         state[3:5] = manner.wobble_rad * np.sin([0.05 * k, 0.083 * k])
         state[5] = wrapped(state[5] + turn)
+        # In the world: at full speed ahead, and toward the wanted depth in about ten seconds
         rise = np.clip(0.1 * (depth_m[target] - state[2]), -0.3, 0.3)
         level = np.array([manner.speed_mps * np.cos(state[5]), manner.speed_mps * np.sin(state[5])])
         state[6:9] = rotation(state[3:6]).T @ np.r_[level, rise]

@@ -20,7 +20,7 @@ def move(state: Array, step_s: float) -> tuple[Array, Array]:
     state
         Position in the world, roll, pitch, yaw, velocity in the vehicle (9,).
     step_s
-        Time.
+        Duration of the motion.
 
     Returns
     -------

@@ -33,6 +33,8 @@ MANNER = Manner(speed_mps=1.5, turn_rad_s=0.1, reach_m=8.0, wobble_rad=0.02)
 STEP_S = 1.0
 TARGETS = 90
 SWATH_M = (5.0, 45.0)  # to either side
+SONAR_REACH_M = 6.0  # altitude above which the floor is not seen
+FAR_M = 20.0  # landmarks farther from a sighting along an axis are not tried: saves time
 FALSE_SHARE = 0.01  # of detections [Aulinas2011 Table 4.2]
 LANDMARKS = 15  # of a submap [Aulinas2011 3.4.1]
 LBL_M, LBL_EVERY = 0.7, 4  # sigma of a fix in x and in y; steps from fix to fix
@@ -76,7 +78,17 @@ class Run:
 
 
 def simulate_survey(seed: int, passes: int = 3, sigmas: Sigmas | None = None) -> Survey:
-    """Simulate the mission: a lawnmower each way a pass, 12 m deep, surfacing, then 14 m."""
+    """Simulate the mission: lawnmowers along x and along y in turn, 12 m deep, then 14 m.
+
+    Parameters
+    ----------
+    seed
+        Of targets and noise.
+    passes
+        Pairs of lawnmowers, one along each axis. Half way through them, the vehicle surfaces.
+    sigmas
+        Noise of the sensors, `Sigmas` if absent.
+    """
     rng = np.random.default_rng(seed)
     sigmas = sigmas or Sigmas()
     legs, depths = [], []
@@ -108,14 +120,15 @@ def simulate_survey(seed: int, passes: int = 3, sigmas: Sigmas | None = None) ->
 def _sightings(
     rng: np.random.Generator, mission: Mission, targets: Array, sigmas: Sigmas
 ) -> list[Sighting]:
-    """Simulate sightings of targets abeam within the swath, and some false ones.
+    """Simulate side-scan's sightings of targets (t, 3) m within the swath, and some false ones.
 
-    A target is as far forward as the vehicle goes until the next step: which ping saw it is known.
+    A target is seen in the step in which it comes abeam. It is up to a step's way forward then, as
+    the time of the ping that saw it is known.
     """
     found = []
     for step, state in enumerate(mission.truth):
-        if mission.floor_m[step] - state[2] > 6.0:
-            continue  # near the surface the floor is out of reach
+        if mission.floor_m[step] - state[2] > SONAR_REACH_M:
+            continue  # near the surface
         vehicle = np.r_[state, mission.floor_m[step]]
         for label in np.flatnonzero(np.hypot(*(targets - state[:3])[:, :2].T) < SWATH_M[1] + 2):
             seen, _, _ = see_target(vehicle, targets[label])
@@ -172,7 +185,10 @@ def run_slam(survey: Survey, landmarks: int = LANDMARKS, state_sigmas: float = 1
 
 
 def _start(survey: Survey, step: int) -> LocalMap:
-    """Start a submap from one step's measurements."""
+    """Start a submap at the origin of its own frame, from one step's measurements.
+
+    Depth, attitude and velocity are as measured, the floor is altitude below depth.
+    """
     attitude, velocity, (depth, altitude) = np.split(survey.mission.measured[step], [3, 6])
     noise = survey.sigmas.navigation()
     vehicle = np.r_[0.0, 0.0, depth, attitude, velocity, depth + altitude]
@@ -182,7 +198,7 @@ def _start(survey: Survey, step: int) -> LocalMap:
 
 
 def _navigate(local: LocalMap, survey: Survey, step: int) -> None:
-    """Update by attitude, velocity, depth and altitude."""
+    """Update a submap by attitude, velocity, depth and altitude measured at a step."""
     residual = survey.mission.measured[step] - NAVIGATION @ local.vehicle
     residual[:3] = wrapped(residual[:3])
     noise = np.diag(survey.sigmas.navigation())
@@ -190,13 +206,17 @@ def _navigate(local: LocalMap, survey: Survey, step: int) -> None:
 
 
 def _observe(local: LocalMap, sighting: Sighting, sigmas: Sigmas) -> bool:
-    """Update by a detection, or add it. Returns whether it was taken for another landmark."""
+    """Update a submap by a detection of a landmark that it has, or add it as a new one.
+
+    One that fits a landmark badly, but too well for a new one, is left out. Returns whether it was
+    taken for another landmark than its own.
+    """
     noise = sigmas.target()
     best, nearest = np.inf, -1
     for k in range(local.count):
         rows = np.r_[np.arange(VEHICLE), local.rows_of(k)]
         expected, by_vehicle, by_landmark = see_target(local.vehicle, local.landmark(k))
-        if np.abs(sighting.seen - expected).max() > 20.0:
+        if np.abs(sighting.seen - expected).max() > FAR_M:
             continue
         jacobian = np.hstack([by_vehicle, by_landmark])
         _, spread = local.innovation(rows, jacobian, noise)
@@ -225,6 +245,9 @@ def _finish(local: LocalMap) -> Submap:
 
 
 def discrepancy(survey: Survey, run: Run) -> tuple[Array, Array]:
-    """Compute LBL less SLAM (f, 2) at each fix, and its bound (f, 2) of 3 sigma of both."""
+    """Compute LBL less SLAM in x and y (f, 2) m at each fix, and its bound (f, 2) m.
+
+    The bound is 3 sigma of both together.
+    """
     variance = np.diagonal(run.online_covariance, axis1=1, axis2=2)[survey.lbl_step]
     return survey.lbl - run.online[survey.lbl_step], 3 * np.sqrt(variance + LBL_M**2)

@@ -71,7 +71,10 @@ def _from_above(axis: Axes, survey: Survey, run: Run) -> None:
 
 
 def draw_pieces(survey: Survey, run: Run, reckoned: Array) -> PublishedFigure:
-    """Draw short pieces of track by LBL, dead reckoning and SLAM [Aulinas2011 Fig. 5.6]."""
+    """Draw short pieces of track by LBL, dead reckoning and SLAM [Aulinas2011 Fig. 5.6].
+
+    reckoned: (n, 3) m, the positions that dead reckoning gives.
+    """
     canvas, axes = new_canvas(10.0, 3.6, 1, len(PIECES))
     table = ["step,lbl_x,lbl_y,reckoned_x,reckoned_y,slam_x,slam_y"]
     for axis, (first, last) in zip(axes[0], PIECES, strict=True):

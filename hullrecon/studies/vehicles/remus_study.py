@@ -52,7 +52,19 @@ def inside(survey: remus.Survey, run: remus.Run) -> Mask:
 def _compare(
     survey: remus.Survey, run: remus.Run, oversure: remus.Run, reckoned: Array, alone: float
 ) -> tuple[ComparedValue, ...]:
-    """Compare duration, errors and consistency of REMUS' mission with what is printed."""
+    """Compare duration, errors and consistency of REMUS' mission with what is printed.
+
+    Parameters
+    ----------
+    survey, run
+        The mission, and SLAM with the sensors' true sigmas.
+    oversure
+        SLAM with sigmas that are too small.
+    reckoned
+        (n, 3) m, the positions that dead reckoning gives.
+    alone
+        Share of LBL's fixes within 3 sigma of one map without submaps.
+    """
     truth = survey.mission.truth[:, :2]
     hours = survey.mission.time_s[-1] / 3600
     drift = rms_length(reckoned[:, :2] - truth)

@@ -29,7 +29,7 @@ class Sigmas:
     target_m: tuple[float, float, float] = (0.2, 0.3, 0.4)  # along, across, down: R_s (5.12)
 
     def scaled(self, by: float) -> Sigmas:
-        """Multiply all sigmas."""
+        """Multiply all sigmas by a factor, as a filter that trusts its sensors less or more."""
         roll, pitch, yaw = (by * sigma for sigma in self.attitude_rad)
         forward, across, down = (by * sigma for sigma in self.target_m)
         return Sigmas(
@@ -51,10 +51,11 @@ class Sigmas:
 
 
 def navigation_rows() -> Array:
-    """Make H (8, VEHICLE) of attitude, velocity, depth and altitude: (5.5), (5.7), (5.9), (5.13).
+    """Make the Jacobian H (8, VEHICLE) of what navigation measures by the vehicle's state.
 
-    Altitude is the tenth state less z, so the tenth state is the floor's depth. (5.9) prints
-    eight columns before the landmarks.
+    Attitude (5.5), velocity (5.7), depth (5.9) and altitude (5.13). Altitude is the tenth state
+    less z, so the tenth state is the floor's depth. (5.9) prints eight columns before the
+    landmarks.
     """
     rows = np.zeros((8, VEHICLE))
     rows[:3, 3:6] = np.eye(3)
@@ -96,9 +97,10 @@ def see_target(vehicle: Array, landmark: Array) -> tuple[Array, Array, Array]:
 
 
 def place_target(vehicle: Array, seen: Array) -> tuple[Array, Array, Array]:
-    """Place a landmark (3,) in the world from where it was seen: the inverse of `see_target`.
+    """Place a landmark (3,) m in the world from where it was seen: the inverse of `see_target`.
 
-    Returns it with its Jacobians by the vehicle's state (3, VEHICLE) and by the measurement (3, 3).
+    seen: (3,) m forward, starboard, down. Returns the landmark with its Jacobians by the vehicle's
+    state (3, VEHICLE) and by the measurement (3, 3).
     """
     turn = rotation(vehicle[3:6])
     by_vehicle = np.zeros((3, VEHICLE))

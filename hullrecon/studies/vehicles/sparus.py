@@ -99,9 +99,13 @@ def simulate_survey(seed: int, size_m: tuple[float, float] = SIZE_M) -> Survey:
 
 
 def _look(rng: np.random.Generator, state: Array, points: Array) -> dict[int, Array]:
-    """See the points that fall into the image, with noise."""
+    """Simulate an image: the pixel (2,), with noise, of each point (p, 3) m that falls into it.
+
+    state: (9,) of the vehicle. Points are by their numbers.
+    """
     rays = (points - state[:3]) @ rotation(state[3:6]) @ DOWN
     seen = {}
+    # Only those within 45 degrees of the camera's axis are projected: saves time
     for label in np.flatnonzero(np.hypot(*rays[:, :2].T) < rays[:, 2]):
         if CAMERA.sees(rays[label]):
             pixel, _ = CAMERA.project(rays[label])
@@ -144,14 +148,14 @@ def run_slam(survey: Survey, landmarks: int = LANDMARKS) -> Run:
 
 
 def _start(mission: Mission, step: int) -> LocalMap:
-    """Start a submap from one step's attitude and velocity."""
+    """Start a submap at the origin of its own frame, with one step's attitude and velocity."""
     measured, noise = mission.measured[step, :6], SIGMAS.navigation()[:6]
     covariance = np.diag(np.r_[[1e-9] * 3, noise])
     return LocalMap(np.r_[np.zeros(3), measured], covariance, size=SIZE)
 
 
 def _navigate(local: LocalMap, mission: Mission, step: int) -> None:
-    """Update by attitude and velocity."""
+    """Update a submap by the attitude and velocity measured at a step."""
     residual = mission.measured[step, :6] - local.vehicle[3:9]
     residual[:3] = wrapped(residual[:3])
     local.update(np.arange(3, 9), np.eye(6), residual, np.diag(SIGMAS.navigation()[:6]))
@@ -160,7 +164,11 @@ def _navigate(local: LocalMap, mission: Mission, step: int) -> None:
 def _observe(
     local: LocalMap, step: int, label: int, pixel: Array, again: dict[int, int]
 ) -> list[Prediction]:
-    """Update by a pixel of a known landmark, or add a new one. Returns what was predicted."""
+    """Update a submap by the pixel (2,) of a landmark that it has, or add a new landmark.
+
+    again: how often each landmark was seen again, which is counted here. Returns the prediction
+    of the pixel, none of a new landmark.
+    """
     noise = PIXEL_SIGMA**2 * np.eye(2)
     if label not in local.labels:
         landmark, by_pose, by_seen = new_landmark(CAMERA, local.vehicle[:6], pixel, PUBLISHED_RHO)

@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Figures of SPARUS' run [Aulinas2011 Figs 5.13, 5.16 to 5.18]."""
+"""Figures of SPARUS' run [Aulinas2011 Figs 5.13, 5.16 to 5.18].
+
+Paths and points are x, y and depth in the world, m.
+"""
 
 from __future__ import annotations
 
@@ -94,7 +97,11 @@ def draw_frames(run: Run) -> PublishedFigure:
 def _five_frames(
     predictions: list[Prediction],
 ) -> tuple[int, list[tuple[int, list[Prediction]]]]:
-    """Find five frames from a landmark's second sighting on, with one more joining later."""
+    """Find five successive frames that begin with the first prediction of a lone landmark.
+
+    A second landmark has joined it by the last of them. Returns the first frame's step, and the
+    predictions of each frame with its step.
+    """
     by_step: dict[int, list[Prediction]] = {}
     for prediction in predictions:
         by_step.setdefault(prediction.step, []).append(prediction)
@@ -110,8 +117,7 @@ def _five_frames(
 def draw_map(survey: Survey, run: Run) -> PublishedFigure:
     """Draw map and track from above and from the front [Aulinas2011 Fig. 5.17]."""
     canvas, axes = new_canvas(10.0, 7.0, 2, 2, height_ratios=(3.0, 1.0))
-    shift = survey.mission.truth[0, :3]
-    points = run.map.points + shift
+    points = run.map.points + survey.mission.truth[0, :3]  # the map's origin is the start
     for column in range(2):
         for row, (i, j) in enumerate(((0, 1), (0, 2))):
             axis = axes[row][column]

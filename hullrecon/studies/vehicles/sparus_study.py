@@ -32,7 +32,7 @@ def run_sparus() -> StudyResult:
 
 
 def areas(run: sparus.Run, most: int = 15) -> Array:
-    """Compute the median area (most,) of the predicted 3-sigma ellipse, by times seen again."""
+    """Compute the median area (most,) px^2 of predicted 3-sigma ellipses, by times seen again."""
     return np.array(
         [
             np.median(
@@ -55,7 +55,10 @@ def inside(survey: sparus.Survey, run: sparus.Run) -> float:
 
 
 def _compare(survey: sparus.Survey, run: sparus.Run, reckoned: Array) -> tuple[ComparedValue, ...]:
-    """Compare duration, errors and sigmas of SPARUS' mission with what is printed."""
+    """Compare duration, errors and sigmas of SPARUS' mission with what is printed.
+
+    reckoned: (n, 3) m, the positions that dead reckoning gives.
+    """
     truth = survey.mission.truth[:, :3]
     ends = [float(np.linalg.norm(path[-1] - truth[-1])) for path in (reckoned, run.path)]
     shrunk = areas(run)

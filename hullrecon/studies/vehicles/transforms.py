@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rotations and poses of [Aulinas2011 A.3], with derivatives.
 
+An attitude is (3,) roll, pitch, yaw, rad. A pose is (6,): position, m, and attitude.
+
 The thesis prints the last factor of (A.5) as rotz(phi) with two equal cosines: it is rotx(phi). In
 (A.4) it has a stray Delta: the inverse's translation is -R' t.
 """
@@ -14,13 +16,13 @@ from hullrecon.typing import Array
 
 
 def rotation(attitude: Array) -> Array:
-    """Compute world_from_vehicle (3, 3) of roll, pitch, yaw (3,) (A.5)."""
+    """Compute the rotation world_from_vehicle (3, 3) of an attitude (3,) (A.5)."""
     about_x, about_y, about_z = _factors(attitude)
     return np.asarray(about_z @ about_y @ about_x)
 
 
 def rotation_derivatives(attitude: Array) -> Array:
-    """Differentiate `rotation` by roll, pitch and yaw (3, 3, 3), angle first."""
+    """Differentiate `rotation` by each angle of an attitude (3,): three matrices (3, 3, 3)."""
     about_x, about_y, about_z = _factors(attitude)
     turn_x = np.array([[0.0, 0, 0], [0, 0, -1], [0, 1, 0]])
     turn_y = np.array([[0.0, 0, 1], [0, 0, 0], [-1, 0, 0]])
@@ -35,7 +37,7 @@ def rotation_derivatives(attitude: Array) -> Array:
 
 
 def _factors(attitude: Array) -> tuple[Array, Array, Array]:
-    """Rotate about each axis."""
+    """Build the rotations (3, 3) about x, y and z of an attitude (3,)."""
     (cr, cp, cy), (sr, sp, sy) = np.cos(attitude), np.sin(attitude)
     return (
         np.array([[1.0, 0, 0], [0, cr, -sr], [0, sr, cr]]),

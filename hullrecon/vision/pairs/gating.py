@@ -105,9 +105,9 @@ def _motion_points(motion: Motion) -> Array:
 
 
 def _project(motions: Array, points: Array) -> Array:
-    """Project points (n, 3) under each of the motions (s, 4, 4) to ideal coordinates (2, s, n).
+    """Project points (n, 3) m of the first camera into the second to ideal coordinates (2, s, n).
 
-    NaN behind the camera.
+    motions: (s, 4, 4) samples of second_from_first. NaN behind the camera.
     """
     seen = (motions[:, :3, :3].swapaxes(0, 1).reshape(-1, 3) @ points.T).reshape(
         3, len(motions), len(points)
