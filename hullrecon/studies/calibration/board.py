@@ -41,19 +41,23 @@ def board() -> Array:
 
 
 def views(rng: np.random.Generator, count: int = VIEWS) -> list[Array]:
-    """Hold the board before the camera: its corners (count, n, 2) px, wholly in the image."""
+    """Hold the board before the camera at random: its exact corners (n, 2) px in each image.
+
+    All corners of a view lie in the image.
+    """
     found: list[Array] = []
     while len(found) < count:
         turn = Rotation.from_rotvec(rng.normal(0, [0.35, 0.35, 0.15]))
         place = np.r_[rng.normal(0, 0.06, 2), rng.uniform(0.4, 0.7)]
         seen = CAMERA.project(turn.apply(board()) + place)
-        if (seen > MARGIN_PX).all() and (seen < [320 - MARGIN_PX, 240 - MARGIN_PX]).all():
+        size = np.array([CAMERA.width, CAMERA.height])
+        if (seen > MARGIN_PX).all() and (seen < size - MARGIN_PX).all():
             found.append(seen)
     return found
 
 
 def calibrate(seen: list[Array]) -> Calibration:
-    """Calibrate a camera by corners (n, 2) px of several views of the board, as [Zhang2000]."""
+    """Calibrate a camera by the board as [Zhang2000]. seen: corners (n, 2) px of each view."""
     there = [board().astype(np.float32)] * len(seen)
     corners = [view.astype(np.float32)[:, None] for view in seen]
     rms, matrix, lens, *_, sigma, _, _ = cv2.calibrateCameraExtended(
@@ -110,7 +114,7 @@ def study() -> StudyResult:
 
 
 def draw(exact: list[Array]) -> PublishedFigure:
-    """Draw the views of the board [Aulinas2011 Fig. 4.23]."""
+    """Draw the views of the board, by their corners (n, 2) px [Aulinas2011 Fig. 4.23]."""
     figure, axes = new_canvas(9.6, 4.0, 2, 4, sharex="all", sharey="all")
     table = ["view,u_px,v_px"]
     for k, (axis, seen) in enumerate(zip([*axes[0], *axes[1]], exact, strict=True)):

@@ -33,13 +33,16 @@ class TwoViews:
     second: Array  # (n, 2) px, of the same points
 
     def ideal(self, error: Array) -> tuple[Array, Array]:
-        """Compute ideal coordinates (n, 2) of both, the intrinsics (9,) moved by an error."""
+        """Compute ideal coordinates (n, 2) in both images, the intrinsics off by an error (9,)."""
         moved = dict(zip(NAMES, self.camera.parameters() + error, strict=True))
         camera = replace(self.camera, **moved)
         return camera.undistort(self.first), camera.undistort(self.second)
 
     def motion(self, start: Array, error: Array) -> Array:
-        """Fit the motion (4, 4), |t| = 1, with the intrinsics moved by an error (9,)."""
+        """Fit second_from_first (4, 4), |t| = 1, with the intrinsics off by an error (9,).
+
+        start: (4, 4) from which the fit starts.
+        """
         return fit(start, *self.ideal(error))
 
 
@@ -100,12 +103,17 @@ def sampled(
 
 
 def five_numbers(motion: Array, about: Array) -> Array:
-    """Compute a motion's five numbers about another, which differs by less than half a turn."""
+    """Compute a motion's five numbers about another motion, both (4, 4).
+
+    They are the rotation vector between them, less than half a turn, and the direction of the
+    translation across that of the other.
+    """
     turn = Rotation.from_matrix(about[:3, :3].T @ motion[:3, :3]).as_rotvec()
     return np.concatenate([turn, tangent_basis(about[:3, 3]).T @ motion[:3, 3]])
 
 
 def _distances(views: TwoViews, motion: Array, error: Array) -> Array:
+    """Compute Sampson distances (n,) of the matches with the intrinsics off by an error (9,)."""
     return linearise(motion, *views.ideal(error))[0]
 
 

@@ -57,7 +57,7 @@ def sigmas_of_wall() -> dict[str, dict[str, float]]:
 
 
 def wall_rows(found: Mapping[str, Mapping[str, float]]) -> tuple[tuple[str, ...], ...]:
-    """Arrange the sigmas in rows, mrad."""
+    """Tabulate the sigmas of `sigmas_of_wall` in mrad."""
     return tuple(
         (*name.split("; "), *(f"{1e3 * sigma:.3g}" for sigma in row.values()))
         for name, row in found.items()
@@ -65,7 +65,7 @@ def wall_rows(found: Mapping[str, Mapping[str, float]]) -> tuple[tuple[str, ...]
 
 
 def views_of_wall(rng: np.random.Generator, points: int = POINTS) -> TwoViews:
-    """View a wall twice, features without noise."""
+    """Simulate matches of two views of a wall, without noise. points: their number."""
     first = rng.uniform(0, [CAMERA.width, CAMERA.height], (points, 2))
     depth = DISTANCE + RELIEF * rng.standard_normal((points, 1))
     there = np.hstack([CAMERA.undistort(first), np.ones((points, 1))]) * depth

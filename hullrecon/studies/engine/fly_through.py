@@ -47,8 +47,8 @@ CODEC = "VP80"  # in WebM, which browsers play
 class Station:
     """A place over the hull's chart that the flight passes."""
 
-    along: float
-    girth: float
+    along: float  # m
+    girth: float  # m
     distance_m: float
 
 
@@ -60,7 +60,10 @@ class Ortho:
     pixel_from_chart: Array  # (2, 3) column and row of along, girth, 1
 
     def colours(self, along_girth: Array) -> tuple[Array, Array]:
-        """Look up colours (n, 3), and whether (n,) there is a picture."""
+        """Look up colours (n, 3), 0 to 255, at places (n, 2) m of the chart.
+
+        Returns as well whether (n,) the mosaic has a picture there.
+        """
         columns, rows = (
             self.pixel_from_chart @ np.hstack([along_girth, np.ones((len(along_girth), 1))]).T
         )
@@ -91,7 +94,10 @@ class TexturedHull:
         return np.asarray(self.chart.to_chart(self.mesh.vertices)[:, :2])
 
     def look(self, station: Station) -> tuple[Array, Array]:
-        """Place a camera over the chart: its centre (3,), and its axes as rows (3, 3)."""
+        """Place a camera over the chart, looking at the hull, with the ship's up at its top.
+
+        Returns its centre (3,) m in M, and its axes right, down and ahead as rows (3, 3).
+        """
         point, normal = self.chart.from_chart(np.array([[station.along, station.girth]]))
         ahead = -normal[0]
         up = self.chart.ship_axes[2]
@@ -102,7 +108,10 @@ class TexturedHull:
         )
 
     def frame(self, station: Station, marked: Array) -> Pixels:
-        """Render what a camera sees (HEIGHT, WIDTH, 3), with rings at the points marked (m, 3)."""
+        """Render what a camera at a station sees (HEIGHT, WIDTH, 3).
+
+        marked: (m, 3) m in M, points around which rings are drawn.
+        """
         centre, axes = self.look(station)
         u, v = np.meshgrid(np.arange(WIDTH) + 0.5, np.arange(HEIGHT) + 0.5)
         ray = np.stack([u.ravel() - 0.5 * WIDTH, v.ravel() - 0.5 * HEIGHT], axis=1) / FOCAL_PX
@@ -116,13 +125,24 @@ class TexturedHull:
         return _with_rings(whole, (marked - centre) @ axes.T)
 
     def _colours(self, centre: Array, direction: Array, distance: Array, face: Ints32) -> Array:
-        """Colour what rays (n) meet: the mosaic, or paint, shaded by its slope and in haze."""
+        """Colour what rays meet (n, 3): the mosaic, or paint, shaded by its slope and in haze.
+
+        Parameters
+        ----------
+        centre
+            (3,) m in M, from which the rays start.
+        direction, distance
+            Unit vectors (n, 3) in M, and how far (n,) m they reach.
+        face
+            (n,) of the mesh that they meet.
+        """
         corners = self.mesh.faces[face]
         a, b, c = (self.mesh.vertices[corners[:, k]] for k in range(3))
         normal = np.cross(b - a, c - a)
         area = np.linalg.norm(normal, axis=1)
         normal /= np.maximum(area, 1e-15)[:, None]
         point = centre + distance[:, None] * direction
+        # Barycentric coordinates: shares of the triangles that a point makes with each edge
         share = (
             np.stack(
                 [
@@ -207,6 +227,7 @@ def read_hull(given: StudyDive) -> tuple[TexturedHull, InputArtifacts]:
 
 
 def _facts(file: Path) -> dict[str, float]:
+    """Read mosaic.json, which says how the mosaic's map coordinates lie on the chart."""
     import msgspec
 
     found: dict[str, float] = msgspec.json.decode(file.read_bytes())
@@ -214,7 +235,10 @@ def _facts(file: Path) -> dict[str, float]:
 
 
 def flight(hull: TexturedHull, objects: Array) -> Iterator[Station]:
-    """Plan the flight: an overview, a pass along the mosaic, each object (m, 2), an overview."""
+    """Plan the flight: an overview, a pass along the mosaic, each object, an overview.
+
+    objects: (m, 2) m on the chart. Yields a station for each frame.
+    """
     rows, columns = np.nonzero(hull.ortho.rgba[::8, ::8, 3])
     pixel = 8.0 * np.stack([columns, rows]) - hull.ortho.pixel_from_chart[:, 2:]
     place = np.linalg.solve(hull.ortho.pixel_from_chart[:, :2], pixel).T
@@ -238,7 +262,7 @@ def flight(hull: TexturedHull, objects: Array) -> Iterator[Station]:
 
 
 def _with_rings(picture: Pixels, points: Array) -> Pixels:
-    """Draw a white ring around points (m, 3) of the camera that lie in the picture."""
+    """Draw a white ring of 0.2 m around points (m, 3) m, in the camera's axes, in the picture."""
     import cv2
 
     drawn = np.ascontiguousarray(picture)

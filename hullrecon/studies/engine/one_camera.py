@@ -63,7 +63,10 @@ class TrueCamera:
         return np.asarray(np.where(kept[:, None], pixel, np.nan))
 
     def outline_of(self, second: int, first: int) -> Array:
-        """Outline (m, 2) px, in the first image, of the steel that the second image shows."""
+        """Compute the outline (m, 2) px, in the first image, of the steel in the second image.
+
+        first, second: numbers of the nodes.
+        """
         w, h = self.model.width - 1.0, self.model.height - 1.0
         t = np.linspace(0, 1, OUTLINE_STEPS)
         edge = np.vstack(
@@ -89,7 +92,19 @@ class TrueCamera:
         return there.inverse().apply(point)
 
     def are_right(self, nodes: tuple[int, int], xy: Array, pixel: Array, within_px: float) -> Mask:
-        """Test matches (n) of xy (n, 2) in one node's image with pixels (n, 2) of the other's."""
+        """Test matches of two nodes' images against the truth.
+
+        Parameters
+        ----------
+        nodes
+            The two nodes.
+        xy
+            (n, 2) ideal coordinates in the first image.
+        pixel
+            (n, 2) px in the second image.
+        within_px
+            Distance from the true place up to which a match is right.
+        """
         with np.errstate(invalid="ignore"):
             off = np.linalg.norm(self.seen_again(*nodes, xy) - pixel, axis=1)
         return np.asarray(off < within_px)
@@ -118,12 +133,12 @@ class OneCameraDive:
         return np.asarray(picture if picture.ndim == 2 else picture.mean(axis=2), np.uint8)
 
     def pixels(self, view: NodeView, rows: Ints) -> Array:
-        """Give the pixels (n, 2) of a view's features."""
+        """Compute the pixels (n, 2) at which a view's features, given by row, were found."""
         return self.camera.model.distort(view.xy[rows])
 
     @cached_property
     def across(self) -> list[tuple[int, int]]:
-        """Pairs of nodes of different legs that the run joined; of neighbours without any."""
+        """Pairs of nodes of different legs that the run joined, or of one leg if there are none."""
         joined = self.pairs.joined
         chosen = joined & self.pairs.across if (joined & self.pairs.across).any() else joined
         return [

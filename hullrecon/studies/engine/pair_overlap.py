@@ -117,7 +117,19 @@ def _by_truth(
     both: two_view.BothModels,
     tolerance: float,
 ) -> ComparedPair:
-    """Judge a pair's matches by what its images show in truth."""
+    """Judge a pair's matches by what its images show in truth.
+
+    Parameters
+    ----------
+    dive, nodes, views
+        The dive, and the two nodes with their features.
+    putative
+        Matches by descriptor.
+    both
+        The two-view models fitted to them.
+    tolerance
+        Distance from a model up to which it accepts a match, ideal coordinates.
+    """
     xy = views[0].xy[putative.first]
     there = dive.pixels(views[1], putative.second)
     again = dive.camera.seen_again(*nodes, xy)
@@ -135,12 +147,13 @@ def _by_truth(
 
 
 def _false_on_lines(pair: ComparedPair) -> tuple[int, int]:
-    """Order pairs by what the essential matrix accepts outside the overlap, then by matches."""
+    """Rank pairs by what the essential matrix accepts outside the overlap, then by matches."""
     accepted = pair.accepted("essential")
     return accepted.outside, accepted.count
 
 
 def _row(accepted: Sequence[Accepted]) -> tuple[str, str, str, str]:
+    """Write what a model accepts of all pairs as a row: pairs, matches, outside, wrong."""
     count = sum(a.count for a in accepted)
     outside, wrong = sum(a.outside for a in accepted), sum(a.wrong for a in accepted)
     return (

@@ -113,7 +113,9 @@ def expect_features(
 
 
 def five_numbers(second_from_first: Array) -> Array:
-    """Azimuth and elevation of the baseline, and roll, pitch, yaw of a motion (4, 4), degrees.
+    """Turn second_from_first (4, 4) into five angles (5,), degrees.
+
+    They are azimuth and elevation of the baseline, and roll, pitch and yaw of the rotation.
 
     The baseline is the second camera's centre in the first camera's axes, as z_ji in
     [KimEustice2009 II-B].
@@ -158,7 +160,7 @@ def most_matched(dive: OneCameraDive) -> tuple[int, int]:
 
 
 def true_motion(dive: OneCameraDive, nodes: tuple[int, int]) -> Array:
-    """Second_from_first (4, 4) of the true cameras."""
+    """Compute second_from_first (4, 4) of the true cameras at two nodes."""
     poses = dive.camera.hull_from_camera
     return np.asarray((poses[nodes[1]].inverse() @ poses[nodes[0]]).matrix()[0])
 
@@ -171,12 +173,13 @@ def right_matches(dive: OneCameraDive, stages: PairStages) -> Mask:
 
 
 def stage_rows(dive: OneCameraDive, stages: PairStages) -> list[tuple[str, str, str]]:
-    """Tell in a row what each stage leaves."""
+    """Write a row for each stage: its name, how much it leaves, and how good that is."""
     right = right_matches(dive, stages)
     n, m = len(stages.first), len(stages.second)
     tolerance = VERIFY_PX / dive.worker.rig.focal_px(Camera.TOP)
 
     def share(of: Mask) -> str:
+        """Say which share of some matches is right."""
         return f"{100 * right[of].mean():.1f} % right in truth" if of.any() else ""
 
     everything = np.ones(len(right), bool)
@@ -207,7 +210,10 @@ def stage_rows(dive: OneCameraDive, stages: PairStages) -> list[tuple[str, str, 
 def compare_counts(
     dive: OneCameraDive, stages: PairStages, found: Array, true: Array
 ) -> tuple[ComparedValue, ...]:
-    """Set what the paper says in words beside the pair's numbers."""
+    """Compare what the stages leave of a pair with what the paper says in words.
+
+    found, true: (5,) degrees, as of `five_numbers`.
+    """
     right = right_matches(dive, stages)
     inside = len(stages.candidates[0]) / (len(stages.first) * len(stages.second))
     in_words = "stages drawn in the paper, without counts"
@@ -277,7 +283,10 @@ def pair_engine(dive: OneCameraDive, stages: PairStages) -> PublishedFigure:
 def _draw_ellipses(
     axis: Axes, dive: OneCameraDive, stages: PairStages, own: Array, width: int
 ) -> None:
-    """Draw some features and their search ellipses."""
+    """Draw some features of the first image, and their search ellipses in the second one.
+
+    own: (n, 2) px of all features of the first image. width: of an image, px.
+    """
     known = np.flatnonzero(np.isfinite(stages.mean).all(axis=1))
     pixel = dive.camera.model.distort(stages.mean[known])
     w, h = dive.camera.model.width, dive.camera.model.height
@@ -303,7 +312,11 @@ def show_side_by_side(axis: Axes, images: list[Pixels]) -> None:
 
 
 def draw_matches(axis: Axes, here: Array, there: Array, right: Mask, width: int) -> None:
-    """Draw some matches (n) as lines from one image to the other, wrong ones red and on top."""
+    """Draw some matches as lines from one image to the other, wrong ones red and on top.
+
+    here, there: (n, 2) px in the two images, which lie side by side. right: (n,) which matches are
+    right. width: of an image, px.
+    """
     from matplotlib.collections import LineCollection
 
     ends = np.stack([here, there + np.array([width, 0])], axis=1)

@@ -32,7 +32,10 @@ PLANAR, EPIPOLAR = "homography, 2N + 8", "epipolar lines, 3N + 5"
 
 
 def homography_of(second_from_first: Array, normal: Array, distance: float) -> Array:
-    """Homography (3, 3) R - t n'/d of the plane n'X + d = 0 of the first camera."""
+    """Compute the homography (3, 3) R - t n'/d of the plane n'X + d = 0 of the first camera.
+
+    second_from_first: (4, 4). normal: unit (3,). distance: in the unit of the translation.
+    """
     rotation, translation = second_from_first[:3, :3], second_from_first[:3, 3]
     return np.asarray(rotation - np.outer(translation, normal) / distance)
 
@@ -43,9 +46,11 @@ def adjust_plane(start: Array, normal: Array, first: Array, second: Array) -> tu
     Parameters
     ----------
     start
-        (4, 4), the length of its translation in units of the plane's distance.
+        (4, 4) second_from_first, the length of its translation in units of the plane's distance.
     normal
         (3,) of the plane, towards the first camera: n'X + 1 = 0.
+    first, second
+        The matches.
 
     Returns
     -------
@@ -65,6 +70,7 @@ def adjust_plane(start: Array, normal: Array, first: Array, second: Array) -> tu
         return motion, tilted / np.linalg.norm(tilted)
 
     def residual(x: Array) -> Array:
+        """Compute the whitened transfer errors (2n,) after a step (8,)."""
         motion, plane = unpacked(x)
         return whitened_transfer(homography_of(motion, plane, 1.0), first, second).ravel()
 
@@ -72,7 +78,15 @@ def adjust_plane(start: Array, normal: Array, first: Array, second: Array) -> tu
 
 
 def whitened_transfer(homography: Array, first: Array, second: Array) -> Array:
-    """Whiten the transfer errors (n, 2) by what noise in both images makes of them."""
+    """Compute transfer errors (n, 2) of matches, whitened for equal noise in both images.
+
+    Parameters
+    ----------
+    homography
+        (3, 3) from the first image to the second.
+    first, second
+        (n, 2) ideal coordinates.
+    """
     here = np.hstack([first, np.ones((len(first), 1))])
     there = here @ homography.T
     moved = there[:, :2] / there[:, 2:]
@@ -105,7 +119,10 @@ def study() -> StudyResult:
 
 
 def turned_by(first: Array, second: Array) -> tuple[float, float]:
-    """Find the error of the rotation, rad, by the planar and by the epipolar form."""
+    """Measure the error of the rotation, rad, by the planar and by the epipolar form.
+
+    first, second: matches (n, 2) in ideal coordinates of the scene's two views.
+    """
     true = scenes.SECOND_FROM_FIRST.matrix()[0]
     start = true.copy()
     start[:3, 3] /= scenes.DISTANCE_M
@@ -128,12 +145,18 @@ def _views(rng: np.random.Generator, radius_m: float) -> tuple[Array, Array]:
 
 
 def bend(across: Array, radius_m: float) -> Array:
-    """Depth (n,) by which a cylinder falls behind its tangent plane."""
+    """Compute the depth (n,) m of a cylinder behind its tangent plane.
+
+    across: (n,) m from the line where it touches the plane.
+    """
     return np.asarray(radius_m - np.sqrt(radius_m**2 - across**2))
 
 
 def planar_adjustment(turns: dict[float, Array]) -> PublishedFigure:
-    """Draw the error of the rotation against how a hull bends, for both forms."""
+    """Draw the error of the rotation against how a hull bends, for both forms.
+
+    turns: errors (TRIALS, 2) rad of the planar and the epipolar form, by the hull's radius, m.
+    """
     figure, axes = new_canvas(6.4, 3.6)
     curvature = np.array([0.0 if np.isinf(r) else 1 / r for r in turns])
     table = ["curvature_per_m,trials,planar_rms_mrad,epipolar_rms_mrad"]

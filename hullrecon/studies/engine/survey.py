@@ -57,7 +57,7 @@ SPEC = DiveSpec(
 )
 SEEDS = (1, 2, 3, 4, 5)  # the first is shown; of ten the mean was -0.5 mm, known to 0.4 mm
 BLANK = (1.25, 1.75)  # of a leg's length, from the start: the middle half of the second leg
-WAYS = 0.25  # m, over which a drop of the sigma is measured
+WAYS_M = 0.25  # of path, over which a drop of the sigma is measured
 
 
 PUBLISHED = "dead reckoned, white noise alone"
@@ -90,18 +90,18 @@ class Draw:
     tracks: dict[str, VehicleTrack]
 
     def errors_m(self) -> dict[str, float]:
-        """Measure the rms error of the path by each model."""
+        """Measure the rms error, m, of the path by each model."""
         return {m: error_m(self.paths[w].track, self.truth) for m, w in MODEL_WORDS.items()}
 
     def horizontal_errors_m(self) -> dict[str, float]:
-        """Measure the horizontal part of them."""
+        """Measure the horizontal rms error, m, of the path by each model."""
         return {
             m: rms_length(_horizontal_error(self.paths[w].track, self.truth))
             for m, w in MODEL_WORDS.items()
         }
 
     def horizontal_sigma_m(self, model: str) -> float:
-        """Give the rms sigma of a model's path, horizontally."""
+        """Compute the rms horizontal sigma, m, of a model's path."""
         return rms_length(horizontal_sigma(self.paths[MODEL_WORDS[model]].track)[:, None])
 
 
@@ -190,7 +190,7 @@ def blank_s(truth: Truth) -> tuple[float, float]:
 
 
 def leave_blank(table: Path, first_s: float, last_s: float) -> None:
-    """Take the rows of a camera's table between two times out of it."""
+    """Delete the rows of a camera's table between two times, as if it had taken no images."""
     head, *rows = table.read_text().splitlines()
     kept = [row for row in rows if not first_s < float(row.partition(",")[0]) < last_s]
     table.write_text("\n".join([head, *kept]) + "\n")
@@ -346,23 +346,27 @@ def _compare_sigmas(tracks: dict[str, VehicleTrack], truth: Truth) -> list[Compa
 
 
 def share_of_falls(sigma: Array) -> float:
-    """Count the steps at which a sigma (n,) falls, as a share of all."""
+    """Compute the share of a path's steps at which its sigma (n,) m falls."""
     return float(np.mean(np.diff(sigma) < -1e-6))
 
 
 def sigmas_off(track: VehicleTrack, truth: Truth) -> float:
     """Find the largest horizontal error of a path from its true start, in its own sigmas."""
     off = np.linalg.norm(_horizontal_error(track, truth), axis=1)
-    later = path_length(track.poses.translation) > WAYS
+    later = path_length(track.poses.translation) > WAYS_M
     return float(np.max((off / horizontal_sigma(track))[later]))
 
 
 def _horizontal_error(track: VehicleTrack, truth: Truth) -> Array:
+    """Compute horizontal errors (n, 2) m of a path laid onto the truth at its start."""
     true = truth.vehicle_at(track.t_ns / 1e9).translation
     return np.asarray((in_hull(track, truth).translation - true)[:, :2])
 
 
 def largest_fall(way: Array, sigma: Array) -> float:
-    """Find the largest share by which a sigma (n,) falls within WAYS of path (n,) m."""
-    before = np.interp(way - WAYS, way, sigma)
+    """Find the largest share by which a sigma (n,) falls within WAYS_M of path.
+
+    way: (n,) m travelled.
+    """
+    before = np.interp(way - WAYS_M, way, sigma)
     return float(np.max(1 - sigma / np.maximum(before, 1e-9)))

@@ -44,7 +44,7 @@ class PatchSigmas:
 
 
 def joint_covariance(regression: Regression, wanted: Array) -> Array:
-    """Compute the covariance (m, m) m2 of predictions at places (m, 2) [Ozog2016 E.3]."""
+    """Compute the joint covariance (m, m) m2 of predictions at places (m, 2) [Ozog2016 E.3]."""
     cross = regression.kernel.matrix(regression.at, wanted).toarray()
     prior = regression.kernel.matrix(wanted, wanted).toarray()
     return np.asarray(prior - cross.T @ regression.factor.solve(cross))

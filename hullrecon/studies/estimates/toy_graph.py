@@ -62,7 +62,10 @@ def study() -> StudyResult:
 
 
 def draw(position: Array, sigma: Array) -> PublishedFigure:
-    """Draw the factors where they were measured, and the poses where they were estimated."""
+    """Draw the factors where they were measured, and the poses where they were estimated.
+
+    position, sigma: (n,) m, of the poses.
+    """
     figure, axes = new_canvas(7.4, 3.0)
     axis = axes[0][0]
     for row, factor in enumerate(TOY[1:]):

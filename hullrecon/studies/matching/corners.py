@@ -105,12 +105,16 @@ def zernike_magnitudes(patches: Floats32) -> Floats32:
 
 
 def _rings() -> tuple[Array, Array]:
-    """Compute squares of the radii and their weights (RINGS,), which sum to 1."""
+    """Compute squared radii of the rings and their weights (RINGS,), which sum to 1.
+
+    They are the nodes of Gauss-Legendre quadrature over the squared radius.
+    """
     node, weight = np.polynomial.legendre.leggauss(RINGS)
     return np.asarray(0.5 * (node + 1), np.float64), np.asarray(0.5 * weight, np.float64)
 
 
 def _angles() -> Array:
+    """List the angles (ANGLES,) rad of the sample points on a ring."""
     return np.asarray(np.arange(ANGLES) * (2 * np.pi / ANGLES), np.float64)
 
 
@@ -137,7 +141,8 @@ class MatchWithCorners:
         """Match SIFT features and corners, each among themselves, as `match_descriptors` does.
 
         All matches of SIFT features are kept. Of the corners' matches only those of smallest
-        distance are, so that they are at most `share` of all.
+        distance are, so that they are at most `share` of all. allowed: features of the first and of
+        the second image that may match, all pairs if None.
         """
         corner = is_corner(first.descriptor), is_corner(second.descriptor)
         if not corner[0].any() or not corner[1].any():
@@ -237,7 +242,10 @@ def find_corners(image: Pixels, sift: Floats32, most: int) -> tuple[Floats32, Fl
 
 
 def _vertex(before: Floats32, at: Floats32, after: Floats32) -> Floats32:
-    """Find the maximum of a parabola through values at -1, 0 and 1, the middle one the largest."""
+    """Find where (n,) a parabola through values at -1, 0 and 1 is largest, in -1 to 1.
+
+    The middle value is the largest. Where all three are equal, it is 0.
+    """
     bend = before - 2 * at + after
     return np.where(bend < 0, 0.5 * (before - after) / np.where(bend < 0, bend, 1), 0).astype(
         np.float32

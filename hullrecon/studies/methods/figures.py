@@ -86,6 +86,7 @@ def _history(v: SolvedVariant) -> SolveHistory:
     """Read the history of a variant's solve: cost, labels and seconds by iteration."""
 
     def counts(name: str) -> Ints:
+        """Read one column of counts (k,) of the record of iterations."""
         return np.asarray(v.iterations[name], np.int64)
 
     cost = np.asarray(v.iterations["cost"], float)
@@ -103,7 +104,10 @@ def _history(v: SolvedVariant) -> SolveHistory:
 
 
 def _aligned(v: SolvedVariant, start: DeadReckoning, truth: Truth) -> tuple[Array, Array]:
-    """Align landmarks and DVL points in M as the path with the true one."""
+    """Align a solve's landmarks (L, 3) and ends of beams (k, 3), m in M, with the true hull.
+
+    The rigid motion is that which lays the path onto the true one.
+    """
     frame, motion = hull_frame(v.solution, truth), _alignment(v, truth)
     dvl = np.zeros((0, 3))
     if start.returns is not None:

@@ -59,9 +59,10 @@ def _calibrated(unknowns: native.Unknowns, start: native.Unknowns) -> native.Unk
 def likelier_labels(
     problem: native.Problem, distance: NDArray[np.float64], options: native.Options
 ) -> NDArray[np.int32]:
-    """Choose the likelier label (m,) of each surface row [Ozog2016 eq. 4.4].
+    """Choose the likelier label (m,) of each landmark's distance to the hull [Ozog2016 eq. 4.4].
 
-    distance (m,): signed, to the CAD model without the field.
+    distance: (m,) m, signed, to the CAD model without the field. The field at the solution is taken
+    off first.
     """
     offset = distance
     nodes = problem.surface.field

@@ -42,7 +42,7 @@ class SolveHistory:
     seconds: Array  # (k,) since the first solve began
 
     def last_round(self) -> SolveHistory:
-        """Keep the last round: with the CAD model, and alone in having labels."""
+        """Keep the last round, the only one with the CAD model and so with labels."""
         last = self.round == self.round.max()
         parts = ("round", "cost", "landmarks", "on_surface", "label_changes")
         seconds = self.seconds[last]
@@ -173,6 +173,7 @@ def _draw_costs(row: list[Axes], solve: SolveHistory) -> None:
 
 
 def _title(solve: SolveHistory, method: bool = True) -> str:
+    """Say how a solve was weighted, and by which method if asked."""
     kind = (
         "as published, one solve" if solve.as_published else f"as weighted by us, {_rounds(solve)}"
     )
@@ -180,11 +181,13 @@ def _title(solve: SolveHistory, method: bool = True) -> str:
 
 
 def _rounds(solve: SolveHistory) -> str:
+    """Say which rounds a history holds."""
     first, last = solve.round.min(), solve.round.max()
     return f"{last} rounds" if first < last else f"round {last}"
 
 
 def _count(solve: SolveHistory) -> str:
+    """Say how many iterations a history holds."""
     iterations = count(solve.round)
     return f"{iterations} iteration{'' if iterations == 1 else 's'}"
 
@@ -196,6 +199,7 @@ def _labels_converged(solve: SolveHistory) -> str:
 
 
 def _settled_after(solve: SolveHistory) -> int:
+    """Find the last iteration in which more than a thousandth of the labels changed."""
     changing = np.flatnonzero(solve.label_changes > 0.001 * solve.landmarks)
     return int(changing.max()) if len(changing) else 0
 

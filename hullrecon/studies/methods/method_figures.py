@@ -118,22 +118,24 @@ def height_figures(landmarks: Array, truth: Truth, motion: Poses) -> Figures:
 def height_over_steel(
     landmarks: Array, structure: TrueStructure, truth: Truth, motion: Poses
 ) -> tuple[Array, Array]:
-    """Measure heights (n,) over the steel of landmarks on a structure, with the true.
+    """Measure heights (n,) m over the steel of landmarks on a structure's top, and the true ones.
 
-    What the surroundings are off (a method may move the hull as a whole) is subtracted from ours.
+    landmarks: (m, 3) m in M. motion: lays them onto the true hull. What the surroundings are off (a
+    method may move the hull as a whole) is subtracted from ours.
     """
     center, normal = np.array(structure.center), np.array(structure.normal)
     away = motion.apply(landmarks) - center
     offset = away @ normal
     tangential = np.linalg.norm(away - offset[:, None] * normal, axis=1)
     size = min(structure.extent)
-    close = np.abs(offset) < 0.35
+    close = np.abs(offset) < 0.35  # m: on this side of the hull
     on_top = close & (tangential < 0.35 * size)
     around = (
         close
         & (tangential > 0.6 * max(structure.extent) + 0.02)
         & (tangential < max(structure.extent) + 0.15)
     )
+    # Cast from half a metre above the top at the steel below each landmark
     above = away[on_top] + center + (0.5 - offset[on_top, None]) * normal
     true = structure.height + 0.5 - truth.built.cast(above, np.tile(-normal, (len(above), 1)))
     ours = structure.height + offset[on_top]
@@ -145,8 +147,8 @@ def height_over_steel(
 def gap_figures(landmarks: Array, dvl: Array, cad_model: Scene) -> Figures:
     """Score how far landmarks on bare steel lie off the surface that the DVL measured.
 
-    It is the difference of their distances to the CAD model, each landmark against the median of
-    its nearest returns.
+    landmarks, dvl: (n, 3) and (k, 3) m in M, the latter ends of beams. It is the difference of
+    their distances to the CAD model, each landmark against the median of its nearest returns.
     """
     from scipy.spatial import cKDTree
 
@@ -166,6 +168,7 @@ def gap_figures(landmarks: Array, dvl: Array, cad_model: Scene) -> Figures:
 
 
 def _score_cameras(solution: Solution, hull_from_vehicle: Poses, rig: Rig, truth: Truth) -> Figures:
+    """Score the centres of the top camera at the nodes that have an image."""
     has = solution.image[:, Camera.TOP.column] >= 0
     path = VehiclePath(poses=hull_from_vehicle[has], tray=solution.tray[has])
     cameras = rig.with_mounts(solution.mounts).poses_along(path, Camera.TOP)

@@ -182,14 +182,17 @@ def horizontal_sigma(track: VehicleTrack) -> Array:
 
 
 def in_hull(track: VehicleTrack, truth: Truth) -> Poses:
-    """Place a track of g in M as if it began at the true pose."""
+    """Transform a track from g to M such that it begins at the true pose."""
     timed = TimedPoses(t_s=track.t_ns / 1e9, poses=track.poses)
     hull_from_global: Poses = hull_from_start(timed, truth)
     return hull_from_global @ track.poses
 
 
 def error_ellipses(track: VehicleTrack, in_hull: Poses, nodes: Ints) -> list[Array]:
-    """Outline (k, 2) m the error of nodes, three sigmas, as seen from above in M."""
+    """Compute three-sigma ellipses (k, 2) m of some nodes' positions, seen from above in M.
+
+    in_hull: poses of all the track's nodes in M.
+    """
     turn = (in_hull[nodes].rotation * track.poses[nodes].rotation.inv()).as_matrix()
     covariance = (turn @ track.covariance[nodes, :3, :3] @ turn.swapaxes(1, 2))[:, :2, :2]
     values, vectors = np.linalg.eigh(covariance)
@@ -203,7 +206,10 @@ def error_ellipses(track: VehicleTrack, in_hull: Poses, nodes: Ints) -> list[Arr
 
 
 def _draw_pairs(axis: Axes, at: Array, first: Ints, second: Ints, ink: str, name: str) -> None:
-    """Draw lines between nodes as seen from the side, and an entry of the legend."""
+    """Draw lines between pairs of nodes as seen from the side, and an entry of the legend.
+
+    at: (n, 3) m in M, of the nodes. first, second: (k,) nodes of each pair.
+    """
     from matplotlib.collections import LineCollection
 
     ends = np.stack([at[first][:, [0, 2]], at[second][:, [0, 2]]], axis=1)

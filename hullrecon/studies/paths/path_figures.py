@@ -191,6 +191,7 @@ def _compare_distances(paths: Mapping[str, ReturnsOnHull]) -> tuple[ComparedValu
 
 
 def _distances_as_printed(away: Array) -> tuple[float, float, float]:
+    """Compute mean m, standard deviation m, and percentage beyond 1.5 m, of distances (n,) m."""
     return float(np.mean(away)), float(np.std(away)), float(100 * np.mean(away > 1.5))
 
 
@@ -252,7 +253,7 @@ def linked_track(trajectory: Trajectory, path: LinkedPath) -> VehicleTrack:
 def lay_onto_cad_model(
     path: VehiclePath, start: DeadReckoning, mesh: Mesh, global_from_hull: Poses
 ) -> ReturnsOnHull:
-    """Register the returns on a path to the CAD model, from where it truly lies."""
+    """Register the DVL's returns on a path to the CAD model, starting from where it truly lies."""
     assert start.returns is not None
     points = start.rig.dvl_points(start.returns, path).points[~start.returns.flagged]
     in_hull = place_on_cad_model(points, mesh, global_from_hull).inverse().apply(points)
@@ -260,7 +261,10 @@ def lay_onto_cad_model(
 
 
 def place_on_cad_model(points: Array, mesh: Mesh, global_from_hull: Poses) -> Poses:
-    """Register the CAD model to returns (n, 3) in g, from where it truly lies."""
+    """Register the CAD model to returns (n, 3) m in g: global_from_hull.
+
+    The search starts from the true pose.
+    """
     model = CadModel(
         mesh,
         chart_for_hull(mesh),

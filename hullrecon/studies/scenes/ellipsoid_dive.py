@@ -46,7 +46,10 @@ class EllipsoidDive:
 def spiral_around_a_sphere(
     seed: int, *, radius_m: float, turns: float, drift_deg_per_hour: float
 ) -> EllipsoidDive:
-    """Dive around a sphere [Ozog2016 C], half a metre deeper each turn, facing its middle."""
+    """Dive around a sphere [Ozog2016 C], half a metre deeper each turn, facing its middle.
+
+    turns: number of rounds. drift_deg_per_hour: of the heading.
+    """
     rng = np.random.default_rng(seed)
     reach = radius_m + STANDOFF_M
     turned = np.arange(0, 2 * np.pi * turns, STEP_M / reach)
@@ -66,12 +69,16 @@ def measured_dive(
     nearer_m: Array | float = 0.0,
     bumps_m: float = 0.0,
 ) -> EllipsoidDive:
-    """Measure a path before an ellipsoid.
+    """Simulate what is measured along a path before an ellipsoid.
 
     Parameters
     ----------
+    rng
+        Draws all errors.
     truth
         global_from_vehicle (n).
+    drift_deg_per_hour
+        Drift of the heading.
     semi_axes_m
         (3,) across, along and down.
     nearer_m
@@ -79,6 +86,7 @@ def measured_dive(
     bumps_m
         Height of a rough surface, as of rock.
     """
+    # Errors of navigation: scale, drift rad/s, roll and pitch rad, depth m, servo
     sigma = np.r_[0.003, np.radians(abs(drift_deg_per_hour)) / 3600, 1e-3, 1e-3, 0.02, 1e-9]
     navigation = sigma * rng.standard_normal(6)
     navigation[1] = np.radians(drift_deg_per_hour) / 3600
@@ -101,7 +109,10 @@ def measured_dive(
 
 
 def _attitude(rng: np.random.Generator, truth: Poses, navigation: Array) -> Attitude:
-    """Measure depth, roll and pitch at each pose, off by the biases and by white noise."""
+    """Measure depth, roll and pitch at each pose, off by the biases and by white noise.
+
+    navigation: (6,) errors, as of `measured_dive`.
+    """
     n = len(truth)
     roll_pitch = truth.rotation.as_euler("xyz")[:, :2] - navigation[2:4]
     measured = np.column_stack([truth.translation[:, 2] + navigation[4], roll_pitch])
@@ -119,7 +130,10 @@ def _attitude(rng: np.random.Generator, truth: Poses, navigation: Array) -> Atti
 
 
 def _rig(navigation_sigma: Array) -> Rig:
-    """Describe the rig: the DVL's turn known to MOUNT_SIGMA, its place known, no camera."""
+    """Describe the rig: the DVL's turn known to MOUNT_SIGMA, its place known, no camera.
+
+    navigation_sigma: (6,) of the errors of navigation.
+    """
     sqrt_information = np.diag(1 / np.r_[np.full(3, 1e-6), np.full(3, MOUNT_SIGMA)])
     return Rig(
         tray_origin=TRAY_ORIGIN_M,
@@ -144,7 +158,10 @@ def _ranges(
     nearer_m: Array,
     bumps_m: float,
 ) -> Returns:
-    """Cast each beam at the ellipsoid."""
+    """Measure the range of each beam at each pose to the ellipsoid.
+
+    mount: true tray_from_dvl. axes: half axes (3,) m. nearer_m, bumps_m: as of `measured_dive`.
+    """
     n = len(truth)
     tray = Poses(np.array([[0, 0, 0, 1.0]]), TRAY_ORIGIN_M[None])
     dvl = truth @ tray @ mount
@@ -152,6 +169,7 @@ def _ranges(
     beam = np.tile(BEAMS, (n, 1))
     along = dvl.rotation[node].apply(beam)
     middle = np.c_[axes[0] - nearer_m[node], np.zeros(4 * n), np.full(4 * n, POLE_DEPTH_M)]
+    # In units of its half axes the ellipsoid is a unit sphere: the nearer root of a quadratic
     start = (dvl.translation[node] - middle) / axes
     a, b, c = (
         np.sum((along / axes) ** 2, 1),
@@ -181,10 +199,14 @@ def measured_steps(
     step_s: float,
     step_sigma: Array,
 ) -> Odometry:
-    """Measure the steps of a path global_from_vehicle (n, 4, 4), one every step_s.
+    """Simulate the odometry of a path, one step every step_s.
 
     Parameters
     ----------
+    rng
+        Draws the white noise.
+    truth
+        global_from_vehicle (n, 4, 4).
     navigation
         Its first two: error of scale, and drift of the heading, rad/s.
     mount
@@ -220,7 +242,7 @@ def measured_steps(
 
 
 def reckoned(start: Array, odometry: Odometry, step_s: float) -> Trajectory:
-    """Reckon the path from a first pose (4, 4) by its steps, one node every step_s.
+    """Chain odometry from a first pose global_from_vehicle (4, 4), one node every step_s.
 
     Its covariance is unity: a pose graph does not read it.
     """

@@ -129,7 +129,7 @@ def _draw_criteria(axis: Axes, trials: CriterionTrials) -> None:
 
 
 def _label_relief(axis: Axes, peak_mm: Array) -> None:
-    """Label peak heights, logarithmic above the lowest that is not zero and linear below."""
+    """Label the axis by heights (h,) mm, logarithmic above the lowest that is not zero."""
     from matplotlib.ticker import NullLocator
 
     lowest = float(peak_mm[peak_mm > 0].min())

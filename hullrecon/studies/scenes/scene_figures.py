@@ -85,10 +85,10 @@ def criterion_trials() -> dict[str, CriterionTrials]:
 
 
 def views_of_peaks(rng: np.random.Generator, peak_m: float) -> tuple[Array, Array]:
-    """Project points of the surface (n, 2) into two cameras, with pixel noise.
+    """Project points of MATLAB's peaks into two cameras, with pixel noise: (n, 2) in each.
 
-    The middle of the surface lies DISTANCE_M ahead of the middle of both cameras. Its peaks rise
-    towards them.
+    Coordinates are ideal. The middle of the surface lies DISTANCE_M ahead of the middle of both
+    cameras. Its peaks rise towards them.
     """
     across = PEAKS_SIZE_M * rng.uniform(-0.5, 0.5, (PEAKS_POINTS, 2))
     height = peak_m * peaks(*(6 * across / PEAKS_SIZE_M).T)
@@ -137,10 +137,10 @@ def transferred_points() -> dict[str, TransferredPoints]:
 
 
 def _sampled(rng: np.random.Generator, xy: Array, sigma: Array) -> Array:
-    """Draw where a point xy (2,) of the first image falls in the second, px (SAMPLES, 2).
+    """Draw where a point of the first image falls in the second, px (SAMPLES, 2).
 
-    `sigma`: of the motion's translation, in the second camera's axes, and of its rotation,
-    perturbed on the right (6,).
+    xy: (2,) ideal coordinates of the point. sigma: (6,) of the motion's translation, in the second
+    camera's axes, and of its rotation, perturbed on the right.
     """
     errors = sigma * rng.standard_normal((SAMPLES, 6))
     seen = xy + PIXEL_IDEAL * rng.standard_normal((SAMPLES, 2))

@@ -39,21 +39,24 @@ class MappedSphere:
     points: Array  # (m, 3) m, ends of its DVL beams
 
     def off_sphere_m(self) -> Array:
-        """Measure how far (n,) the path lies outside its best-fitting sphere."""
+        """Measure how far (n,) m the path lies outside its best-fitting sphere."""
         middle, radius = fit_sphere(self.path)
         return np.asarray(np.linalg.norm(self.path - middle, axis=1) - radius)
 
     def error_m(self, truth: Array) -> Array:
-        """Measure the distance (n,) of the path from the true one (n, 3)."""
+        """Measure the distance (n,) m of the path from the true one (n, 3) m."""
         return np.asarray(np.linalg.norm(self.path - truth, axis=1))
 
     def aligned_error_m(self, truth: Array) -> float:
-        """Compute the RMS distance from the true path after rigid alignment."""
+        """Compute the rms distance from the true path (n, 3) m after rigid alignment."""
         return rms_length(fit_rigid(self.path, truth).apply(self.path) - truth)
 
 
 def fit_sphere(points: Array) -> tuple[Array, float]:
-    """Fit middle (3,) and radius to points (n, 3), by squared distances."""
+    """Fit a sphere's middle (3,) and radius to points (n, 3) by linear least squares.
+
+    |p|^2 = 2 p . middle + (radius^2 - |middle|^2) is linear in the middle and the last term.
+    """
     solution = np.linalg.lstsq(
         np.c_[2 * points, np.ones(len(points))], np.sum(points**2, axis=1), rcond=None
     )[0]
@@ -226,6 +229,7 @@ def _leave_room(axis: Axes, share: float = 0.25) -> None:
 
 
 def _row(name: str, radius: str, found: MappedSphere, truth: Array) -> str:
+    """Write the figures of one path as a row of the figure's table. truth: (n, 3) m."""
     middle, map_radius = fit_sphere(found.points)
     off_map = np.linalg.norm(found.points - middle, axis=1) - map_radius
     errors = (found.aligned_error_m(truth), found.sigma[-1], found.error_m(truth)[-1])

@@ -52,7 +52,7 @@ class Moment:
 
 
 def study() -> StudyResult:
-    """Follow the three schemes."""
+    """Follow the three schemes on simulated submaps, and compare their costs and sigmas."""
     world = simulate_loop(SQUARE, LAPS, Noise(), SEED)
     submaps = build_submaps(world.log, Limits(), Effort())
     tree, moments = tree_of_joins(submaps[:LEAVES]), graph_over_time(submaps)

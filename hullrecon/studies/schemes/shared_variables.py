@@ -47,7 +47,10 @@ class Normal:
 
 
 def measured(rng: np.random.Generator) -> list[tuple[str, str, Array, float]]:
-    """Measure the differences of places, with their sigmas."""
+    """Measure the differences (2,) m between pairs of places, with their sigmas.
+
+    Returns name, name, second less first, and sigma of each.
+    """
     pairs = [(*pair, STEP_SIGMA_M) for pair in STEPS] + [(*p, SIGHT_SIGMA_M) for p in SIGHTINGS]
     return [
         (a, b, PLACES_M[NAMES.index(b)] - PLACES_M[NAMES.index(a)] + s * rng.standard_normal(2), s)
@@ -56,7 +59,10 @@ def measured(rng: np.random.Generator) -> list[tuple[str, str, Array, float]]:
 
 
 def information(rows: list[tuple[str, str, Array, float]], start: bool) -> tuple[Array, Array]:
-    """Compute the information matrix (10, 10) and vector (10, 2) of differences."""
+    """Compute the information matrix (10, 10) and vector (10, 2) of measured differences.
+
+    rows: as of `measured`. start: whether the first place is known, as the origin.
+    """
     matrix, vector = np.zeros((10, 10)), np.zeros((10, 2))
     for a, b, difference, sigma in rows:
         row = np.zeros(10)
@@ -69,17 +75,17 @@ def information(rows: list[tuple[str, str, Array, float]], start: bool) -> tuple
 
 
 def solved(matrix: Array, vector: Array, kept: Ints) -> Normal:
-    """Solve for some of the places."""
+    """Solve for some of the places, given by row, with all others left out."""
     covariance = np.asarray(np.linalg.inv(matrix[np.ix_(kept, kept)]), float)
     return Normal(mean=covariance @ vector[kept], covariance=covariance)
 
 
 def in_two_submaps(rows: list[tuple[str, str, Array, float]]) -> Normal:
-    """Estimate all places with two submaps, the second's news carried back to the first.
+    """Estimate all places with two submaps, and carry what the second learnt back to the first.
 
-    The second starts with what the first knows of x3 and f3. Given those, the first has nothing
-    more to learn: its rest follows by m_A + P_AC P_C^-1 (m_C' - m_C), and its covariance follows in
-    the same way.
+    rows: as of `measured`. The second starts with what the first knows of x3 and f3. Given those,
+    the first has nothing more to learn: its rest follows by m_A + P_AC P_C^-1 (m_C' - m_C), and its
+    covariance follows in the same way.
     """
     own = {NAMES[k] for k in np.r_[FIRST, SHARED]}
     of_first = [row for row in rows if row[0] in own and row[1] in own]

@@ -126,7 +126,10 @@ def simulate(seed: int) -> list[Session]:
 
 
 def anchored(sessions: list[Session], seed: int, share: float = LINK_SHARE) -> Anchored:
-    """Put the sessions, each solved alone, into one graph with links between neighbours."""
+    """Put the sessions, each solved alone, into one graph with links between neighbours.
+
+    share: of the overlapping images of two sessions that are linked.
+    """
     rng = np.random.default_rng([seed, 1])
     alone = [solve(whole(s.factors, s.start), s.start).state for s in sessions]
     frames = stacked([sessions[0].frame, exp(np.zeros((len(sessions) - 1, 6)))])
@@ -168,7 +171,10 @@ def one_frame(joint: Anchored) -> tuple[Graph, State]:
 
 
 def conversion(draw: Draw) -> tuple[float, float]:
-    """Compare the covariance by (2.8) with that of the graph (2.9), and with the errors."""
+    """Compare the covariance of poses by (2.8) with that of the merged graph (2.9), and errors.
+
+    Returns the median relative difference of sigmas, and the mean NEES by (2.8).
+    """
     joint = draw.joint
     by = common_frame_derivative(joint)
     graph, state = merged(joint)
@@ -196,7 +202,7 @@ def mean_steps(way: str, draws: list[Draw]) -> tuple[float, float]:
 
 
 def row(way: str, draws: list[Draw]) -> tuple[str, ...]:
-    """Tell how one way went, over all draws."""
+    """Write one way's error and iterations, over all draws, as a row of the table."""
     off = float(np.sqrt(np.mean([draw.error_m(way) ** 2 for draw in draws])))
     solved = draws[0].ways[way].first is not None
     steps = (

@@ -35,11 +35,11 @@ class Anchored:
 
     @property
     def sessions(self) -> int:
-        """Count sessions."""
+        """Number of sessions."""
         return len(self.first_pose)
 
     def graph(self) -> Graph:
-        """Collect all factors."""
+        """Collect the factors of all sessions and those between them into one graph."""
         held = [table for table in self.held if table is not None]
         return whole((*self.within, *held, self.anchored, *self.across), self.state)
 
@@ -54,10 +54,16 @@ def join(
 
     A session that is not yet in the common frame has a prior on its first pose.
 
+    Parameters
+    ----------
+    states
+        Poses and planes of each session, in its own frame.
+    factors
+        Tables of factors of each session, which count its own poses and planes.
     anchors
-        (sessions) where each session's frame is believed to lie.
+        (sessions) where each session's frame is believed to lie in the common one.
     anchor_sigma
-        (sessions, 6) how well.
+        (sessions, 6) sigmas of that, of translation, m, and rotation, rad.
     """
     count = len(states)
     sizes = np.array([len(s.poses) for s in states])
@@ -105,12 +111,12 @@ def in_common_frame(joint: Anchored) -> State:
 
 
 def common_frame_derivative(joint: Anchored) -> Array:
-    """Compute the derivative of the poses in the common frame by anchors and poses, dense.
+    """Differentiate the poses in the common frame by anchors, poses and planes (dense).
 
     Rows are six of each pose, columns those of `Anchored.graph`: J_f of [Ozog2016 2.4.2].
     """
     count, poses = joint.sessions, joint.state.poses
-    of = joint.anchor[count:]
+    of = joint.anchor[count:]  # the anchor of each pose
     _, by_anchor, by_pose = compose(poses[of], poses[count:])
     rows = 6 * (len(poses) - count)
     out = np.zeros((rows, 6 * len(poses) + 3 * len(joint.state.planes)))
@@ -141,7 +147,7 @@ def merged(joint: Anchored) -> tuple[Graph, State]:
 
 
 def laid_on(joint: Anchored) -> State:
-    """Move the anchors so that the first link between each two sessions is as measured."""
+    """Move the anchors so that each two linked sessions agree with their first link exactly."""
     poses = [joint.state.poses[k] for k in range(len(joint.state.poses))]
     for table in joint.across:
         anchor_a, a, anchor_b, b = table.poses[0]
@@ -150,5 +156,5 @@ def laid_on(joint: Anchored) -> State:
 
 
 def path_errors(poses: Poses, truth: Poses) -> Array:
-    """Compute what poses are off the truth, (n, 6)."""
+    """Compute errors of poses (n, 6): translation m and rotation rad in the true pose's frame."""
     return errors(truth, poses)[0]

@@ -47,10 +47,10 @@ class Factors(Rows, ABC):
 
     @abstractmethod
     def linearise(self, state: State) -> Linear:
-        """Compute residuals and derivatives."""
+        """Compute whitened residuals and their derivatives at a state."""
 
     def renamed(self, poses: Ints, planes: Ints) -> Self:
-        """Give the poses and planes other numbers: those at which the old numbers stand."""
+        """Renumber the poses and planes: pose k becomes poses[k], plane k becomes planes[k]."""
         return replace(
             self,
             poses=poses[self.poses] if len(poses) else self.poses,
@@ -209,7 +209,17 @@ class Beams(Factors):
 def _whitened(
     sqrt_information: Array, error: Array, by_pose: list[Array], by_plane: list[Array] | None = None
 ) -> Linear:
-    """Whiten errors (n, d) and their derivatives by poses and planes by sqrt_information."""
+    """Whiten errors by the square root of their information, and their derivatives with them.
+
+    Parameters
+    ----------
+    sqrt_information
+        (n, d, d).
+    error
+        (n, d).
+    by_pose, by_plane
+        Derivatives (n, d, 6) by each pose and (n, d, 3) by each plane that a factor sees.
+    """
     return _linear(
         np.einsum("nij,nj->ni", sqrt_information, error),
         [sqrt_information @ d for d in by_pose],
@@ -218,7 +228,10 @@ def _whitened(
 
 
 def _linear(residual: Array, by_pose: list[Array], by_plane: list[Array] | None = None) -> Linear:
-    """Stack whitened residuals (n, d) and their derivatives by each pose and each plane."""
+    """Stack whitened residuals (n, d) with their derivatives by each pose and each plane.
+
+    by_pose, by_plane: as of `_whitened`.
+    """
     m, d = residual.shape
     return Linear(
         residual=residual,

@@ -29,18 +29,18 @@ class Graph:
 
     @property
     def nodes(self) -> int:
-        """Count poses and planes."""
+        """Number of poses and planes."""
         return int(self.live_poses.sum() + self.live_planes.sum())
 
     @property
     def factor_count(self) -> int:
-        """Count factors."""
+        """Number of factors."""
         return sum(len(table) for table in self.factors)
 
     def starts(self) -> tuple[Ints, Ints, int]:
-        """Compute the first column of each pose and plane, and the count of all columns.
+        """Compute the first column of each pose (n,) and plane (p,), and the count of all columns.
 
-        Entries of removed poses and planes have no meaning.
+        A pose has six columns, a plane three. Entries of removed poses and planes have no meaning.
         """
         poses = 6 * (np.cumsum(self.live_poses) - 1)
         first = 6 * int(self.live_poses.sum())
@@ -58,7 +58,7 @@ class Solution:
 
     @property
     def iterations(self) -> int:
-        """Count steps that were taken."""
+        """Number of the solver's iterations."""
         return len(self.costs) - 1
 
 
@@ -72,7 +72,7 @@ def whole(factors: Sequence[Factors], state: State) -> Graph:
 
 
 def compacted(graph: Graph, state: State) -> tuple[Graph, State]:
-    """Leave out of a state what is no longer in its graph, and number the rest anew."""
+    """Leave removed poses and planes out of a graph's state, and number the rest anew."""
     names = [np.cumsum(live) - 1 for live in (graph.live_poses, graph.live_planes)]
     left = State(poses=state.poses[graph.live_poses], planes=state.planes[graph.live_planes])
     return whole([table.renamed(*names) for table in graph.factors], left), left
@@ -131,7 +131,7 @@ def solve(graph: Graph, state: State) -> Solution:
 
 
 def stepped(graph: Graph, state: State, step: Array) -> State:
-    """Move what is in the graph by a step (columns,)."""
+    """Move the poses and planes that are in the graph by a step (columns,) of the solver."""
     size = 6 * int(graph.live_poses.sum())
     by_pose, by_plane = np.zeros((len(state.poses), 6)), np.zeros((len(state.planes), 3))
     by_pose[graph.live_poses] = step[:size].reshape(-1, 6)
@@ -140,12 +140,12 @@ def stepped(graph: Graph, state: State, step: Array) -> State:
 
 
 def covariance(graph: Graph, state: State) -> Array:
-    """Invert the information matrix of a graph small enough for it."""
+    """Compute the dense covariance (columns, columns) of all poses and planes of a small graph."""
     return np.asarray(np.linalg.inv(information(graph, state).toarray()))
 
 
 def pose_covariances(graph: Graph, dense: Array) -> Array:
-    """Cut the poses' own blocks (n, 6, 6) out of a covariance."""
+    """Cut the own covariance (n, 6, 6) of each pose out of the graph's dense one."""
     count = int(graph.live_poses.sum())
     blocks = dense[: 6 * count, : 6 * count].reshape(count, 6, count, 6)
     return np.asarray(blocks[np.arange(count), :, np.arange(count)])

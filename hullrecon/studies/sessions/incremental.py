@@ -43,7 +43,20 @@ class SquareRoot:
         self.root, self.right = np.zeros((0, 0)), np.zeros(0)
 
     def add(self, jacobian: Array, residual: Array, columns: int) -> int:
-        """Add rows (m, columns), with columns that are new. Returns how many were touched."""
+        """Add linearised factors, and make the square root triangular again.
+
+        Parameters
+        ----------
+        jacobian, residual
+            Whitened, (m, columns) and (m,).
+        columns
+            Number of unknowns from now on. Those that are new come last.
+
+        Returns
+        -------
+        int
+            Columns that were made triangular again.
+        """
         grown = np.zeros((columns, columns))
         size = len(self.root)
         grown[:size, :size] = self.root
@@ -59,12 +72,22 @@ class SquareRoot:
         return columns - first
 
     def step(self) -> Array:
-        """Solve for the step from where all is linear."""
+        """Solve for the step (columns,) from the state at which the factors were linearised."""
         return np.asarray(solve_triangular(self.root, self.right))
 
 
 def arrivals(session: Session) -> tuple[Graph, Ints, Ints]:
-    """Order columns as poses and planes come: the graph, columns in order, columns by pose."""
+    """Order a graph's columns as its poses and planes come while the vehicle dives.
+
+    Returns
+    -------
+    Graph
+        The graph of the whole session.
+    Ints
+        Its columns in the order in which they come.
+    Ints
+        (n,) columns that have come with each pose.
+    """
     graph = whole(session.factors, session.start)
     of_poses, of_planes, _ = graph.starts()
     order, ends = [], []
@@ -77,10 +100,11 @@ def arrivals(session: Session) -> tuple[Graph, Ints, Ints]:
 
 
 def smooth(session: Session) -> Progress:
-    """Solve a session pose by pose."""
+    """Solve a session pose by pose, and linearise it anew every RELINEARISE_EVERY poses."""
     graph, order, ends = arrivals(session)
     odometry = next(table for table in session.factors if isinstance(table, Links))
-    back, state, root = np.argsort(order), session.start, SquareRoot()
+    back = np.argsort(order)  # from the order of arrival to the graph's columns
+    state, root = session.start, SquareRoot()  # what factors are linearised at, and their root
     touched = []
     for k, end in enumerate(ends):
         estimate = _estimate(graph, state, root, back)
@@ -97,13 +121,17 @@ def smooth(session: Session) -> Progress:
 
 
 def _estimate(graph: Graph, state: State, root: SquareRoot, back: Ints) -> State:
+    """Move a state by the step that its square root gives. What has not come yet stays.
+
+    back: for each column of the graph, its place in the order of arrival.
+    """
     step = np.zeros(len(back))
     step[: len(root.right)] = root.step() if len(root.right) else 0.0
     return stepped(graph, state, step[back])
 
 
 def _with_pose(state: State, estimate: State, odometry: Links, session: Session, k: int) -> State:
-    """Set a new pose by odometry from the one before, and its plane by what is seen."""
+    """Set pose k by odometry from the estimate of the one before, and its plane by what it sees."""
     count = len(state.poses)
     pose = estimate.poses[k - 1] @ odometry.measured[k - 1]
     poses = stacked([state.poses[:k], pose, state.poses[np.arange(k + 1, count)]])
@@ -118,7 +146,10 @@ def _with_pose(state: State, estimate: State, odometry: Links, session: Session,
 
 
 def _rows(graph: Graph, session: Session, first: int, last: int) -> list[Factors]:
-    """Take the factors that come with poses from first to before last."""
+    """Select the factors that come with poses `first` to `last`, the latter excluded.
+
+    A factor comes with the last of its poses, or of those that see its planes.
+    """
     out = []
     for table in graph.factors:
         comes = table.poses.max(axis=1)
@@ -131,6 +162,10 @@ def _rows(graph: Graph, session: Session, first: int, last: int) -> list[Factors
 def _add(
     graph: Graph, state: State, tables: list[Factors], order: Ints, columns: int, root: SquareRoot
 ) -> int:
+    """Linearise factors at a state, and add them to the square root. Returns columns touched.
+
+    columns: number of the columns, in order of arrival, that have come.
+    """
     part = Graph(factors=tuple(tables), live_poses=graph.live_poses, live_planes=graph.live_planes)
     jacobian, residual = linear_system(part, state)
     return root.add(jacobian.toarray()[:, order[:columns]], residual, columns)

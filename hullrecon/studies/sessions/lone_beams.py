@@ -82,12 +82,12 @@ def beams(session: Session, count: int, rng: np.random.Generator) -> Beams:
 
 
 def towards_hull(poses: Poses, truth: Poses) -> Array:
-    """Compute how far poses are off the truth towards the hull (n,) m."""
+    """Compute how far poses are off the truth towards the hull (n,) m, which is ahead of them."""
     return path_errors(poses, truth)[:, 0]
 
 
 def drift(seeds: Iterable[int] = range(DRAWS)) -> Drift:
-    """Solve surveys without the lone beams and with them."""
+    """Solve surveys without the lone beams and with them, and measure how far poses drift."""
     without: list[Array] = []
     held: list[Array] = []
     for seed in seeds:
@@ -105,7 +105,7 @@ def drift(seeds: Iterable[int] = range(DRAWS)) -> Drift:
 
 
 def study() -> StudyResult:
-    """Tell how far a surfaced vehicle drifts from the hull."""
+    """Measure how far a surfaced vehicle drifts from the hull, without lone beams and with them."""
     found = drift()
     return StudyResult(
         figures=(draw(found),),

@@ -18,7 +18,7 @@ from hullrecon.typing import Array
 
 
 def moved(poses: Poses, steps: Array) -> Poses:
-    """Move poses (n) by steps (n, 6): the translation in its frame, the rotation on the right."""
+    """Move poses (n) by steps (n, 6): translation in the parent frame, rotation on the right."""
     turned = poses.rotation * Rotation.from_rotvec(steps[:, 3:])
     return Poses(turned.as_quat(), poses.translation + steps[:, :3])
 
@@ -36,7 +36,7 @@ def compose(outer: Poses, inner: Poses) -> tuple[Poses, Array, Array]:
 
 
 def between(first: Poses, second: Poses) -> tuple[Poses, Array, Array]:
-    """Compute first_from_second of two poses in one frame, with derivatives (n, 6, 6)."""
+    """Compute first_from_second of poses in one frame, with derivatives (n, 6, 6) by either."""
     relative = first.inverse() @ second
     back = first.rotation.inv().as_matrix()
     by_first, by_second = np.zeros((2, len(first), 6, 6))
@@ -49,7 +49,10 @@ def between(first: Poses, second: Poses) -> tuple[Poses, Array, Array]:
 
 
 def errors(measured: Poses, poses: Poses) -> tuple[Array, Array]:
-    """Compute what poses differ by from measured ones (n, 6), with its derivative (n, 6, 6)."""
+    """Compute the errors of poses against measured ones (n, 6), with derivatives by the poses.
+
+    The error is translation and rotation vector of measured_from_pose, the derivative (n, 6, 6).
+    """
     off = measured.inverse() @ poses
     turn = off.rotation.as_rotvec()
     derivative = np.zeros((len(poses), 6, 6))
@@ -59,7 +62,10 @@ def errors(measured: Poses, poses: Poses) -> tuple[Array, Array]:
 
 
 def plane_in(poses: Poses, planes: Array) -> tuple[Array, Array, Array]:
-    """Compute planes (n, 3) in the frames of poses, x ⊟ pi, with derivatives by pose and plane."""
+    """Compute planes (n, 3), given in the poses' parent frame, in the poses' frames: x ⊟ pi.
+
+    Returns them with their derivatives by pose (n, 3, 6) and by plane (n, 3, 3).
+    """
     back = poses.rotation.inv().as_matrix()
     squared = np.sum(planes**2, axis=1)[:, None]
     along = np.sum(poses.translation * planes, axis=1)[:, None] / squared
@@ -74,7 +80,7 @@ def plane_in(poses: Poses, planes: Array) -> tuple[Array, Array, Array]:
 
 
 def plane_out(poses: Poses, planes: Array) -> Array:
-    """Compute planes (n, 3), given in the frames of poses, in the poses' own frame: x ⊞ pi."""
+    """Compute planes (n, 3), given in the poses' frames, in the poses' parent frame: x ⊞ pi."""
     return plane_in(poses.inverse(), planes)[0]
 
 

@@ -43,7 +43,10 @@ class PlaneMap:
 
 
 def spread(known: PlaneMap, depth_m: float, count: int, rng: np.random.Generator) -> Array:
-    """Draw particles (count, 3) over all free cells at a depth, with any yaw."""
+    """Draw particles (count, 3) at a depth uniformly over free water before the map, with any yaw.
+
+    Free is what is outside of the nearest pose's plane, and nearer to it than FREE_M.
+    """
     low, high = (of(known.poses.translation[:, :2], axis=0) for of in (np.min, np.max))
     found: list[Array] = []
     while sum(map(len, found)) < count:
@@ -60,14 +63,14 @@ def spread(known: PlaneMap, depth_m: float, count: int, rng: np.random.Generator
 
 
 def as_poses(particles: Array, depth_m: float) -> Poses:
-    """Make poses of particles (m, 3) at a depth, level."""
+    """Turn particles (m, 3) into level poses at a depth."""
     at = np.column_stack([particles[:, :2], np.full(len(particles), depth_m)])
     zero = np.zeros(len(particles))
     return from_rpy(at, np.column_stack([zero, zero, particles[:, 2]]))
 
 
 def moved_on(particles: Array, step: Array, sigma: Array, rng: np.random.Generator) -> Array:
-    """Move particles (m, 3) by odometry (3,) in their own frames, with its noise."""
+    """Move particles (m, 3) by odometry in their own frames, (3,) x, y, yaw, with sigmas (3,)."""
     noisy = step + sigma * rng.standard_normal(particles.shape)
     c, s = np.cos(particles[:, 2]), np.sin(particles[:, 2])
     along = np.column_stack([c * noisy[:, 0] - s * noisy[:, 1], s * noisy[:, 0] + c * noisy[:, 1]])
@@ -75,7 +78,9 @@ def moved_on(particles: Array, step: Array, sigma: Array, rng: np.random.Generat
 
 
 def plane_distances(known: PlaneMap, poses: Poses, seen: Array) -> tuple[Array, Array]:
-    """Compare a plane seen (3,) with what poses (m) should see: squared distances, log sigmas.
+    """Compare a plane seen (3,) m with what poses (m) should see.
+
+    Returns squared distances (m,), in sigmas, and logarithms of the sigmas (m,), m.
 
     d^2 = |z - (x_p ⊟ pi_i)|^2 with the nearest node's plane pi_i. The print takes the pose of that
     node for the particle's own, and d^2 itself for the weight, by which the worst weigh most.
@@ -87,14 +92,17 @@ def plane_distances(known: PlaneMap, poses: Poses, seen: Array) -> tuple[Array, 
 
 
 def weights(distances: Array, log_sigmas: Array) -> Array:
-    """Compute normalised weights (m,) of particles."""
+    """Compute normalised weights (m,) of particles by what `plane_distances` gives.
+
+    They are tempered likelihoods of the plane's three numbers.
+    """
     logs = TEMPER * (-0.5 * distances - 3 * log_sigmas)
     found = np.exp(logs - logs.max())
     return np.asarray(found / found.sum())
 
 
 def drawn_again(particles: Array, weight: Array, rng: np.random.Generator) -> Array:
-    """Draw particles by their weights, and stir them a little."""
+    """Resample particles (m, 3) systematically by their weights (m,), and stir them a little."""
     count = len(particles)
     at = (rng.random() + np.arange(count)) / count
     rows = np.searchsorted(np.cumsum(weight), at).clip(0, count - 1)
@@ -102,7 +110,7 @@ def drawn_again(particles: Array, weight: Array, rng: np.random.Generator) -> Ar
 
 
 def area_m2(particles: Array) -> float:
-    """Compute the square root of the determinant of x and y's covariance."""
+    """Measure how far particles spread: root of the determinant of x and y's covariance, m^2."""
     return float(np.sqrt(max(np.linalg.det(np.cov(particles[:, :2].T)), 0.0)))
 
 

@@ -57,7 +57,10 @@ def transferred(numbers: Array) -> Array:
 def unscented(
     function: Callable[[Array], Array], mean: Array, covariance: Array
 ) -> tuple[Array, Array]:
-    """Carry a mean and covariance through a function by sigma points."""
+    """Carry a mean (n,) and covariance (n, n) through a function by sigma points.
+
+    function: turns points (m, n) into values (m, k). Returns the values' mean (k,) and covariance.
+    """
     size = len(mean)
     steps = np.sqrt(size) * np.linalg.cholesky(covariance).T
     values = function(np.vstack([mean + steps, mean - steps]))
@@ -66,7 +69,10 @@ def unscented(
 
 
 def transfer_of(pixel: Array, scale: float = 1.0) -> Transfer:
-    """Make the inputs of a pixel's transfer (2,), with the sigma of the sideways move scaled."""
+    """Make the inputs of the transfer of a pixel (2,).
+
+    scale: factor on the sigma of the sideways move.
+    """
     sigma = SIDE_SIGMA * np.r_[scale, np.ones(5)]
     return Transfer(
         mean=np.r_[np.zeros(6), 0.0, 0.0, -WALL_M, pixel],
@@ -81,7 +87,17 @@ def grid() -> Array:
 
 
 def inside(transfer: Transfer, rng: np.random.Generator) -> tuple[float, Array, Array, Array]:
-    """Compute the share of drawn transfers in the ellipse, its mean and covariance, and draws."""
+    """Test the ellipse of a transfer by drawing its inputs.
+
+    Returns
+    -------
+    float
+        Share of the drawn transfers inside of the 99 % ellipse.
+    Array, Array
+        Mean (2,) px and covariance (2, 2) px^2 of the ellipse.
+    Array
+        The drawn transfers (DRAWS, 2) px.
+    """
     mean, spread = unscented(transferred, transfer.mean, transfer.covariance)
     drawn = transferred(rng.multivariate_normal(transfer.mean, transfer.covariance, DRAWS))
     off = drawn - mean

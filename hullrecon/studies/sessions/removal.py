@@ -39,7 +39,7 @@ class Clique:
     most: float  # largest information before the removal: eigenvalues far below it are rounding
 
     def blocks(self) -> list[slice]:
-        """Name the columns of each pose, then of each plane."""
+        """List the columns of each pose, then of each plane."""
         ends = np.cumsum([0, *[6] * len(self.poses), *[3] * len(self.planes)])
         return [slice(a, b) for a, b in pairwise(ends)]
 
@@ -61,7 +61,7 @@ class LinearFactors(Factors):
     SHARED = frozenset({"at_root"})
 
     def linearise(self, state: State) -> Linear:
-        """Compute whitened residuals."""
+        """Compute whitened residuals G x_c + offset, and their derivatives."""
         off, derivative = self.differences(state)
         by, count = self.gain @ derivative, self.poses.shape[1]
         m, size = self.offset.shape
@@ -71,7 +71,10 @@ class LinearFactors(Factors):
         return Linear(residual=residual, by_pose=by_pose, by_plane=by_plane)
 
     def differences(self, state: State) -> tuple[Array, Array]:
-        """Compute what cliques differ by from where they are linear (m, s), and derivatives."""
+        """Compute x_c: what cliques differ by from the state at which they are linear.
+
+        Returns it (m, s) with its derivative (m, s, s) by the clique's poses and planes.
+        """
         m, k = self.poses.shape
         size = 6 * k + 3 * self.planes.shape[1]
         off, derivative = np.zeros((m, size)), np.zeros((m, size, size))
@@ -108,6 +111,12 @@ def remove_node(
 ) -> Graph:
     """Remove a pose or a plane from a graph: factors among its neighbours take its place.
 
+    Parameters
+    ----------
+    graph, state
+        The graph, and the state at which the new factors are linear.
+    pose, plane
+        Number of what is removed, one of both.
     tree
         Leave a Chow-Liu tree of factors instead of one of all neighbours, which is exact.
     at_root
@@ -141,9 +150,16 @@ def remove_node(
 def target(
     taken: Sequence[Factors], state: State, removed: tuple[int | None, int | None]
 ) -> Clique:
-    """Marginalise one pose or plane out of its factors.
+    """Marginalise one pose or plane out of its factors: L_cc - L_cm L_mm^-1 L_mc [Ozog2016 2.4.1].
 
-    removed: pose or plane. [Ozog2016 2.4.1]: L_cc - L_cm L_mm^-1 L_mc.
+    Parameters
+    ----------
+    taken
+        The factors that see it.
+    state
+        Where they are linearised.
+    removed
+        Number of the pose, or of the plane, that is removed. The other is None.
     """
     poses = np.unique(np.concatenate([table.poses.ravel() for table in taken])).astype(int)
     planes = np.unique(np.concatenate([table.planes.ravel() for table in taken])).astype(int)
@@ -171,7 +187,10 @@ def target(
 
 
 def linear_factor(clique: Clique, state: State, *, at_root: bool) -> LinearFactors:
-    """Make the factor whose information is the clique's [Ozog2016 eq. 2.6]: one row."""
+    """Make the factor, a table of one row, whose information is the clique's [Ozog2016 eq. 2.6].
+
+    at_root: as of `remove_node`.
+    """
     size = len(clique.information)
     factor = LinearFactors(
         poses=clique.poses[None],
@@ -214,7 +233,7 @@ def tree_of(clique: Clique) -> list[Clique]:
 
 
 def mutual_information(clique: Clique) -> Array:
-    """Compute the mutual information of each two variables, nats."""
+    """Compute the mutual information (v, v), nats, of each two poses or planes of a clique."""
     blocks, size = clique.blocks(), len(clique.information)
     weak = TIKHONOV * np.trace(clique.information) / size
     spread = np.linalg.inv(clique.information + weak * np.eye(size))
@@ -267,14 +286,17 @@ def _marginal(information: Array, kept: Ints) -> Array:
 
 
 def _inverse(information: Array) -> Array:
-    """Invert an information matrix, and where nothing is known leave it at nothing."""
+    """Invert an information matrix on the subspace that it knows, and leave the rest at zero."""
     values, vectors = np.linalg.eigh(information)
     known = values > LEAST_EIGENVALUE * values.max(initial=1e-300)
     return np.asarray((vectors[:, known] / values[known]) @ vectors[:, known].T)
 
 
 def _with_gradient(clique: Clique, parts: list[tuple[list[int], Array]]) -> list[Clique]:
-    """Give the parts of a tree gradients that add up to the clique's."""
+    """Turn the parts of a tree into cliques, with gradients that add up to the whole clique's.
+
+    parts: numbers of the variables of each part, and its information.
+    """
     blocks, count = clique.blocks(), len(clique.poses)
     columns = [np.concatenate([np.r_[blocks[k]] for k in names]) for names, _ in parts]
     together = np.zeros_like(clique.information)
@@ -294,6 +316,21 @@ def _with_gradient(clique: Clique, parts: list[tuple[list[int], Array]]) -> list
 
 
 def _place(rows: Array, derivative: Array, at: Ints, width: int, first: int) -> None:
+    """Add derivatives of m factors by k variables each into their Jacobians, in place.
+
+    Parameters
+    ----------
+    rows
+        (m, d, columns) Jacobian of each factor by all variables.
+    derivative
+        (m, k, d, width) by the variables that a factor sees.
+    at
+        (m, k) place of these variables among all of their kind.
+    width
+        Columns of a variable.
+    first
+        First column of their kind.
+    """
     for k in range(derivative.shape[1]):
         for m in range(len(derivative)):
             start = first + width * at[m, k]

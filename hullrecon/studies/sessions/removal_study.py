@@ -102,7 +102,10 @@ def study() -> StudyResult:
 def compare(
     steps: list[SessionResult], variants: Mapping[str, tuple[float, float]]
 ) -> tuple[ComparedValue, ...]:
-    """Set what the source says beside the last session's numbers."""
+    """Compare the maps after the last session with what the source says.
+
+    variants: as of `one_session`.
+    """
     last = steps[-1]
     return (
         ComparedValue(
@@ -173,7 +176,19 @@ def first_map(session: Session) -> Map:
 
 
 def add(known: Map, session: Session, links: Links, pairs: Ints, first: int) -> Map:
-    """Align a session with a map by links between them, and merge it. first: its first number."""
+    """Align a session with a map by links between them, and merge it into the map.
+
+    Parameters
+    ----------
+    known
+        The map of the sessions before.
+    session
+        The new session.
+    links, pairs
+        Links between poses of the map and of the session, as of `encounters`.
+    first
+        Number of the session's first pose, counted through all sessions.
+    """
     alone = solve(whole(session.factors, session.start), session.start).state
     joint = join(
         [known.state, alone],
@@ -195,7 +210,19 @@ def add(known: Map, session: Session, links: Links, pairs: Ints, first: int) -> 
 
 
 def forget(known: Map, places: list[Neighbourhood], new: int, day: int) -> tuple[Map, float]:
-    """Sparsify a map by Algorithm 2, whose last poses (new) are of the last session."""
+    """Remove nodes of a map by Algorithm 2, and measure the share removed of the last session's.
+
+    Parameters
+    ----------
+    known
+        The map.
+    places
+        Places of the hull with the views kept so far, which are updated.
+    new
+        Number of the last session's poses, which are the map's last ones.
+    day
+        Number of the last session, of which there is one a day.
+    """
     nodes = known.number[-new:]
     candidates = Candidates(
         nodes=nodes,
@@ -221,13 +248,16 @@ def forget(known: Map, places: list[Neighbourhood], new: int, day: int) -> tuple
 
 
 def saliency(places: Array) -> Array:
-    """Texture of the hull at places (n, 3), 0 to 1: patches of it, the same in all sessions."""
+    """Simulate the texture of the hull at places (n, 3) m, 0 to 1, the same in all sessions."""
     x, z = places[:, 0], places[:, 2]
     return np.asarray(0.5 + 0.25 * (np.sin(1.3 * x + 0.7 * z) + np.cos(0.6 * x - 1.9 * z)))
 
 
 def compare_maps(small: Map, full: Map, removed: float) -> SessionResult:
-    """Compare both maps at the poses of the small one [Ozog2016 2.5.5]."""
+    """Compare both maps at the poses of the small one [Ozog2016 2.5.5].
+
+    removed: share of the last session's nodes that the small one lost.
+    """
     here = solve(small.graph, small.state).state.poses
     kept = np.isin(full.number, small.number)
     there = full.state.poses[kept]
@@ -252,7 +282,10 @@ def compare_maps(small: Map, full: Map, removed: float) -> SessionResult:
 
 
 def divergence(off: Array, approximate: Array, exact: Array) -> Array:
-    """Compute Kullback and Leibler's divergence (k,) of normals (k, 6, 6), off (k, 6) apart."""
+    """Compute the Kullback-Leibler divergence (k,), nats, of approximate from exact Gaussians.
+
+    off: (k, 6) differences of their means. approximate, exact: (k, 6, 6) covariances.
+    """
     back = np.linalg.inv(approximate)
     logs = np.linalg.slogdet(approximate)[1] - np.linalg.slogdet(exact)[1]
     trace = np.trace(back @ exact, axis1=1, axis2=2)
@@ -291,7 +324,7 @@ def one_session() -> dict[str, tuple[float, float]]:
 
 
 def draw_sizes(steps: list[SessionResult]) -> PublishedFigure:
-    """Draw nodes and factors over the sessions [Ozog2016 Fig. 2.16]."""
+    """Draw nodes and factors of both maps over the sessions [Ozog2016 Fig. 2.16]."""
     figure, axes = new_canvas(7.0, 3.2, 1, 2)
     number = np.arange(1, len(steps) + 1)
     table = ["session,nodes_small,nodes_full,factors_small,factors_full,removed"]
@@ -372,9 +405,11 @@ def draw_ellipses(small: Map, full: Map) -> PublishedFigure:
 
 
 def _rms(poses: Poses, truth: Poses) -> float:
+    """Compute the rms distance, m, of poses from the truth."""
     return rms_length(path_errors(poses, truth)[:, :3])
 
 
 def _euler(poses: Poses) -> Array:
+    """Compute roll, pitch, yaw (n, 3) rad of poses."""
     turns: Rotation = poses.rotation
     return np.asarray(turns.as_euler("xyz"))

@@ -43,7 +43,11 @@ class Candidates:
 
 
 def choose_nodes(kept: list[Neighbourhood], new: Candidates) -> list[int]:
-    """Choose what to remove by Algorithm 2. Updates the neighbourhoods."""
+    """Choose the nodes to remove by Algorithm 2. The neighbourhoods `kept` are updated.
+
+    A new node goes if it is near another one, if its place was seen just before, or if it shows
+    little. Of a place with too many views the oldest goes.
+    """
     redundant = spatially_redundant(new.places)
     gone = [int(node) for node in new.nodes[redundant]]
     for k in np.flatnonzero(~redundant):
@@ -59,7 +63,7 @@ def choose_nodes(kept: list[Neighbourhood], new: Candidates) -> list[int]:
 
 
 def spatially_redundant(places: Array) -> Mask:
-    """Find places (n, 3) that are near an earlier one that is not redundant itself."""
+    """Find places (n, 3) m that are near an earlier one that is not redundant itself."""
     redundant = np.zeros(len(places), bool)
     for k in range(1, len(places)):
         before = places[:k][~redundant[:k]]
@@ -85,7 +89,7 @@ def remove_nodes(
     tree: bool = True,
     at_root: bool = True,
 ) -> Graph:
-    """Remove planes, then poses, one after the other."""
+    """Remove planes, then poses, one after the other. Parameters are as of `remove_node`."""
     for plane in planes:
         graph = remove_node(graph, state, plane=plane, tree=tree, at_root=at_root)
     for pose in poses:

@@ -39,6 +39,7 @@ ODOMETRY_SIGMA = np.array([0.02, 0.02, 0.01, 0.002, 0.002, 0.005])
 LINK_SIGMA = np.repeat([0.01, 0.003], 3)
 LEVEL_SIGMA = np.array([0.03, 0.004])  # depth m, roll and pitch rad
 PLANE_SIGMA_M = 0.02
+PAIR_REACH_M = 3.5  # between poses whose planes are tied to each other
 PAIR_FLOOR_M, PAIR_SHARE = 0.03, 0.3  # of the difference by curvature, which the radii give roughly
 START_SIGMA = np.full(6, 1e-3)  # of a session's first pose in its own frame
 # z, roll and pitch of a frame are those of the sea's surface and the vertical
@@ -66,7 +67,10 @@ class Session:
 
 
 def surface(x_m: Array, depth_m: Array, axes_m: Array = AXES_M) -> tuple[Array, Array]:
-    """Compute points of the hull's side (n, 3) and their normals, outwards."""
+    """Compute points of the hull's side (n, 3) m in g, and their outward unit normals.
+
+    x_m, depth_m: (n,) along the hull and below its middle. axes_m: half axes of the ellipsoid.
+    """
     y = axes_m[1] * np.sqrt(1 - (x_m / axes_m[0]) ** 2 - (depth_m / axes_m[2]) ** 2)
     points = np.column_stack([x_m, y, depth_m])
     normals = points / axes_m**2
@@ -74,7 +78,7 @@ def surface(x_m: Array, depth_m: Array, axes_m: Array = AXES_M) -> tuple[Array, 
 
 
 def facing(points: Array, normals: Array) -> Poses:
-    """Place a level vehicle before points of the hull (n, 3), facing it."""
+    """Place a level vehicle at the standoff before points of the hull (n, 3) m, facing it."""
     at = points + STANDOFF_M * normals
     yaw = np.arctan2(-normals[:, 1], -normals[:, 0])
     return from_rpy(at, np.column_stack([0 * yaw, 0 * yaw, yaw]))
@@ -83,21 +87,27 @@ def facing(points: Array, normals: Array) -> Poses:
 def legs(
     from_x_m: float, to_x_m: float, depths_m: Sequence[float] = DEPTHS_M, step_m: float = STEP_M
 ) -> Poses:
-    """Survey a stretch of the side in legs along it, to and fro."""
+    """Survey a stretch of the side in legs along it, to and fro: true poses global_from_vehicle.
+
+    A leg for each depth, with a pose every step_m.
+    """
     along = np.arange(from_x_m, to_x_m + 1e-9, step_m)
     x = np.concatenate([along[:: 1 if k % 2 == 0 else -1] for k in range(len(depths_m))])
     return facing(*surface(x, np.repeat(depths_m, len(along))))
 
 
 def ranges(places: Array, rays: Array, axes_m: Array = AXES_M) -> Array:
-    """Compute how far the hull is from places (n, 3) along unit rays (n, 3)."""
+    """Compute how far the hull is from places (n, 3) m along unit rays (n, 3): (n,) m.
+
+    In units of its half axes the ellipsoid is a unit sphere: the nearer root of a quadratic.
+    """
     here, way = places / axes_m, rays / axes_m
     a, b, c = (np.sum(u * v, axis=1) for u, v in ((way, way), (here, way), (here, here)))
     return np.asarray((-b - np.sqrt(b**2 - a * (c - 1))) / a)
 
 
 def planes_before(poses: Poses, axes_m: Array = AXES_M) -> Array:
-    """Compute the planes (n, 3) that touch the hull ahead, in the frames of poses."""
+    """Compute the planes (n, 3) m tangent to the hull where poses look ahead, in their frames."""
     ahead = poses.rotation.apply(np.tile([1.0, 0, 0], (len(poses), 1)))
     points = poses.translation + ranges(poses.translation, ahead, axes_m)[:, None] * ahead
     normal = points / axes_m**2
@@ -108,7 +118,11 @@ def planes_before(poses: Poses, axes_m: Array = AXES_M) -> Array:
 
 
 def survey(truth: Poses, rng: np.random.Generator, planes: bool = True) -> Session:
-    """Measure along a true path, in a frame that lies anywhere."""
+    """Simulate what a session measures along a true path, in a frame of its own.
+
+    It has odometry, depth and level, links of images and, with `planes`, planes of the DVL. The
+    frame is moved and turned at random, but for depth and level.
+    """
     offset = np.r_[rng.uniform(-4, 4), rng.uniform(-3, 3), 0.0]
     frame = from_rpy(offset, np.r_[0, 0, rng.uniform(-0.6, 0.6)])
     local, count = frame.inverse() @ truth, len(truth)
@@ -141,22 +155,43 @@ def survey(truth: Poses, rng: np.random.Generator, planes: bool = True) -> Sessi
 
 
 def plane_factors(seers: Ints, seen: Array, truth: Poses) -> list[Factors]:
-    """Tie planes (p, 3) to the poses (p,) that see them, and those of neighbours to each other."""
+    """Tie planes to the poses that see them, and the planes of near poses to each other.
+
+    Parameters
+    ----------
+    seers
+        (p,) numbers of the poses that see a plane.
+    seen
+        (p, 3) m planes as measured, in those poses' frames.
+    truth
+        True poses of the session, which tell what is near.
+    """
     sightings = Sightings(
         poses=seers[:, None],
         planes=np.arange(len(seers))[:, None],
         measured=seen,
         sigma_m=PLANE_SIGMA_M,
     )
-    pairs = np.array(sorted(cKDTree(truth.translation[seers]).query_pairs(3.5)), int).reshape(-1, 2)
+    tree = cKDTree(truth.translation[seers])
+    pairs = np.array(sorted(tree.query_pairs(PAIR_REACH_M)), int).reshape(-1, 2)
     return [sightings, plane_pairs(pairs, seers, truth[seers], truth[seers], seen)]
 
 
 def plane_pairs(pairs: Ints, poses: Ints, first: Poses, second: Poses, seen: Array) -> PlanePairs:
-    """Hold planes (m, 2) to differ as the hull's characteristic radii say [Ozog2016 eq. 2.3].
+    """Make factors by which planes differ as the hull's radii of curvature say [Ozog2016 eq. 2.3].
 
-    The print holds them equal and counts the difference as noise. first and second: where the
-    poses are that see them.
+    The print holds them equal and counts the difference as noise.
+
+    Parameters
+    ----------
+    pairs
+        (m, 2) numbers of planes of one surface.
+    poses
+        (p,) number of the pose that sees each plane.
+    first, second
+        (p) poses that see the planes, for the first and for the second plane of a pair.
+    seen
+        (p, 3) m planes as measured, in those poses' frames.
     """
     between_them = between(first[pairs[:, 0]], second[pairs[:, 1]])[0].translation
     radii = (np.full(len(pairs), r) for r in (RADIUS_AZIMUTH_M, RADIUS_ELEVATION_M))
@@ -172,9 +207,10 @@ def plane_pairs(pairs: Ints, poses: Ints, first: Poses, second: Poses, seen: Arr
 def encounters(
     first: Poses, second: Poses, rng: np.random.Generator, share: float = LINK_SHARE
 ) -> tuple[Ints, Links]:
-    """Link poses of two sessions that are near each other: pairs (m, 2), and what is measured.
+    """Link poses of two sessions by images: pairs (m, 2) of a pose of each, and their links.
 
-    The links' poses are rows of first, and of second counted on after it.
+    Of all poses nearer than MEETING_M a share, drawn at random, is linked. The links' poses are
+    rows of first, and of second counted on after it.
     """
     apart = np.linalg.norm(first.translation[:, None] - second.translation, axis=2)
     pairs: Ints = np.argwhere(apart < MEETING_M)
@@ -186,7 +222,19 @@ def encounters(
 def through_anchors(
     links: Links, pairs: Ints, anchors: tuple[int, int], starts: Ints
 ) -> Encounters:
-    """Tie links of two sessions to their anchors and to poses that start at numbers (2,)."""
+    """Turn links between two sessions into factors of a graph with anchors.
+
+    Parameters
+    ----------
+    links
+        Relative poses as measured.
+    pairs
+        (m, 2) the linked poses, counted in either session.
+    anchors
+        Numbers of the two sessions' anchors in the graph.
+    starts
+        (2,) numbers of the two sessions' first poses in the graph.
+    """
     count = len(pairs)
     keys = np.column_stack(
         [np.full(count, anchors[0]), starts[0] + pairs[:, 0], np.full(count, anchors[1]),
@@ -199,12 +247,14 @@ def through_anchors(
 
 
 def _near(truth: Poses, rng: np.random.Generator) -> Ints:
+    """Draw pairs (m, 2) of poses of one session that images link: near, and not neighbours."""
     pairs = np.array(sorted(cKDTree(truth.translation).query_pairs(LINK_REACH_M)), int)
     apart = pairs[pairs[:, 1] - pairs[:, 0] > 2]
     return np.asarray(apart[rng.random(len(apart)) < LINK_SHARE])
 
 
 def _links(poses: Poses, pairs: Ints, sigma: Array, rng: np.random.Generator) -> Links:
+    """Measure relative poses of pairs (m, 2) of true poses, with sigmas (6,) of a motion."""
     exact = between(poses[pairs[:, 0]], poses[pairs[:, 1]])[0]
     return Links(
         poses=pairs,

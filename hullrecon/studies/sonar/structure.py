@@ -53,7 +53,11 @@ def hull_distance(points: Array) -> Array:
 
 
 def sighted(places: Array, points: Array, offset: float) -> tuple[Array, Array]:
-    """Compute range and bearing (m, 2) of points (m, 3) seen from places (m, 3), and elevations."""
+    """Compute what a sonar at places (m, 3) m sees of points (m, 3) m, one each.
+
+    offset: of the servo, rad. Returns range m and bearing rad (m, 2), and elevation (m,) rad, which
+    a sonar does not measure.
+    """
     turn = Rotation.from_euler("x", TILT + offset).inv()
     local = turn.apply(points - places)
     reach = np.linalg.norm(local, axis=1)
@@ -97,6 +101,7 @@ def estimate(survey: Survey, case: str) -> Structure:
     count = len(survey.features)
 
     def residuals(numbers: Array) -> Array:
+        """Whiten the residuals at features (n, 3), row by row, then the servo's offset."""
         points, offset = numbers[:-1].reshape(-1, 3), numbers[-1]
         seen, elevation = sighted(
             survey.places[survey.ping], points[survey.feature], float(offset) if free else 0.0
@@ -119,7 +124,7 @@ def estimate(survey: Survey, case: str) -> Structure:
 
 
 def _start(survey: Survey) -> Array:
-    """Put each feature into the middle of the beam of a ping that sees it."""
+    """Place each feature (n, 3) m in the middle of the beam of the first ping that sees it."""
     first = np.unique(survey.feature, return_index=True)[1]
     reach, bearing = survey.measured[first].T
     local = np.column_stack(

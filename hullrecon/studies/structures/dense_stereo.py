@@ -43,7 +43,7 @@ LINES = 9  # drawn over a pair
 
 @dataclass(frozen=True, kw_only=True)
 class RectifiedPair:
-    """The images of a node's two cameras, as they are and turned."""
+    """The images (h, w, 3) or (h, w) of a node's two cameras, as they are and turned."""
 
     raw: tuple[Pixels, Pixels]  # top, bottom
     turned: tuple[Pixels, Pixels]

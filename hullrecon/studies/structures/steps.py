@@ -284,9 +284,13 @@ def draw_fusion(
 
 
 def _draw_rays(axis: Axes, fused: FusedVertex, frame: Array, hull: InspectedHull) -> None:
-    """Draw the rays to a vertex, where they meet shapes, and where the vertex is moved."""
+    """Draw the rays to a vertex, where they meet shapes, and where the vertex is moved.
+
+    frame: unit vectors (2, 3) in M, along the hull and off it, of the plane that is drawn.
+    """
 
     def flat(points: Array) -> Array:
+        """Project points (n, 3) m of M into the plane (n, 2) m, with the vertex as origin."""
         return np.asarray((points - fused.vertex) @ frame.T)
 
     near = np.linalg.norm(hull.features - fused.vertex, axis=1) < 0.5

@@ -115,6 +115,7 @@ def measure(surface: Surface, chart: Chart, truth: Truth) -> Deviation:
 
 
 def _known(surface: Surface, truth: Truth) -> Mask:
+    """Mark the vertices (n,) that returns support and that lie on the surveyed hull."""
     known = truth.near(surface.vertices, 0.25) & (surface.support >= 1)
     known &= ~truth.on_rim(truth.built.closest(surface.vertices).foot)
     return np.asarray(known & np.isfinite(surface.deviation))

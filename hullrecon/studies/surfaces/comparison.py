@@ -107,6 +107,7 @@ def _as_found_in(workspace: Workspace) -> Surface | None:
 
 
 def _score(surface: Surface | None, truth: Truth) -> VariantFigures:
+    """Measure the distances of a surface's supported vertices from the true hull."""
     if surface is None:
         return {"error": "nothing was found"}
     cloud = PointCloud(
@@ -116,6 +117,7 @@ def _score(surface: Surface | None, truth: Truth) -> VariantFigures:
 
 
 def _cell(key: str, figures: VariantFigures) -> str:
+    """Format one figure of a variant, lengths in millimetres. A dash where it has none."""
     value = figures.get(key)
     if not isinstance(value, int | float):
         return "-"

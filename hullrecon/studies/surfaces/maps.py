@@ -88,6 +88,7 @@ def study(given: StudyDive) -> StudyResult:
 
 
 def _on_chart(hull: InspectedHull, points: Array) -> OnChart:
+    """Place points (n, 3) m of M on the chart, with their distances from the CAD model."""
     return OnChart(
         at=hull.chart.to_chart(points)[:, :2],
         off_m=Scene(hull.cad_model).closest(points).distance,
@@ -122,7 +123,10 @@ def dense_map(hull: InspectedHull) -> OnChart:
 
 
 def merge_cells(charted: Array, cell_m: float = CELL_M, least: int = LEAST) -> OnChart:
-    """Take the median offset of charted points (n, 3) in each cell with enough of them."""
+    """Take the median offset of charted points (n, 3), along, girth and offset m, in each cell.
+
+    least: points that a cell needs.
+    """
     corner = np.floor(charted[:, :2] / cell_m).astype(np.int64)
     cells, number = np.unique(corner, axis=0, return_inverse=True)
     number = number.reshape(-1)
@@ -232,13 +236,13 @@ def draw_meshes(
 
 
 def longest_edge_m(mesh: Mesh) -> float:
-    """Measure the longest edge."""
+    """Measure the longest edge of a mesh's triangles."""
     corners = mesh.vertices[mesh.faces]
     return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
 
 
 def roughness_deg(mesh: Mesh) -> float:
-    """Measure by how much neighbouring faces turn, rms."""
+    """Measure the angle between the normals of neighbouring faces, rms."""
     shared = find_shared_edges(mesh.faces)
     normals = face_normals(mesh)
     cosine = np.einsum("ni,ni->n", normals[shared.first], normals[shared.second])

@@ -82,12 +82,13 @@ def study(given: StudyDive) -> StudyResult:
 
 
 def _middle(hull: InspectedHull, structure: TrueStructure) -> Array:
+    """Find the place (2,) m of the chart at which the dive's result has a structure."""
     at = hull.truth_from_result.inverse().apply(np.array(structure.center)[None])
     return np.asarray(hull.chart.to_chart(at)[0, :2])
 
 
 def close_up(hull: InspectedHull, mesh: Mesh, at: Array) -> CloseUp:
-    """Blend the images around a place (2,) of the chart on a mesh."""
+    """Blend the images around a place (2,) m of the chart on a mesh in M."""
     half = 0.5 * CLOSE_UP_M
     grid = grid_around(np.array([at - half, at + half]), TEXEL_M)
     surface = build_mosaic_surface(mesh, hull.chart, REACH_M)
@@ -103,7 +104,10 @@ def close_up(hull: InspectedHull, mesh: Mesh, at: Array) -> CloseUp:
 
 
 def _images_near(hull: InspectedHull, at: Array) -> CameraImages:
-    """Choose the top camera's images taken from within a close-up's side of a place."""
+    """Choose the top camera's images taken near a place (2,) m of the chart.
+
+    Near is within one and a half sides of a close-up.
+    """
     store = hull.images[Camera.TOP]
     images = images_of_camera(hull.rig, hull.track, Camera.TOP, store.index.usable, store.read)
     foot = hull.chart.from_chart(at[None])[0][0]
@@ -118,6 +122,7 @@ def read_store(store: TileStore) -> Array:
 
 
 def _heights(surface: MosaicSurface, grid: TexelGrid) -> Array:
+    """Measure the heights (h, w) m of a surface's texels over the CAD model's chart."""
     point = sample_surface(surface, grid, grid.whole).point
     return np.asarray(surface.chart.to_chart(point.reshape(-1, 3))[:, 2].reshape(point.shape[:2]))
 
@@ -211,7 +216,10 @@ def _sonar_mosaics(given: StudyDive, hull: InspectedHull) -> list[PublishedFigur
 
 
 def draw_sonar_mosaics(found: dict[str, tuple[TexelGrid, Array]]) -> PublishedFigure:
-    """Draw [Ozog2016 Fig. 3.7]: the sonar mosaic on two surfaces."""
+    """Draw [Ozog2016 Fig. 3.7]: the sonar mosaic on two surfaces.
+
+    found: grid and intensities (h, w) of the mosaic, by the surface's name.
+    """
     figure, axes = new_canvas(8.8, 7.6, len(found), 1, sharex="all")
     table = ["surface,seen_m2"]
     area = {}
@@ -247,8 +255,9 @@ def draw_sonar_mosaics(found: dict[str, tuple[TexelGrid, Array]]) -> PublishedFi
 
 
 def correlation(first: tuple[TexelGrid, Array], second: tuple[TexelGrid, Array]) -> float:
-    """Correlate two pictures where both are known, each on its own grid of one step."""
+    """Correlate two pictures (h, w) where both are known, each on its own grid of one step."""
     (grid, one), (other_grid, other) = first, second
+    # Where the other picture's first texel lies on the grid of the first
     row = round((other_grid.north - grid.north) / -grid.step_m)
     column = round((other_grid.west - grid.west) / grid.step_m)
     moved = np.full(one.shape, np.nan)

@@ -86,7 +86,26 @@ def _require_covariance(matrix: sparse.csr_array, sigma_m: float) -> None:
 def by_triangles(
     charted: Array, observed: SurfacePoints, wanted: Array, options: SurfaceOptions
 ) -> tuple[Array, Array, Facts]:
-    """Interpolate between means over quarter cells, with one sigma by their scatter."""
+    """Interpolate returns between means over quarter cells, with one sigma by their scatter.
+
+    Parameters
+    ----------
+    charted
+        (n, 3) m of the returns: along, girth, offset.
+    observed
+        The returns with their noise.
+    wanted
+        (k, 2) m on the chart, where the offset is wanted.
+    options
+        Of the step `surface`, for the size of a cell.
+
+    Returns
+    -------
+    Array, Array
+        Offset and sigma (k,) m.
+    Facts
+        What surface.json says of the method.
+    """
     seen = cell_means(charted[:, :2], charted[:, 2], observed.noise, 0.25 * options.cell_m)
     sigma = scatter_sigma(seen.at, seen.offset)
     facts: Facts = {"method": "linear", "observations": len(seen.at), "scatter_m": sigma}
@@ -94,7 +113,10 @@ def by_triangles(
 
 
 def interpolate(at: Array, values: Array, wanted: Array) -> Array:
-    """Interpolate values at (m, 2) on Delaunay triangles, outside by the nearest."""
+    """Interpolate values (n,) at places (n, 2) on Delaunay triangles, to places wanted (k, 2).
+
+    Outside of the triangles the nearest value is taken.
+    """
     from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 
     if len(at) < 4 or np.linalg.matrix_rank(at - at.mean(axis=0), tol=1e-6) < 2:
@@ -104,7 +126,7 @@ def interpolate(at: Array, values: Array, wanted: Array) -> Array:
 
 
 def scatter_sigma(at: Array, values: Array) -> float:
-    """Estimate one robust sigma of values about the mean of their six neighbours."""
+    """Estimate one robust sigma of values (n,) at places (n, 2) about their neighbours' mean."""
     count = min(6, len(at) - 1)
     if count < 1:
         return 0.0
@@ -116,7 +138,16 @@ def scatter_sigma(at: Array, values: Array) -> float:
 def offsets_from_plane(
     points: Array, chart: Chart, sensors: Array
 ) -> tuple[Chart, PlaneChart | None, Facts]:
-    """Regress offsets from a plane through the points (n, 3).
+    """Choose a plane through the points as the chart from which offsets are regressed.
+
+    Parameters
+    ----------
+    points
+        (n, 3) m in M, ends of the DVL's beams.
+    chart
+        Of the hull.
+    sensors
+        (n, 3) m in M, where the beams start, on the outer side of the plane.
 
     Raises StageError where the hull bends too far around for a plane.
     """
@@ -135,11 +166,15 @@ def offsets_from_plane(
 def heights_over_plane(
     points: Array, chart: Chart, sensors: Array
 ) -> tuple[Chart, PlaneChart | None, Facts]:
-    """Regress heights over a plane through the points (n, 3), numbered by the hull's chart."""
+    """Regress heights over a plane through the points (n, 3), at places of the hull's chart.
+
+    Parameters are as of `offsets_from_plane`.
+    """
     return chart, _plane(points, sensors), {"reference": "none", "comparison": INDEPENDENT}
 
 
 def _plane(points: Array, sensors: Array) -> PlaneChart:
+    """Fit a plane to points (n, 3) m, whose normal points to the sensors (n, 3) m."""
     return fit_plane_chart(points, sensors.mean(axis=0), np.array([0.0, 0.0, 1.0]))
 
 
@@ -175,7 +210,11 @@ def fuse_shapes(
 def move_along_rays(
     given: Unfused, views: CameraViews, options: DetectOptions
 ) -> tuple[Array, Array, Ints]:
-    """Move vertices along rays that saw shapes, and leave the others on the hull."""
+    """Move vertices along rays that saw shapes, and leave the others on the hull.
+
+    Returns the vertices (n, 3) m, their height over the hull (n,) m, 0 for those left, and the
+    number of views (n,) that saw a shape there.
+    """
     at = given.mesh.vertices
     fused = fuse_shapes(views, given.features, given.feature_height, at, options)
     taken = fused.count > 0

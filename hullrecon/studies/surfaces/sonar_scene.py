@@ -75,7 +75,10 @@ def study(given: StudyDive) -> StudyResult:
 
 
 def paint(along_girth: Array) -> Floats32:
-    """Paint blocks: the gray level (n,) at chart points (n, 2), by a hash of the block."""
+    """Paint the hull in blocks: the gray level (n,) at chart points (n, 2) m.
+
+    A block is dark or light by a hash of its column and row, so that no image of it is kept.
+    """
     column, row = np.floor(np.nan_to_num(along_girth) / BLOCK_M).astype(np.int64).T
     mixed = (column * 73856093) ^ (row * 19349663)
     dark = ((mixed >> 7) ^ (mixed >> 13)) & 1
@@ -93,6 +96,22 @@ def paint_pings(
 
     There is no shading, beam pattern or spreading, so that what varies between pings is where they
     are believed to have been.
+
+    Parameters
+    ----------
+    built, chart
+        The hull as built, and its chart, on which it is painted.
+    poses
+        (p) hull_from_sonar, where each ping truly was.
+    pings
+        The pings whose geometry is taken.
+    half_elevation
+        Half of the beams' opening in elevation, rad.
+
+    Returns
+    -------
+    Array
+        Images (p, beams, bins) of the pings.
     """
     rng = np.random.default_rng(0)
     image = np.zeros(pings.image.shape, np.uint8)
@@ -120,7 +139,10 @@ def paint_pings(
 
 
 def _fill(total: Array, count: Array) -> Array:
-    """Average each pixel's rays, and give pixels between them the mean around them."""
+    """Average the paint of each pixel's rays, and fill pixels between rays by those around.
+
+    total, count: (beams, bins) sum of the paint, and number of the rays.
+    """
     from scipy.ndimage import uniform_filter1d
 
     wide = uniform_filter1d(total, 5, axis=1), uniform_filter1d(count, 5, axis=1)
@@ -144,7 +166,7 @@ def compare(maps: dict[str, VarianceMap]) -> tuple[ComparedValue, ...]:
 
 
 def table(maps: dict[str, VarianceMap]) -> tuple[tuple[str, ...], tuple[tuple[str, ...], ...]]:
-    """Arrange mean variances and tails in heads and rows."""
+    """Tabulate mean variances and shares of pixels in their tails, as heads and rows."""
     limit = float(np.percentile(_seen(maps[TRUE]), 99))
     rows = []
     for name, found in maps.items():
@@ -155,12 +177,14 @@ def table(maps: dict[str, VarianceMap]) -> tuple[tuple[str, ...], tuple[tuple[st
 
 
 def _seen(found: VarianceMap) -> Array:
+    """Select the variances (k,) of the pixels in which pings were blended."""
     return np.asarray(found.variance[np.isfinite(found.variance)])
 
 
 def _blend(
     truth: Truth, chart: Chart, pings: SonarPings, poses: Poses, settings: StageSettings
 ) -> VarianceMap:
+    """Blend pings at poses hull_from_sonar on the true hull, and map the variance."""
     surface = build_mosaic_surface(truth.built_mesh, chart, REACH_M)
     with tempfile.TemporaryFile() as scratch:
         mosaic = blend_pings(surface, pings, poses, settings, in_threads, scratch)
