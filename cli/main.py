@@ -64,6 +64,7 @@ class LazyGroup(click.Group):
 
 
 def _version(context: click.Context, parameter: click.Parameter, value: bool) -> None:
+    """Print the version and exit, where --version is given."""
     if value and not context.resilient_parsing:
         from hullrecon.version import describe
 

@@ -168,6 +168,7 @@ def _setter(name: str) -> Callable[[click.Context, click.Parameter, object], obj
     """Make the callback of an option that sets the field `name` of the call's state."""
 
     def store(context: click.Context, parameter: click.Parameter, value: object) -> object:
+        """Set the field where the option is given. Logging may depend on it."""
         if value:
             state = state_of(context)
             setattr(state, name, value)

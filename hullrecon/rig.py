@@ -328,6 +328,7 @@ def mount_prior(mount: Poses, sigma: tuple[float, ...]) -> Array | None:
 
 
 def _section(sections: Mapping[str, object], name: str, kind: type[Section]) -> Section:
+    """Look up a section of dive.toml, as decoded, and make sure of its kind."""
     found = sections[name]
     if not isinstance(found, kind):
         raise TypeError(f"section {name} is {found!r}, where {kind.__name__} is expected")

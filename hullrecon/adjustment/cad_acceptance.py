@@ -216,7 +216,10 @@ def _reasons_against_shape(shape: ShapeComparison, sigmas_off: float) -> Iterato
     """Yield reasons why the surveyed hull is not that of the CAD model, most important first.
 
     A hull that was found far from the package's guess has to pass more: its shape must confirm the
-    CAD model, and deviate by no more than stated. Parameters are those of `accept_shape`.
+    CAD model, and deviate by no more than stated.
+
+    shape: the comparison of both shapes. sigmas_off: distance of the registered pose from the
+    guess, in sigmas of hull.pose.
     """
     times = f"{np.sqrt(shape.deviation):.1f} times hull.deviation_sigma over metres"
     if shape.is_of_another_hull:

@@ -182,7 +182,11 @@ def displacement(nominal: Poses, found: Poses) -> tuple[Array, Array]:
 
 
 def _widen(rig: Rig, widening: dict[str, Array]) -> Rig:
-    """Multiply the sigmas of the rig's priors by the factors (k,) of each name."""
+    """Multiply the sigmas of the rig's priors by factors.
+
+    widening: factors (k,) of the errors of navigation and of each mount's rotation, by
+    the prior's name.
+    """
     navigation = rig.priors.navigation_sigma.copy()
     navigation[:CONSTANT_ERRORS] *= widening["navigation"]
     mounts = {

@@ -366,7 +366,7 @@ def _is_impossible(trial: Trial) -> bool:
 
 
 def _solved(problem: native.Problem, settings: native.Options) -> tuple[float, native.Unknowns]:
-    """Solve, and compute the robust chi-square at the solution."""
+    """Solve without labels, and return the robust chi-square at the solution with the solution."""
     naive = replace(settings, method="naive")
     result = native.solve(
         problem, replace(naive, max_iterations=ITERATIONS, function_tolerance=TOLERANCE)

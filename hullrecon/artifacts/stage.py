@@ -46,6 +46,7 @@ class StageSettings(Mapping[str, object]):
         self._stage, self._sections = stage, dict(sections)
 
     def __getitem__(self, name: str) -> object:
+        """Look up a section that the step declared. Any other is an error of the step's code."""
         if name not in self._sections:
             raise RuntimeError(
                 f"step {self._stage} reads section {name!r} without naming it in its `uses`"

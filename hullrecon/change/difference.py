@@ -266,7 +266,10 @@ def _window(cells: Mask, margin: int) -> tuple[slice, slice]:
 
 
 def corrected_p_value(value: float, sigma: float, places: int) -> float:
-    """Compute the two-sided p-value of a value, corrected for the number of places (72)."""
+    """Compute the two-sided p-value of a value with this sigma [docs/methods.md (72)].
+
+    It is corrected for the number of independent places at which as large a value may turn up.
+    """
     from scipy.special import log_ndtr
 
     one = np.log(2.0) + float(log_ndtr(-abs(value) / max(sigma, 1e-9)))

@@ -73,7 +73,7 @@ class _Fit:
     prior: Array  # (6, 6) covariance of the motion by both hull poses
 
     def solve(self, motion: Poses, samples: _Samples, height: Array) -> _Solved:
-        """Fit the motion of samples onto heights (a, g) of the first survey, with covariance.
+        """Fit the motion of samples onto heights (a, g) m of the first survey, with covariance.
 
         Raises StageError where the two share too few cells. Iteratively reweighted least squares
         with Tukey's biweight, from the given motion. It does not use geometry.pose_solver: the
@@ -105,9 +105,10 @@ class _Fit:
         return _Solved(motion=motion, covariance=covariance)
 
     def cost(self, motion: Poses, samples: _Samples, height: Array) -> float:
-        """Compute the chi-square of a motion, with truncated residuals and the prior.
+        """Compute the chi-square of a motion of samples onto heights (a, g) m, and of its prior.
 
-        Truncated, a part of the hull that changed costs no more than the largest error.
+        Residuals are truncated: a part of the hull that changed costs no more than the largest
+        error.
         """
         r, _, known = self._residuals(motion.apply(samples.points), samples.axes, height)
         x = _as_vector(motion, self.center)

@@ -73,9 +73,10 @@ def relief_on(
 
 
 def blur(height: Array, cells: float) -> Array:
-    """Blur heights (a, g) by a Gaussian over seen cells. NaN where less than half was seen.
+    """Blur heights (a, g) m by a Gaussian with a sigma of `cells`, over seen cells alone.
 
-    Blurred alike, two surveys have equally soft edges, over which a fit converges.
+    NaN where less than half was seen. Blurred alike, two surveys have equally soft edges, over
+    which a fit converges.
     """
     from scipy.ndimage import gaussian_filter
 

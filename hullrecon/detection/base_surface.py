@@ -161,9 +161,10 @@ def hull_position(
 
 
 def _tangents(center: Array, normal: Array, base: BaseSurface) -> tuple[Array, Array]:
-    """Make unit vectors along the hull and in girth, perpendicular to the normal.
+    """Make unit vectors (3,) along the hull and in girth at a point, perpendicular to the normal.
 
-    Where the chart has no direction (beyond its ends), along is any axis that is not the normal.
+    center, normal: (3,) m, and unit vector. Where the chart has no direction (beyond its ends),
+    along is any axis that is not the normal.
     """
     along = tangents_at(base.chart, center[None])[0][0]
     along = along if np.isfinite(along).all() else np.eye(3)[int(np.argmin(np.abs(normal)))]

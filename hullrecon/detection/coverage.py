@@ -223,6 +223,7 @@ def sonar_facts(
         return facts
 
     def area_if(off: HullError) -> float:
+        """Sum the area, m2, that the sonar saw if the hull's pose were off by an error."""
         return _area(
             hull, visible_to_sonar(hull, replace(sonar, poses=off.poses(sonar.poses)), scene)
         )

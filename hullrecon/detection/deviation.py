@@ -141,10 +141,11 @@ def _fit_patch(
 
 
 def _rigid_columns(points: Array, normals: Array, weight: Array, chart: Chart) -> Array:
-    """Compute how much vertices move along their normals (n, 3) by level and by each tilt.
+    """Compute how much vertices move along their normals by level and by each tilt: (n, 3).
 
-    Level is a shift of the patch along its mean normal by a metre. A tilt is a rise of one metre in
-    a metre along the hull, or in girth, about the middle of the patch.
+    points, normals: (n, 3) m and unit vectors of the vertices. weight: (n,) in the mean. Level is a
+    shift of the patch along its mean normal by a metre. A tilt is a rise of one metre in a metre
+    along the hull, or in girth, about the middle of the patch.
     """
     middle, up = (np.average(values, axis=0, weights=weight) for values in (points, normals))
     up /= np.linalg.norm(up)

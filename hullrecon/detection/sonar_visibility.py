@@ -60,9 +60,10 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
 
 
 def _meets_fan(cubes: Cubes, center: Array, out_of_plane: Array, sonar: SonarSurvey) -> Mask:
-    """Mark the cubes (k,) whose sphere may reach into the sonar's fan.
+    """Mark the cubes (k,) whose sphere may reach into the sonar's fan at one ping.
 
-    Patches in the others need no test.
+    Patches in the others need no test. center: (3,) m of the sonar. out_of_plane: unit vector (3,)
+    across its fan.
     """
     # A sphere is in range if its nearest point is. Its part out of the plane is compared with the
     # aperture at its farthest point, where the fan is widest.

@@ -78,9 +78,10 @@ def views_of_top_camera(
 def _farthest(centers: Array, landmarks: Array, camera: CameraModel) -> float:
     """Estimate the largest distance at which surfaces are seen in an image, m.
 
-    In turbid water nothing is seen beyond some distance. Landmarks show it: at the image's middle
-    it is 1.25 times the 95 % percentile of their distances from the nearest camera. Rays to the
-    image's corners are longer for the same depth, so it is divided by the smaller z of theirs.
+    centers, landmarks: (v, 3) and (l, 3) m, of the cameras and of what they saw. In turbid water
+    nothing is seen beyond some distance. Landmarks show it: at the image's middle it is 1.25 times
+    the 95 % percentile of their distances from the nearest camera. Rays to the image's corners are
+    longer for the same depth, so it is divided by the smaller z of theirs.
     """
     known = landmarks[np.isfinite(landmarks).all(axis=1)]
     usual = np.percentile(nearest(centers, known[:: max(1, len(known) // 5000)], 1)[0], 95)
@@ -110,9 +111,10 @@ def iterate_views(views: CameraViews, points: Array) -> Iterator[tuple[int, Ints
 
 
 def find_visibility(views: CameraViews, points: Array, normals: Array, scene: Scene) -> Visibility:
-    """Find how many views saw each point (n, 3) with normal (n, 3), and the best view of each.
+    """Find how many views saw each of the points (n, 3) m, and the best view of each.
 
-    A view sees a point that projects into its image, faces it, and is not occluded by the scene.
+    normals: (n, 3) outward unit vectors. A view sees a point that projects into its image, faces
+    it, and is not occluded by the scene.
     """
     count = np.zeros(len(points), np.int64)
     best, cosine = np.full(len(points), np.inf), np.full(len(points), np.nan)
@@ -133,8 +135,8 @@ def find_visibility_by_cell(
 ) -> Visibility:
     """Find visibility for one point in each cell, and give it to all points of the cell.
 
-    It is many times faster than `find_visibility`, whose parameters it has, as neighbours are
-    mostly seen alike. cell_m (n,): side of the cell at each point, in m.
+    It is many times faster than `find_visibility`, as neighbours are mostly seen alike. points,
+    normals: (n, 3) m and unit vectors. cell_m: (n,) side of the cell at each point.
     """
     # The side is part of the key: cells of different sides are not the same cell
     key = np.column_stack([np.floor(points / cell_m[:, None]), cell_m])

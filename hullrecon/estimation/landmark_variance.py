@@ -77,10 +77,11 @@ def _motion_by_pose(points: Array, hull_pose: HullPose) -> Array:
 def shared_variance(position: Array, normal: Array, covariance: Array) -> Array:
     """Estimate the part (n,) m2 of variances along normals that neighbours have in common.
 
-    An error that moves all landmarks is in the covariance of every neighbour. So the common part is
-    at most the second smallest of the neighbours' variances along this landmark's normal. Their
-    variances along their own normals, which have other directions, would not compare: an error of
-    tens of metres, as of an unmeasured depth, enters them to a different degree.
+    position, normal: (n, 3) m and unit vectors of the landmarks. covariance: (n, 3, 3) m2. An error
+    that moves all landmarks is in the covariance of every neighbour. So the common part is at most
+    the second smallest of the neighbours' variances along this landmark's normal. Their variances
+    along their own normals, which have other directions, would not compare: an error of tens of
+    metres, as of an unmeasured depth, enters them to a different degree.
     """
     if not len(position):
         return np.zeros(0)
@@ -100,10 +101,11 @@ def shared_variance(position: Array, normal: Array, covariance: Array) -> Array:
 def _pose_covariance(
     position: Array, normal: Array, covariance: Array, hull_pose: HullPose | None
 ) -> Array:
-    """Compute the part of covariances (n, 3, 3) that comes from the hull's pose.
+    """Compute the part (n, 3, 3) of landmarks' covariances that comes from the hull's pose.
 
-    Zero where it cannot be a part of them because it is larger. Marginals of a solve, for example,
-    contain its correlations with the landmarks.
+    position, normal, covariance: as of `shared_variance`. Zero where it cannot be a part of them
+    because it is larger. Marginals of a solve, for example, contain its correlations with the
+    landmarks.
     """
     found = np.zeros_like(covariance)
     if hull_pose is None:

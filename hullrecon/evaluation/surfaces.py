@@ -125,7 +125,11 @@ def _distances(points: Array, truth: Truth, motion: Poses) -> tuple[Array, Array
 
 
 def _sigma_coverage(distance: Array, aligned: Array, sigma: Array) -> Figures:
-    """Compute the shares of errors (n,), as delivered and aligned, that are within their sigmas."""
+    """Compute the shares of errors that are within their sigmas.
+
+    distance, aligned: (n,) m from the true hull, as delivered and after rigid alignment. sigma:
+    (n,) m.
+    """
     known = np.isfinite(sigma) & (sigma > 0)
     return {
         "share_within_1.96_sigma": _share(distance[known] < 1.96 * sigma[known]),

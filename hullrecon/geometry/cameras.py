@@ -54,7 +54,7 @@ class CameraModel:
         return np.stack(self._distorted(x, y), axis=1)
 
     def _distorted(self, x: Array, y: Array) -> tuple[Array, Array]:
-        """Apply distortion and intrinsics to ideal coordinates (n,): columns and rows, px (n,)."""
+        """Apply distortion and intrinsics to ideal coordinates x, y (n,): columns, rows px (n,)."""
         r2 = x * x + y * y
         radial = 1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
         u = x * radial + 2 * self.p1 * x * y + self.p2 * (r2 + 2 * x * x)

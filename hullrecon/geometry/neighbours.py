@@ -34,7 +34,11 @@ class Nearest:
         self._tree = cKDTree(points)
 
     def __call__(self, queries: Array, count: int, reach: float = np.inf) -> tuple[Array, Ints]:
-        """Find the nearest to each query point (m, k). Returns as `nearest`."""
+        """Find the `count` nearest points to each of the queries (m, k).
+
+        Returns distances (m, count) and rows (m, count). Farther off than `reach` they are inf, and
+        the number of points.
+        """
         distance, row = self._tree.query(
             queries,
             k=[*range(1, count + 1)],
@@ -73,7 +77,7 @@ def is_near(points: Array, queries: Array, reach: float) -> Mask:
 
 
 def count_within(points: Array, queries: Array, reach: float) -> Ints:
-    """Count the points (n, k) within reach of each query point (m, k)."""
+    """Count the points (n, k) within reach of each of the queries (m, k): (m,)."""
     from scipy.spatial import cKDTree
 
     counts = cKDTree(points).query_ball_point(

@@ -107,7 +107,7 @@ def _multiply(first: Array, second: Array) -> Array:
 
 
 def _rotation_matrices(quaternion: Array) -> Array:
-    """Convert quaternions (n, 4) (x, y, z, w) to matrices (n, 3, 3)."""
+    """Convert unit quaternions (n, 4) (x, y, z, w) to rotation matrices (n, 3, 3)."""
     x, y, z, w = _components(quaternion)
     xx, yy, zz, ww = x * x, y * y, z * z, w * w
     xy, xz, yz, xw, yw, zw = x * y, x * z, y * z, x * w, y * w, z * w

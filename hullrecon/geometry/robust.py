@@ -80,7 +80,7 @@ def _middle(values: Array, count: int | None = None, below: int = 0) -> Array:
 
 
 def weighted_quantile(values: Array, weight: Array, share: float) -> float:
-    """Find the value, of (n,), at which the cumulated weight (n,) reaches a share of its total."""
+    """Find which of the values (n,) has the cumulated weight (n,) reach a share of its total."""
     order = np.argsort(values, kind="stable")
     total = np.cumsum(weight[order])
     at = np.searchsorted(total, share * total[-1])

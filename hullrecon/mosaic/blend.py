@@ -186,6 +186,7 @@ def choose_views(
 
 
 def _no_views(shape: tuple[int, ...]) -> BestViews:
+    """Start the ranking of views of texels (shape) with none: number -1, cost inf."""
     return BestViews(
         view=np.full((VIEWS, *shape), -1, np.int32),
         cost=np.full((VIEWS, *shape), np.inf, np.float32),
@@ -227,7 +228,7 @@ def _block(patch: SurfacePatch, window: Window, tile: Window) -> _Block:
 
 
 def _texels(patch: SurfacePatch, rows: Ints) -> SurfacePatch:
-    """Take texels by their flat indices (n,), as a patch of shape (n, 1)."""
+    """Take the texels with flat indices `rows` (n,) of a patch, as a patch of shape (n, 1)."""
     return SurfacePatch(
         point=patch.point.reshape(-1, 1, 3).take(rows, axis=0),
         normal=patch.normal.reshape(-1, 1, 3).take(rows, axis=0),

@@ -87,7 +87,7 @@ class SurfacePatch:
         return incidence(*self.at(rows), sensor)
 
     def at(self, rows: Ints | None) -> tuple[Array, Array]:
-        """Take points and normals (n, 3) by flat indices, all if None."""
+        """Take points m and normals (n, 3) of the texels with flat indices `rows`, all if None."""
         point, normal = self.point.reshape(-1, 3), self.normal.reshape(-1, 3)
         if rows is None:
             return point, normal

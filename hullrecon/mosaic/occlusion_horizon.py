@@ -78,9 +78,10 @@ def _meet(charted: Array, faces: Ints32, limits: Array) -> Mask:
 
 
 def _points_between(vertices: Array, faces: Ints32) -> Array:
-    """Cover the faces that are larger than a cell with points (n, 3) at most CELL_M apart.
+    """Cover the faces that are larger than a cell with points (n, 3) m at most CELL_M apart.
 
-    Otherwise cells inside a large face would have no point, and nothing would seem to occlude.
+    vertices, faces: (v, 3) m and (f, 3) of the surface. Otherwise cells inside a large face would
+    have no point, and nothing would seem to occlude.
     """
     parts = np.zeros(len(faces), np.int64)
     for rows in blocks_of_rows(len(faces), FACES_AT_ONCE):
@@ -96,7 +97,10 @@ def _points_between(vertices: Array, faces: Ints32) -> Array:
 
 
 def _outermost(charted: Array) -> Ints:
-    """Select the outermost point in each cell, from points (n, 3): along, girth, offset in m."""
+    """Select the outermost point in each cell of the chart: their rows (k,).
+
+    charted: (n, 3) m, along, girth and offset of the points.
+    """
     known = np.flatnonzero(np.isfinite(charted).all(axis=1))
     cell = np.floor(charted[known, :2] / CELL_M).astype(np.int64)
     cell -= cell.min(axis=0, initial=0)
@@ -141,7 +145,10 @@ def free_below(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: f
 
 
 def _within_span(horizon: OcclusionHorizon, point: Array) -> Ints:
-    """Select the horizon's points in the box around the texels (h, w, 3), widened by its span."""
+    """Select the horizon's points near texels: in the box around these, widened by its span.
+
+    point: (h, w, 3) m of the texels. Returns rows (k,) of the horizon's points.
+    """
     axes = point.reshape(-1, 3).T  # one by one: along the short axis numpy takes five times as long
     reach = horizon.span_m + BLOCK_M + 4 * CELL_M
     low = np.array([np.fmin.reduce(axis, initial=np.inf) for axis in axes]) - reach

@@ -96,7 +96,9 @@ def _motion_jacobian(shift_axes: Array, turn_axes: Array, levers: Array) -> Arra
 
 
 def _largest_sigma(covariance: Array, normals: Array) -> Array:
-    """Compute the largest sigma (n, k) of covariances (n, k, 3, 3) within the tangent planes.
+    """Compute the largest sigma (n, k) m of covariances (n, k, 3, 3) m2 within the tangent planes.
+
+    normals: unit vectors of these planes, which broadcast with the covariances.
 
     NaN where a covariance or a normal is.
     """

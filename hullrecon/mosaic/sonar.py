@@ -185,6 +185,7 @@ class SonarView:
         return self.image.shape[1], self.image.shape[0]
 
     def picture(self, part: Part) -> Floats32 | None:
+        """Take a part of the ping as a picture of one channel, with its level evened if known."""
         raw = self.image[part].astype(np.float32)
         if self.level is not None:
             raw *= (LEVEL / np.maximum(self.level[part] * self.gain, 1.0)).astype(np.float32)
@@ -395,7 +396,8 @@ def _hull_cells(
 ) -> Ints:
     """Find the pixels of a ping that show hull: the flat index of each visible texel's pixel.
 
-    A pixel that shows several texels occurs several times, and so has the weight of their area.
+    min_cosine: least cosine of the incidence at which a texel is seen. A pixel that shows several
+    texels occurs several times, and so has the weight of their area.
     """
     point = patch.point.reshape(-1, 3)
     rows = np.flatnonzero(np.isfinite(point[:, 0]))
@@ -418,7 +420,7 @@ def _gain(values: NDArray[np.uint8], means: Array) -> float:
 
 
 def _smooth(total: Array, count: Array) -> Array:
-    """Compute the smoothed mean of pixels from their sums and counts, both (beams, ranges).
+    """Compute the smoothed mean of pixels from their `total` and `count`, both (beams, ranges).
 
     The Gaussian's sigma is 2 beams and 3 range bins, and four times as much where few samples are
     near.

@@ -80,7 +80,10 @@ class DeviationField:
         return self._interpolate(self.sigma, along_girth)
 
     def _interpolate(self, grid: Array, along_girth: Array) -> Array:
-        """Interpolate a grid (a, g) at chart points (n, 2), bilinear, constant beyond its ends."""
+        """Interpolate values of the grid's nodes (a, g) bilinearly at chart points (n, 2) m.
+
+        Beyond the grid's ends they are constant.
+        """
         last = np.array(grid.shape) - 1
         cell = np.clip((along_girth - self.origin) / self.step, 0, last)
         low = np.minimum(np.nan_to_num(cell).astype(np.int64), np.maximum(last - 1, 0))

@@ -207,7 +207,7 @@ def relief_of(points: Array, form: Array) -> Array:
 
 
 def _neighbours(tree: cKDTree, points: Array, radius: float) -> Iterator[Ints]:
-    """Yield the rows within a radius of each point, ascending."""
+    """Yield for each of the points (n, 3) the tree's rows within a radius, ascending."""
     for start in range(0, len(points), SAMPLES_AT_A_TIME):
         part = points[start : start + SAMPLES_AT_A_TIME]
         for near in tree.query_ball_point(part, radius, return_sorted=True):

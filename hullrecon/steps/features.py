@@ -111,6 +111,7 @@ def _write_camera(
     with ExitStack() as stack:
 
         def grow(kind: str, width: int, dtype: type[np.generic]) -> GrowingArray:
+            """Open the file to which the rows (n, width) of each image are added."""
             path = stack.enter_context(context.out.path(f"{kind}_{camera.key}.npy"))
             return stack.enter_context(GrowingArray(path, width, dtype))
 

@@ -85,6 +85,7 @@ def _refuse(
 
 
 def _logs_of(found: IngestResult, records: SensorRecords) -> NavigationLogs:
+    """Collect the logs that dead reckoning reads. There are DVL and IMU."""
     assert records.dvl is not None
     assert records.imu is not None
     return NavigationLogs(
@@ -141,6 +142,7 @@ def _joined_steps(
 
     @cache
     def frame(number: int) -> OdometryFrame | None:
+        """Read a stereo pair, and find its features. None where an image cannot be read."""
         rows = pairs[number].tolist()
         pictures = [read(camera, row) for camera, row in zip(Camera, rows, strict=True)]
         if pictures[0] is None or pictures[1] is None:

@@ -134,6 +134,7 @@ def image_reader(
     """
 
     def encoded(camera: Camera, row: int) -> bytes | None:
+        """Read the bytes of an image, from its file or as sampled. None if it was not kept."""
         index = found.images[camera.key]
         if index.file[row]:
             return (loaded.package / str(index.file[row])).read_bytes()

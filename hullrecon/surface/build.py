@@ -193,7 +193,7 @@ def _heights_to_offsets(
     """Convert heights (n,) m above the datum to offsets (n,) m along the chart's normals.
 
     With them vertices are lifted off the chart, as without a datum. NaN where the chart is too
-    steep on the datum. Sigmas are converted too. at (n, 2): on the chart.
+    steep on the datum. sigma: (n,) m of the heights, converted too. at: (n, 2) m on the chart.
     """
     base, normal = chart.from_chart(at)
     # Cosine between the two normals: a step along the chart's rises by this much over the datum
@@ -206,7 +206,7 @@ def _on_smooth_hull(kernel: Kernel, seen: Observations, middle: float) -> Observ
     """Leave out observations beyond STRUCTURE_SIGMAS of a smooth surface with this kernel.
 
     The marginal likelihood has no outliers. It would take structures for noise, and flatten the
-    hull.
+    hull. middle: m, the offset from which the field is regressed.
     """
     off = (
         seen.offset

@@ -179,7 +179,7 @@ class Kernel:
     NORM: ClassVar[float] = np.inf
 
     def matrix(self, a: Array, b: Array) -> sparse.csr_array:
-        """Compute covariances (n, k) between points (n, 2) and (k, 2) of the chart.
+        """Compute covariances (n, k) between points a (n, 2) m and b (k, 2) m of the chart.
 
         Only pairs nearer than the lengths are found and stored: all others are zero.
         """
@@ -276,7 +276,7 @@ def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regres
     """Condition a zero-mean field as `fit` does, with outliers weighted down iteratively.
 
     The noise of an observation beyond OUTLIER_SIGMAS from the surface grows in proportion to its
-    distance. Parameters are those of `fit`.
+    distance. at: (n, 2) m. values, noise: (n,) m, and their sigmas.
     """
     covariance = kernel.covariance(at)
     result = _condition(kernel, covariance, at, values, noise)

@@ -118,6 +118,7 @@ class PlateAtlas:
     """
 
     def __init__(self, spec: DiveSpec, items: tuple[Item, ...], texel_m: float) -> None:
+        """Start without painted plates. items: painted on them. texel_m: side of a texel."""
         self._spec, self._items, self._texel_m = spec, items, texel_m
         self._tones: NDArray[np.float64] = spec.hull_random("item tones").uniform(
             *ITEM_TONES, len(items)

@@ -98,9 +98,10 @@ def _stations(ship: Ship, count: int) -> Array:
 
 
 def _section(ship: Ship, x: float, count: int) -> Array:
-    """Compute half a section (count, 3) on port, from keel to deck: flat, bilge arc, side.
+    """Compute half a section (count, 3) m on port, from keel to deck: flat, bilge arc, side.
 
-    Towards the ends it becomes narrower and rounder, leans and rises.
+    x: of the section from the aft end, m. Towards the ends it becomes narrower and rounder, leans
+    and rises.
     """
     end = ship.entrance * ship.length_m
     # 0 on the parallel midbody, 1 at the very end.
@@ -125,7 +126,7 @@ def _section(ship: Ship, x: float, count: int) -> Array:
 
 
 def _side_faces(rings: int, points: int) -> NDArray[np.int64]:
-    """List the triangles between neighbouring sections."""
+    """List the triangles between `rings` sections of `points` vertices each, in order."""
     node = np.arange(rings * points).reshape(rings, points)
     a, b, c, d = node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]
     return np.concatenate(

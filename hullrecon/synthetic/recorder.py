@@ -45,6 +45,7 @@ class InTurn(Generic[Item]):
         self._last: Item
 
     def __getitem__(self, number: int) -> Item:
+        """Make items up to this number, and keep the last one alone. Earlier ones are gone."""
         if number < self._number:
             raise IndexError(f"item {number} is gone, {self._number} is the last one")
         while self._number < number:

@@ -252,7 +252,10 @@ def _illuminate(
 
 
 def _add_particles(radiance: Floats32, random: np.random.Generator) -> Floats32:
-    """Add particles in the water, most of them out of focus, and blur by lens and water."""
+    """Add particles in the water to a picture's radiance (h, w, 3), and blur by lens and water.
+
+    Most of them are small and faint, as out of focus.
+    """
     import cv2
 
     height, width = radiance.shape[:2]
@@ -276,7 +279,10 @@ def _add_particles(radiance: Floats32, random: np.random.Generator) -> Floats32:
 
 
 def _expose(radiance: Floats32, random: np.random.Generator) -> NDArray[np.uint8]:
-    """Convert radiance to grey levels, with a gain that varies from image to image, and noise."""
+    """Convert radiance (h, w, 3) to grey levels 0 to 255.
+
+    The gain varies a little from image to image, and noise is added.
+    """
     gain = np.float32(2.6 * (1 + 0.02 * random.standard_normal()))
     image = 255 * np.sqrt(np.clip(gain * radiance, 0, 1))
     image += 1.6 * random.standard_normal(image.shape, np.float32)

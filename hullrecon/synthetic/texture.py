@@ -66,7 +66,10 @@ def _octaves(
     gains: list[float],
     texel_m: float,
 ) -> Floats32:
-    """Sum noise of several cell sizes, m, each times its gain, but for those below two texels."""
+    """Sum noise (shape) of several cell sizes, each times its gain, as fouling has all scales.
+
+    Cells smaller than two texels are left out. cells_m, gains: of equal length.
+    """
     total = np.zeros(shape, np.float32)
     for cell, gain in zip(cells_m, gains, strict=True):
         if cell / texel_m >= 2.0:
@@ -142,6 +145,7 @@ def _draw_plates(
     across, along = _seam(random, g, PLATE_M[1]), _seam(random, a, PLATE_M[0])
 
     def brightness(rows: slice) -> Floats32:
+        """Compute the brightness of some rows: the plates' tones, darker at the welds."""
         seam = np.minimum(across[rows, None], along)
         return np.asarray(
             tone[np.ix_(row[rows] - row.min(), column - column.min())] * seam, np.float32

@@ -155,6 +155,7 @@ class Motion:
         return self.global_from_hull.inverse() @ frames
 
     def _spline(self, values: Array) -> Callable[..., Array]:
+        """Interpolate values (n, ...) of the path's times by a cubic spline over time, s."""
         from scipy.interpolate import CubicSpline
 
         spline: Callable[..., Array] = CubicSpline(self.t_s, values)
@@ -281,7 +282,7 @@ def _global_from_level(position: Array, yaw: float, draught_m: float) -> Poses:
 
 
 def _draw_wobble(spec: DiveSpec, t: Array) -> Array:
-    """Draw the motion (n, 7) that the controller does not suppress.
+    """Draw the motion (n, 7) that the controller does not suppress, at times t (n,) s.
 
     It is a sum of sine waves, for position (3), m, attitude (3) and tray angle, rad.
     """

@@ -126,6 +126,7 @@ def join_images(
     by_node, verified = stereo_by_node(stereo), _verified_links(links)
 
     def read(k: int) -> NodeFeatures:
+        """Read the features of node k, with its stereo matches."""
         top, bottom = trajectory.image[k].tolist()
         exposures = trajectory.exposures
         exposure = None if exposures is None else exposures.take(np.array([k]))

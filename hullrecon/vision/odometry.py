@@ -212,6 +212,7 @@ class TopImages:
         return self._common(first, second, found) if found.reason is Reason.MATCHED else None
 
     def _match(self, first: int, second: int) -> PairMatch:
+        """Match two frames, given by number, without any prior of the motion between them."""
         seed = (self._options.seed, first, second)
         matcher = PairMatcher(self._rig, self._options)
         # without a prior the whole image is searched in any case

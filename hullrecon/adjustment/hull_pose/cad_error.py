@@ -62,9 +62,10 @@ def distance_covariance(cad_error_model: CadError, cad_model: CadModel, at: Arra
 
 
 def matern32(along_girth: Array, sigma: float, length: tuple[float, float]) -> Array:
-    """Compute the covariance (n, n) of a Matern 3/2 field at chart points (n, 2).
+    """Compute the covariance (n, n), m2, of a Matern 3/2 field at chart points (n, 2) m.
 
-    sigma^2 (1 + sqrt3 r) exp(-sqrt3 r), with r in correlation lengths.
+    length: correlation lengths along and in girth, m. It is sigma^2 (1 + sqrt3 r) exp(-sqrt3 r),
+    with r in correlation lengths.
     """
     scaled = along_girth / np.array(length)
     squared = np.sum(scaled**2, 1)

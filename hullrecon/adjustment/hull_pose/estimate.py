@@ -333,7 +333,7 @@ def _outliers(evidence: HullPoseEvidence, pose: Poses, factor: CholeskyFactor) -
 
 
 def _select(evidence: HullPoseEvidence, kept: Mask) -> HullPoseEvidence:
-    """Keep some points (n,) of the evidence."""
+    """Keep those of the evidence's points that the mask (n,) selects."""
     loose = evidence.loose
     return replace(
         evidence,

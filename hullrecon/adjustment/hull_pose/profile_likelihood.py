@@ -176,9 +176,11 @@ def _fit_steps(valley: Valley, start: Poses, steps: Array) -> list[tuple[Poses, 
     along = _in_global(valley, start)
 
     def fit_from(base: Poses, shift_m: float) -> tuple[Poses, float]:
+        """Shift a pose along the direction, and fit it there: the pose and its cost."""
         return _fit(valley, _shift(valley, base, shift_m * along), held=along)
 
     def fit_outwards(outwards: Array) -> list[tuple[Poses, float]]:
+        """Fit at the steps of one side, the nearest to the middle first."""
         found = [at_middle]
         for nearer, farther in pairwise((steps[middle], *outwards)):
             found.append(fit_from(found[-1][0], farther - nearer))

@@ -227,7 +227,11 @@ def few_points(points: Array) -> Array:
 
 
 def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
-    """Make starts: the guess, poses one sigma off it along the hull and in yaw, other heights."""
+    """List poses global_from_hull to start from: the guess, and poses around it.
+
+    They are one sigma off it along the hull and in yaw, and at other heights. center: (3,) m in M,
+    about which the hull is turned.
+    """
     rotate = cad_model.guess.rotation.as_matrix()[0]
     forward, _, up = cad_model.chart.ship_axes
     starts = []
@@ -361,7 +365,10 @@ def fits_far_better(
 
 
 def share_within(points: Array, found: Registration, sigma_range: float) -> float:
-    """Compute the share of points (n, 3) in g within three sigma of the registered CAD model."""
+    """Compute the share of points (n, 3) m in g within three sigma of the registered CAD model.
+
+    sigma_range: of a point along its beam, m. The CAD model's own error is added to it.
+    """
     distance = found.cad_model.mesh.index.closest(
         found.global_from_hull.inverse().apply(points)
     ).distance

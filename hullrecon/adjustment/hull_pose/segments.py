@@ -266,8 +266,16 @@ def _motion_onto(points: Array, beams: Array, cad_model: CadModel, sigma_range: 
 def _search(points: Array, beams: Array, cad_model: CadModel, center: Array) -> Poses:
     """Search a grid of shifts along and across the ship for the pose that fits points best.
 
-    A point that lies on the CAD model's inside counts as WRONG_SIDE_M away. Parameters are those of
-    `_motion_onto`, with the center (3,) m in M of the points.
+    A point that lies on the CAD model's inside counts as WRONG_SIDE_M away.
+
+    Parameters
+    ----------
+    points, beams
+        Ends of beams (n, 3) m in g, and the beams' directions (n, 3).
+    cad_model
+        The CAD model, with the guess of its pose around which the grid lies.
+    center
+        (3,) m in M, of the points.
     """
     rotate, level = cad_model.guess.rotation.as_matrix()[0], cad_model.chart.ship_axes[:2]
     sigma = np.abs(level) @ cad_model.guess_sigma[:3]

@@ -121,6 +121,7 @@ def residuals(
 
 
 def _by_factor(evaluation: native.Evaluation) -> dict[str, NDArray[np.float64]]:
+    """Split whitened residuals (m,) by the kind of factor that they belong to."""
     return {
         name: evaluation.residual[evaluation.factor == number]
         for number, name in enumerate(native.FACTORS)

@@ -89,6 +89,7 @@ class SubProblems:
             yield part
 
     def _release_pages(self) -> None:
+        """Return the memory into which the whole problem's largest tables were read."""
         whole = self.problem
         for table in (whole.stereo, whole.mono, whole.surface.field):
             release_pages(*vars(table).values())

@@ -274,6 +274,7 @@ def _image_tables(
     sides = (slice(0, 4), slice(0, 2), slice(2, 4))
 
     def kinds_of(block: Block) -> tuple[Mask, Mask, Mask]:
+        """Mark the block's rows seen by both cameras, by the top one alone, by the bottom one."""
         top, bottom = chosen.top[block.rows], chosen.bottom[block.rows]
         return top & bottom, top & ~bottom, ~top & bottom
 
@@ -309,6 +310,7 @@ class _ImageRows:
     """Columns of a table of observations, still to be filled. Large ones are backed by files."""
 
     def __init__(self, count: int, pixels: int) -> None:
+        """Allocate `count` rows, each of an observation of `pixels` pixel coordinates."""
         self.node = empty_array((count,), np.int32)
         self.landmark = empty_array((count,), np.int32)
         self.pixel = empty_array((count, pixels), np.float64)

@@ -158,7 +158,10 @@ def _operator(shape: tuple[int, int], step: Array) -> sparse.csr_array:
 
 
 def _second_difference(n: int, step: float) -> sparse.csr_array:
-    """Build the matrix (n, n) of the second derivative on a line, mirrored at both ends."""
+    """Build the matrix (n, n) of the second derivative on a line, mirrored at both ends.
+
+    step: m between its n nodes.
+    """
     main = np.full(n, -2.0)
     main[[0, -1]] += 1.0
     neighbours = sparse.eye_array(n, k=1) + sparse.eye_array(n, k=-1)

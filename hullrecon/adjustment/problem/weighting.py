@@ -310,7 +310,7 @@ def estimate_sides(excess: Array, prior_direction: Array) -> Array:
 
 
 def _two_levels(values: Array) -> tuple[float, float]:
-    """Find the medians of two clusters (k-medians in one dimension), started at the quartiles.
+    """Find the medians of two clusters of values (n,), by k-medians started at the quartiles.
 
     They are the tray's mean errors on the two sides of its backlash.
     """

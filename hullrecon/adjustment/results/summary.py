@@ -231,7 +231,8 @@ def _left_out(m: Measurements, adjusted: Adjusted) -> int:
 def residual_figures(of_parts: Iterable[Mapping[str, Array]]) -> dict[str, dict[str, float]]:
     """Compute figures of each factor's whitened residuals: count, RMS, robust sigma, outliers.
 
-    Factors without residuals are left out. Residuals of all parts do not fit into memory.
+    of_parts: residuals (m,) of each part of the problem, by factor. Those of all parts do not fit
+    into memory, so they are kept in files. Factors without residuals are left out.
     """
     kept: dict[str, list[Array]] = {name: [] for name in native.FACTORS}
     for of_part in of_parts:
@@ -244,9 +245,10 @@ def residual_figures(of_parts: Iterable[Mapping[str, Array]]) -> dict[str, dict[
 
 
 def _figures_of(kept: Sequence[Array]) -> dict[str, float]:
-    """Compute the figures of one factor's whitened residuals, given in blocks."""
+    """Compute the figures of one factor's whitened residuals, kept in blocks (m,)."""
 
     def blocks() -> Iterator[Array]:
+        """Read the blocks one by one, and give each one's memory back."""
         for values in kept:
             yield values
             release_pages(values)

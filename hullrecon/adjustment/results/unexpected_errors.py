@@ -76,8 +76,10 @@ def scale_warning(correction: Array, allowed: Array, covariance: Array) -> list[
     """Warn of a scale of the DVL that the dive contradicts though its prior keeps it small.
 
     An estimate may be small and still be too large for what the dive says of it (`without_prior`).
-    `navigation_warnings`, which has the same parameters, warns of large scales. Empty where there
-    is no such scale.
+    `navigation_warnings` warns of large scales. Empty where there is no such scale.
+
+    correction, allowed: (k,) estimated errors of navigation, and their sigmas a priori. covariance:
+    (k, k) a posteriori.
     """
     x, prior = float(correction[SCALE]), float(allowed[SCALE])
     found = without_prior(

@@ -306,6 +306,7 @@ class _Fleet:
         )
 
     def result(self) -> FleetResult:
+        """Collect how every dive stands now."""
         return FleetResult(
             dives_folder=self.dives,
             runs=self.runs,

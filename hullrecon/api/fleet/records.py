@@ -67,6 +67,7 @@ class FleetRecords:
     """The records of a folder of runs by package, in one document rewritten after each dive."""
 
     def __init__(self, runs: Path) -> None:
+        """Read the records of earlier calls in the folder of runs, none if they are damaged."""
         self._path = runs / FOLDER / "dives.json"
         try:
             document = unseal(self._path.read_bytes())

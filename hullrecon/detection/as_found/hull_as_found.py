@@ -218,6 +218,7 @@ def refine_near(mesh: Mesh, points: Array, edge_m: float, reach_m: float) -> Mes
     thinned: Array = np.unique(np.round(points / cell), axis=0) * cell
 
     def allowed_edge(middle: Array) -> Array:
+        """Compute the longest edge (e,) m allowed at the edges' middles (e, 3) m."""
         distance, _ = nearest(thinned, middle, 1)
         return np.asarray(edge_m + np.maximum(0.0, distance[:, 0] - reach_m - cell))
 

@@ -115,7 +115,10 @@ class FieldBackground:
     field: DeviationField
 
     def at(self, points: Array) -> tuple[Array, Array]:
-        """See `Background`."""
+        """Look up the field and its sigma (n,) m at points (n, 3) m.
+
+        Outside of the field it is zero, with the largest sigma.
+        """
         at = self.chart.to_chart(points)[:, :2]
         inside, field = self.field.covers(at), self.field
         return np.where(inside, field.value_at(at), 0.0), np.where(
@@ -133,7 +136,10 @@ class MedianBackground:
     reach_m: float  # about the distance between nodes
 
     def at(self, points: Array) -> tuple[Array, Array]:
-        """See `Background`. The nearest nodes are weighted by a Gaussian of half the reach."""
+        """Average the hull's height and its sigma (n,) m at points (n, 3) m over the nearest nodes.
+
+        Nodes are weighted by a Gaussian of half the reach.
+        """
         distance, row = nearest(self.node, points, min(8, len(self.node)))
         weight = np.exp(-0.5 * (distance / (0.5 * self.reach_m)) ** 2) + 1e-12
         weight /= weight.sum(axis=1, keepdims=True)

@@ -186,7 +186,8 @@ def count_shapes(
 ) -> Ints:
     """Count the views (n,) whose ray to each vertex meets a shape [Ozog2016 Algorithm 5].
 
-    An object must be shown by enough views. Parameters are those of `find_shape_hits`.
+    An object must be shown by enough views. features: (l, 3) m, landmarks. deviation: (l,) m from
+    the hull. vertices: (n, 3) m.
     """
     count = np.zeros(len(vertices), np.int64)
     for rows, _ in find_shape_hits(views, features, deviation, vertices, options):

@@ -233,7 +233,7 @@ def _double_area(a: Array, b: Array) -> Array:
 
 
 def _loops(rim: Ints) -> list[list[int]]:
-    """Chain directed edges (e, 2) to closed lines of vertices, by which an outline is traced.
+    """Chain the directed edges (e, 2) of a rim to closed lines of vertices, to trace an outline.
 
     At a vertex from which several edges start, they are taken in their order.
     """

@@ -88,6 +88,15 @@ def _heights(
 ) -> tuple[Array, Array, Array, Array]:
     """Regress heights at a block of vertices, as `local_heights` does.
 
+    Parameters
+    ----------
+    at, normal
+        Vertices (n, 3) m, and their unit normals.
+    feet, height, sigma
+        Landmarks: feet on the hull (l, 3) m, heights over it (l,) m, and their sigmas.
+    neighbours, reach_m
+        Landmarks of a vertex at most, and their largest distance.
+
     Returns
     -------
     height, error, count, agreement
@@ -198,7 +207,7 @@ def _solve(terms: Array, h: Array, weight: Array, before: Array) -> tuple[Array,
 
 
 def _median(values: Array) -> Array:
-    """Compute the median (n,) of each row (n, k) without its NaN. NaN where all are."""
+    """Compute the median (n,) of each row of values (n, k) without its NaN. NaN where all are."""
     ranked = np.sort(values, axis=1)
     count = np.isfinite(values).sum(axis=1)
     rows = np.arange(len(values))

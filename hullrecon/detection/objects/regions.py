@@ -195,7 +195,7 @@ class _Relief:
     options: DetectOptions
 
     def clusters(self, rows: Ints) -> list[Ints]:
-        """Cluster vertices by DBSCAN with the radius `cluster_reach_m`.
+        """Cluster vertices, given by row, by DBSCAN with the radius `cluster_reach_m`.
 
         Vertices with too few others around are noise, and in no cluster.
         """

@@ -98,6 +98,7 @@ def describe_bow(hull: Hull, mesh: Mesh) -> tuple[Finding, list[Finding]]:
     aft_m, bow_m = np.sort(mesh.vertices @ forward)[[0, -1]]
     first_m = first_station(mesh.vertices, forward, hull.aft_perpendicular)
     # `forward` is an axis of M or its opposite: the sum of its parts is the sign
+    # Where stations start: on the axis of M, and ahead of the aft end
     zero_m, ahead_m = float(first_m * forward.sum()) + 0.0, float(first_m - aft_m)
     values: dict[str, object] = {"axis": axis, "zero_m": zero_m, "ahead_m": ahead_m}
     at_m = round(float(bow_m * forward.sum()), 1) + 0.0  # no "-0.0"

@@ -265,7 +265,7 @@ def _rate(depth: Array, known: Mask) -> tuple[Array, Mask]:
 
 
 def _lagged(one: Array, other: Array) -> Array:
-    """Correlate (n,) with (m,) by FFT, at all n + m - 1 lags from 1 - m on.
+    """Correlate signals `one` (n,) and `other` (m,) by FFT, at all n + m - 1 lags from 1 - m on.
 
     scipy.signal has it, and takes half a second to load, for every command that reads a log.
     """

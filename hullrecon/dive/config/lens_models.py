@@ -51,6 +51,7 @@ def convert_rational(
     k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4 = values
 
     def distort(xy: Array) -> Array:
+        """Distort ideal coordinates (n, 2) by the rational model."""
         x, y = xy.T
         r2 = x * x + y * y
         radial = (1 + r2 * (k1 + r2 * (k2 + r2 * k3))) / (1 + r2 * (k4 + r2 * (k5 + r2 * k6)))

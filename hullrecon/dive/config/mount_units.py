@@ -18,7 +18,8 @@ RIGHT_ANGLES_RAD, CLOSE_RAD = (0.5 * math.pi, math.pi, 1.5 * math.pi), 6e-4
 def refuse_lever_arm(key: str, numbers: Sequence[float], source: str = "") -> None:
     """Raise InputError for x, y, z of a sensor that lie off any vehicle.
 
-    source: who gives them, such as tf_static; "" for dive.toml.
+    key: of dive.toml. numbers: x, y, z, m, of the lever arm, with which angles may follow. source:
+    who gives them, such as tf_static; "" for dive.toml.
     """
     reach = max(abs(value) for value in numbers[:3])
     if reach > FARTHEST_M:
@@ -33,7 +34,8 @@ def refuse_lever_arm(key: str, numbers: Sequence[float], source: str = "") -> No
 def refuse_one_place(key: str, numbers: Sequence[float], source: str = "") -> None:
     """Raise InputError for a lower camera in the place of the upper one, or straight ahead of it.
 
-    Then both see the same, and no distance follows from what differs. source: as above.
+    Then both see the same, and no distance follows from what differs. numbers: the lower camera's
+    x, y, z in the upper one, m. key, source: as of `refuse_lever_arm`.
     """
     if math.hypot(*numbers[:2]) >= LEAST_BASELINE_M:
         return
@@ -50,7 +52,7 @@ def refuse_radians(key: str, numbers: Sequence[float]) -> None:
     """Raise InputError for roll, pitch, yaw of which one is a right angle in radians.
 
     Most mounts have a right angle, and hardly any has 1.571 degrees. Radians of other angles are
-    not noticed.
+    not noticed. key: of dive.toml. numbers: end with the three angles.
     """
     for angle in numbers[-3:]:
         for right in RIGHT_ANGLES_RAD:

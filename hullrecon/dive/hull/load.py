@@ -140,7 +140,8 @@ def _refuse_stray(corners: Array, length: float, path: Path) -> None:
 def _check_step(step_m: float, vertices: Array, path: Path, notes: list[Finding]) -> None:
     """Refuse coordinates that are stored in steps too coarse for a hull, and note less coarse ones.
 
-    Far from the origin, single precision has coarse steps.
+    Far from the origin, single precision has coarse steps. step_m: between stored coordinates.
+    vertices: (n, 3) m. notes: to which the finding is added.
     """
     farthest_m = float(np.abs(vertices).max())
     if step_m > COARSEST_STEP_M:
@@ -195,7 +196,7 @@ def find_bodies_apart(mesh: Mesh) -> list[Finding]:
 
 
 def merge_corners(vertices: Array, faces: Ints32, tolerance: float) -> tuple[Array, Ints32]:
-    """Merge corners that lie in one cell of a grid of the tolerance, m, into the first of them.
+    """Merge vertices (n, 3) m that lie in one cell of a grid of the tolerance, m, into the first.
 
     Faces are then connected: an STL stores each corner once for every face. Returns the corners
     that stay, in the order of the file, and the faces (m, 3) renumbered.

@@ -189,7 +189,10 @@ def _share_escaping(whole: Mesh, picked: Ints, side: float) -> Array:
 
 
 def _hemisphere(normal: Array) -> Array:
-    """Spread directions (n * RAYS, 3) about normals (n, 3), cosine-weighted, in one pattern."""
+    """Spread directions (n * RAYS, 3) about each normal (n, 3), cosine-weighted, in one pattern.
+
+    The pattern is a golden spiral on the disc, lifted to the half sphere.
+    """
     k = np.arange(RAYS) + 0.5
     radius, angle = np.sqrt(k / RAYS), np.pi * (1 + 5**0.5) * k
     local = np.stack(

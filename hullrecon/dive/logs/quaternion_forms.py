@@ -74,7 +74,10 @@ def complete_quaternions(
 
 
 def _from_vector_part(vector: Array) -> Rotation | None:
-    """Complete x, y, z (n, 3) of unit quaternions by w >= 0. None where they are longer than 1."""
+    """Complete the vector parts x, y, z (n, 3) of unit quaternions by w >= 0.
+
+    None where one is longer than 1.
+    """
     squares = (vector**2).sum(axis=1)
     if squares.max() > 1 + ROUNDED:
         return None

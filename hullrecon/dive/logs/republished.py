@@ -81,7 +81,7 @@ def find_republished(values: Array) -> Mask:
 
 
 def is_even(again: Mask) -> bool:
-    """Tell whether readings (n,) that repeat the one before come in runs of about one length.
+    """Tell whether readings that repeat the one before, `again` (n,), come in runs of one length.
 
     A driver that publishes faster than the sensor measures gives such runs. False for fewer than
     LEAST_MEASURED runs.

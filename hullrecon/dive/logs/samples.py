@@ -108,6 +108,7 @@ class SonarSample:
     range_m: Array  # (ranges,)
 
     def __post_init__(self) -> None:
+        """Refuse shapes that do not fit each other, and numbers that are not finite."""
         beams = len(self.image) if self.directions is None else len(self.directions)
         _require(self.image.shape == (beams, len(self.range_m)) and self.image.size > 0)
         _require(

@@ -116,7 +116,10 @@ def _select_common_fan(samples: Sequence[SonarSample], rows: Sequence[int]) -> l
 
 
 def _is_one_fan(directions: Array | None, other: Array | None) -> bool:
-    """Tell whether beams (beams, 3) point the same ways, within SAME_FAN."""
+    """Tell whether two fans of directions (beams, 3) point the same ways, within SAME_FAN.
+
+    Where one fan is not known, neither may be.
+    """
     if directions is None or other is None:
         return directions is other
     # vectors of length 0, of beams that were never filled in, are like themselves only

@@ -161,9 +161,10 @@ def _refuse_coarse(name: str, distinct: Ints, count: int) -> None:
 
 
 def _refuse_two_bases(name: str, stamp: Ints) -> None:
-    """Raise InputError for stamps (n,) of which a part counts from 1970.
+    """Raise InputError for stamps (n,) ns of which a part counts from 1970, as after a reset.
 
-    The clock was set, or lost its time, within the log, by an unknown amount.
+    name: of the stream, for the message. The clock was set, or lost its time, within the log, by an
+    unknown amount.
     """
     unset = stamp < UNSET_NS
     if min(unset.sum(), (~unset).sum()) < LASTING:
@@ -177,7 +178,7 @@ def _refuse_two_bases(name: str, stamp: Ints) -> None:
 
 
 def _far_from_all(stamp: Ints) -> Mask:
-    """Find the stamps (n,) of small groups that lie a day or more from all other stamps.
+    """Mark the stamps (n,) ns of small groups that lie a day or more from all other stamps.
 
     Such stamps are of a clock that was not set yet, or damaged. Groups are parted by gaps of FAR_S.
     The largest group is kept whatever its size.
@@ -298,9 +299,10 @@ def _stepped_back(stamp: Ints, logged: Ints, period: int, least: int, again: int
 def _refuse_open_step(name: str, stamp: Ints, log: Ints) -> None:
     """Raise InputError where stamps (n,) fall back so far that a gap stays before the log's start.
 
-    The clock was set back by an unknown amount, more than the log lasted, or two recordings were
-    put into one log. Where the later part ends just before the earlier one begins, the two were
-    only logged in another order.
+    name: of the stream. stamp, log: ns, and number of the log that holds each reading. The clock
+    was set back by an unknown amount, more than the log lasted, or two recordings were put into one
+    log. Where the later part ends just before the earlier one begins, the two were only logged in
+    another order.
     """
     for number in np.unique(log):
         part = stamp[log == number]

@@ -81,9 +81,22 @@ def frame_words(along_m: float, spacing_m: float, sigma_m: float | None) -> str:
 def _words(
     at: Array, depth_m: float, spacing_m: float | None, hull: bool, sigma: AddressSigma | None
 ) -> str:
-    """Write the address of one chart point (3,). `hull`: the chart is that of a CAD model.
+    """Write the address of one chart point.
 
     Parts of it that are unknown are left out: frame, depth, and the digits below a sigma.
+
+    Parameters
+    ----------
+    at
+        (3,) m: along, girth, offset.
+    depth_m
+        Depth below the waterline, NaN where unknown.
+    spacing_m
+        Distance between the ship's frames, None where unknown.
+    hull
+        Whether the chart is that of a CAD model.
+    sigma
+        Sigmas of the position, None where unknown.
     """
     along, girth = float(at[0]), float(at[1])
     along_sigma, girth_sigma = (None, None) if sigma is None else (sigma.along, sigma.girth)
@@ -114,7 +127,7 @@ def _words(
 
 
 def _metres(value: float, sigma: float | None, most: int) -> str:
-    """Format metres with as many decimals as the sigma has, at most `most`, and the sigma.
+    """Format a value, m, with as many decimals as its sigma has, at most `most`, and the sigma.
 
     A sigma that rounds to zero is left out.
     """

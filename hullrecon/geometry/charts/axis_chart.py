@@ -55,7 +55,10 @@ class AxisChart:
         return -self.aft_perpendicular
 
     def to_chart(self, points: Array) -> Array:
-        """Project points onto the mesh, and look up the girth of their feet. See `Chart`."""
+        """Compute along, girth and offset (n, 3) m of points (n, 3) m in M.
+
+        Points are projected onto the mesh, and the sections give the girth of their feet.
+        """
         turned = np.atleast_2d(np.asarray(points, float)) @ self.axes.T
         out = np.empty(turned.shape)
         for rows in blocks_of_rows(len(turned), POINTS_AT_ONCE):
@@ -63,7 +66,7 @@ class AxisChart:
         return out
 
     def _chart_turned(self, turned: Array) -> Array:
-        """Compute along, girth and offset (n, 3) of points (n, 3) in the ship's axes.
+        """Compute along, girth and offset (n, 3) m of points `turned` (n, 3) m in the ship's axes.
 
         NaN for points that are not finite, or whose foot is not on the skin of the sections.
         """
@@ -79,7 +82,10 @@ class AxisChart:
         return out
 
     def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
-        """Find the angle of each girth, and the skin along its ray. See `Chart.from_chart`."""
+        """Find the points (n, 3) and outward normals at along and girth (n, 2) m.
+
+        From each girth follows an angle about the axis, and the skin is met along that ray.
+        """
         at = np.atleast_2d(np.asarray(along_girth, float)) + np.array([self.aft_perpendicular, 0.0])
         angle, radius = self.sections.angle_of(at)
         points, normals = np.full((len(at), 3), np.nan), np.full((len(at), 3), np.nan)

@@ -49,7 +49,7 @@ class _Profile:
         return CubicSpline(self.arc, self.knots)
 
     def at(self, arc: Array) -> tuple[Array, Array, Array]:
-        """Compute points, unit tangents and curvature vectors, (n, 2) each, at arc lengths (n,).
+        """Compute points, unit tangents and curvature vectors (n, 2) at arc lengths (n,) m.
 
         Beyond its ends the curve goes on straight.
         """
@@ -103,7 +103,10 @@ class CylinderChart:
         return _Profile(self.arc, self.profile)
 
     def to_chart(self, points: Array) -> Array:
-        """Project points onto the profile; the other coordinate is straight. See `Chart`."""
+        """Compute along, girth and offset (n, 3) m of points (n, 3) m.
+
+        Points are projected onto the profile. The other coordinate is straight.
+        """
         local = (np.atleast_2d(np.asarray(points, float)) - self.origin) @ self.axes.T
         out = np.full(local.shape, np.nan)
         known = np.isfinite(local).all(axis=1)
@@ -112,7 +115,10 @@ class CylinderChart:
         return out
 
     def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
-        """Find the points and normals of the profile at their arc lengths. See `Chart`."""
+        """Find the points and outward normals (n, 3) at along and girth (n, 2) m.
+
+        One of the two coordinates is the arc length on the profile.
+        """
         at = np.atleast_2d(np.asarray(along_girth, float))
         points, normals = np.full((len(at), 3), np.nan), np.full((len(at), 3), np.nan)
         known = np.isfinite(at).all(axis=1)
@@ -203,7 +209,9 @@ def _fit_normals(cells: Array, sensors: Array) -> tuple[Array, Array]:
 
 
 def _straight_and_bent(normal: Array, plane: PlaneChart) -> tuple[Array, int]:
-    """Find the cylinder's axes (3, 3), and which coordinate is bent, from normals (n, 3).
+    """Find the cylinder's axes (3, 3), and which coordinate is bent, 0 along or 1 girth.
+
+    normal: (n, 3) of the surveyed hull. plane: the plane that fits it best.
 
     The straight direction of a cylinder is perpendicular to all its normals. It is along, or girth
     where it is steep, as at a stem.

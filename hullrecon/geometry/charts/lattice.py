@@ -29,7 +29,7 @@ class Lattice:
         return np.asarray((along_girth - self.origin) / self.step_m)
 
     def cells(self, along_girth: Array) -> tuple[Ints, Mask]:
-        """Find the cells (n, 2) of chart points (n, 2), and which (n,) lie in the lattice.
+        """Find the cells (n, 2) of chart points (n, 2) m, and which (n,) lie in the lattice.
 
         Cell numbers are clipped to it.
         """
@@ -41,9 +41,9 @@ class Lattice:
         return np.clip(number, 0, last), np.asarray(inside)
 
     def polygon(self, outline: Array) -> Mask:
-        """Find the cells (a, g) inside a closed line (k, 2) of chart points.
+        """Mark the cells (a, g) inside a closed line (k, 2) m of chart points.
 
-        None where the line has no point.
+        No cell is marked where the line has no point.
         """
         import cv2
 

@@ -43,7 +43,7 @@ class PlaneChart:
         return np.asarray((np.atleast_2d(points) - self.origin) @ self.axes.T)
 
     def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
-        """Compute points of the plane. See `Chart.from_chart`."""
+        """Compute the points (n, 3) of the plane at along and girth (n, 2) m, and its normals."""
         at = np.atleast_2d(np.asarray(along_girth, float))
         points = self.origin + at @ self.axes[:2]
         normals = np.tile(self.axes[2], (len(at), 1))
@@ -95,7 +95,7 @@ def fit_plane_chart(points: Array, toward: Array, up: Array) -> PlaneChart:
 
 
 def _inliers(off: Array) -> Mask:
-    """Tell which heights (n,) over a plane are within 3 robust sigma of their median.
+    """Tell which offsets (n,) m from a plane are within 3 robust sigma of their median.
 
     The three nearest to the median always are.
     """
@@ -124,7 +124,7 @@ def _least_median_plane(points: Array) -> Array:
 
 
 def _principal(points: Array) -> tuple[Array, Array]:
-    """Compute the mean (3,) and the principal directions of points: rows (3, 3), longest first.
+    """Compute the mean (3,) and principal directions of points (n, 3): rows (3, 3), longest first.
 
     The largest component of each is made positive, as an eigenvector's sign is arbitrary.
     """

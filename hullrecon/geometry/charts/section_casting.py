@@ -25,8 +25,9 @@ NEARLY_ALL = 0.995  # least share of the skin that an axis sees, of the largest 
 def hull_axes(vertices: Array, up: Array, bow: str | None = None) -> Array:
     """Choose the ship's axes: rows (3, 3) forward, port, up in the mesh's frame.
 
-    Up is the axis of the frame nearest to `up`. Forward is the longer of the other two axes,
-    reversed if `bow` says so ("-x"). Raises InputError for a bow along another axis.
+    vertices: (n, 3) m of the mesh. Up is the axis of the frame nearest to `up`. Forward is the
+    longer of the other two axes, reversed if `bow` says so ("-x"). Raises InputError for a bow
+    along another axis.
     """
     size = np.ptp(vertices, axis=0)
     vertical = int(np.argmax(np.abs(up)))
@@ -46,9 +47,9 @@ def hull_axes(vertices: Array, up: Array, bow: str | None = None) -> Array:
 def first_station(vertices: Array, forward: Array, aft_perpendicular_m: float | None) -> float:
     """Find the coordinate, m, along `forward` (3,) from which stations count.
 
-    It is the aft perpendicular, which is given as a coordinate on the mesh's axis. If it is None,
-    it is zero, or the aft end of the mesh where zero is farther from the ship than its length, as
-    with map coordinates.
+    vertices: (n, 3) m of the mesh. It is the aft perpendicular, which is given as a coordinate on
+    the mesh's axis. If it is None, it is zero, or the aft end of the mesh where zero is farther
+    from the ship than its length, as with map coordinates.
     """
     if aft_perpendicular_m is not None:
         return float(forward.sum()) * aft_perpendicular_m
@@ -128,7 +129,8 @@ def choose_axis_height(mesh: Mesh) -> float:
 def _seen_area(mesh: Mesh, height: float) -> float:
     """Sum the area of skin that rays from an axis meet well, without decks, to compare axes.
 
-    Decks have normals that point up. Areas are m2 but for a factor common to all axes.
+    height: z of the axis, m. Decks have normals that point up. Areas are m2 but for a factor common
+    to all axes.
     """
     sections = _empty_sections(mesh, height, stations=60, angles=91)
     origin, inward = sections.rays(*_pairs(sections))
@@ -172,8 +174,9 @@ def cast_sections(mesh: Mesh, height: float) -> Sections:
 def _empty_sections(mesh: Mesh, height: float, stations: int, angles: int) -> Sections:
     """Make a grid of stations and angles about an axis, with radius and girth still NaN.
 
-    The axis is at y = 0, also for a half hull, whose mesh ends near y = 0. For any other mesh to
-    one side of the middle plane it is in the middle of the mesh's beam.
+    height: z of the axis, m. stations, angles: size of the grid. The axis is at y = 0, also for a
+    half hull, whose mesh ends near y = 0. For any other mesh to one side of the middle plane it is
+    in the middle of the mesh's beam.
     """
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     beam = high[1] - low[1]
@@ -205,7 +208,7 @@ def _pairs(s: Sections) -> tuple[Array, Array]:
 
 
 def _bridge_gaps(radius: Array) -> Array:
-    """Fill gaps (NaN) between two hits of a station linearly, in radii (k, m).
+    """Fill gaps (NaN) between two hits of a station linearly, in radii (k, m) by station and angle.
 
     So a small hole of the plating does not cut the girth off. Nothing is filled beyond the
     outermost hit of each side, except between it and the keel.
@@ -246,7 +249,8 @@ def _girth(s: Sections, radius: Array) -> Array:
 def _cells_on_skin(s: Sections, radius: Array, mesh: Mesh) -> Mask:
     """Tell which cells (k - 1, m - 1) have their four sides on the skin.
 
-    A cell that jumps from one part of the ship to another has not.
+    radius: (k, m) m, by station and angle. A cell that jumps from one part of the ship to another
+    has not.
     """
     point = _points(s, radius)
     girthwise = _on_skin(point[:, :-1], point[:, 1:], radius[:, :-1], s.angle[1] - s.angle[0], mesh)

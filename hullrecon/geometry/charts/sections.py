@@ -31,7 +31,10 @@ class Sections:
     whole: Mask  # (k - 1, m - 1) cells that lie on the skin
 
     def rays(self, along: Array, angle: Array) -> tuple[Array, Array]:
-        """Compute the rays at x (n,) and angles (n,): origins outside, inward directions (n, 3)."""
+        """Compute rays toward the axis: origins (n, 3) m outside of the hull, and directions.
+
+        along, angle: (n,) x of each ray, m, and its angle about the axis, rad.
+        """
         outward = np.stack([np.zeros_like(angle), np.sin(angle), -np.cos(angle)], axis=1)
         axis = np.stack(
             [along, np.full_like(along, self.axis_y), np.full_like(along, self.axis_z)], axis=1
@@ -39,7 +42,7 @@ class Sections:
         return axis + self.reach * outward, -outward
 
     def girth_at(self, points: Array) -> Array:
-        """Compute the girth (n,) m of points (n, 3) on the skin.
+        """Compute the girth (n,) m of points (n, 3) m on the skin, in the ship's axes.
 
         NaN outside the cells that lie wholly on the skin, and for points of another, inner skin.
         """
@@ -47,13 +50,14 @@ class Sections:
         angle = np.arctan2(y, -z)
         radius = self._interpolate(self.radius, points[:, 0], angle)
         girth = self._interpolate(self.girth, points[:, 0], angle)
-        same = np.abs(np.hypot(y, z) - radius) <= self.slack_at(points[:, 0], angle)
-        return np.where(same & self._inside(points[:, 0], angle), girth, np.nan)
+        on_skin = np.abs(np.hypot(y, z) - radius) <= self.slack_at(points[:, 0], angle)
+        return np.where(on_skin & self._inside(points[:, 0], angle), girth, np.nan)
 
     def angle_of(self, along_girth: Array) -> tuple[Array, Array]:
-        """Compute angle and radius (n,) of chart points (n, 2), by bisection of the girth.
+        """Compute angle, rad, and radius, m, (n,) of points (n, 2) of x and girth, m.
 
-        The radius is NaN outside the cells that lie wholly on the skin.
+        The angle is found by bisection, as girth grows with it. The radius is NaN outside the cells
+        that lie wholly on the skin.
         """
         # Find the two neighbouring angles between whose girths the point's lies
         row, share = self._cell(self.station, along_girth[:, 0])
@@ -84,9 +88,9 @@ class Sections:
     def slack_at(self, along: Array, angle: Array) -> Array:
         """Compute by how much, m, the skin's radius (n,) may differ from its interpolation.
 
-        A point farther from the interpolated radius is of another skin. It is the range of the
-        radii at the cell's corners, plus a tenth of the step between stations for a chine or a
-        plate's edge inside the cell.
+        along, angle: (n,) m and rad, as of `rays`. A point farther from the interpolated radius is
+        of another skin. It is the range of the radii at the cell's corners, plus a tenth of the
+        step between stations for a chine or a plate's edge inside the cell.
         """
         row, _ = self._cell(self.station, along)
         column, _ = self._cell(self.angle, angle)
@@ -114,7 +118,7 @@ class Sections:
         return np.where(np.isnan(girth), np.where(self.angle[column] < 0, -np.inf, np.inf), girth)
 
     def _interpolate(self, table: Array, along: Array, angle: Array) -> Array:
-        """Interpolate a table (k, m) bilinearly at x (n,) and angles (n,)."""
+        """Interpolate a table (k, m) of stations and angles bilinearly at x and angles (n,)."""
         row, a = self._cell(self.station, along)
         column, b = self._cell(self.angle, angle)
         lower = table[row, column] * (1 - b) + table[row, column + 1] * b

@@ -13,7 +13,7 @@ STEP_M = 0.05  # half the length of the central differences on the chart
 
 
 def tangents_at(chart: Chart, points: Array) -> tuple[Array, Array]:
-    """Compute unit vectors (n, 3) along and in girth at points (n, 3). NaN off the chart."""
+    """Compute unit vectors (n, 3) along and in girth at points (n, 3) m. NaN off the chart."""
     at = chart.to_chart(points)[:, :2]
     along, girth = (
         _direction(chart, at, np.array(step)) for step in ((STEP_M, 0.0), (0.0, STEP_M))

@@ -62,7 +62,10 @@ class Scene:
         return smooth_normals(self._mesh, near.foot, near.face)
 
     def hit(self, origins: Array, directions: Array) -> tuple[Array, Ints32]:
-        """Cast rays as `cast` does. Returns ranges (n,) m, and faces (n,) that were met, or -1."""
+        """Cast rays from origins (n, 3), or one (3,), m, along unit directions (n, 3).
+
+        Returns ranges (n,) m, inf where nothing was met, and the faces (n,) that were met, or -1.
+        """
         if not len(directions):
             return np.zeros(0), np.zeros(0, np.int32)
         hits = self._index.cast(np.broadcast_to(origins, directions.shape), directions)

@@ -104,7 +104,10 @@ class _Limits:
 
 
 def _edges(faces: Ints) -> tuple[Ints, Ints]:
-    """Find unique edges (e, 2), and each face's rows of its edges 0-1, 1-2, 2-0 (m, 3)."""
+    """Find the unique edges (e, 2) of faces (m, 3), lower vertex first.
+
+    Also returned are the rows (m, 3) of each face's edges 0-1, 1-2, 2-0 among them.
+    """
     size = int(faces.max()) + 1 if len(faces) else 1
     following = np.roll(faces, -1, axis=1)
     both = np.minimum(faces, following)  # lower * size + higher, with few arrays of all corners
@@ -239,7 +242,8 @@ def _split_faces(faces: Ints, old_face: Ints, middle: Ints, vertices: Array) -> 
 def _turn_faces(faces: Ints, middle: Ints, which: Mask, first: Ints) -> Ints:
     """Rotate the corners of some faces so that the edge `first` becomes 0-1.
 
-    Returns (6, k): three corners and three middles of each of the faces `which`.
+    faces, middle: (m, 3) corners, and the vertex in the middle of each edge. Returns (6, k): three
+    corners and three middles of each of the faces `which`.
     """
     turn = (first[which, None] + np.arange(3)) % 3
     return np.hstack(
@@ -251,7 +255,8 @@ def _flip_edges(faces: Ints, old_face: Ints, which: Mask, vertices: Array) -> No
     """Flip edges of faces, in place, until the parts of every old face are Delaunay [Lawson1977].
 
     Parts of one old face lie in a plane, so that a flip does not change the surface. Only old faces
-    with a part in `which` are looked at.
+    with a part in `which` are looked at. faces: (m, 3). old_face: (m,) of which each is a part.
+    vertices: (n, 3).
     """
     for _ in range(MOST_PASSES):
         # Edges between two parts of one old face, with the corner opposite to each on either side.

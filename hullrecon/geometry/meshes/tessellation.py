@@ -108,9 +108,11 @@ def smooth_normals(mesh: Mesh, points: Array, faces: Ints) -> Array:
 
 
 def _corner_normals(mesh: Mesh, wanted: Ints) -> Array:
-    """Compute the smooth unit normals (k, 3, 3) at the three corners of some faces (k,).
+    """Compute the smooth unit normals (k, 3, 3) at the three corners of the faces `wanted` (k,).
 
-    The normal of the facet itself where no facet around the corner has an area.
+    They are means over the facets around a corner, weighted by their angles there, without those
+    beyond a sharp edge. The normal of the facet itself where no facet around the corner has an
+    area.
     """
     vertex = weld_vertices(mesh).faces
     normal, angle = face_normals(mesh), corner_angles(mesh).ravel()

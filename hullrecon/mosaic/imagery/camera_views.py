@@ -135,6 +135,7 @@ class CameraView:
         return self.camera.width, self.camera.height
 
     def picture(self, part: Part) -> Floats32 | None:
+        """Read a part of the image, its light evened if a model is given. None if unreadable."""
         raw = self.load()
         if raw is None:
             return None

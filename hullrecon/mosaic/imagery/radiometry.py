@@ -172,9 +172,10 @@ def _gains(samples: LightSamples, values: Array, views: int) -> Array:
 
 
 def _correction(samples: LightSamples, residual: Array, camera: int) -> Array:
-    """Average a camera's residuals (n, channels) by cell of its field, clipped and smoothed.
+    """Average a camera's residuals of log intensity (n, channels) by cell of its light field.
 
-    The result is added to the field. Clipping keeps glints and shadows from entering it.
+    They are clipped before, and the means are smoothed. The result is added to the field. Clipping
+    keeps glints and shadows from entering it.
     """
     rows = samples.camera[samples.view] == camera
     cells = FIELD[0] * FIELD[1]
@@ -188,7 +189,7 @@ def _correction(samples: LightSamples, residual: Array, camera: int) -> Array:
 
 
 def _resized(level: Array) -> Array:
-    """Reduce log intensities (h, w, channels) of an image to the cells of the field."""
+    """Reduce an image's log intensities (h, w, channels) to the cells of the light field."""
     import cv2
 
     small = cv2.resize(level.astype(np.float32), FIELD[::-1], interpolation=cv2.INTER_AREA)
@@ -196,7 +197,10 @@ def _resized(level: Array) -> Array:
 
 
 def _smooth(field: Array, weight: Array) -> Array:
-    """Smooth a field by weights (rows, columns). Cells without samples follow their neighbours."""
+    """Smooth a field (rows, columns, channels) by the weight (rows, columns) of its cells.
+
+    Cells without samples follow their neighbours.
+    """
     from scipy.ndimage import gaussian_filter
 
     spread = gaussian_filter(weight.astype(float) + 1e-6, SMOOTH, mode="nearest")

@@ -256,6 +256,7 @@ class _Format:
 
     @property
     def header(self) -> bytes:
+        """Header of a classic TIFF or BigTIFF, which points behind GHOST, and GHOST."""
         ghost_end = len(GHOST) + len(GHOST) % 2
         if self.big:
             return struct.pack("<2sHHHQ", b"II", 43, 8, 0, 16 + ghost_end) + GHOST.ljust(ghost_end)

@@ -127,6 +127,7 @@ def _write_contents(pyramid: Pyramid, write: Callable[[str, bytes], None]) -> di
     """Write the GLB of every tile in which something was seen. The others have none."""
 
     def make(place: Place) -> tuple[TexturedMesh, bytes] | None:
+        """Make the mesh of a tile, and its GLB. None where nothing was seen."""
         level, row, column = place
         texture = _texture(pyramid.pictures[level], row, column)
         mesh = _mesh(pyramid, level, row, column, np.asarray(texture[..., -1] > 0))

@@ -183,11 +183,12 @@ def _explain_clocks(
 def _compare_clocks(
     logs: NavigationLogs, readings: MotionReadings, rig: Rig, motions: ImageMotions | None
 ) -> list[ClockComparison]:
-    """Compare the clocks of all sensors.
+    """Compare the clocks of all sensors, two by two.
 
-    Where images show the motion they are compared with IMU and DVL, else these with each other.
-    There may be none, as where neither images nor a pressure were logged, and IMU and DVL ran a
-    minute apart.
+    readings: attitude and velocities by the sensors' own clocks. motions: of the upper camera
+    between images, None without images. Where images show the motion they are compared with IMU and
+    DVL, else these with each other. There may be none, as where neither images nor a pressure were
+    logged, and IMU and DVL ran a minute apart.
     """
     attitude, tray = readings.attitude, servo(logs.tray, int(logs.dvl.t_ns[0]))
     made: list[ClockComparison | None] = []

@@ -37,7 +37,10 @@ class Integral:
 
 
 def integral(t_s: Array, signal: Array) -> Integral:
-    """Integrate at least two samples (n, ...) at increasing times (n,), linear between samples."""
+    """Integrate a signal, linear between its samples (n, ...), of which there are at least two.
+
+    t_s: (n,) their times, increasing.
+    """
     step = np.diff(t_s).reshape(-1, *[1] * (signal.ndim - 1))
     pieces = 0.5 * (signal[1:] + signal[:-1]) * step
     return Integral(

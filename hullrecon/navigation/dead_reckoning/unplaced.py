@@ -67,7 +67,10 @@ def _describe_unused(count: int, total: int, noun: str, where: str) -> list[str]
 
 
 def _silent(seconds: float) -> str:
-    """Describe readings under water that no path reaches, as the DVL was silent."""
+    """Describe readings under water that no path reaches, as the DVL was silent.
+
+    seconds: that they last.
+    """
     return (
         f"IMU: {seconds:.1f} s of its readings under water lie before or after the path: "
         "the DVL gave no velocity then, and "

@@ -168,7 +168,7 @@ def _perturb(poses: Poses, column: int, step: float, tray_origin: Array) -> Pose
     The tray's angle moves the DVL, and so the patches that it saw, about the tray's axis.
 
     column: 0 to 2 translation in g, 3 to 5 rotation on the right, 6 the tray's angle. step: m or
-    rad.
+    rad. tray_origin: (3,) m, in the vehicle.
     """
     vector = np.zeros((1, 6))
     if column < 3:

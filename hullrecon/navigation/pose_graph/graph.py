@@ -368,7 +368,7 @@ class GraphErrors:
     def _jacobian_by_vehicle(self, nodes: Ints) -> Array:
         """Compute the Jacobian (m, 6, 7) of the camera's pose by the vehicle's pose and tray angle.
 
-        Poses are perturbed as (position in g, rotation on the right).
+        nodes: (m,). Poses are perturbed as (position in g, rotation on the right).
         """
         vehicle, tray, mount = (x[nodes] for x in self._chain)
         axis = np.array([0.0, 1.0, 0.0])

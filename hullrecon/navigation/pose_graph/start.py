@@ -83,7 +83,7 @@ def _chain_motions(reckoned: Poses, along: dict[int, tuple[int, Array]]) -> Arra
 
 
 def _vehicle_from_camera(trajectory: Trajectory, rig: Rig, node: Ints, is_bottom: Mask) -> Poses:
-    """Look up vehicle_from_camera (m) of the leading cameras, the bottom one where is_bottom."""
+    """Compute vehicle_from_camera (m) at nodes (m,), of the bottom camera where is_bottom (m,)."""
     mount = np.repeat(rig.tray_from(Camera.TOP).matrix(), len(node), axis=0)
     if rig.top_from_bottom is not None:
         mount[is_bottom] = rig.tray_from(Camera.BOTTOM).matrix()[0]

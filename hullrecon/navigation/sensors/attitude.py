@@ -184,9 +184,9 @@ def _turn_within_jitter(t: Array, imu: ImuSamples) -> float:
 def _orientation_minus_rates(t: Array, imu: ImuSamples) -> Array:
     """Compute the rotation vector in g (n, 3), rad, from the integrated rates to the orientation.
 
-    The rates' mean bias is taken off. Where readings are missing nothing is added. Small rotations
-    are summed as vectors: the sum wanders by far less than a degree, so that their order does not
-    matter.
+    t: (n,) s, of the readings. The rates' mean bias is taken off. Where readings are missing
+    nothing is added. Small rotations are summed as vectors: the sum wanders by far less than a
+    degree, so that their order does not matter.
     """
     row = np.arange(len(t))
     known = np.isfinite(imu.angular_velocity).all(axis=1)

@@ -40,7 +40,7 @@ class HeadingSteps:
     disagreement_rad: Array  # (d,) size of the divergence
 
     def taken_off(self, quaternion: Array) -> Array:
-        """Remove the steps from attitudes (n, 4): each from the first reading after it to the end.
+        """Remove the steps from quaternions (n, 4): each from the reading after it to the end.
 
         What diverges slowly stays, as heading or rates may be wrong.
         """
@@ -111,9 +111,9 @@ def find_heading_steps(
 def find_jumps(t_s: Array, quaternion: Array) -> HeadingSteps:
     """Find steps in a heading without rates, as turns that no vehicle makes.
 
-    The running median of the turn rate stands in for the rates. Only steps too fast for a vehicle
-    (FASTEST_RAD_S) are found, and none in fewer than 12 readings. Slow divergences are not
-    reported, as there are no rates to diverge from.
+    t_s, quaternion: (n,) and (n, 4), of the readings. The running median of the turn rate stands in
+    for the rates. Only steps too fast for a vehicle (FASTEST_RAD_S) are found, and none in fewer
+    than 12 readings. Slow divergences are not reported, as there are no rates to diverge from.
     """
     if len(t_s) < 12:
         return NO_STEPS

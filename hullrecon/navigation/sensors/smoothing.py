@@ -66,7 +66,7 @@ def running_median(values: Array, count: int) -> Array:
 
 
 def _bins_near(cell: Ints) -> Ints:
-    """List the bins (g,), ascending, within reach of any sample's bin (n,).
+    """List the bins (g,), ascending, within reach of any sample. cell: (n,) bin of each sample.
 
     Where the list leaves a gap, the samples on one side do not reach the bins on the other.
     """

@@ -45,7 +45,7 @@ def tray_motion(
 
 
 def _mean_around(read_ns: Ints, values: Array, t_ns: Ints) -> Array:
-    """Interpolate readings (m, 3) at times (n,), averaged over SPAN_S.
+    """Interpolate the values (m, 3) of readings at times t_ns (n,), averaged over SPAN_S.
 
     NaN where the reading before or the one after is not within NEAR_S.
     """

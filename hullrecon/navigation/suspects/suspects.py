@@ -286,6 +286,7 @@ class _RepeatedComparisons:
     """
 
     def __init__(self, one: Hypothesis, before: Motions) -> None:
+        """Prepare comparisons with the records that a hypothesis corrects, and of the motions."""
         flows = before.flows if one.flows is None else one.flows
         self._motions = Motions(one.mended, before.rig, flows, before)
         self._untested = one.untested

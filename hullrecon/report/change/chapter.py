@@ -135,7 +135,7 @@ def _number(number: int | None) -> str:
 
 
 def _millimetres(value: float, sigma: float) -> str:
-    """Write metres as millimetres with their sigma, a dash where unknown."""
+    """Write a value and its sigma, both m, in millimetres. A dash where the value is unknown."""
     if not np.isfinite(value):
         return "–"
     known = f" ± {1000 * sigma:.0f}" if np.isfinite(sigma) else ""

@@ -328,9 +328,11 @@ def region_rows(coverage: Coverage | None) -> list[tuple[str, ...]]:
     """
 
     def limits(pair: tuple[float, float] | None) -> str:
+        """Write the limits of a region on one axis, m."""
         return "whole" if pair is None else f"{pair[0]:g} to {pair[1]:g} m"
 
     def seen(share: RegionShare | None) -> str:
+        """Write the area that one sensor saw, and its share of the region."""
         if share is None:
             return "not carried"
         percent = f"{100 * share.share:.0f} ± {max(100 * share.share_sigma, 1):.0f} %"
@@ -351,7 +353,10 @@ def region_rows(coverage: Coverage | None) -> list[tuple[str, ...]]:
 
 
 def percentile_text(percentiles: Mapping[str, float], factor: float, unit: str) -> str:
-    """Write the members p05, p50, p95: 2 mm (5th to 95th percentile 1.8 to 2.4 mm)."""
+    """Write percentiles p05, p50, p95 as 2 mm (5th to 95th percentile 1.8 to 2.4 mm).
+
+    factor: from the stored unit to the one that is written.
+    """
     low, middle, high = (percentiles.get(name) for name in ("p05", "p50", "p95"))
     spread = ""
     if low is not None and high is not None:

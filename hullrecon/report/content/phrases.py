@@ -51,7 +51,7 @@ def error_with_sigma(error: float, sigma: float, unit: str) -> str:
 
 
 def length(metres: float) -> str:
-    """Write a length in the unit that reads best."""
+    """Write a length, given in metres, in the unit that reads best."""
     if not math.isfinite(metres):
         return "–"
     if abs(metres) < 0.0995:
@@ -75,7 +75,7 @@ def signed_range(low: float, high: float, decimals: int = 0) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Write a time as 117 s, 12 min 05 s, 3 h 02 min."""
+    """Write a time, given in seconds, as 117 s, 12 min 05 s, 3 h 02 min."""
     whole = round(seconds)
     if whole < 180:
         return f"{whole} s"

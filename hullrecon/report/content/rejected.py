@@ -52,6 +52,7 @@ def _between(navigation: NavigationFacts, interval_s: Interval) -> str:
 
 
 def _observations(summary: AdjustSummary) -> list[str]:
+    """Say how many observations of landmarks in images were rejected. Empty for none."""
     out, used = summary.observations_left_out, summary.observations
     if not used or not out:
         return []

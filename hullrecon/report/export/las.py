@@ -104,7 +104,10 @@ def frame_wkt(frame: str, up: Sequence[float] | Array = (0.0, 0.0, 1.0)) -> str:
 
 
 def _directions(up: Array) -> tuple[str, ...]:
-    """Name the directions of x, y, z of a right-handed frame, taking a level axis as east."""
+    """Name the directions of x, y, z of a right-handed frame, given its up (3,), for the LAS.
+
+    Which level axis is east is not known, and one is taken.
+    """
     turn = gltf_from(up)[:3, :3]  # rows east, up, south
     names = (("EAST", "WEST"), ("UP", "DOWN"), ("SOUTH", "NORTH"))
     row = np.argmax(np.abs(turn), axis=0)

@@ -135,10 +135,10 @@ def _add_layer(database: sqlite3.Connection, layer: Layer, changed: str) -> None
 
 
 def geometry_blob(shape: Array, polygon: bool) -> bytes:
-    """Encode a polygon of one open ring (k, 2), or a point (1, 2), as a GeoPackage geometry.
+    """Encode a shape, an open ring (k, 2) or a point (1, 2), as a GeoPackage geometry.
 
-    The ring is closed here. The blob is a header, with the envelope for polygons, then WKB, little
-    endian.
+    polygon: whether it is a ring. The ring is closed here. The blob is a header, with the envelope
+    for polygons, then WKB, little endian.
     """
     ring = np.vstack([shape, shape[:1]]) if polygon else shape
     head = b"GP" + struct.pack("<BBi", 0, 0b011 if polygon else 0b001, SRS_ID)

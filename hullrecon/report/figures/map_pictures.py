@@ -138,6 +138,8 @@ def mosaic_layer(name: str, title: str, ortho: Path, note: str = "") -> MapLayer
 def read_mosaic(ortho: Path, shrink: float, window: Window | None = None) -> tuple[Pixels, Pixels]:
     """Read an ortho (GeoTIFF), or a window of its pixels, reduced by averaging.
 
+    shrink: pixels of the ortho, along either side, in one that is returned.
+
     Returns
     -------
     bands
@@ -171,7 +173,10 @@ class ContrastStretch:
 
     @classmethod
     def of(cls, bands: Pixels, seen: Pixels) -> ContrastStretch:
-        """Choose the stretch by what was seen of a picture (3, h, w). seen: (h, w), else 0."""
+        """Choose the stretch by the brightness of the seen pixels.
+
+        bands: (3, h, w), red, green and blue. seen: (h, w), 0 where nothing was seen.
+        """
         sums = np.zeros(3 * 255 + 1, np.int64)  # histogram of red + green + blue
         for row, alpha in enumerate(seen):
             total = bands[:, row].sum(axis=0, dtype=np.int64)
@@ -183,7 +188,7 @@ class ContrastStretch:
         return cls(low=low, gain=220 / max(high - low, 25.0))
 
     def apply(self, bands: Pixels, seen: Pixels) -> Pixels:
-        """Stretch a picture (3, h, w) to RGBA (h, w, 4).
+        """Stretch a picture's bands (3, h, w) to RGBA (h, w, 4), transparent where not seen (h, w).
 
         It works row by row, as a picture of floats would take 100 MB and more.
         """
@@ -236,7 +241,8 @@ def _levels(
 ) -> tuple[Pixels, Mask]:
     """Draw values as levels 0 to 255 of the shading (h, w), with a mask (h, w) of pixels drawn.
 
-    values: (n,) at the surface's vertices. step_m: side of a pixel.
+    values: (n,) at the surface's vertices. extent: rectangle of the chart that is drawn. step_m:
+    side of a pixel.
     """
     width, height = (span / step_m for span in extent.size)
     drawn = _draw(found, values, extent, width, height)
@@ -269,7 +275,7 @@ def _with_alpha(colours: Pixels, seen: Mask) -> Pixels:
 
 
 def webp_bytes(rgba: Pixels, lossless: bool = False) -> bytes:
-    """Encode a picture (h, w, 4) as WebP. Lossless keeps every colour as it is."""
+    """Encode an RGBA picture (h, w, 4) as WebP. Lossless keeps every colour as it is."""
     from PIL import Image
 
     buffer = BytesIO()

@@ -192,7 +192,10 @@ def _mark(mark: Mark, plan: Plan) -> str:
 
 
 def _ellipse(ellipse: SigmaEllipse, x: float, y: float, plan: Plan) -> str:
-    """Draw an ellipse. SVG's y grows downwards, so its angle is reversed."""
+    """Draw a sigma ellipse of the chart about a point x, y of the plan, as SVG.
+
+    SVG's y grows downwards, so the ellipse's angle is reversed.
+    """
     flips = plan.extent.flips
     along, girth = math.cos(ellipse.angle_rad), math.sin(ellipse.angle_rad)
     angle = math.degrees(math.atan2(girth if flips[1] else -girth, -along if flips[0] else along))

@@ -168,7 +168,10 @@ def _rounds(iterations: Arrays, count: int) -> Ints:
 
 
 def _mark_rounds(axis: Axes, iterations: Arrays, rounds: Ints, names: bool = True) -> None:
-    """Draw a line where each round begins, with its number and its sigma of a feature, px."""
+    """Draw a line where each round begins, with its number and its sigma of a feature, px.
+
+    rounds: (k,) round of each iteration. names: whether the sigma is written.
+    """
     starts = np.r_[0, np.flatnonzero(np.diff(rounds)) + 1]
     if len(starts) == 1:
         return
@@ -364,7 +367,10 @@ def deviation_histogram(
 
 
 def _form_words(form: Array, weight: Array, split: DeviationSplit) -> str:
-    """Write how far the form spreads, with its sigma, for readers who do not see the plot."""
+    """Write how far the form spreads, with its sigma, for readers who do not see the plot.
+
+    form, weight: (n,) m of the seen vertices, and the area of each.
+    """
     low, high = 1000 * weighted_percentiles(form, weight, (5, 95))
     sigma = 1000 * float(np.nanmedian(split.form_sigma))
     spread = f"5th to 95th percentile {signed_range(low, high, 1)} mm"

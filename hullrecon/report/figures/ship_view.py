@@ -114,7 +114,10 @@ def _frame(patch: Array, low: Array, scale: float, height: float) -> str:
 
 
 def _foot(side: Side, scale: float, height: float) -> str:
-    """Draw bow, stern and between them a scale bar, below the ship."""
+    """Draw bow, stern and between them a scale bar, below the ship, as SVG.
+
+    scale: of the drawing, its units in a metre. height: of the ship in the drawing.
+    """
     y = 2 * MARGIN + height + 8
     left, right = ("bow", "stern") if side.bow_is_left else ("stern", "bow")
     metres = nice_below(0.25 * WIDTH / scale)
@@ -157,7 +160,7 @@ def _render(ship: Mesh, patch: Mesh, side: Side, bounds: tuple[Array, Array]) ->
 
 
 def _shaded_faces(mesh: Mesh, side: Side, tint: Array) -> tuple[Array, Array]:
-    """Project the faces that the viewer sees, farthest first, and shade them.
+    """Project the faces that the viewer sees, farthest first, and shade their tint, RGB 0 to 1.
 
     Returns their corners (m, 3, 2) m in the picture's axes, and their RGB colours (m, 3), 0 to 1.
     Drawn in this order, nearer faces cover farther ones. Faces turned away are left out.

@@ -140,9 +140,11 @@ def best_of_pairs(
 
 
 def best_of_all(a: Floats32, b: Floats32, ratio: float, most: float) -> Putative:
-    """Select mutual best matches of all a (n, 128) with all b (m, 128), as `best_of_pairs`.
+    """Select mutual best matches of all descriptors a (n, 128) with all b (m, 128).
 
-    Nothing matches where either set has fewer than two: there is no next best to compare with.
+    ratio: largest distance of a match relative to the next best one of either feature. most:
+    largest distance. Nothing matches where either set has fewer than two: there is no next best to
+    compare with.
     """
     if len(a) < 2 or len(b) < 2:
         return _no_matches()

@@ -143,8 +143,12 @@ def find_sift(
 
 
 def to_raw_pixels(keypoints: Floats32, step: Floats32) -> Floats32:
-    """Scale keypoints (n, 4) of the reduced image to raw pixels."""
+    """Scale keypoints (n, 4), u, v, diameter and score, of the reduced image to raw pixels.
+
+    step: raw pixels (2,) along u and v in one pixel of the reduced image.
+    """
     out = keypoints.copy()
+    # A pixel's centre has whole coordinates, so that its corner is half a pixel before it
     out[:, :2] = (out[:, :2] + np.float32(0.5)) * step - np.float32(0.5)
     out[:, 2] *= step.mean()
     return out
@@ -233,7 +237,7 @@ def _level(gray: Floats32, window_px: float) -> Pixels:
 
 
 def _reduce(gray: Pixels, reduction: float) -> tuple[Floats32, Floats32]:
-    """Shrink an image by the factor `reduction`, averaging over areas, which reduces noise.
+    """Shrink a gray image (h, w) by the factor `reduction`, averaging over areas to reduce noise.
 
     Returns the image, and the raw pixels (2,) along u and v in one pixel of it.
     """

@@ -139,6 +139,7 @@ def _fit_logit(regressors: Array, matched: Mask) -> Array:
     sign = np.where(matched, 1.0, -1.0)
 
     def cost(logit: Array) -> float:
+        """Compute minus the log posterior of the coefficients (2,)."""
         gap = (logit - PRIOR_LOGIT) / PRIOR_SIGMA
         return float(np.logaddexp(0, -sign * (regressors @ logit)).sum() + 0.5 * gap @ gap)
 

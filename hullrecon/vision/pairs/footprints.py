@@ -33,6 +33,7 @@ def footprint_overlap(
     out, block = np.zeros(len(first)), max(1, GRID_POINTS // grid**2)
 
     def fill(start: int) -> None:
+        """Compute the overlap of a block of pairs."""
         a, b = (nodes[start : start + block] for nodes in (first, second))
         both = (_share(track, *ends, depth_m, camera, grid) for ends in ((a, b), (b, a)))
         out[start : start + block] = np.minimum(*both)

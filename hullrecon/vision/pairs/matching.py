@@ -109,7 +109,8 @@ class PairMatcher:
     ) -> PairMatch:
         """Match by triangulated points of both nodes, else of one, else two views without depth.
 
-        Two views give the direction of the motion alone, so they come last.
+        Two views give the direction of the motion alone, so they come last. prior: navigation's
+        motion, which bounds the search. seed: of RANSAC's draws.
         """
         # Use the triangulated points of both nodes.
         if first.stereo.any() and second.stereo.any():
@@ -137,7 +138,8 @@ class PairMatcher:
     ) -> PairMatch:
         """Match features that have triangulated points in both nodes, by RANSAC on these points.
 
-        With a prior, about SEEDS features are enough: the guided search finds the others.
+        With a prior, about SEEDS features are enough: the guided search finds the others. prior,
+        seed: as of `_match`.
         """
         rows = np.flatnonzero(first.stereo)
         if prior is not None:

@@ -180,8 +180,9 @@ class _OnInliers:
 def _fit_on_inliers(start: Array, first: Array, second: Array, prior: Motion | None) -> _OnInliers:
     """Fit a motion to the matches that agree with the most likely motion, as `refine_on_inliers`.
 
-    The covariance, which takes as long again, is computed only when it is asked for. Parameters are
-    those of `refine_on_inliers`.
+    The covariance, which takes as long again, is computed only when it is asked for. start:
+    RANSAC's second_from_first (4, 4), |t| = 1. first, second: matches (n, 2), ideal coordinates.
+    prior: navigation's motion.
     """
     motion = mono_motion.fit(start, first, second)
     alone = _OnInliers(motion=motion, first=first, second=second, good=None, limit=np.inf)
@@ -270,7 +271,7 @@ def most_likely_motion(
 
 
 def _biweight(residual: Array) -> Array:
-    """Weight residuals (n,) by Tukey's biweight, in inverse variances."""
+    """Weight residuals (n,) by Tukey's biweight over the squared robust sigma of all of them."""
     sigma = _sigma(residual)
     return np.asarray(
         np.clip(1 - (residual / (OUTLIER_SIGMAS * sigma)) ** 2, 0, None) ** 2 / sigma**2

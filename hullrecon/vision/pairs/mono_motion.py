@@ -148,7 +148,8 @@ def has_parallax(motion: Array, first: Array, second: Array, variance: float) ->
     If not, they say nothing of the translation's direction. The differences that the rotation
     leaves are 2-vectors, and noise of both images adds: their expected square is four times
     `variance`, that of a coordinate in one image. The mean square scatters by 1 / sqrt(n) of
-    itself, the variance found from n residuals by sqrt(2 / n).
+    itself, the variance found from n residuals by sqrt(2 / n). motion: second_from_first (4, 4).
+    first, second: ideal coordinates.
     """
     turned = np.hstack([first, np.ones((len(first), 1))]) @ motion[:3, :3].T
     gap = second - turned[:, :2] / turned[:, 2:]
@@ -164,7 +165,7 @@ def noise_share(motion: Array, first: Array, second: Array) -> Array:
     (R x1) x x2. Noise of sigma in both images gives it the covariance
     sigma^2 ([x2]x R P R' [x2]x' + [R x1]x P [R x1]x'), P = diag(1, 1, 0). The Sampson distance has
     the variance sigma^2, which cancels in the information. A vehicle at rest shows this information
-    and no more. first, second: ideal coordinates.
+    and no more. motion: second_from_first (4, 4). first, second: ideal coordinates.
     """
     a, b = (np.hstack([xy, np.ones((len(xy), 1))]) for xy in (first, second))
     turned, basis = a @ motion[:3, :3].T, tangent_basis(motion[:3, 3])
@@ -270,7 +271,10 @@ def _information(jacobian: Array, variance: float) -> Array:
 
 
 def _apply_step(motion: Array, step: Array) -> Array:
-    """Apply a step (5,): a rotation on the right (3), and a move of the direction across it (2)."""
+    """Apply a step (5,) to a motion (4, 4) with |t| = 1.
+
+    It is a rotation on the right (3), and a move of the translation's direction across it (2).
+    """
     out = motion.copy()
     out[:3, :3] = motion[:3, :3] @ Rotation.from_rotvec(step[:3]).as_matrix()
     direction = motion[:3, 3] + tangent_basis(motion[:3, 3]) @ step[3:]

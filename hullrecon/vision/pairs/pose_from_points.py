@@ -148,9 +148,9 @@ def _normal_equations(
 ) -> tuple[Array, Array, float]:
     """Sum normal matrix (6, 6), gradient (6,) and squared error of the inliers of all views.
 
-    Each is weighted by the sigma of observation and triangulated point: a depth z errs by
-    z^2 sqrt(2) / baseline for each unit of error in the image. Without these weights, the motion
-    between distant nodes is biased.
+    motion: second_from_first (4, 4). inlier: a mask for each view. Each is weighted by the sigma of
+    observation and triangulated point: a depth z errs by z^2 sqrt(2) / baseline for each unit of
+    error in the image. Without these weights, the motion between distant nodes is biased.
     """
     normal, gradient, cost = np.zeros((6, 6)), np.zeros(6), 0.0
     for v, rows in zip(views, inlier, strict=True):

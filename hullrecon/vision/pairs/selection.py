@@ -192,7 +192,7 @@ def _gain_of_next(gain: float, before: int) -> float:
 
 
 def _sequential(nodes: Ints, reach: int) -> tuple[Ints, Ints]:
-    """Pair each node with the `reach` following ones."""
+    """Pair each of the nodes (n,) with the `reach` following ones: first and second (m,)."""
     steps = range(1, min(reach, len(nodes) - 1) + 1)
     first = [nodes[:-k] for k in steps]
     second = [nodes[k:] for k in steps]

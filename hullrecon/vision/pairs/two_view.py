@@ -126,9 +126,10 @@ def criterion(whitened_squared: Array, dimension: int, parameters: int) -> float
 
 
 def sampson_squared(essential: Array, first: Array, second: Array) -> Array:
-    """Compute squared Sampson distances (n,) of matches (n, 2) in ideal coordinates.
+    """Compute squared Sampson distances (n,) of matches first, second (n, 2) in ideal coordinates.
 
-    They are about the squared distances from the epipolar lines, x_second^T E x_first = 0.
+    essential: (3, 3). They are about the squared distances from the epipolar lines, x_second^T E
+    x_first = 0.
     """
     a, b = first.T, second.T
     # By column, ten times faster than (n, 3).

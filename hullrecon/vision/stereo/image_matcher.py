@@ -53,6 +53,7 @@ class ImageMatcher:
     """Matches images of the two cameras, extracting the features of each only once."""
 
     def __init__(self, rig: Rig, frames: StereoFrames, read: ReadImage) -> None:
+        """Take the calibrated rig, the frames, and the function that reads an image."""
         self.rig, self._frames, self._read = rig, frames, read
         self.given, self.focal_px = rig.from_top(Camera.BOTTOM), rig.focal_px(Camera.TOP)
         self.lenses = (rig.model(Camera.TOP), rig.model(Camera.BOTTOM))

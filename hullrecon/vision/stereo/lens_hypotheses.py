@@ -102,6 +102,7 @@ def _fit(
     from scipy.optimize import minimize  # a quarter of a second to load, for a rig that is wrong
 
     def lenses_with(values: Array) -> Lenses:
+        """Change the suspected lens, or both, by the error's values (k,)."""
         top, bottom = lenses
         return (
             top if which == "bottom" else wrong(top, values),

@@ -115,6 +115,7 @@ class _Renumbered:
     used: Ints  # (u,) numbers of all features that the matches use, ascending
 
     def __iter__(self) -> Iterator[FeatureMatches]:
+        """Yield the matches in blocks, with features renumbered."""
         for block in self.matches:
             first, second = (
                 np.searchsorted(self.used, rows) for rows in (block.first, block.second)
@@ -269,9 +270,10 @@ def _untangle(node_of: Ints32, matches: Iterable[FeatureMatches], conflicting: M
 def _without_conflict(node_of: Ints32, first: Ints, second: Ints) -> Mask:
     """Select the matches (m,), taken in order, that join no two features of one node.
 
-    A match joins the groups that its two features belong to by the matches before. It is left out
-    where both groups have a feature of the same node. Union-find in a Python loop, which is fast
-    enough as it runs over conflicting components only.
+    node_of: node of each feature. first, second: (m,) features of each match. A match joins the
+    groups that its two features belong to by the matches before. It is left out where both groups
+    have a feature of the same node. Union-find in a Python loop, which is fast enough as it runs
+    over conflicting components only.
     """
     group: dict[int, dict[int, int]] = {}  # feature -> its group: node -> feature
     kept = np.zeros(len(first), bool)

@@ -109,7 +109,10 @@ class _Observations:
     """Ideal coordinates of all observations, and depths of the stereo ones."""
 
     def __init__(self, rig: Rig, top: Array, bottom: Array, sigma_px: float) -> None:
-        """Undistort pixels (m, 2) of both cameras, NaN where not seen, and triangulate depths."""
+        """Undistort observations of both cameras, and triangulate those that both saw.
+
+        top, bottom: pixels (m, 2), NaN where not seen. sigma_px: of a pixel.
+        """
         self._rig, self._sigma = rig, sigma_px / rig.focal_px(Camera.TOP)
         self._lead = _undistort(rig, Camera.TOP, top)
         self._other = _undistort(rig, Camera.BOTTOM, bottom)

@@ -78,9 +78,10 @@ def dvl_pings(
 
 
 def _stack_ranges(samples: Sequence[DvlSample], notes: list[Finding]) -> Array:
-    """Stack the ranges (n, b) as logged, NaN for those that are lost. b is 0 where all are.
+    """Stack the ranges (n, b) of n pings as logged, NaN for those that are lost.
 
-    A ping with another number of beams than most has none.
+    b is 0 where all are lost. A ping with another number of beams than most has none. notes: to
+    which findings are added.
     """
     counts = Counter(len(s.ranges) for s in samples if len(s.ranges)).most_common(1)
     width = counts[0][0] if counts else 0
@@ -202,7 +203,7 @@ def _refuse_coarse(velocity: Array, speed: Array) -> None:
 
 
 def _refuse_flat(velocity: Array) -> None:
-    """Raise InputError for velocities (n, 3) of which one axis is exactly zero in all pings.
+    """Raise InputError for a velocity (n, 3) of which one axis is exactly zero in all pings.
 
     The two others take many values, so that it is no vehicle at rest: a driver left the axis out.
     """
@@ -220,7 +221,7 @@ def _refuse_flat(velocity: Array) -> None:
 
 
 def _refuse_fast(speed: Array, unit: str) -> None:
-    """Raise InputError for speeds (n,), m/s, that only another unit explains.
+    """Raise InputError for a speed (n,), m/s, that only another unit explains.
 
     unit: of METRES_A_SECOND, by which they were converted. The error names the units that fit.
     """

@@ -107,7 +107,7 @@ def imu_samples(
 
 
 def _of_unit_length(quaternion: Array, notes: list[Finding]) -> Array:
-    """Scale quaternions (n, 4) to unit length where nearly all have one other length.
+    """Scale a quaternion's readings (n, 4) to unit length where nearly all have one other length.
 
     That is so where a driver passes on an instrument's whole numbers. All others are returned
     unchanged, also Euler angles in their place, whose length changes. notes: the length is added.
@@ -190,7 +190,7 @@ def _no_attitude(length: Array, unit: int) -> InputError:
 
 
 def _in_m_s2(acceleration: Array, notes: list[Finding]) -> Array:
-    """Convert accelerations (n, 3) to m/s2 where their median is gravity in another unit.
+    """Convert an acceleration (n, 3) to m/s2 where its median length is gravity in another unit.
 
     The unit is one of ACCELERATIONS, or counts, whose factor follows from gravity. All others are
     returned unchanged.

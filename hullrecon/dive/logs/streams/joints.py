@@ -74,7 +74,7 @@ def joint_samples(
 
 
 def _join_turns(angle: Array, name: str, notes: list[Finding]) -> Array:
-    """Let angles (n,) rad run on that are counted anew from 0 after each whole turn.
+    """Let an angle's readings (n,) rad run on where they count anew from 0 after each whole turn.
 
     Whole turns are then taken off all, so that their median lies within half a turn of 0. Angles
     without such jumps are returned unchanged. name: of the stream, for `notes`.

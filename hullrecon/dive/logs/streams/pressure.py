@@ -103,10 +103,11 @@ def pressure_samples(
 
 
 def _are_spikes(t_ns: Ints, depth: Array) -> Mask:
-    """Find depths (n,), m, that a vehicle cannot have reached from the readings around them.
+    """Mark depths (n,), m, that a vehicle cannot have reached from the readings around them.
 
-    Each is compared with the median of SPIKE_READINGS around it. The threshold grows with the
-    noise, so that depths in a wrong unit, whose noise is metres, are not all spikes.
+    t_ns: (n,) of the readings. Each is compared with the median of SPIKE_READINGS around it. The
+    threshold grows with the noise, so that depths in a wrong unit, whose noise is metres, are not
+    all spikes.
     """
     if len(depth) < SPIKE_READINGS:
         return np.zeros(len(depth), bool)

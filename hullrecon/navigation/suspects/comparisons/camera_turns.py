@@ -82,7 +82,10 @@ def fit_turns(
 
 
 def _rays(features: Sequence[Array]) -> Array:
-    """Choose rays (n, m, 3) to at most MOST_FEATURES of each image, evenly, padded with NaN."""
+    """Choose rays (n, m, 3) to at most MOST_FEATURES of each image, evenly, padded with NaN.
+
+    features: ideal coordinates (k, 2) of each image's features.
+    """
     rays = np.full((len(features), min(MOST_FEATURES, max(map(len, features))), 3), np.nan)
     for ray, found in zip(rays, features, strict=True):
         rows = _spread_rows(len(found))

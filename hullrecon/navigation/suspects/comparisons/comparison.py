@@ -125,7 +125,10 @@ class Comparison:
         return bool(abs(found[0]) > LARGEST_TURN_RAD + SIGNIFICANT * sigma_rad)
 
     def _squares(self, residual: Array) -> float:
-        """Sum the squares of residuals, in sigmas, after a fit of the nuisances."""
+        """Sum the squares of residuals (m,), in sigmas, after a fit of the nuisance parameters.
+
+        Each of these has a prior of one sigma about zero.
+        """
         z, design = residual / self.sigma, self.by_nuisance / self.sigma[:, None]
         prior = np.eye(design.shape[1])
         remaining = z - design @ np.linalg.solve(design.T @ design + prior, design.T @ z)

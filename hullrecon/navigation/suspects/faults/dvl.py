@@ -138,6 +138,7 @@ def _constant_error(
     motions = Motions(records, rig, flows)
 
     def residuals(offset: Array) -> dict[str, Comparison]:
+        """Repeat the comparisons of the DVL with an offset (3,) m/s taken off its velocities."""
         moved = replace(records, dvl=replace(dvl, velocity=dvl.velocity - offset))
         found = compare(Motions(moved, rig, flows, motions))
         return {one.kind: one for one in found if Sensor.DVL in one.sensors - one.unclear}

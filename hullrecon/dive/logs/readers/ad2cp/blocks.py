@@ -125,6 +125,7 @@ class _RunningSums:
     """Sums of the bytes at even and at odd places before each byte, for checksums of any span."""
 
     def __init__(self, data: bytes) -> None:
+        """Sum the bytes at even and at odd places from the start of `data` on."""
         self.values = np.frombuffer(data, np.uint8).astype(np.int64)
         every = np.zeros((2, len(data) + 1), np.int64)
         every[0, 1:][0::2] = self.values[0::2]

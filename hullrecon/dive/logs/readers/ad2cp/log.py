@@ -171,7 +171,7 @@ def enu_from_dvl(ping: BottomTrack) -> Array | None:
 
 
 def attitude(t_ns: int, turn: Array) -> ImuSample:
-    """Convert the rotation of enu_from_dvl to an attitude of `dvl` in north-east-down."""
+    """Convert enu_from_dvl, `turn` (3, 3), to an attitude of `dvl` in north-east-down."""
     from scipy.spatial.transform import Rotation
 
     return ImuSample(
