@@ -61,6 +61,8 @@ FAULTS = {  # by sensor and fault (of navigation/suspects): what is wrong, as a 
     ("IMU's acceleration", "sign"): "the accelerations are those of gravity, with the other sign",
     ("camera", "medium"): "its focal lengths are {value} times too short, as those of a "
     "calibration made in air are under water",
+    ("camera", "port"): "its rays are those in the air behind a flat port, and its focal lengths "
+    "about {value} times too short: the calibration was made in air",
     ("camera", "size"): "its calibration is of pictures {value} times as large as those logged",
     ("camera", "focal"): "its focal lengths have to be multiplied by {value}",
     ("camera", "distortion"): "its distortion is not its calibration's: the images fit with k1 "

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import json
 import re
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -37,11 +38,13 @@ NS = 1_000_000_000
 BOTH = ("first", "second")  # images of a flow
 SECONDS = 40
 AIR_M = 10.0
+CAMERA = CameraModel(1000, 800, 1000.0, 1000.0, 499.5, 399.5, k1=-0.05)
 RIG = Rig(
     tray_origin=np.zeros(3),
     pressure_origin=np.zeros(3),
     tray_from_dvl=from_mount([0, 0, 0, 0, 90, 0]),
     tray_from_top=from_mount([0, 0, -0.05, 90, 0, 90]),
+    camera_models={Camera.TOP: CAMERA},
 )
 WALL_M = 1.5  # ahead of where the dive begins
 JANUS = tilted_beams(30.0, (180.0, 0.0, 90.0, -90.0))
@@ -360,18 +363,10 @@ def test_stamps_that_are_late_are_left_to_the_clocks(late_s):
     assert finding.values["seconds"] == pytest.approx(late_s, abs=0.25)
 
 
-@pytest.mark.parametrize(
-    ("turn", "fault"),
-    [
-        (1.3 * np.eye(2), "medium"),  # one of the steps fits a hair better
-        (0.8 * np.eye(2), "focal"),
-        (np.diag([-1.0, 1.0]), "picture"),
-    ],
-)
-def test_camera_that_moves_unlike_the_dvl_is_named(turn, fault):
-    (finding,) = judged(dive(), flows(turn)).findings
+def test_pictures_that_are_mirrored_are_named():
+    (finding,) = judged(dive(), flows(np.diag([-1.0, 1.0]))).findings
     assert (finding.severity, finding.values["sensor"]) == ("error", "camera")
-    assert finding.values["fault"] == fault
+    assert finding.values["fault"] == "picture"
 
 
 @pytest.mark.parametrize(("cause", "named"), [("medium", ["medium"]), ("focal", None)])
@@ -396,15 +391,42 @@ def test_known_factor_is_preferred_to_any_that_fits_as_well(cause, named):
     assert best == (named or [fault for _, fault, _ in faults])
 
 
+def seen_by(lens: Callable[[np.ndarray], np.ndarray]) -> list[Flow]:
+    """Flows whose ideal coordinates another calibration changes."""
+    return [replace(one, first=lens(one.first), second=lens(one.second)) for one in flows()]
+
+
+@pytest.mark.parametrize("factor", [0.75, 0.85])
+def test_focal_lengths_are_corrected_with_the_distortion_as_it_is(factor):
+    """Scaled alone, features far from the middle would seem to turn."""
+    right = replace(CAMERA, k1=-0.3, k2=0.08)
+    wrong = replace(right, fx=factor * right.fx, fy=factor * right.fy)
+    rig = replace(RIG, camera_models={Camera.TOP: wrong})
+    seen = seen_by(lambda ideal: wrong.undistort(right.distort(ideal)))
+    found = judge(dive(), rig, AIR_M, flows=seen)
+    (finding,) = found.findings
+    assert (finding.severity, finding.values["sensor"]) == ("error", "camera")
+    assert finding.values["fault"] == ("medium" if factor == 0.75 else "focal")
+    assert float(finding.values["value"]) == pytest.approx(1 / factor, rel=0.05)
+
+
+def test_calibration_in_air_behind_a_flat_port_is_named():
+    def in_air(ideal: np.ndarray) -> np.ndarray:
+        """Refract rays in the water into the port: the sine grows by the refractive index."""
+        sine = 1.333 * np.linalg.norm(ideal, axis=1) / np.hypot(1, np.linalg.norm(ideal, axis=1))
+        return ideal * (np.tan(np.arcsin(sine)) / np.linalg.norm(ideal, axis=1))[:, None]
+
+    (finding,) = judged(dive(), seen_by(in_air)).findings
+    assert (finding.severity, finding.values["sensor"]) == ("error", "camera")
+    assert finding.values["fault"] == "port"
+    assert "made in air" in finding.sentence
+
+
 @pytest.mark.parametrize("size", [0.5, 2.0])
 def test_calibration_of_pictures_of_another_size_is_named(size):
-    camera = CameraModel(1000, 800, 1000.0, 1000.0, 499.5, 399.5, k1=-0.05)
-    centre = (camera.cx + 0.5) * size - 0.5, (camera.cy + 0.5) * size - 0.5
-    wrong = replace(camera, fx=1000.0 * size, fy=1000.0 * size, cx=centre[0], cy=centre[1])
-    seen = [
-        replace(flow, **{k: wrong.undistort(camera.distort(getattr(flow, k))) for k in BOTH})
-        for flow in flows()
-    ]
+    centre = (CAMERA.cx + 0.5) * size - 0.5, (CAMERA.cy + 0.5) * size - 0.5
+    wrong = replace(CAMERA, fx=1000.0 * size, fy=1000.0 * size, cx=centre[0], cy=centre[1])
+    seen = seen_by(lambda ideal: wrong.undistort(CAMERA.distort(ideal)))
     rig = replace(RIG, camera_models={Camera.TOP: wrong})
     (finding,) = judge(dive(), rig, AIR_M, flows=seen).findings
     assert (finding.severity, finding.values["sensor"]) == ("error", "camera")

@@ -59,5 +59,5 @@ def hypotheses(
         yield from imu_faults(records, imu, given)
     if Sensor.TRAY in sensors and tray is not None:
         yield from tray_faults(records, tray)
-    if Sensor.CAMERA in sensors:
+    if Sensor.CAMERA in sensors and rig.top is not None:
         yield from camera_faults(records, flows, rig.top)

@@ -46,7 +46,7 @@ USUAL_ANGLE_DEG = 45  # mounts are usually turned by multiples of it
 # whose factor is known: the medium of focal lengths, a picture of half the size, a unit. The cause
 # counts.
 ANY_FACTOR = ("focal", "ranges", "scale")
-KNOWN_FACTOR = ("medium", "size", "unit")
+KNOWN_FACTOR = ("medium", "port", "size", "unit")
 SAME_DEPTH_M = 0.5  # median depths by two interpretations that differ by less are the same
 FAULTS = 3  # that are sought, one after the other
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -27,23 +27,26 @@ FAR_S = 5.0  # largest offset of a camera's clock that is tried
 
 
 def camera_faults(
-    records: SensorRecords, flows: Sequence[Flow], camera: CameraModel | None
+    records: SensorRecords, flows: Sequence[Flow], camera: CameraModel
 ) -> Iterator[Hypothesis]:
     """Yield faults of the camera: focal length, medium, turned or resized pictures, lens, clock.
 
     The features' ideal coordinates are recomputed as by the right calibration.
+
+    records, flows, camera: the dive, features of neighbouring images, and the calibration given.
     """
-    turns = {("focal", f"{factor:.2f}"): np.eye(2) / factor for factor in FACTORS}
-    turns |= {("medium", f"{WATER:.2f}"): np.eye(2) / WATER}
+    lenses: dict[tuple[str, str], Callable[[Array], Array]] = {
+        ("focal", f"{factor:.2f}"): partial(_refocused, camera=camera, factor=factor)
+        for factor in FACTORS
+    }
+    lenses["medium", f"{WATER:.2f}"] = partial(_refocused, camera=camera, factor=WATER)
+    lenses["port", f"{WATER:.2f}"] = _refracted
     for name, turn in signed_axes():
         if turn[2, 2] == 1 and not turn[:2, 2].any() and not turn[2, :2].any():
-            turns["picture", name[:5]] = turn[:2, :2]  # named by its first two axes
-    lenses = {name: partial(_turned, turn=turn) for name, turn in turns.items()}
+            # named by its first two axes
+            lenses["picture", name[:5]] = partial(_turned, turn=turn[:2, :2])
     lenses |= {("distortion", f"{k1:+.2f}"): partial(_straightened, k1=k1) for k1 in RADIAL}
-    if camera is not None:
-        lenses |= {
-            ("size", f"{size:g}"): partial(_resized, camera=camera, size=size) for size in SIZES
-        }
+    lenses |= {("size", f"{size:g}"): partial(_resized, camera=camera, size=size) for size in SIZES}
     for (fault, value), lens in lenses.items():
         moved = [replace(flow, first=lens(flow.first), second=lens(flow.second)) for flow in flows]
         yield Hypothesis(
@@ -62,6 +65,24 @@ def camera_faults(
 def _turned(ideal: Array, turn: Array) -> Array:
     """Multiply ideal coordinates (n, 2) by a matrix (2, 2)."""
     return np.asarray(ideal @ turn.T)
+
+
+def _refocused(ideal: Array, camera: CameraModel, factor: float) -> Array:
+    """Recompute ideal coordinates (n, 2) for focal lengths `factor` times as long.
+
+    Distortion is a function of ideal coordinates, so that it is removed anew from the pixels.
+    """
+    longer = replace(camera, fx=camera.fx * factor, fy=camera.fy * factor)
+    return longer.undistort(camera.distort(ideal))
+
+
+def _refracted(ideal: Array) -> Array:
+    """Refract rays (n, 2) by a calibration made in air into the water before a flat port.
+
+    Snell's law of a port that stands across the line of sight, at the camera's centre.
+    """
+    r2 = (ideal**2).sum(axis=1, keepdims=True)
+    return np.asarray(ideal / np.sqrt(WATER**2 * (1 + r2) - r2))
 
 
 def _resized(ideal: Array, camera: CameraModel, size: float) -> Array:
