@@ -71,7 +71,7 @@ class SurfacePatch:
     free_below: Floats32
 
     def part(self, which: tuple[slice, slice]) -> SurfacePatch:
-        """Cut out some rows and columns."""
+        """Cut some rows and columns of texels out of the patch."""
         return SurfacePatch(
             point=self.point[which],
             normal=self.normal[which],

@@ -57,7 +57,7 @@ class MeshIndex:
         return len(self._index)
 
     def closest(self, points: ArrayLike) -> Closest:
-        """Find the closest points of the mesh to points (n, 3)."""
+        """Find the closest points of the mesh to points (n, 3) m, with signed distances."""
         distance, point, gradient, face = self._index.closest(
             np.asarray(points, float), self._threads
         )

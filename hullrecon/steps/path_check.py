@@ -54,7 +54,7 @@ def check_path(
     found: what was read, with the records as the comparison of sensors corrected them.
     """
     try:
-        _refuse(loaded, found, sampled)
+        _refuse_pathless(loaded, found, sampled)
     except StageError as error:
         values = {"what": error.what, "where": error.where, "remedy": error.remedy}
         return [Finding("unusable", values)]
@@ -65,10 +65,14 @@ def check_path(
     return []
 
 
-def _refuse(
+def _refuse_pathless(
     loaded: LoadedConfig, found: IngestResult, sampled: Mapping[str, SampledImages]
 ) -> None:
-    """Raise StageError where the step navigate would."""
+    """Raise StageError for logs from which the step navigate would make no path.
+
+    It goes by stereo pairs where there is no DVL, or where DVL and IMU were heard for too little of
+    the dive. A DVL without an IMU is reported elsewhere.
+    """
     records, images = found.records, found.images
     stereo = images[Camera.TOP.key] if all(c.key in images for c in Camera) else None
     if records.dvl is None and stereo is not None:

@@ -303,7 +303,7 @@ def object_rows(survey: Survey) -> ObjectRows:
 
 
 def _cells(found: ReportedObject, across: str) -> dict[str, ObjectCell]:
-    """Write an object's cells of the table, by heading."""
+    """Write an object's cells of the table of objects, by the heading of their column."""
     area = _scaled(found.area, found.area_sigma, 1e4, "cm²")
     return {
         "No.": ObjectCell(text=str(found.id), value=found.id),

@@ -39,7 +39,7 @@ class PointSets:
         return np.asarray(self.second[pair[1]] - self.first[pair[0]])
 
     def covariance(self, pair: Pair, other: Pair) -> Array:
-        """Compute the covariance (d, d) between two pairs' differences."""
+        """Compute the cross covariance (d, d) of the differences of two pairs of points."""
         (i, j), (k, m), d = pair, other, self.dimension
         block = _block(self.first_covariance, i, k, d) + _block(self.second_covariance, j, m, d)
         if self.cross_covariance is not None:

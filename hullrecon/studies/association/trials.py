@@ -102,7 +102,10 @@ class Score:
 
 
 def score(fields: list[Field], method: str, seed: int = 0, confidence: float = CONFIDENCE) -> Score:
-    """Run a method on fields, with gates of this confidence."""
+    """Run a method (NN, JCBB or RJC) on fields, and compare its pairs with the true ones.
+
+    seed: of random draws. confidence: of the gates.
+    """
     rng, start = np.random.default_rng(seed), process_time()
     found = [associate(field.sets, method, rng, confidence) for field in fields]
     cpu_s = process_time() - start

@@ -78,7 +78,7 @@ def weights() -> Array:
 
 
 def radial(n: int, m: int, radius: Array) -> Array:
-    """Evaluate the radial polynomial R_nm at each radius."""
+    """Evaluate Zernike's radial polynomial R_nm at each radius, 0 to 1."""
     half, less = (n + m) // 2, (n - m) // 2
     terms = [
         (-1) ** k

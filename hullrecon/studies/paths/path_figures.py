@@ -253,7 +253,10 @@ def linked_track(trajectory: Trajectory, path: LinkedPath) -> VehicleTrack:
 def lay_onto_cad_model(
     path: VehiclePath, start: DeadReckoning, mesh: Mesh, global_from_hull: Poses
 ) -> ReturnsOnHull:
-    """Register the DVL's returns on a path to the CAD model, starting from where it truly lies."""
+    """Register the DVL's returns on a path to the CAD model, and measure their distances from it.
+
+    start: has returns and rig. global_from_hull: true pose, from which the registration starts.
+    """
     assert start.returns is not None
     points = start.rig.dvl_points(start.returns, path).points[~start.returns.flagged]
     in_hull = place_on_cad_model(points, mesh, global_from_hull).inverse().apply(points)
@@ -261,9 +264,9 @@ def lay_onto_cad_model(
 
 
 def place_on_cad_model(points: Array, mesh: Mesh, global_from_hull: Poses) -> Poses:
-    """Register the CAD model to returns (n, 3) m in g: global_from_hull.
+    """Register the CAD model to returns (n, 3) m in g, and return the pose found.
 
-    The search starts from the true pose.
+    global_from_hull: true pose, from which the search starts.
     """
     model = CadModel(
         mesh,

@@ -66,7 +66,7 @@ class Priors(Factors):
     sqrt_information: Array  # (m, 6, 6)
 
     def linearise(self, state: State) -> Linear:
-        """Compare poses (m, 1) with what they are known to be."""
+        """Compute residuals (m, 6) of poses against what they are known to be."""
         error, derivative = errors(self.measured, state.poses[self.poses[:, 0]])
         return _whitened(self.sqrt_information, error, [derivative])
 
@@ -82,7 +82,7 @@ class Levels(Factors):
     SHARED = frozenset({"sigma"})
 
     def linearise(self, state: State) -> Linear:
-        """Compare depth and the direction of gravity of poses (m, 1)."""
+        """Compute residuals of depth and of the direction of gravity at poses (m, 1): (m, 3)."""
         poses = state.poses[self.poses[:, 0]]
         down = poses.rotation.inv().apply([0.0, 0.0, 1.0]).reshape(-1, 3)
         residual = np.column_stack(
@@ -103,7 +103,7 @@ class Links(Factors):
     sqrt_information: Array  # (m, 6, 6)
 
     def linearise(self, state: State) -> Linear:
-        """Compare the relative pose of poses (m, 2)."""
+        """Compute residuals (m, 6) of the relative pose of two poses."""
         relative, *by = between(state.poses[self.poses[:, 0]], state.poses[self.poses[:, 1]])
         error, derivative = errors(self.measured, relative)
         return _whitened(self.sqrt_information, error, [derivative @ d for d in by])
@@ -120,7 +120,7 @@ class Encounters(Factors):
     sqrt_information: Array  # (m, 6, 6)
 
     def linearise(self, state: State) -> Linear:
-        """Compare the relative pose of both places in the common frame."""
+        """Compute residuals (m, 6) of the relative pose of both places in the common frame."""
         anchor_a, a, anchor_b, b = (state.poses[keys] for keys in self.poses.T)
         first, *by_a = compose(anchor_a, a)
         second, *by_b = compose(anchor_b, b)
@@ -149,7 +149,7 @@ class Sightings(Factors):
     SHARED = frozenset({"sigma_m"})
 
     def linearise(self, state: State) -> Linear:
-        """Compare planes (m, 1) in the frames of poses (m, 1)."""
+        """Compute residuals (m, 3) of planes in the frames of the poses that see them."""
         seen, by_pose, by_plane = plane_in(
             state.poses[self.poses[:, 0]], state.planes[self.planes[:, 0]]
         )
@@ -167,7 +167,7 @@ class PlanePairs(Factors):
     sqrt_information: Array  # (m, 3, 3)
 
     def linearise(self, state: State) -> Linear:
-        """Compare both planes in the frames of poses (m, 1)."""
+        """Compute residuals (m, 3) of the two planes' difference in the frame of a pose."""
         poses = state.poses[self.poses[:, 0]]
         first, by_pose, by_first = plane_in(poses, state.planes[self.planes[:, 0]])
         second, by_pose_too, by_second = plane_in(poses, state.planes[self.planes[:, 1]])
@@ -190,7 +190,7 @@ class Beams(Factors):
     SHARED = frozenset({"sigma_m"})
 
     def linearise(self, state: State) -> Linear:
-        """Compare ranges along the rays of poses (m, 1) to planes (m, 1)."""
+        """Compute residuals (m, 1) of ranges along the beams of poses to planes."""
         seen, by_pose, by_plane = plane_in(
             state.poses[self.poses[:, 0]], state.planes[self.planes[:, 0]]
         )

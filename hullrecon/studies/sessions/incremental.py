@@ -196,7 +196,7 @@ def study() -> StudyResult:
 
 
 def draw(going: Progress) -> PublishedFigure:
-    """Draw what each pose costs."""
+    """Draw how many columns of the square root each pose touches, beside how many there are."""
     figure, axes = new_canvas(7.0, 3.0)
     axis, number = axes[0][0], np.arange(len(going.touched))
     axis.plot(number, going.columns, color=RED, label="all columns, as in a batch")

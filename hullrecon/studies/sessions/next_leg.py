@@ -117,7 +117,10 @@ def gain(before: float, after: float, length_m: float) -> float:
 
 
 def study() -> StudyResult:
-    """Rank legs with planes and without."""
+    """Rank the possible legs by what a metre of each takes off the path's sigma.
+
+    With the DVL's planes and without them.
+    """
     before, found = choices()
     best = {s: max(found, key=lambda c: gain(before[s], c.sigma_m[s], c.length_m)) for s in SENSORS}
     rows = [("none", "0", *(f"{1e3 * sigma:.1f}" for sigma in before.values()), "")]

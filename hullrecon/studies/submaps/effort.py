@@ -24,7 +24,7 @@ class Effort:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Count what happens inside to a stage."""
+        """Add time and multiplications spent inside of this context to a stage, by its name."""
         before, self._stage = self._stage, name
         start = time.process_time()
         try:
@@ -34,7 +34,7 @@ class Effort:
             self._stage = before
 
     def count(self, *sizes: int) -> None:
-        """Count the multiplications of an operation, given its sizes."""
+        """Count the multiplications of an operation: the product of its sizes, as n k m."""
         product = 1.0
         for size in sizes:
             product *= size

@@ -69,9 +69,12 @@ class Proximity:
 
 
 def proximity(world: GlobalMap, effort: Effort) -> Proximity:
-    """Find how sure the newest map's frame is, seen from every other frame."""
+    """Find how sure the newest map's frame is, seen from every other frame.
+
+    effort: counts the multiplications that it takes.
+    """
     newest = len(world) - 1
-    effort.count(27, newest, newest)
+    effort.count(27, newest, newest)  # a product of 3 x 3 matrices for each two links
     return Proximity(
         frames=world.frames()[: newest + 1], spreads=world.spreads_seen_from_each(newest)
     )

@@ -68,7 +68,7 @@ class Drive:
 
 
 def drive(log: Log) -> Drive:
-    """Run one filter, and every strategy on the same submaps."""
+    """Drive through a park: run one filter, and every strategy on the same submaps."""
     limits, effort = Limits(), Effort()
     submaps = build_submaps(log, limits, Effort())
     selective = SelectiveJoining(THRESHOLD, limits.landmarks, Effort())

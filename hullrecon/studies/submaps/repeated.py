@@ -80,7 +80,7 @@ class Repeated:
         return {name: np.array([of(run, name) for run in self.runs]) for name in names}
 
     def ends(self) -> EndsByForm:
-        """Put the ends of the submaps of all worlds together."""
+        """Pool where the submaps of all worlds ended, by the form of the filter."""
         return EndsByForm(
             first_estimates=together([run.ends.first_estimates for run in self.runs]),
             printed=together([run.ends.printed for run in self.runs]),

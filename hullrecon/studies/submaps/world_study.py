@@ -187,7 +187,7 @@ def table(missions: list[Mission], world: World) -> tuple[tuple[str, ...], ...]:
 
 
 def compare(missions: list[Mission], world: World) -> tuple[ComparedValue, ...]:
-    """Set our numbers beside the printed ones."""
+    """Compare multiplications, errors and pairs of our runs with the printed ones."""
     by_name = {mission.name: mission for mission in missions}
     selective = by_name[SELECTIVE]
     reckoned = float(np.linalg.norm((dead_reckon(world.log) - world.track)[-1, :2]))

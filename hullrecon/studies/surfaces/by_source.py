@@ -231,7 +231,7 @@ def _draw_map(axis: Axes, surface: Surface, chart: Chart, most_mm: float) -> Sca
 
 
 def _compare(found: Mapping[tuple[str, str], Deviation]) -> tuple[ComparedValue, ...]:
-    """Set the order that the source states beside ours, as ratios."""
+    """Compare deviations by two sources or interpolations, as ratios, with what is printed."""
     small = "printed: the highest of all, on a hull of 183 m"
     pairs = [
         ("rms by bundle adjustment without the hull over that by planes, linear", small,

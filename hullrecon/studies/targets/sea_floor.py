@@ -106,7 +106,7 @@ def look(
 
 
 def _outline(rng: np.random.Generator, middle: Array) -> Mask:
-    """Draw an irregular outline around a middle."""
+    """Mark the texels of an irregular blob around a middle (2,) px, as of a rock or a stain."""
     angle = np.linspace(0, 2 * np.pi, 60, endpoint=False)
     radius = rng.uniform(*ROCK_PX) * (
         1 + sum(0.15 / k * np.sin(k * angle + rng.uniform(0, 6)) for k in (2, 3, 5))

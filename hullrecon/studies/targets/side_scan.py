@@ -128,7 +128,7 @@ def row_of(along_m: float) -> int:
 
 
 def _floor(rng: np.random.Generator, rows: int, columns: int) -> Array:
-    """Make the floor's amplitude (rows, columns), around 1."""
+    """Simulate the floor's amplitude (rows, columns), around 1: soft patches, and ripples."""
     patches = rng.standard_normal((rows // 8 + 2, columns // 16 + 2))
     smooth = cv2.GaussianBlur(cv2.resize(patches, (columns, rows)), (0, 0), 8)
     wave, heading = rng.uniform(0.8, 2.0), rng.uniform(0, np.pi)
