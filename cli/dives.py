@@ -38,7 +38,7 @@ def runs_option(command: Command) -> Command:
 
 
 def jobs_option(what: str) -> Callable[[Command], Command]:
-    """Return the option --jobs for a command. what: the things that it counts, for the help."""
+    """Make the option --jobs for a command. what: the things that it counts, for the help."""
     return click.option(
         "--jobs",
         type=click.IntRange(min=1),
@@ -128,7 +128,7 @@ def name_overrides(
 
 
 def _choices(step_sections: Mapping[str, type[msgspec.Struct]], key: str) -> tuple[str, ...]:
-    """Return the values that the option `section.key` of a step may take, if it is a choice."""
+    """List the values that the option `section.key` of a step may take, if it is a choice."""
     section, _, name = key.rpartition(".")
     if section not in step_sections:
         return ()

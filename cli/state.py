@@ -152,7 +152,7 @@ def common_options() -> list[click.Option]:
 
 
 def _option(name: str, flags: list[str], text: str, file: click.Path | None = None) -> click.Option:
-    """Return a flag, or the option of a file, that sets the field `name` of the call's state."""
+    """Make a flag, or the option of a file, that sets the field `name` of the call's state."""
     callback = _setter(name)
     return click.Option(
         [*flags, name],

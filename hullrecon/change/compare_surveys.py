@@ -89,6 +89,7 @@ def compare_surveys(
     objects = compare_objects(first, second, regions, context)
     moves = surface_moves(found, regions, chart, lattice, offset, options)
     # The offset's prior covariance is the sum of both hull poses', an address has the error of one.
+    # Only words follow from the sigmas of girth and depth, for which a few centimetres are assumed.
     place = AddressSigma(
         along=float(np.sqrt(offset.prior_covariance[0, 0] / 2)), girth=0.05, depth=0.1
     )

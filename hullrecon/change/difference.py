@@ -75,7 +75,7 @@ def well_seen(relief: Relief, options: ChangeOptions) -> Mask:
 
 
 def _beyond(height: Array, other: Array, cells: int) -> Array:
-    """Measure how far heights (a, g) lie outside the range of the other survey around them (71).
+    """Measure how far heights (a, g) lie outside the other survey's range [docs/methods.md (71)].
 
     An edge that lies a little beside where the other survey has it is inside that range.
 
@@ -277,7 +277,7 @@ def corrected_p_value(value: float, sigma: float, places: int) -> float:
 
 
 def significant_sigmas(places: int, options: ChangeOptions) -> float:
-    """Invert (72): compute how many sigmas a change needs, given the number of places.
+    """Compute how many sigmas a change needs: the inverse of `corrected_p_value`.
 
     It is at least CELL_SIGMAS, which each cell of a region needs.
     """

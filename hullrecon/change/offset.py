@@ -338,7 +338,7 @@ def _samples(chart: Chart, lattice: Lattice, height: Array, shared_m: float) -> 
 
 
 def _covariance(information: Array, held: Array, by_error: Array, block: Ints) -> Array:
-    """Compute the covariance (6, 6) of a fit whose errors are correlated within blocks (69).
+    """Compute the covariance (6, 6) of a fit whose errors are correlated [docs/methods.md (69)].
 
     Errors within a block of the hull are fully correlated. Independent errors are added.
 

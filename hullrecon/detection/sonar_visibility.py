@@ -50,7 +50,7 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
             np.abs(np.arcsin(local[:, 0] / distance)) <= sonar.half_elevation_rad
         )
         rows = rows[fits & (at >= bearing.min()) & (at <= bearing.max())]
-        # Facing the sonar, with nothing in between
+        # Facing the sonar, with nothing in between: a hit within 2 cm is the vertex itself
         ray = hull.mesh.vertices[rows] - center
         length = np.maximum(np.linalg.norm(ray, axis=1), 1e-9)
         clear = -np.einsum("ni,ni->n", ray, hull.normal[rows]) / length > SONAR_GRAZING

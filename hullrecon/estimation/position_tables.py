@@ -55,6 +55,7 @@ def place_path(ties: PositionTies, path: Poses) -> Array:
         turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
         world = np.r_[there - turn @ here, heading]
         away = np.linalg.norm(ties.north_east - at @ turn.T - world[:2], axis=1) / ties.sigma
+        # no fix near the path may outweigh all others
         weight = 1 / (ties.sigma**2 * np.maximum(away, 0.1))
     return world
 

@@ -74,7 +74,10 @@ def find_reported(
 
 
 def reach_m(structure: TrueStructure) -> float:
-    """Compute the largest distance, m, of a report's centre from that of its structure."""
+    """Compute the largest distance, m, of a report's centre from that of its structure.
+
+    It is 10 cm and half of the structure's largest extent.
+    """
     return 0.10 + 0.5 * max(structure.extent)
 
 

@@ -312,6 +312,7 @@ def maximise_likelihood(
     # Unknowns: logarithms of both lengths (m), of sigma (m) and of the factor on the noise
     pair = np.tril_indices(len(at))  # each pair once: correlations are symmetric
     difference = at[pair[0]] - at[pair[1]]  # m, of the two points of each pair
+    # of sigma 1 mm to 1 m, of the factor 0.3 to 10
     low = np.log([limit[0], limit[0], 1e-3, 0.3])
     high = np.log([limit[1], limit[1], 1.0, 10.0])
 

@@ -509,4 +509,5 @@ def _directions(hull_in_axes: Array, ship_axes: Array, always: Array) -> list[Ar
         for w in find_weak_directions(hull_in_axes, ship_axes)
         if w["kind"] == "position"
     ]
+    # within 26 degrees, the profile of a given direction stands for the weak one
     return [*always, *(d for d in weak if np.abs(always @ d).max() < 0.9)]

@@ -91,7 +91,7 @@ def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int =
     seed
         Decides which points are sampled on the CAD model for ICP.
     """
-    kept = thin_points(points, 0.10, 2500)
+    kept = thin_points(points, voxel_m=0.10, most_points=2500)
     found = register_near(kept, cad_model, sigma_range, seed)
     center = found.center
     if found.fitness >= GOOD_FITNESS:

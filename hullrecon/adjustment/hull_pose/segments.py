@@ -250,7 +250,7 @@ def _motion_onto(points: Array, beams: Array, cad_model: CadModel, sigma_range: 
     sigma_range
         Sigma of a DVL range, m, the noise of a point.
     """
-    kept = registration.thin_points(points, 0.10, MOST_POINTS)
+    kept = registration.thin_points(points, voxel_m=0.10, most_points=MOST_POINTS)
     center = cad_model.guess.inverse().apply(kept).mean(axis=0)
     few = np.linspace(0, len(points) - 1, min(SEARCH_POINTS, len(points))).astype(int)
     found = _search(points[few], beams[few], cad_model, center)

@@ -160,7 +160,7 @@ def _operator(shape: tuple[int, int], step: Array) -> sparse.csr_array:
 def _second_difference(n: int, step: float) -> sparse.csr_array:
     """Build the matrix (n, n) of the second derivative on a line, mirrored at both ends.
 
-    step: m between its n nodes.
+    step: distance of its n nodes, in scaled coordinates.
     """
     main = np.full(n, -2.0)
     main[[0, -1]] += 1.0
@@ -174,6 +174,7 @@ def _interior_sigma(step: Array) -> float:
     The operator is divided by the wanted sigma times this one. It is computed in the middle of a
     grid so wide that its edges have no effect. step (2,): as of `_operator`.
     """
+    # eight lengths of correlation from the middle to each edge, in scaled coordinates
     shape = tuple(int(2 * np.ceil(8.0 / h)) + 1 for h in step)
     a = _operator((shape[0], shape[1]), step)
     # The field is a^-1 noise: the sigma of its middle node is the length of that row of a^-1

@@ -31,6 +31,7 @@ from hullrecon.records.solution import Solution
 MOST_LANDMARKS = 2000  # landmarks whose distance from the cameras is measured
 # Sigma of the CAD model's scale beyond which the report says that the survey cannot tell it
 TRUSTED_SCALE = 0.1
+MANY_MISSED = 0.05  # share of the DVL's beams that miss the CAD model, beyond which it is told
 
 
 def solve_warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
@@ -42,7 +43,7 @@ def solve_warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
             "adjust.max_iterations."
         )
     missed = float(np.mean(~adjusted.result.ray_hit)) if len(adjusted.result.ray_hit) else 0.0
-    if missed > 0.05:
+    if missed > MANY_MISSED:
         found.append(f"{100 * missed:.0f} % of the DVL's beams miss the CAD model.")
     if (
         len(solution.landmarks)

@@ -231,9 +231,9 @@ def affordable_edge(points: Array, edge_m: float, max_vertices: int) -> float:
     The area is estimated from points (n, 3) that cover it. A mesh has one vertex for each 0.43
     edge^2 of it.
     """
-    cell = 0.2
-    area = len(np.unique(np.floor(points / cell).astype(np.int64), axis=0)) * cell**2
-    return float(max(edge_m, np.sqrt(area / (0.43 * max_vertices))))
+    cell_m = 0.2
+    area_m2 = len(np.unique(np.floor(points / cell_m).astype(np.int64), axis=0)) * cell_m**2
+    return float(max(edge_m, np.sqrt(area_m2 / (0.43 * max_vertices))))
 
 
 def as_found_surface(

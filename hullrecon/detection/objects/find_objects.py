@@ -268,7 +268,7 @@ def _too_low(height: float, facets: float) -> str:
     height, facets: m.
     """
     said = f"only {abs(height):.3f} m off the hull around it"
-    if facets < 0.0005:
+    if facets < 0.0005:  # in the sentence it would be 0.000 m
         return said
     return f"{said}, of which the CAD model's flat facets may account for {facets:.3f} m"
 

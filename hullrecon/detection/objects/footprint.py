@@ -162,6 +162,7 @@ def _extent(points: Array, middle_of: Array, normal: Array, chart: Chart) -> Arr
     """
     middle = middle_of.mean(axis=0)
     at = chart.to_chart(middle[None])[0, :2]
+    # the direction along the hull, from 5 cm behind the middle to 5 cm ahead
     ends, _ = chart.from_chart(at + np.array([[-0.05, 0], [0.05, 0]]))
     along = ends[1] - ends[0] if np.isfinite(ends).all() else np.array([1.0, 0, 0])
     along = along - normal * (along @ normal)

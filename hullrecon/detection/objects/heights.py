@@ -102,7 +102,8 @@ def _heights(
     height, error, count, agreement
         The fields of `Heights`, (n,) each.
     """
-    # Weights by distance, to zero at the farthest neighbour, and by the landmarks' sigmas.
+    # Weights by distance, to zero a little beyond the farthest neighbour, and by the landmarks'
+    # sigmas.
     distance, row = nearest(feet, at, min(neighbours, len(feet)), reach_m)
     near = np.isfinite(distance)
     row = np.where(near, row, 0)

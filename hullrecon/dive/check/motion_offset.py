@@ -319,6 +319,7 @@ def _best_lag(
         np.maximum(scatter, max(floor, 1e-18))
     )
     least = max(LEAST_S / STEP_S, LEAST_SHARE * min(fixed_known.sum(), moving_known.sum()))
+    # -1 where too few steps overlap. Below 1, so that the chi-square stays finite
     correlation = np.clip(np.where(count >= least, correlation, -1.0), -1.0, 0.999)
     if among_s:
         lags_s = STEP_S * (np.arange(len(correlation)) - (len(moving) - 1))

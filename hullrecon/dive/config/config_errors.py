@@ -194,12 +194,12 @@ def _unknown_key(
     alike = _join([section, key])[:200]
     beside = [name for name in known if name.rpartition(".")[0] == section]
     nearest = [name for name in beside if name.startswith(alike)] or difflib.get_close_matches(
-        alike, beside, 1, 0.75
+        alike, beside, n=1, cutoff=0.75
     )
     nearest = (
         nearest
         or _same_last_name(key, known)
-        or difflib.get_close_matches(alike, beside or known, 1, 0.0)
+        or difflib.get_close_matches(alike, beside or known, n=1, cutoff=0.0)
     )
     dotted = dotted[:200]
     return UsageError(

@@ -140,7 +140,7 @@ def check_joints(joints: Mapping[str, str], found: LogContents, notes: list[Find
                 notes.append(Finding("joint-absent", {"joint": joint}, where))
             continue
         others = held - set(joints.values())  # joints that dive.toml does not name
-        near = difflib.get_close_matches(joint, others, 1, 0.6)
+        near = difflib.get_close_matches(joint, others, n=1, cutoff=0.6)
         remedy = f'name one of them, or set {where} = "" if nothing turns there'
         if near:
             remedy = f'did you mean "{near[0]}"?'

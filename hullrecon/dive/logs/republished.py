@@ -83,8 +83,8 @@ def find_republished(values: Array) -> Mask:
 def is_even(again: Mask) -> bool:
     """Tell whether readings that repeat the one before, `again` (n,), come in runs of one length.
 
-    A driver that publishes faster than the sensor measures gives such runs. False for fewer than
-    LEAST_MEASURED runs.
+    A driver that publishes faster than the sensor measures gives such runs. Nine of ten have to be
+    near the median length. False for fewer than LEAST_MEASURED runs.
     """
     starts = np.flatnonzero(~again)
     lengths = np.diff(np.r_[starts, len(again)])

@@ -65,7 +65,7 @@ def is_hull_chart(chart: Chart) -> bool:
 
 
 def side_of(girth_m: float, sigma_m: float = 0.0) -> str:
-    """Name the side: port, starboard, or keel if the girth is not significantly off it."""
+    """Name the side: port, starboard, or keel if the girth is within 5 mm or one sigma of it."""
     return "keel" if abs(girth_m) < max(0.005, sigma_m) else "port" if girth_m > 0 else "starboard"
 
 

@@ -19,6 +19,7 @@ AXES = "xyz"
 GRAZING = 0.12
 # Largest distance of that middle from the mesh, as a share of the line's length
 OFF_SKIN = 0.1
+SHORT_OFF_SKIN = 0.3  # the same of a line that is no longer than its rays' spacing explains
 NEARLY_ALL = 0.995  # least share of the skin that an axis sees, of the largest that any sees
 
 
@@ -129,8 +130,8 @@ def choose_axis_height(mesh: Mesh) -> float:
 def _seen_area(mesh: Mesh, height: float) -> float:
     """Sum the area of skin that rays from an axis meet well, without decks, to compare axes.
 
-    height: z of the axis, m. Decks have normals that point up. Areas are m2 but for a factor common
-    to all axes.
+    Rays meet it well within 78 degrees of its normal. Decks have normals that point up, by more
+    than 30 degrees. height: z of the axis, m. Areas are m2 but for a factor common to all axes.
     """
     sections = _empty_sections(mesh, height, stations=60, angles=91)
     origin, inward = sections.rays(*_pairs(sections))
@@ -150,6 +151,7 @@ def cast_sections(mesh: Mesh, height: float) -> Sections:
     apart, angles a degree.
     """
     size = np.ptp(mesh.vertices, axis=0)
+    # at least 400 stations, at most 2000
     step = float(np.clip(size[0] / 400, size[0] / 2000, 0.3 if size[0] > 60 else 0.25))
     empty = _empty_sections(mesh, height, int(np.ceil(size[0] / step)) + 1, 361)
     origin, inward = empty.rays(*_pairs(empty))
@@ -281,7 +283,7 @@ def _on_skin(start: Array, stop: Array, radius: Array, turn: float, mesh: Mesh) 
     middle = 0.5 * (start + stop)[has_ends]
     gap = np.abs(mesh.index.closest(middle).distance)
     short = is_short[has_ends]
-    limit = np.where(short, 0.3, OFF_SKIN) * length[has_ends]
+    limit = np.where(short, SHORT_OFF_SKIN, OFF_SKIN) * length[has_ends]
     out = np.zeros(is_short.shape, bool)
     out[has_ends] = gap <= limit
     return out

@@ -174,8 +174,8 @@ def _gains(samples: LightSamples, values: Array, views: int) -> Array:
 def _correction(samples: LightSamples, residual: Array, camera: int) -> Array:
     """Average a camera's residuals of log intensity (n, channels) by cell of its light field.
 
-    They are clipped before, and the means are smoothed. The result is added to the field. Clipping
-    keeps glints and shadows from entering it.
+    They are clipped at 0.3 before, and the means are smoothed. The result is added to the field.
+    Clipping keeps glints and shadows from entering it.
     """
     rows = samples.camera[samples.view] == camera
     cells = FIELD[0] * FIELD[1]

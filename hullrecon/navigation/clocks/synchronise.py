@@ -295,7 +295,8 @@ def _measure_motions(
 def choose_runs(t_ns: Ints, inside: Ints, runs: int) -> list[list[int]]:
     """Choose runs of frames, spread evenly over some rows, with STRIDE_S between frames of a run.
 
-    A few runs tell the offset of a whole segment at little cost. A run has at most RUN_FRAMES
+    A few runs tell the offset of a whole segment at little cost. Spacings may be a tenth shorter,
+    as frames have jitter. A run has at most RUN_FRAMES
     frames, and may have a single one. Fewer runs than asked for are chosen where there are few
     rows, and none from fewer than two.
 

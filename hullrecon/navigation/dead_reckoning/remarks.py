@@ -198,7 +198,7 @@ def _describe_missing_images(
 ) -> str:
     """Describe the longest span without images, in which images do not support the path.
 
-    The distance travelled is left out where an outage of the DVL makes it uncertain.
+    The distance travelled is left out where an outage of the DVL makes it uncertain by a tenth.
 
     blank: the spans, as returned by `images_missing`.
     """

@@ -147,7 +147,7 @@ def position_and_gap_by_poses(
     """
     anchors = [patches.anchor[pairs.first], patches.anchor[pairs.second]]
     out = np.zeros((len(pairs), 5, 14))
-    step = 1e-5
+    step = 1e-5  # m, or rad
     for k in range(14):
         values = []
         # columns 0 to 6 are the first anchor's, 7 to 13 the second's

@@ -16,6 +16,7 @@ LEAST_RETURNS = 12
 LEAST_SPREAD_M = 0.15  # standard deviation of the returns, in both directions along the hull
 MAX_RMS_SIGMAS = 3.0  # of the residuals, in sigmas of a range; beyond, the surface is not smooth
 OUTLIER_SIGMAS = 3.5
+LEAST_KEPT = 0.7  # least share of the returns that are no outliers
 LEAST_INCIDENCE = 0.3  # cosine between beam and normal, below which it is clipped
 Y, Z = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])  # axes of the frame
 TURNS = 4  # iterations of fitting, rejecting outliers and turning the axes into the tangent plane
@@ -86,7 +87,7 @@ def fit_patch(
         axes = patch_axes(axes @ (np.r_[-slopes, 1.0] / np.hypot(1, np.linalg.norm(slopes))))
 
     rms = float(np.sqrt(np.mean(residual[kept] ** 2))) if kept.any() else np.inf
-    if kept.sum() < max(LEAST_RETURNS, 0.7 * len(points)) or rms > MAX_RMS_SIGMAS:
+    if kept.sum() < max(LEAST_RETURNS, LEAST_KEPT * len(points)) or rms > MAX_RMS_SIGMAS:
         return None
     scale = max(1.0, rms)  # an uneven hull widens all sigmas
     covariance = np.linalg.inv(information) * scale**2

@@ -37,6 +37,7 @@ BRIDGED_RATE_RAD_S = 0.05
 # random walk beyond that time
 BRIDGED_FOR_S = 4.0
 LONGEST_LAG_S = 2.0  # over which the noise is estimated
+WIDEST_WINDOW_S = 5.0  # sigma of the widest window in which orientations are smoothed by rates
 
 
 @dataclass(frozen=True)
@@ -160,13 +161,16 @@ def attitude_history(
     imu = replace(imu, quaternion=steps.taken_off(imu.quaternion))
     difference = _orientation_minus_rates(t, imu)
     white, walk = _estimate_noise(t, difference)
-    step = period(t)
-    width = float(np.clip(np.sqrt(white * step / max(walk, 1e-12)), 3 * step, 5.0))
-    slow, _ = local_line(t, difference, t, width)
+    period_s = period(t)
+    # The wider the window, the less noise it leaves, and the more of the drift it smooths away
+    width_s = float(
+        np.clip(np.sqrt(white * period_s / max(walk, 1e-12)), 3 * period_s, WIDEST_WINDOW_S)
+    )
+    slow, _ = local_line(t, difference, t, width_s)
     # the orientation less the difference is the integrated rates, to which the smooth part is added
     smooth = Rotation.from_rotvec(slow - difference) * Rotation.from_quat(imu.quaternion)
     # sigma of white noise that a Gaussian of that width leaves
-    smoothed = np.sqrt(2 * white * step / (2 * np.sqrt(np.pi) * width))
+    smoothed = np.sqrt(2 * white * period_s / (2 * np.sqrt(np.pi) * width_s))
     sigma_rad = max(float(np.hypot(smoothed, _turn_within_jitter(t, imu))), LEAST_SIGMA_RAD)
     return AttitudeHistory(imu.t_ns, smooth.as_quat(), sigma_rad, walk, holes, True, steps)
 

@@ -63,7 +63,7 @@ class Tried:
     explains: bool
 
     def document(self) -> dict[str, object]:
-        """Return the facts for JSON."""
+        """List the facts, by their names in JSON."""
         return {
             "sensor": str(self.sensor),
             "fault": self.fault,

@@ -70,7 +70,7 @@ class Plan:
 
 
 def survey_plan(survey: Survey, view: HullMap) -> str:
-    """Draw the plan of a survey."""
+    """Draw the plan of a survey as SVG: the path, the hull seen, and the objects."""
     in_hull = survey.is_in_hull_frame
     chart, across = (
         ("the hull's chart", "girth") if in_hull else ("the survey's own chart", "across")

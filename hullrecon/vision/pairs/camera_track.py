@@ -215,7 +215,7 @@ def _depth_prior(points: Array) -> DepthPrior | None:
     The limits (nearest, farthest) have a margin, as stereo matches are searched within them alone.
     None where none is in front of the camera.
     """
-    in_front = points[:, 2] > 0.05
+    in_front = points[:, 2] > 0.05  # m, nearer than any hull
     ahead = points[in_front, 2]
     if len(ahead) == 0:
         return None

@@ -70,6 +70,7 @@ def transfer(
     moved = [_project(spread, centre * depth_m[:, None])]
     unmoved = motion.second_from_first[None]
     for sign in (3.0, -3.0):
+        # a depth that three sigmas would move behind the camera stays just ahead of it
         deeper = np.maximum(depth_m + sign * depth_sigma_m, 0.02 * depth_m)
         moved.append(_project(unmoved, centre * deeper[:, None]))
         for axis in range(2):

@@ -86,7 +86,7 @@ def _inlier_share(motion: Array, views: list[ObservedPoints], tolerance: float) 
 
 def _trials_needed(share: float) -> float:
     """Compute the trials after which a triple of inliers was drawn with 1 - MISSED."""
-    hit = min(share, 0.999999) ** 3
+    hit = min(share, 0.999999) ** 3  # below 1, so that its logarithm is finite
     return float(np.log(MISSED) / np.log1p(-hit)) if hit > 0 else np.inf
 
 

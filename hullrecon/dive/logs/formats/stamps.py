@@ -170,7 +170,11 @@ def _day(text: str) -> date | None:
 
 
 def _ahead_ns(written: str | None, zone: timezone | None) -> int:
-    """By how much a zone is ahead of UTC: the one that is written, else the clock's."""
+    """Compute by how many ns local time is ahead of UTC.
+
+    written: the zone as "Z", "+02:00" or "+0200" after the time, None where there is none. zone:
+    that of the clock, which then holds. None: UTC.
+    """
     if written is None:
         return 0 if zone is None else zone.utcoffset(None) // timedelta(microseconds=1) * 1000
     if written == "Z":

@@ -200,4 +200,5 @@ def _positive(altitude: float) -> float:
 
 
 def _are_unit(beams: Array) -> bool:
+    """Tell whether vectors (b, 3) have length 1, within 2 % as they may be rounded."""
     return bool(np.all(np.abs(np.linalg.norm(beams, axis=1) - 1) < 0.02))
