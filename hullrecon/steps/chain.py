@@ -88,7 +88,7 @@ STAGES = (
         summary="compute the dead-reckoned trajectory",
         inputs=("ingest",),
         parameters=NoOptions,
-        version=39,
+        version=40,
         run=_later("navigate"),
         uses=(
             *SENSOR_KEYS,

@@ -24,7 +24,7 @@ from hullrecon.navigation.suspects.comparisons.motions import Motions, compare
 from hullrecon.navigation.suspects.faults.axes import Conventions
 from hullrecon.navigation.suspects.faults.hypothesis import Hypothesis
 from hullrecon.navigation.suspects.shifted_imu import mend_shifted_imu
-from hullrecon.navigation.suspects.suspects import Tried, explain_best, judge
+from hullrecon.navigation.suspects.suspects import Tried, explain_best, judge, possible_orders
 from hullrecon.records.sensors import (
     DvlPings,
     ImuSamples,
@@ -422,6 +422,22 @@ def test_calibration_in_air_behind_a_flat_port_is_named():
     assert "made in air" in finding.sentence
 
 
+@pytest.mark.parametrize(
+    ("orders", "said"),
+    [
+        (["1, 2, 4, 3"], "1, 2, 4, 3"),
+        (["1, 2, 4, 3", "2, 1, 4, 3"], "1, 2, 4, 3 (or 2, 1, 4, 3)"),
+        (
+            ["1, 2, 4, 3", "2, 1, 4, 3", "2, 4, 1, 3"],
+            "1, 2, 4, 3 (or in one of 2 other orders that fit as well)",
+        ),
+    ],
+)
+def test_orders_of_beams_that_fit_as_well_are_told(orders, said):
+    best = [Hypothesis(sensor=Sensor.DVL, fault="beams", value=o, mended=dive()) for o in orders]
+    assert possible_orders(best) == said
+
+
 @pytest.mark.parametrize("size", [0.5, 2.0])
 def test_calibration_of_pictures_of_another_size_is_named(size):
     centre = (CAMERA.cx + 0.5) * size - 0.5, (CAMERA.cy + 0.5) * size - 0.5
@@ -465,11 +481,13 @@ def test_ranges_that_are_too_long_are_named_before_the_camera():
     assert float(finding.values["value"]) == pytest.approx(1 / 1.3, rel=0.05)
 
 
-def test_ranges_of_exchanged_beams_are_named():
+@pytest.mark.parametrize("order", [(1, 2, 4, 3), (2, 4, 1, 3)])
+def test_ranges_of_exchanged_beams_are_named_with_the_beams_that_they_are_of(order):
     true = dive()
-    (finding,) = judged(with_ranges(true, true.dvl.ranges[:, [0, 1, 3, 2]]), flows()).findings
+    logged = true.dvl.ranges[:, np.array(order) - 1]
+    (finding,) = judged(with_ranges(true, logged), flows()).findings
     assert (finding.severity, finding.values["sensor"]) == ("error", "DVL")
-    assert finding.values["value"] == "1, 2, 4, 3"
+    assert ", ".join(map(str, order)) in finding.values["value"]
 
 
 def test_clock_that_runs_slow_is_named_with_its_rate():

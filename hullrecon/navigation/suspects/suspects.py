@@ -48,6 +48,7 @@ USUAL_ANGLE_DEG = 45  # mounts are usually turned by multiples of it
 ANY_FACTOR = ("focal", "ranges", "scale")
 KNOWN_FACTOR = ("medium", "port", "size", "unit")
 SAME_DEPTH_M = 0.5  # median depths by two interpretations that differ by less are the same
+ORDERS_SHOWN = 2  # of a DVL's beams
 FAULTS = 3  # that are sought, one after the other
 
 
@@ -148,6 +149,8 @@ def judge(
             one = best[0][0]
             remedy = find_remedy(one.sensor, one.fault, one.value, given, rig.tray_from_dvl)
             values = {**found_wrong.values, "remedy": remedy}
+            if one.fault == "beams":
+                values["value"] = possible_orders([h for h, _ in best])
             findings.append(replace(found_wrong, values=values))
         break
     return Judged(
@@ -227,6 +230,17 @@ def _possible_units(best: Sequence[Hypothesis]) -> list[list[object]]:
             medians.append(median)
             out.append([one.fault, one.value, low, high])
     return out
+
+
+def possible_orders(best: Sequence[Hypothesis]) -> str:
+    """Say which order of the DVL's beams explains a contradiction, and how many do as well.
+
+    A hull that stands square to the DVL hardly tells which of two neighbouring beams is which.
+    """
+    orders = [one.value for one in best if one.fault == "beams"]
+    if len(orders) <= ORDERS_SHOWN:
+        return " (or ".join(orders) + ")" * (len(orders) - 1)
+    return f"{orders[0]} (or in one of {len(orders) - 1} other orders that fit as well)"
 
 
 def _try_all(

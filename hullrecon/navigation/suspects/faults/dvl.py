@@ -110,7 +110,8 @@ def _range_faults(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]
         if factor != 1:
             yield Hypothesis(sensor=Sensor.DVL, fault="ranges", value=value, mended=mended)
     for order in itertools.permutations(range(4)) if dvl.ranges.shape[1] == 4 else ():
-        mended = replace(records, dvl=replace(dvl, ranges=dvl.ranges[:, order]))
+        # the range logged as that of the beam k is of the beam order[k]
+        mended = replace(records, dvl=replace(dvl, ranges=dvl.ranges[:, np.argsort(order)]))
         if order != (0, 1, 2, 3):
             value = ", ".join(str(beam + 1) for beam in order)
             yield Hypothesis(sensor=Sensor.DVL, fault="beams", value=value, mended=mended)
