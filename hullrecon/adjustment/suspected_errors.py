@@ -161,10 +161,11 @@ def _free_intrinsics(
     """
 
     def free(problem: native.Problem) -> native.Problem:
-        """Make the entries of the cameras' intrinsics unknowns with wide priors."""
+        """Make the intrinsics unknowns, with wide priors of the entries and tight ones else."""
+        # four in pixels (focal lengths, principal point), then five coefficients of distortion
         sigma = np.r_[np.full(4, HELD_PX), np.full(5, HELD)]
-        pixels = entries != RADIAL
-        sigma[entries] = FREE_SHARE * (problem.unknowns.intrinsics_top[FOCAL] if pixels else 1.0)
+        in_pixels = entries != RADIAL
+        sigma[entries] = FREE_SHARE * (problem.unknowns.intrinsics_top[FOCAL] if in_pixels else 1.0)
         priors = replace(problem.priors, intrinsics_sigma=sigma)
         return replace(problem, priors=priors).free(*cameras)
 

@@ -36,6 +36,7 @@ def _deeper(found: float | None) -> str:
 
 
 def _turned(key: str) -> Callable[[float | None], str]:
+    """Make the function that words by how much a mount is turned, rad. key: of dive.toml."""
     return lambda found: f"with {key} turned by {degrees(found or 0.0):.1f} degrees"
 
 
@@ -44,6 +45,7 @@ def _long(share: float) -> str:
 
 
 def _baseline(found: float | None) -> str:
+    """Word how much longer the baseline is than calibrated, as a share."""
     share = found or 0.0
     return (
         f"with the baseline {100 * abs(share):.0f} % {'longer' if share > 0 else 'shorter'} than "
@@ -70,12 +72,14 @@ def _focal_ratio(whose: str) -> Callable[[float | None], str]:
 
 
 def _center_shift(whose: str) -> Callable[[float | None], str]:
+    """Make the function that words the shift, px, of a principal point. whose: camera it is of."""
     return lambda found: (
         f"with {whose} principal point {found or 0.0:.0f} px from where the calibration has it"
     )
 
 
 def _readout(whose: str) -> Callable[[float | None], str]:
+    """Make the function that words a readout time, s. whose: words after "image"."""
     return lambda found: (
         f"with the rows of an image{whose} exposed one after another, "
         f"{1e3 * (found or 0.0):.0f} ms from the first to the last"
@@ -88,6 +92,7 @@ def _distortion(found_px: float | None) -> str:
 
 
 def _dvl_clock(found_s: float | None) -> str:
+    """Word by how much the DVL's stamps are late beside the images'."""
     late_s = found_s or 0.0
     return (
         f"with the DVL's stamps {abs(late_s):.2f} s {'late' if late_s > 0 else 'early'} beside the "
@@ -151,6 +156,11 @@ TRAY_READINGS = {
 
 
 def _other_tray(reading: str, before_mm: float, after_mm: float) -> str:
+    """Say that the CAD model fits where the tray's angles are read otherwise.
+
+    reading: a key of TRAY_READINGS. before_mm, after_mm: RMS distance of the beams' ends from the
+    CAD model, as read and read otherwise.
+    """
     return (
         f"the tray's angles {TRAY_READINGS[reading]}: so the ends of the DVL's beams lie "
         f"{after_mm:.0f} mm from the CAD model (root mean square), and {before_mm:.0f} mm as they "
@@ -185,6 +195,7 @@ def _number(value: object) -> float | None:
 
 
 def _explained_as_well(explanations: Sequence[Sequence[object]]) -> str:
+    """Warn that others explain as well what was corrected: pairs of suspect and estimated error."""
     return (
         f"What was taken out is explained as well {_others(explanations)}: which of them is wrong "
         "is not known, and if it is not what was corrected, the result is wrong by as much."
@@ -192,6 +203,7 @@ def _explained_as_well(explanations: Sequence[Sequence[object]]) -> str:
 
 
 def _explained_better(explanations: Sequence[Sequence[object]]) -> str:
+    """Warn of errors that are not corrected: pairs of suspect and estimated error."""
     return (
         f"The measurements agree better {_others(explanations)}. That is not taken out: the result "
         "is wrong by as much, and so is what else was found to be off."
@@ -199,6 +211,7 @@ def _explained_better(explanations: Sequence[Sequence[object]]) -> str:
 
 
 def _others(explanations: Sequence[Sequence[object]]) -> str:
+    """Join the words of explanations: pairs of suspect (a key of SUSPECTS) and estimated error."""
     return " or ".join(SUSPECTS[str(name)](_number(found)) for name, found in explanations)
 
 

@@ -41,6 +41,11 @@ def _positions(north_m: float, east_m: float, sigma_m: Sequence[float], single: 
 
 
 def _lost(topic: str, start: str | None, end: str | None, messages: int | None, why: str) -> str:
+    """Say what part of a topic is lost, and why.
+
+    topic: empty for all of them. start, end: times, None at an end of the log. messages: how many,
+    None where that is not known.
+    """
     span = "an unknown part is"
     if start or end:
         first = f"from {start}" if start else "from the start"
@@ -50,12 +55,18 @@ def _lost(topic: str, start: str | None, end: str | None, messages: int | None, 
 
 
 def _far(count: int, time: str) -> str:
+    """Say that readings far from all others were left out. time: stamp of the first."""
     many = "reading was" if count == 1 else "readings were"
     first = "as" if count == 1 else "the first as"
     return f"{count} {many} left out, stamped a day or more from all others, {first} {time}"
 
 
 def _jumps(seconds: float, time: str, more: int, corrected: int, set_back: bool) -> str:
+    """Say that a clock jumps, and what was done.
+
+    seconds, time: of the first jump. more: number of other jumps. corrected: number of stamps
+    that were put right. set_back: as after a clock that was set back, else by the logger's clock.
+    """
     again = f", and {more} more times" if more else ""
     by = "as if it had been set back" if set_back else "by the logger's clock"
     done = f"{corrected} stamps were put right {by}"
@@ -99,6 +110,7 @@ def _in_bursts(count: int, bursts: int, within_s: float | None) -> str:
 
 
 def _of_dvl(sensor: str, count: int) -> str:
+    """Say that readings by a DVL's own IMU or pressure sensor, `sensor`, were ignored."""
     what, other = ("attitudes", "the IMU") if sensor == "imu" else ("depths", "the pressure sensor")
     return f"{count} {what} by the DVL's own sensors were ignored, as {other} was logged"
 
@@ -124,6 +136,11 @@ def names(sensors: Sequence[str]) -> str:
 
 
 def _joined(count: int, seconds: float, others: Sequence[str], spread_s: float | None) -> str:
+    """Say that stamps on a time base of their own were put onto that of others.
+
+    spread_s: of the offset of stamps and logging times, None where it jumps: then each stamp was
+    moved by the offset at its moment.
+    """
     side = "behind" if seconds > 0 else "ahead of"
     spread = "by the offset of that moment" if spread_s is None else f"spread {spread_s:.3f} s"
     return (

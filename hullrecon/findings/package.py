@@ -38,10 +38,12 @@ MEANING = {  # of the keys that no log can tell
 
 
 def _numbers(values: object) -> str:
+    """List numbers, or write a value that is no list as it is."""
     return ", ".join(f"{v:g}" for v in values) if isinstance(values, list | tuple) else str(values)
 
 
 def _unusable(what: str, where: str, remedy: str) -> str:
+    """Say why something cannot be used. where, remedy: as of a HullreconError, may be empty."""
     place = f" ({where})" if where else ""
     return f"{what}{place}{f': {remedy}' if remedy else ''}"
 
@@ -68,6 +70,7 @@ def _unread(topics: Sequence[str]) -> str:
 
 
 def _no_velocity(pings: int, stereo: bool) -> str:
+    """Say that a DVL has no velocity. stereo: there are two cameras, which can do without."""
     other = "give two cameras instead"
     if stereo:
         other = "leave the DVL away (topics.dvl, or its file in logs.files)"
@@ -100,6 +103,7 @@ def _absent(sensor: str, dvl: bool, stereo: bool) -> str:
 
 
 def _open_key(key: str, default: object, log_first: bool) -> str:
+    """Ask for a key that has a default. log_first: the log's tf_static comes before it."""
     until = "what the log's tf_static says, else " if log_first else ""
     return f"to fill in: {key}: {MEANING[key]}; until then {until}[{_numbers(default)}] is used"
 
@@ -113,6 +117,7 @@ def _open_calibration(key: str, camera: str) -> str:
 
 
 def _not_chosen(topics: Mapping[str, Sequence[str]]) -> str:
+    """Name topics that were not chosen, each with the sensors that it could be."""
     shown = ", ".join(f"{name} (could be {' or '.join(kinds)})" for name, kinds in topics.items())
     return f"not chosen, though of a type that is read: {shown}; name it in [topics] to use it"
 
@@ -122,6 +127,11 @@ def _mount(key: str, value: object, source: str) -> str:
 
 
 def _bow(axis: str, bow_m: float, given: bool, zero_m: float, ahead_m: float) -> str:
+    """Say where the bow is taken to be, and where stations count from.
+
+    axis: of the CAD model, along which bow_m and zero_m count: the bow, and station 0. given: by
+    hull.bow. ahead_m: station 0 ahead of the hull's aft end.
+    """
     why = "hull.bow" if given else f"where {axis} grows, as hull.bow is not given"
     counted = f"its {axis} = {_coordinate(zero_m)}{' m' if zero_m else ''}"
     return (
@@ -131,6 +141,7 @@ def _bow(axis: str, bow_m: float, given: bool, zero_m: float, ahead_m: float) ->
 
 
 def _stations(axis: str, zero_m: float, ahead_m: float) -> str:
+    """Doubt where stations count from, far from the aft end. Arguments as of `_bow`."""
     return (
         f"stations and frames count from {axis} = {_coordinate(zero_m)} m of the CAD model, "
         f"{_from_aft_end(ahead_m)}: if its bow is the other end, give hull.bow; if its aft "
@@ -172,12 +183,14 @@ def _mesh(file: str, faces: int, low_m: Sequence[float], high_m: Sequence[float]
 
 
 def _unused(reason: str) -> str:
+    """Make the template of a sentence on topics that a run would not use, for this reason."""
     return "a run would not use {topics}: " + reason
 
 
 def _costs(
     seconds: float, memory_mb: float, step: str, disk_mb: float, steps: Sequence[object]
 ) -> str:
+    """Say what a run costs. step: that which takes the most memory. steps: for the JSON alone."""
     return (
         f"a run takes about {_duration(seconds)} on two cores, {_amount(memory_mb)} of memory "
         f"({step}) and {_amount(disk_mb)} of disk"
@@ -185,6 +198,7 @@ def _costs(
 
 
 def _over_memory(step: str, needed_gb: float, allowed_gb: float, least_gb: float) -> str:
+    """Say that a step needs too much memory. least_gb: what it needs for the shortest dive."""
     parts = ", or map a part of the dive (dive.from, dive.to)" if least_gb < allowed_gb else ""
     return (
         f"{step} needs about {needed_gb:.3g} GB of memory, and a run may take {allowed_gb:.3g} GB: "

@@ -115,13 +115,15 @@ EVIDENCE = {
 
 
 def _evidence(kind: object, first: float, second: float) -> str:
-    degree = 57.29578
+    """Word what was compared, a key of EVIDENCE, and what either sensor measured, in SI units."""
+    degree = 57.29578  # degrees in a radian
     return EVIDENCE[str(kind)].format(
         first=first, second=second, first_deg=degree * first, second_deg=degree * second
     )
 
 
 def _fault(sensor: str, fault: str, value: str) -> str:
+    """Word a sensor's fault, a key of FAULTS. value: the unit, factor or axes that explain it."""
     said = FAULTS[sensor, fault].format(value=value, unit=UNITS.get(value, "Pa"))
     return f"{said}{NEAR_UNITS.get((sensor, value), '')}"
 
@@ -144,6 +146,7 @@ def _wrong(
 def _mended(
     sensor: str, fault: str, value: str, kind: str, first: float, second: float, misfit: float
 ) -> str:
+    """Say what was wrong with a sensor and was put right. Arguments as of `_wrong`."""
     said = _wrong(sensor, fault, value, kind, first, second, misfit)
     return f"{said}; {DONE.get(fault, 'they were put right')}"
 
@@ -182,11 +185,17 @@ def _unit_open(readings: Sequence[Sequence[object]]) -> str:
 
 
 def _beside(others: Sequence[str], seconds: float, after: bool) -> str:
+    """Say that a stream lies wholly before or after others. seconds: the gap between."""
     side = "after" if after else "before"
     return f"it was read {duration(seconds)} {side} {names(others)}, and never at the same time"
 
 
 def _shifted(seconds: float, shared_s: float, length_s: float, key: str) -> str:
+    """Say that a log is shifted in time as a whole.
+
+    seconds: later than the others, negative if earlier. shared_s: of its length_s within theirs.
+    key: of dive.toml, which would correct its clock.
+    """
     side = "after" if seconds > 0 else "before"
     return (
         f"it begins and ends {abs(seconds):.1f} s {side} all others, which begin and end together, "
@@ -198,6 +207,7 @@ LEAPS = {18: "GPS time is 18 s ahead of UTC", 37: "TAI is 37 s ahead of UTC"}
 
 
 def _moved(seconds: float, compared: str = "depth and DVL") -> str:
+    """Say that stamps, late by `seconds`, were put right. compared: what shows one motion then."""
     side = "late" if seconds > 0 else "early"
     leap = next((f" ({words})" for s, words in LEAPS.items() if abs(abs(seconds) - s) < 0.5), "")
     return (
@@ -247,6 +257,7 @@ def _apart(
 
 
 def _motions_apart(seconds: float) -> str:
+    """Say that depth and DVL show one motion at two times. seconds: to add to the DVL's stamps."""
     return (
         f"depth and DVL show one motion, {duration(abs(seconds))} apart: one of the clocks is "
         f"wrong; set dvl.time_offset = {seconds:.2f} if it is the DVL's, or "
@@ -255,6 +266,7 @@ def _motions_apart(seconds: float) -> str:
 
 
 def _in_other_unit(others: Sequence[str], factor: int, larger: bool) -> str:
+    """Say that stamps are a power of ten larger or smaller than others'."""
     size = "larger" if larger else "smaller"
     return (
         f"its stamps are {factor} times {size} than those of {names(others)}: they are in "
@@ -270,6 +282,7 @@ def _late(sensor: str, seconds: float) -> str:
 
 
 def _depth_steps(by_m: Sequence[float], first: str, offset_m: float) -> str:
+    """Say that steps of the depth were taken off, the first at `first`. offset_m: of heights."""
     steps = ", ".join(f"{step:+.2f}" for step in by_m)
     return (
         f"pressure: the depth steps by {steps} m at once ({first}), where the DVL saw no such "

@@ -398,10 +398,11 @@ def _beam_hits(
 ) -> Array:
     """Find where the chosen beams meet the CAD model, (n, 3) m in the problem's hull frame.
 
-    For a beam that misses, it is the end of the measured range.
+    For a beam that misses, it is the end of the measured range. Arguments as of `_range_table`.
     """
     used = returns.take(chosen.returns)
     ends = state.mounted(m.rig).dvl_points(used, state.path)
+    # the pose as the native problem has it, its quaternion normalised
     to_hull = pose_from_vector(pose_vector(_centred_pose(hull))).inverse()
     points, direction = to_hull.apply(ends.points), to_hull.rotation.apply(ends.directions)
     origin = points - direction * used.range_m[:, None]

@@ -81,7 +81,8 @@ def compacted(graph: Graph, state: State) -> tuple[Graph, State]:
 def linear_system(graph: Graph, state: State) -> tuple[csc_matrix, Array]:
     """Stack the derivatives of all residuals (rows, columns), and the residuals (rows,)."""
     of_poses, of_planes, size = graph.starts()
-    values, rows, columns, residuals, row = [], [], [], [], 0
+    values, rows, columns, residuals = [], [], [], []
+    row = 0  # the first one of the next table
     for table in graph.factors:
         at = table.linearise(state)
         count, width = at.residual.shape

@@ -130,7 +130,8 @@ def run(known: PlaneMap, rng: np.random.Generator, *, search: bool = True) -> Tr
     ) - np.pi
     likelihood = np.exp(-0.5 * (compass / HEADING_SIGMA) ** 2)
     particles = drawn_again(particles, likelihood / likelihood.sum(), rng)
-    images, true, there, shown, searched = [], [], [], [], -np.inf
+    images, true, there, shown = [], [], [], []  # as of `Trial`
+    searched = -np.inf  # m of the way at which images were searched last
     for k in range(len(truth)):
         if k:
             step = between(truth[k - 1], truth[k])[0].log()[0][[0, 1, 5]]

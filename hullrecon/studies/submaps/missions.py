@@ -24,10 +24,13 @@ class Strategy(Protocol):
         """Add a finished submap."""
 
     def last_frame(self) -> tuple[Array, Array]:
-        """Compute where the last submap ended, with covariance, in the mission's frame."""
+        """Compute the pose (3,) at which the last submap ended, and its covariance (3, 3).
+
+        The pose is x, y, m, and heading, rad, in the mission's frame.
+        """
 
     def landmarks(self) -> list[tuple[int, Array]]:
-        """List the landmarks with their places in the mission's frame."""
+        """List the landmarks: number of the true one, and place (2,) m in the mission's frame."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +91,7 @@ def run_strategy(submaps: Sequence[EkfMap], strategy: Strategy) -> Track:
     The track's poses are those known at the time: a later loop does not correct them.
     """
     parts = []
-    frame, covariance = np.zeros(3), np.zeros((3, 3))
+    frame, covariance = np.zeros(3), np.zeros((3, 3))  # x, y, heading of the next submap's start
     for built in submaps:
         parts.append((frame, covariance, built))
         strategy.add(built)

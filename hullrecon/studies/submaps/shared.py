@@ -28,7 +28,7 @@ IN_VIEW_M = 8.0  # what is copied at a border
 class Part:
     """A map in the mission's frame."""
 
-    keys: list[Key]
+    keys: list[Key]  # what the rows of the state hold, in their order
     mean: Array
     covariance: Array
     truth: dict[Key, int]  # only for judging
@@ -48,10 +48,10 @@ class SharedSeparators:
     def __init__(self, limits: Limits, effort: Effort) -> None:
         """Start with an empty map. effort: counts the multiplications that it takes."""
         self._effort, self._limits = effort, limits
-        self._done: list[Part] = []
-        self._filter = EkfMap(effort)
+        self._done: list[Part] = []  # finished maps
+        self._filter = EkfMap(effort)  # the newest map
         self._keys: list[Key] = []  # of the filter's landmarks
-        self._border: list[Key] = []
+        self._border: list[Key] = []  # the pose at which the newest map starts. Empty in the first
         self._own = 0  # landmarks that the newest map added itself
         self._known = 0  # landmarks so far
         self.costs: list[tuple[int, float]] = []  # step and multiplications, at each border
@@ -82,7 +82,10 @@ class SharedSeparators:
         return track_of(frames)
 
     def _part(self) -> Part:
-        """Copy the newest map as it is now. Its pose is the border to the next map."""
+        """Copy the newest map as it is now. Its pose is the border to the next map.
+
+        Keys name what the rows of the state hold: the pose, then the border, then landmarks.
+        """
         built = self._filter
         end = ("pose", len(self._done))
         truth = dict(zip(self._keys, built.truth, strict=True))

@@ -57,7 +57,7 @@ def find_rocks() -> StudyResult:
 
 def try_regions(floors: int) -> RegionTrial:
     """Find regions around each rock of new floors and match them over a quarter turn."""
-    recall, false, inliers, right = [], [], [], []
+    recall, false, inliers, right = [], [], [], []  # as of `RegionTrial`
     with_region = 0
     for seed in range(floors):
         floor = draw_floor(seed, ROCKS, STAINS)

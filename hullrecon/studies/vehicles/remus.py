@@ -151,12 +151,13 @@ def run_slam(survey: Survey, landmarks: int = LANDMARKS, state_sigmas: float = 1
     mission, whole = survey.mission, JoinedMap(axes=2)
     local = _start(survey, 0)
     n = len(mission.truth)
+    # By step: position as then known, with covariance, and position in a submap, with its number
     online, covariance = np.zeros((n, 2)), np.zeros((n, 2, 2))
-    own, submap = np.zeros((n, 3)), np.zeros(n, int)
+    in_submap, submap = np.zeros((n, 3)), np.zeros(n, int)
     by_step: dict[int, list[Sighting]] = {}
     for sighting in survey.sightings:
         by_step.setdefault(sighting.step, []).append(sighting)
-    wrong = 0
+    wrong = 0  # pairs of a sighting and a landmark that it is not of
     for step in range(n):
         if step:
             local.predict(mission.step_s, MOTION)
@@ -167,13 +168,13 @@ def run_slam(survey: Survey, landmarks: int = LANDMARKS, state_sigmas: float = 1
             else:
                 _navigate(local, survey, step)
         wrong += sum(_observe(local, it, survey.sigmas) for it in by_step.get(step, []))
-        submap[step], own[step] = len(whole.starts) - 1, local.vehicle[:3]
+        submap[step], in_submap[step] = len(whole.starts) - 1, local.vehicle[:3]
         online[step] = whole.starts[-1] + local.vehicle[:2]
         covariance[step] = whole.start_covariance(-1) + local.covariance[:2, :2]
     whole.join(_finish(local))
-    path = own.copy()
+    path = in_submap.copy()
     path[:, :2] += whole.starts[submap]
-    shift = mission.truth[0, :2]
+    shift = mission.truth[0, :2]  # the map starts at zero, the mission here
     return Run(
         online=online + shift,
         online_covariance=covariance,

@@ -118,10 +118,11 @@ def run_slam(survey: Survey, landmarks: int = LANDMARKS) -> Run:
     mission, whole = survey.mission, JoinedMap(axes=3, labelled=True)
     local = _start(mission, 0)
     n = len(mission.truth)
+    # By step: position as then known, with covariance, and position in a submap, with its number
     online, covariance = np.zeros((n, 3)), np.zeros((n, 3, 3))
-    own, submap = np.zeros((n, 3)), np.zeros(n, int)
+    in_submap, submap = np.zeros((n, 3)), np.zeros(n, int)
     predictions: list[Prediction] = []
-    again: dict[int, int] = {}
+    again: dict[int, int] = {}  # by landmark of the submap, how often it was seen again
     for step in range(n):
         if step:
             local.predict(mission.step_s, MOTION)
@@ -132,15 +133,15 @@ def run_slam(survey: Survey, landmarks: int = LANDMARKS) -> Run:
                 _navigate(local, mission, step)
         for label, pixel in survey.seen[step].items():
             predictions += _observe(local, step, label, pixel, again)
-        submap[step], own[step] = len(whole.starts) - 1, local.vehicle[:3]
+        submap[step], in_submap[step] = len(whole.starts) - 1, local.vehicle[:3]
         online[step] = whole.starts[-1] + local.vehicle[:3]
         covariance[step] = whole.start_covariance(-1) + local.covariance[:3, :3]
     whole.join(_finish(local))
-    shift = mission.truth[0, :3]
+    shift = mission.truth[0, :3]  # the map starts at zero, the mission here
     return Run(
         online=online + shift,
         online_covariance=covariance,
-        path=own + whole.starts[submap] + shift,
+        path=in_submap + whole.starts[submap] + shift,
         submap=submap,
         map=whole,
         predictions=predictions,

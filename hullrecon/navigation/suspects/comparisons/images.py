@@ -75,7 +75,7 @@ class Views:
         return self._motions_at(0)
 
     @cached_property
-    def late(self) -> Array:
+    def turn_if_late(self) -> Array:
         """Compute the change of the turns, (n, 3) rad, if images were exposed LATE_S later."""
         later = self._motions_at(round(LATE_S * NS))
         return np.asarray((later.rotation * self.second_from_first.rotation.inv()).as_rotvec())
@@ -174,7 +174,8 @@ def compare_view(views: Views) -> Comparison | None:
         return None
     moved, flows = views.second_from_first[rows], [views.flows[k] for k in rows.tolist()]
     turn, sigma = fit_turns(moved, [flow.first for flow in flows], [flow.second for flow in flows])
-    backlash, lag = TILT_RAD * views.tray_axis, views.late[rows]
+    # sigmas, rad: of the tray's angle, and of the turn meanwhile where images are exposed late
+    backlash, lag = TILT_RAD * views.tray_axis, views.turn_if_late[rows]
     # what the displacement across the view looks like, as a turn of the camera
     shift = cross(np.array([0.0, 0.0, 1.0]), moved.translation) / views.depth[rows, None]
     predicted = moved.rotation.as_rotvec() + shift
