@@ -146,11 +146,14 @@ def anchored(sessions: list[Session], seed: int, share: float = LINK_SHARE) -> A
 def align(sessions: list[Session], seed: int) -> Draw:
     """Align unaligned sessions by the first links alone, in one frame, and by anchors."""
     joint = anchored(sessions, seed)
+    # First by one link between each two sessions, then from there by all
     few = replace(joint, across=tuple(table.take(slice(0, 1)) for table in joint.across))
     first = solve(few.graph(), few.state)
     last = solve(joint.graph(), first.state)
     solved = replace(joint, state=last.state)
+    # sessions moved as a whole, so that they agree with these few links, and nothing solved
     laid = replace(joint, state=laid_on(few))
+    # the same two solves with all poses in one frame
     plain = solve(*one_frame(few))
     plain_last = solve(one_frame(joint)[0], plain.state)
     ways = (

@@ -108,7 +108,7 @@ class Hierarchy:
         return self.world.last_frame()
 
     def landmarks(self) -> list[tuple[int, Array]]:
-        """List each landmark of each submap with its place in the mission's frame."""
+        """List all landmarks: number of the true one, and place (2,) m in the mission."""
         places = []
         for frame, built in zip(self.world.frames(), self._maps, strict=False):
             places += list(zip(built.truth, place(frame, built.points), strict=True))

@@ -121,7 +121,7 @@ class SelectiveJoining:
         return self.world.last_frame()
 
     def landmarks(self) -> list[tuple[int, Array]]:
-        """List each landmark of each submap with its place in the mission's frame."""
+        """List all landmarks: number of the true one, and place (2,) m in the mission."""
         frames = self.world.frames()
         places = []
         for submap in self.submaps:

@@ -155,7 +155,7 @@ class JoinedSequence:
         return pose, covariance
 
     def landmarks(self) -> list[tuple[int, Array]]:
-        """List each landmark of each map with its place in the mission's frame."""
+        """List the landmarks of each map: number of the true one, place (2,) m in the mission."""
         pose, places = np.zeros(3), []
         for _, built in self._maps:
             places += list(zip(built.truth, place(pose, built.points), strict=True))

@@ -99,7 +99,10 @@ def make_surface(
 
 
 def measure(surface: Surface, chart: Chart, truth: Truth) -> Deviation:
-    """Measure a surface where returns support it and the truth is known."""
+    """Measure how far a surface lies from the CAD model and from the steel as built.
+
+    Only vertices count that returns support, and at which the truth is known.
+    """
     known = _known(surface, truth)
     at, off = surface.vertices[known], surface.deviation[known]
     girth = chart.to_chart(at)[:, 1]

@@ -250,7 +250,10 @@ def roughness_deg(mesh: Mesh) -> float:
 
 
 def _draw_relief(axis: Axes, surface: Surface, chart: Chart, title: str) -> None:
-    """Draw a surface on the chart, lit from along the hull."""
+    """Draw a surface on the chart, lit from along the hull.
+
+    title: ends with the rms angle, to which "between faces" is added.
+    """
     at = chart.to_chart(surface.vertices)
     normals = face_normals(surface.mesh())
     # grazing light along the hull, so that what is not smooth shows

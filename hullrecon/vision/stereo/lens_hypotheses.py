@@ -123,6 +123,7 @@ def _fit(
         options={"initial_simplex": simplex, "maxfev": EVALUATIONS, "xatol": 1e-5, "fatol": 1e-3},
     )
     camera = "both cameras'" if which == "both" else f"the {which} camera's"
+    # a shift of the top camera's has the same effect, and is not fitted (`_causes`)
     if which == "bottom" and name == "principal point":
         camera = "one camera's"
     amount = {

@@ -135,7 +135,8 @@ def _ranges_along_beams(
 ) -> tuple[Array, float]:
     """Convert ranges (n, b), as logged, to metres along the beams, and find their scale's sigma.
 
-    They may have been logged as distances along the DVL's axis, or in another unit.
+    They may have been logged as distances along the DVL's axis, or in another unit. `ranges` is
+    changed in place.
 
     directions: (b, 3) of the beams in `dvl`.
     """

@@ -89,6 +89,7 @@ def fast_rotation(attitude: AttitudeHistory) -> Callable[[Ints], Rotation]:
         return attitude.rotation
     same_side = np.where((start * attitude.quaternion[1:]).sum(axis=1) < 0, -1.0, 1.0)
     stop = attitude.quaternion[1:] * same_side[:, None]
+    # between both quaternions, in half turns, as of `sinc`
     angle = 2 * np.arcsin(np.minimum(0.5 * np.linalg.norm(stop - start, axis=1), 1.0)) / np.pi
     start, stop = (ends / np.sinc(angle)[:, None] for ends in (start, stop))
     duration = np.maximum(1, np.diff(t_ns))
