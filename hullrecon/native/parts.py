@@ -56,7 +56,7 @@ class PartsResult:
     iterations: IterationRecord
     converged: bool
     message: str
-    seconds: dict[str, float]
+    seconds: dict[str, float]  # that the steps took, by stage
 
 
 def solve_parts(

@@ -49,6 +49,7 @@ class Options:
     huber_position: float = 1.856  # norm of 2 rows
     link_phi: float = 5.0  # of LinkKernel, in units of a link's whitened square
     max_iterations: int = 100
+    # as of ceres::Solver::Options: when a solve has converged, and the first trust region
     function_tolerance: float = 1e-6
     gradient_tolerance: float = 1e-10
     parameter_tolerance: float = 1e-8
@@ -70,7 +71,7 @@ class IterationRecord:
     """
 
     cost: Array  # robustified, at the point that was tried
-    cost_change: Array
+    cost_change: Array  # by how much the step lowered the cost
     step_norm: Array
     gradient_norm: Array  # largest entry
     radius: Array  # of the trust region
@@ -111,8 +112,8 @@ class Evaluation:
     factor: Ints32  # (R,) index into FACTORS
     table_row: Ints32  # (R,) in the factor's table
     jacobian_start: Ints  # (R + 1,) of compressed rows
-    jacobian_column: Ints
-    jacobian_value: Array
+    jacobian_column: Ints  # (e,) of each entry that is not zero
+    jacobian_value: Array  # (e,)
     width: int  # number of columns
     # a block's name ("pose 0", "landmark 3", "T_g_M", "deviation 2", "plane 4", "link_switch 1") to
     # (first column, count)

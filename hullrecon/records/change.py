@@ -45,7 +45,7 @@ class SurveyOffset:
     prior_covariance: Array  # (6, 6) sum of both hull poses' covariances
     center: Array  # (3,) m in M
     chi_square: float  # of the offset by its prior, 6 degrees of freedom
-    p_value: float
+    p_value: float  # probability of as large a chi-square
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +56,7 @@ class ObjectChange:
     first_id: int | None  # in the first survey's objects.json
     second_id: int | None  # in the second survey's
     center: Array  # (3,) m in the first survey's M
-    along_girth: Array
+    along_girth: Array  # (2,) m on the chart
     outline: Array  # (k, 2) m along and in girth there
     height_before: float  # m above the hull around it, NaN if not seen
     height_after: float  # m
@@ -74,7 +74,7 @@ class ObjectChange:
 class SurfaceMove:
     """A part of bare hull that moved."""
 
-    along_girth: Array
+    along_girth: Array  # (2,) m of its middle on the chart
     outline: Array  # (k, 2) m along and in girth
     move: float  # m, outward positive
     move_sigma: float
@@ -91,7 +91,7 @@ class ChangeMap:
     # m, second survey's height minus the first's without the offset, NaN unless both saw the hull
     change: Array
     sigma: Array  # m
-    first_seen: Mask
+    first_seen: Mask  # cells that the first survey saw
     second_seen: Mask
 
 

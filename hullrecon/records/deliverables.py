@@ -33,13 +33,13 @@ class ReportedObject(PositionMembers):
     """A row of objects.json: m, m2, m3, points in the frame of summary.json."""
 
     center: Point
-    height: float
+    height: float  # over the hull around it, negative for a recess
     id: int = 0
-    normal: Point = (0.0, 0.0, 0.0)
+    normal: Point = (0.0, 0.0, 0.0)  # outward
     height_sigma: float | None = None
-    deviation: float | None = None
+    deviation: float | None = None  # of its top from the CAD model
     deviation_sigma: float | None = None
-    extent: tuple[float, float] = (0.0, 0.0)
+    extent: tuple[float, float] = (0.0, 0.0)  # along the hull and in girth
     extent_sigma: tuple[float, float] | None = None
     area: float = 0.0
     area_sigma: float | None = None
@@ -68,7 +68,7 @@ class SensorCoverage:
 
     area_m2: float | None = None
     area_sigma_m2: float | None = None  # None if unknown
-    area_twice_m2: float | None = None
+    area_twice_m2: float | None = None  # seen at least twice
     gsd_m: Mapping[str, float] | None = None  # ground sample distance
     incidence_deg: Mapping[str, float] | None = None  # of the best view
     views: Mapping[str, float] | None = None

@@ -65,7 +65,7 @@ class FactorResiduals(StepDocument, frozen=True):
     """Residuals of one kind of measurement, each divided by its sigma."""
 
     rms: float
-    count: float = 0
+    count: float = 0  # of residuals
     robust_sigma: float | None = None  # from their median
     share_beyond_3: float | None = None  # share of the residuals beyond three sigmas
 
@@ -73,7 +73,7 @@ class FactorResiduals(StepDocument, frozen=True):
 class AdjustSigmas(StepDocument, frozen=True):
     """Sigmas by which the adjustment weighted measurements, None of what was not measured."""
 
-    pixel_px: float | None = None
+    pixel_px: float | None = None  # of a feature
     range_m: float | None = None  # of a DVL range
 
 
@@ -90,8 +90,8 @@ class SensorErrors(StepDocument, frozen=True):
 class RefinedParameter(StepDocument, frozen=True):
     """An intrinsic parameter of a camera that the adjustment estimated."""
 
-    calibrated: float
-    found: float
+    calibrated: float  # px for focal lengths and the principal point
+    found: float  # as estimated
     sigma: float  # of the value found
 
 

@@ -41,7 +41,7 @@ class Ended:
 
     exit_code: int  # 128 + signal if a signal ended it, as in a shell, 4 if its time was over
     reason: str  # empty when all was well
-    seconds: float
+    seconds: float  # that it took
     timed_out: bool = False
 
 
@@ -53,7 +53,7 @@ class _Running(Generic[Key]):
     process: subprocess.Popen[bytes]
     output: IO[bytes]
     errors: IO[bytes]
-    started: float
+    started: float  # s, by time.monotonic
 
 
 def run_each(

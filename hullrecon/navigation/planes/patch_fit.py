@@ -29,7 +29,7 @@ class PatchFit:
     center: Array  # (3,) on the surface
     axes: Array  # (3, 3), columns azimuth, elevation, normal towards the vehicle
     curvature: Array  # (3,) 1/m: K_aa, K_ae, K_ee, towards the vehicle
-    curvature_covariance: Array
+    curvature_covariance: Array  # (3, 3)
     plane_covariance: Array  # (3, 3) of (height m, slopes) at the centre, given K
     by_curvature: Array  # (3, 3) derivative of height and slopes by K
     sigma_m: float  # of a range

@@ -56,7 +56,7 @@ class StructureHeights:
     """The height of one structure over the hull around it, m."""
 
     kind: str
-    true: float
+    true: float  # median at the points of dense stereo
     features: Array  # (n,) of landmarks on top of it
     dense: Array  # (m,) of dense stereo
 

@@ -124,6 +124,7 @@ class EkfMap:
         by_pose[:2, 2] = start[1] - self.mean[1], self.mean[0] - start[0]
         self._predicted = self.mean[:3].copy()
         size = len(self.mean)
+        # The same result by products of whole matrices, as printed, or of what changes alone
         if self._whole:
             moved = np.eye(size)  # F
             moved[:3, :3] = by_pose

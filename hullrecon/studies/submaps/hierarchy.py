@@ -35,7 +35,8 @@ class Hierarchy:
         self.world = GlobalMap()
         self.loops: list[Loop] = []
         self._maps: list[PlainMap] = []
-        self._links: list[tuple[Array, Array]] = []  # as measured
+        # By submap, the pose (3,) of its end in its frame, as measured, with covariance (3, 3)
+        self._links: list[tuple[Array, Array]] = []
         self._effort = effort
         self._rng = np.random.default_rng(SEED)
 
@@ -81,7 +82,10 @@ class Hierarchy:
         return [(first, second, *register(old, new, pairs, pose))]
 
     def _adjust(self) -> None:
-        """Adjust all transforms to the submaps' ends and to the loops, by Gauss-Newton."""
+        """Adjust all transforms to the submaps' ends and to the loops, by Gauss-Newton.
+
+        `world.mean` holds three unknowns for each submap: x, y and heading of its end in its frame.
+        """
         size = len(self.world.mean)
         for _ in range(ITERATIONS):
             matrix, vector = np.zeros((size, size)), np.zeros(size)

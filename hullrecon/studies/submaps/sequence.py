@@ -34,9 +34,9 @@ SEED = 5  # of random draws
 class PlainMap:
     """The car's last pose and landmarks, in the frame of the map's start."""
 
-    mean: Array  # (3 + 2n,)
-    covariance: Array
-    truth: tuple[int, ...]  # only for judging
+    mean: Array  # (3 + 2n,) x, y, heading, then the landmarks
+    covariance: Array  # (3 + 2n, 3 + 2n)
+    truth: tuple[int, ...]  # numbers of the true landmarks, only for judging
 
     @property
     def points(self) -> Array:

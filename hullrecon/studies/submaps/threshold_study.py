@@ -34,10 +34,10 @@ class Trial:
     """Missions at one threshold, averaged."""
 
     threshold: float
-    multiplications: float
+    multiplications: float  # of all stages
     seconds: float
-    fusions: float
-    maps: float
+    fusions: float  # number of pairs of submaps that were fused
+    maps: float  # number of submaps that were left
     error_m: float  # mean of the car's position
 
 

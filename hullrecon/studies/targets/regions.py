@@ -30,7 +30,7 @@ class Regions:
     """Regions of interest with the pictures on the way, (h, w) each."""
 
     even: Pixels  # grey, light evened, normalised
-    edges: Mask
+    edges: Mask  # by Canny
     joined: Mask  # edges joined, specks dropped
     by_edges: Mask  # regions of these, filled
     hue: Array  # rad, -pi to pi

@@ -111,6 +111,7 @@ class _Files:
 
     start: Ints  # (images + 1,) first row of each image in the arrays below
     saliency: Array  # (images,)
+    # rows of all images: the fields of `Features`
     keypoints: Floats32
     descriptors: NDArray[np.uint8]
     color: NDArray[np.uint8]
