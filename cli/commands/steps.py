@@ -44,6 +44,7 @@ def command(name: str) -> click.Command:
     @click.argument("package", type=FOLDER)
     @run_options
     def step(package: Path, overrides: tuple[str, ...], **options: Any) -> None:
+        """Run the chain up to the step. Options that are given override its section."""
         common = {name: options.pop(name) for name in _COMMON}
         given = [
             f"{name}.{option}={_toml(value)}"

@@ -129,6 +129,7 @@ def _table_command(name: str, about: str, short: str) -> click.Command:
     def run(
         package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool
     ) -> None:
+        """Run the study on a dive, and print its table."""
         from hullrecon.evaluation.score import without_nan
         from hullrecon.studies import run_studies
 

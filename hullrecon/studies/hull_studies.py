@@ -25,6 +25,7 @@ def _compare_methods(given: StudyDive) -> StudyResult:
 
 
 def _compare_surfaces(given: StudyDive) -> StudyResult:
+    """Tabulate the scores of the surfaces of a dive, by variant."""
     from hullrecon.studies.surfaces.comparison import compare_surfaces, surface_table
 
     values = compare_surfaces(given.dive, given.truth, given.run_context)
@@ -32,6 +33,7 @@ def _compare_surfaces(given: StudyDive) -> StudyResult:
 
 
 def _compare_links(given: StudyDive) -> StudyResult:
+    """Tabulate the scores of the paths by links of a dive, by variant."""
     from hullrecon.studies.matching.comparison import compare_links, link_table
 
     values = compare_links(given.dive, given.truth, given.run_context)

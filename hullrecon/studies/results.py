@@ -126,6 +126,7 @@ def _csv(rows: Sequence[Sequence[str]]) -> str:
 
 
 def _without_nan(compared: Sequence[ComparedValue]) -> tuple[ComparedValue, ...]:
+    """Replace values that are not finite by None, as JSON has none."""
     return tuple(
         value
         if value.ours is None

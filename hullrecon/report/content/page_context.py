@@ -132,7 +132,10 @@ def draw_page(
 
 
 def join_drawings(printed: PageContext, drawn: PageContext) -> PageContext:
-    """Join the variables that page and PDF share with the drawings of the page."""
+    """Join the variables that page and PDF share with the drawings of the page.
+
+    Without a 3-D scene the section "view" is left out, and those behind it are numbered anew.
+    """
     sections = [
         section for section in printed["sections"] if section[0] != "view" or drawn["has_scene"]
     ]

@@ -141,6 +141,7 @@ def _compare(scores: dict[str, dict[str, Score]], sure: Score) -> tuple[Compared
 
 
 def _losses(score: Score) -> str:
+    """Say in how many fields pairs are lost, and how many pairs are false."""
     return (
         f"{100 * (1 - score.complete):.0f} % of the fields lose a pair, "
         f"{score.false_pairs} of {score.pairs} pairs are false"

@@ -114,7 +114,7 @@ def study() -> StudyResult:
 
 
 def draw(exact: list[Array]) -> PublishedFigure:
-    """Draw the views of the board, by their corners (n, 2) px [Aulinas2011 Fig. 4.23]."""
+    """Draw the views of the board, by their exact corners (n, 2) px [Aulinas2011 Fig. 4.23]."""
     figure, axes = new_canvas(9.6, 4.0, 2, 4, sharex="all", sharey="all")
     table = ["view,u_px,v_px"]
     for k, (axis, seen) in enumerate(zip([*axes[0], *axes[1]], exact, strict=True)):

@@ -69,7 +69,10 @@ def _patch(size_m: float) -> Array:
 def patch_sigmas(
     rng: np.random.Generator, at: Array, regression: Regression, patches: list[Array]
 ) -> PatchSigmas:
-    """Compute the sigma of each patch's mean, and its errors' scatter over drawn fields."""
+    """Compute the sigma of each patch's mean, and its errors' scatter over drawn fields.
+
+    at: (RETURNS, 2) m, to which the regression was fitted. patches: vertices (v, 2) m of each.
+    """
     everywhere = np.vstack([at, *patches])
     lower = np.linalg.cholesky(
         KERNEL.covariance(everywhere).toarray() + 1e-12 * np.eye(len(everywhere))

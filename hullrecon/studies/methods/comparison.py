@@ -120,6 +120,7 @@ def _unit(name: str) -> str:
 
 
 def _cell(name: str, parts: MethodFigures) -> str:
+    """Write a figure by its name, part.key, in mm if it is a length. "-" where it is none."""
     part, _, key = name.partition(".")
     value = parts.get(part, {}).get(key)
     if not isinstance(value, int | float):

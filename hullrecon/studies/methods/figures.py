@@ -118,6 +118,7 @@ def _aligned(v: SolvedVariant, start: DeadReckoning, truth: Truth) -> tuple[Arra
 def _section(
     v: SolvedVariant, start: DeadReckoning, truth: Truth, structure: TrueStructure
 ) -> CrossSection:
+    """Slice the hull through a structure, as a variant solved it."""
     landmarks, dvl = _aligned(v, start, truth)
     return cut_section(
         (v.method, v.weighting), structure, landmarks, v.solution.landmarks.label == 1, dvl, truth
@@ -127,6 +128,7 @@ def _section(
 def _overview(
     v: SolvedVariant, start: DeadReckoning, truth: Truth, structure: TrueStructure
 ) -> WholeSection:
+    """Slice across the whole hull at a structure, as a variant solved it."""
     landmarks, dvl = _aligned(v, start, truth)
     return cut_whole_hull(structure, landmarks, v.solution.landmarks.label == 1, dvl, truth)
 

@@ -91,7 +91,20 @@ def cut_section(
 ) -> CrossSection:
     """Slice the hull through a structure, HALF_M to either side along the hull.
 
-    Points are in M, aligned. The DVL's few returns are taken from a slice five times as thick.
+    The DVL's few returns are taken from a slice five times as thick.
+
+    Parameters
+    ----------
+    solve
+        Names of the solve's method and of its weighting.
+    structure
+        Through the middle of which the hull is cut.
+    landmarks, on_surface
+        (l, 3) m in M, aligned with the truth, and which of them (l,) the solve put on the hull.
+    dvl
+        (n, 3) m, ends of the beams, likewise.
+    truth
+        Gives the profiles of the steel and of the CAD model.
     """
     axes = _axes(structure)
     foot = np.array(structure.center) - structure.height * axes[2]
@@ -118,7 +131,10 @@ def cut_whole_hull(
     dvl: Array,
     truth: Truth,
 ) -> WholeSection:
-    """Slice across the whole hull at the structure, in M's y and z (x forward)."""
+    """Slice across the whole hull at the structure, in M's y and z (x forward).
+
+    Parameters are those of `cut_section`.
+    """
     at = np.array(structure.center)
     near, hit = np.abs(landmarks[:, 0] - at[0]) < HALF_M, np.abs(dvl[:, 0] - at[0]) < 5 * HALF_M
     cad_model = np.zeros((0, 2))
@@ -149,6 +165,7 @@ def _axes(structure: TrueStructure) -> Array:
 
 
 def _inside(local: Array, half_m: float, reach_m: float) -> Mask:
+    """Mark points (n, 3) m in axes of `_axes`, within 0.4 m of the hull, that a slice holds."""
     return (
         (np.abs(local[:, 0]) < half_m)
         & (np.abs(local[:, 1]) < reach_m)
@@ -157,7 +174,10 @@ def _inside(local: Array, half_m: float, reach_m: float) -> Mask:
 
 
 def _profile(surface: Scene, foot: Array, axes: Array, line: Array) -> Array:
-    """Cast rays from outside onto the surface, as (m, 2) tangent and height."""
+    """Cast rays from outside onto the surface: profile (m, 2), m over the girth and outward.
+
+    foot, axes: origin (3,) and rows (3, 3), as of `_axes`. line: (k,) m over the girth from foot.
+    """
     start = foot + line[:, None] * axes[1] + 0.5 * axes[2]
     way = surface.cast(start, np.tile(-axes[2], (len(line), 1)))
     met = np.isfinite(way) & (way < 1.2)

@@ -255,6 +255,7 @@ def draw_pair(pair: RectifiedPair) -> PublishedFigure:
 
 
 def _draw_lined(axis: Axes, image: Pixels, title: str) -> None:
+    """Draw an image with vertical lines, along which a rectified pair shows the same points."""
     axis.imshow(image)
     for at in np.linspace(0, image.shape[1], LINES + 2)[1:-1]:
         axis.axvline(at, color="white", linewidth=0.6)

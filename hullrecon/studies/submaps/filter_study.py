@@ -78,6 +78,7 @@ def study_filters() -> StudyResult:
 
 
 def _largest(states: list[tuple[Gaussian, Gaussian]]) -> tuple[float, float]:
+    """Compute the largest differences in mean and in covariance between two states of each pair."""
     return (
         max(float(np.abs(a.mean - b.mean).max()) for a, b in states),
         max(float(np.abs(a.covariance - b.covariance).max()) for a, b in states),

@@ -115,6 +115,7 @@ _MARKS = {"old": ("o", COLOURS["maxmix"]), "new": ("s", COLOURS["geva"]), "fused
 
 
 def _fusion_caption(fusion: Fusion) -> str:
+    """Write the caption of the figure of a fusion."""
     return (
         f"Two submaps with {fusion.shared} landmarks in common, before and after their fusion; "
         f"the new one moves by {fusion.moved_m:.2f} m."

@@ -98,6 +98,7 @@ def run_missions(world: World, limits: Limits) -> list[Mission]:
 
 
 def _filter(name: str, world: World, whole: bool) -> Mission:
+    """Run the mission by one filter. whole: as of `EkfMap`."""
     effort = Effort()
     built, track = run_filter(world.log, effort, whole)
     places = list(zip(built.truth, built.landmarks, strict=True))

@@ -213,7 +213,10 @@ class Boost:
 
 
 def rates(layers: list[Layer], values: Array, is_target: Mask) -> Rates:
-    """Measure the shares of targets and of others that are left after each layer."""
+    """Measure the shares of targets and of others that are left after each layer.
+
+    values: features (n, f) of samples. is_target: (n,) which of them are targets.
+    """
     left = np.ones(len(values), bool)
     detection, false = [], []
     for layer in layers:
