@@ -95,6 +95,7 @@ def _beyond(height: Array, other: Array, cells: int) -> Array:
     """
     from scipy.ndimage import maximum_filter, minimum_filter
 
+    # a disc of cells
     reach = np.hypot(*np.mgrid[-cells : cells + 1, -cells : cells + 1]) <= cells + 0.5
     known = np.isfinite(other)
     top = maximum_filter(

@@ -88,6 +88,7 @@ def _points_between(vertices: Array, faces: Ints32) -> Array:
         corner = vertices[faces[rows]]
         edge = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max(axis=1, initial=0)
         parts[rows] = np.ceil(edge / CELL_M)
+    # Faces with as many parts along their longest edge get the same barycentric coordinates
     covers = [np.zeros((0, 3))]
     for count in np.unique(parts[parts > 1]).tolist():
         first, second = np.mgrid[: count + 1, : count + 1].reshape(2, -1)

@@ -204,6 +204,7 @@ def _sigma_by_response(
     of_corners = None
     if corner.sum() >= MIN_RESIDUALS:
         of_corners = _sigma_of_lengths(length[corner], redundancy[corner])
+    # Groups of equal size, between quantiles of the response
     responds = np.flatnonzero(response > 0)
     edges = np.unique(
         np.quantile(response[responds], np.arange(1, RESPONSE_GROUPS) / RESPONSE_GROUPS)

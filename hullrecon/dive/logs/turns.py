@@ -35,6 +35,7 @@ def turns_within_seconds(
     if len(t_ns) < 2:
         return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0)
     lasts_s = np.diff(t_ns) / NS
+    # Integral of the rates up to each reading, and the first reading of each second
     total = np.concatenate(
         [np.zeros((1, 3)), np.cumsum(0.5 * (rates[1:] + rates[:-1]) * lasts_s[:, None], axis=0)]
     )

@@ -152,6 +152,7 @@ def tie_planes(patches: Patches, pairs: PatchPairs, returns: Returns) -> TiedPla
     mean number of pairs of its two patches.
     """
     used = np.unique(np.concatenate([pairs.first, pairs.second]))
+    # number of each patch's plane, and of its pairs
     number = np.full(len(patches), -1, np.int64)
     number[used] = np.arange(len(used))
     degree = np.bincount(np.concatenate([pairs.first, pairs.second]), minlength=len(patches))

@@ -148,7 +148,7 @@ class Hypothesis:
         d, have = self._sets.dimension, len(self.pairs) * self._sets.dimension
         whitening = self._whitening[:have, :have]
         gain = whitening @ self._across(pair)
-        rest = self._sets.covariance(pair, pair) - gain.T @ gain
+        rest = self._sets.covariance(pair, pair) - gain.T @ gain  # given the pairs before
         inverse = np.linalg.inv(np.linalg.cholesky(rest))
         new = slice(have, have + d)
         self._whitening[new, :have] = -inverse @ gain.T @ whitening

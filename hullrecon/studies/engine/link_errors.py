@@ -41,9 +41,11 @@ def link_errors(links: CameraLinks, hull_from_camera: Poses) -> LinkErrors:
     errors = []
     for k, rotation in enumerate(turn.as_rotvec()):
         length = float(np.linalg.norm(links.translation[k]))
+        # Across the true direction, two shifts of the measured one, as angles
         wanted = true.translation[k] / np.linalg.norm(true.translation[k])
         across = mono_motion.tangent_basis(wanted)
         off = across.T @ links.translation[k] / length
+        # the covariance (6, 6) of the link, of these two and of the rotation
         by = np.zeros((5, 6))
         by[:2, :3], by[2:, 3:] = across.T / length, np.eye(3)
         whole = np.concatenate([off, rotation])

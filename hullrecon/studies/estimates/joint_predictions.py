@@ -73,6 +73,7 @@ def patch_sigmas(
 
     at: (RETURNS, 2) m, to which the regression was fitted. patches: vertices (v, 2) m of each.
     """
+    # Draw fields at returns and patches, and regress each from its noisy values at the returns
     everywhere = np.vstack([at, *patches])
     lower = np.linalg.cholesky(
         KERNEL.covariance(everywhere).toarray() + 1e-12 * np.eye(len(everywhere))
@@ -88,6 +89,7 @@ def patch_sigmas(
         count = len(patch)
         error = regression.kernel.matrix(patch, at) @ weights - fields[start : start + count]
         start += count
+        # sigma of the mean by the joint covariance, as if independent, as if fully correlated
         found["joint"].append(float(np.sqrt(covariance.mean())))
         found["independent"].append(float(np.sqrt(own.sum()) / count))
         found["common"].append(float(np.sqrt(own).mean()))

@@ -139,6 +139,7 @@ def cut_whole_hull(
     near, hit = np.abs(landmarks[:, 0] - at[0]) < HALF_M, np.abs(dvl[:, 0] - at[0]) < 5 * HALF_M
     cad_model = np.zeros((0, 2))
     if truth.cad_model is not None and near.any():
+        # Rays from 5 m outside of the structure's side to 3 m inside, over the landmarks' heights
         low, high = landmarks[near, 2].min() - 0.8, landmarks[near, 2].max() + 0.8
         side = np.sign(structure.normal[1]) or 1.0
         start = np.stack(

@@ -193,6 +193,7 @@ def error_ellipses(track: VehicleTrack, in_hull: Poses, nodes: Ints) -> list[Arr
 
     in_hull: poses of all the track's nodes in M.
     """
+    # from the track's frame to M
     turn = (in_hull[nodes].rotation * track.poses[nodes].rotation.inv()).as_matrix()
     covariance = (turn @ track.covariance[nodes, :3, :3] @ turn.swapaxes(1, 2))[:, :2, :2]
     values, vectors = np.linalg.eigh(covariance)

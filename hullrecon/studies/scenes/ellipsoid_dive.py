@@ -53,8 +53,9 @@ def spiral_around_a_sphere(
     rng = np.random.default_rng(seed)
     reach = radius_m + STANDOFF_M
     turned = np.arange(0, 2 * np.pi * turns, STEP_M / reach)
-    down = 0.5 * turned / (2 * np.pi) - 0.25 * turns
+    down = 0.5 * turned / (2 * np.pi) - 0.25 * turns  # m below the middle
     out = np.column_stack([-np.cos(turned), -np.sin(turned)]) * np.sqrt(reach**2 - down**2)[:, None]
+    # roll, pitch and yaw swing by 0.6 degrees about facing the middle
     wobble = np.radians(0.6) * np.sin(np.outer(np.arange(len(turned)), [0.11, 0.17, 0.07]))
     rpy = wobble + np.c_[np.zeros((len(turned), 2)), turned]
     truth = from_rpy(np.column_stack([out + np.r_[radius_m, 0], down + POLE_DEPTH_M]), rpy)

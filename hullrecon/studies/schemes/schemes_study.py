@@ -135,6 +135,7 @@ def _moment(graph: Hierarchy) -> Moment:
 
 def correlation_left(found: shared.Normal) -> float:
     """Compute the largest correlation of both submaps' own variables given what they share."""
+    # four variables of the first, then those of the second
     own = np.r_[shared.FIRST, shared.SECOND]
     across = found.covariance[np.ix_(own, shared.SHARED)]
     given = np.linalg.inv(found.covariance[np.ix_(shared.SHARED, shared.SHARED)])

@@ -91,7 +91,7 @@ def in_two_submaps(rows: list[tuple[str, str, Array, float]]) -> Normal:
     of_first = [row for row in rows if row[0] in own and row[1] in own]
     of_second = [row for row in rows if row not in of_first]
     first = solved(*information(of_first, start=True), np.r_[FIRST, SHARED])
-    a, c = slice(0, 4), slice(4, 6)
+    a, c = slice(0, 4), slice(4, 6)  # what the first has alone, and what is shared
     matrix, vector = information(of_second, start=False)
     known = np.linalg.inv(first.covariance[c, c])
     matrix[np.ix_(SHARED, SHARED)] += known

@@ -68,10 +68,10 @@ def join(
     count = len(states)
     sizes = np.array([len(s.poses) for s in states])
     planes = np.array([len(s.planes) for s in states])
-    first_pose = count + np.cumsum([0, *sizes[:-1]])
+    first_pose = count + np.cumsum([0, *sizes[:-1]])  # anchors stand first
     first_plane = np.cumsum([0, *planes[:-1]])
     within: list[Factors] = []
-    held: list[Priors | None] = [None] * count
+    held: list[Priors | None] = [None] * count  # prior of each session in its own frame
     for k, tables in enumerate(factors):
         names = first_pose[k] + np.arange(sizes[k]), first_plane[k] + np.arange(planes[k])
         for table in tables:

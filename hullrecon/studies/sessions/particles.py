@@ -56,6 +56,7 @@ def spread(known: PlaneMap, depth_m: float, count: int, rng: np.random.Generator
         node, _ = known.nearest(place)
         plane = known.planes[node]
         squared = np.sum(plane**2, axis=1)
+        # m outward of the plane {x : plane @ x = -|plane|^2}
         outside = -(np.sum(plane * place, axis=1) + squared) / np.sqrt(squared)
         found.append(place[(outside > 0) & (outside < FREE_M)][:, :2])
     place = np.concatenate(found)[:count]

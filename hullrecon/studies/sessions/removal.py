@@ -164,6 +164,7 @@ def target(
     poses = np.unique(np.concatenate([table.poses.ravel() for table in taken])).astype(int)
     planes = np.unique(np.concatenate([table.planes.ravel() for table in taken])).astype(int)
     size = 6 * len(poses) + 3 * len(planes)
+    # Information and gradient of all that these factors see, poses first, then planes
     whole, slope = np.zeros((size, size)), np.zeros(size)
     for table in taken:
         at = table.linearise(state)
@@ -173,6 +174,7 @@ def target(
         flat = rows.reshape(-1, size)
         whole += flat.T @ flat
         slope += flat.T @ at.residual.ravel()
+    # The Schur complement on what is kept (c) of what is removed (m)
     gone = np.concatenate([np.repeat(poses == removed[0], 6), np.repeat(planes == removed[1], 3)])
     kept = ~gone
     back = whole[np.ix_(kept, gone)] @ _inverse(whole[np.ix_(gone, gone)])

@@ -128,6 +128,7 @@ def survey(truth: Poses, rng: np.random.Generator, planes: bool = True) -> Sessi
     local, count = frame.inverse() @ truth, len(truth)
     steps = np.column_stack([np.arange(count - 1), np.arange(1, count)])
     odometry = _links(local, steps, ODOMETRY_SIGMA, rng)
+    # The start is the odometry chained
     reckoned = [local[0]]
     for k in range(count - 1):
         reckoned.append(reckoned[-1] @ odometry.measured[k])

@@ -23,6 +23,7 @@ HEADS = ("against the batch", "largest difference of the mean", "of the covarian
 def linear_problem(seed: int, steps: int = STEPS) -> tuple[Gaussian, list[LinearStep]]:
     """Simulate a point of constant velocity in the plane, whose place is observed."""
     rng = np.random.default_rng(seed)
+    # State: position, m, and velocity, m/s. Random accelerations of 0.2 m/s2 act through `into`
     move = np.eye(4)
     move[0, 2] = move[1, 3] = STEP_S
     into = np.array([[STEP_S**2 / 2, 0], [0, STEP_S**2 / 2], [STEP_S, 0], [0, STEP_S]])

@@ -78,6 +78,7 @@ class GlobalMap:
         poses = self.frames()[: frame + 1]
         cos, sin = np.cos(poses[:-1, 2]), np.sin(poses[:-1, 2])
         ahead = poses[-1, :2] - poses[1:, :2]
+        # derivative of the last frame's pose by each link
         by_link = np.zeros((frame, 3, 3))
         by_link[:, 0] = np.column_stack([cos, -sin, -ahead[:, 1]])
         by_link[:, 1] = np.column_stack([sin, cos, ahead[:, 0]])

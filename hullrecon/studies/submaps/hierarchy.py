@@ -146,6 +146,7 @@ def register(
     moving = second.covariance[np.ix_(columns, columns)]
     points, targets, pose = second.points[seconds], first.points[firsts], start.copy()
     covariance: Array = np.eye(3)
+    # Least squares by the landmarks' covariance in both maps, that of the second turned by the pose
     for _ in range(ITERATIONS):
         turn = place_by_points(pose, len(pairs))
         weighted = np.linalg.solve(fixed + turn @ moving @ turn.T, place_by_pose(pose, points)).T

@@ -125,6 +125,7 @@ def fuse(
     seconds = rows_of([j for _, j in pairs], 2)
     at, shared = before.copy(), means[1][seconds]
     for _ in range(ITERATIONS):
+        # the transforms by the difference of common landmarks, then the landmarks given these
         tie = _tie(before, at, shared, (first, second), pairs)
         carried = world.covariance @ tie.by_world.T
         spread = tie.by_world @ carried + tie.noise

@@ -170,6 +170,7 @@ def copy_landmark(key: Key, source: Part, target: Part, effort: Effort) -> None:
     gain = np.linalg.solve(
         source.covariance[np.ix_(border, border)], source.covariance[np.ix_(border, own)]
     ).T
+    # what the separator leaves open
     rest = source.covariance[np.ix_(own, own)] - gain @ source.covariance[np.ix_(border, own)]
     there = target.rows(shared)
     across = gain @ target.covariance[there]

@@ -116,6 +116,7 @@ def paint_pings(
     rng = np.random.default_rng(0)
     image = np.zeros(pings.image.shape, np.uint8)
     beams, bins = len(pings.directions), len(pings.range_m)
+    # A fan of ARC_RAYS rays in elevation (towards x) for each beam
     elevation = half_elevation * np.linspace(-1, 1, ARC_RAYS)
     level = pings.directions[:, None] * np.cos(elevation)[None, :, None]
     rays = level + np.array([1.0, 0.0, 0.0]) * np.sin(elevation)[None, :, None]
@@ -129,6 +130,7 @@ def paint_pings(
             place = np.rint((way - near) / (far - near) * (bins - 1))
         seen = np.isfinite(way) & (place >= 0) & (place < bins)
         at = chart.to_chart(poses.translation[k] + way[seen, None] * directions[seen])[:, :2]
+        # Rays that fall into one pixel are averaged
         cell = beam[seen] * bins + place[seen].astype(np.int64)
         total = np.bincount(cell, paint(at), beams * bins)
         count = np.bincount(cell, minlength=beams * bins)

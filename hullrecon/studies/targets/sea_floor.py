@@ -97,6 +97,7 @@ def look(
     seen = cv2.warpAffine(floor.picture, warp, (WIDTH, HEIGHT), flags=cv2.INTER_LINEAR)
     rocks = cv2.warpAffine(floor.rocks.astype(np.uint8), warp, (WIDTH, HEIGHT)) > 0
     y, x = np.mgrid[:HEIGHT, :WIDTH].astype(float)
+    # light falls off from a point near the middle, and scattered light has the colour of sand
     lamp = rng.uniform(0.4, 0.6, 2) * (WIDTH, HEIGHT)
     away = ((x - lamp[0]) ** 2 + (y - lamp[1]) ** 2) / (WIDTH / 2) ** 2
     lit = seen * (1 - uneven * np.clip(away, 0, 1.3) / 1.3)[..., None]

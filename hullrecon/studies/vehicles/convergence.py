@@ -94,6 +94,7 @@ def _follow(
     landmark, _, by_seen = new_landmark(CAMERA, poses[0], pixel, rho)
     covariance = by_seen @ np.diag([PIXEL_SIGMA**2] * 2 + [RHO_SIGMA**2]) @ by_seen.T
     estimates = [(rho, RHO_SIGMA)]
+    # Update a Kalman filter of the landmark alone by the pixel of each image
     for pose in poses[1:]:
         ray = DOWN.T @ rotation(pose[3:]).T @ (point - pose[:3])
         seen = CAMERA.project(ray)[0] + PIXEL_SIGMA * rng.standard_normal(2)

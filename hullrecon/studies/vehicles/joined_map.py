@@ -90,6 +90,7 @@ class JoinedMap:
         Their covariance is that of the submap plus that of its start, with which they correlate.
         """
         n, base = len(submap.points), self._starts[-1] + np.arange(self._axes)
+        # derivative of landmarks and end by the start
         shift = np.zeros((3 * n + self._axes, self._axes))
         for axis in range(self._axes):
             shift[axis : 3 * n : 3, axis] = 1.0
@@ -114,6 +115,7 @@ class JoinedMap:
             at = {label: k for k, label in enumerate(self.labels[:known])}
             new = enumerate(self.labels[known:], start=known)
             return [(at[label], j) for j, label in new if label in at]
+        # far beyond the gate where a pair is not looked at, so that it is not taken
         cost = np.full((known, len(self._landmarks) - known), 10 * SAME)
         for j in range(cost.shape[1]):
             for i in range(known):

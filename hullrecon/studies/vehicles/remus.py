@@ -98,6 +98,7 @@ def simulate_survey(seed: int, passes: int = 3, sigmas: Sigmas | None = None) ->
         corners = lawnmower(size, 40.0, offset_m=7.0 * (k // 2))
         legs.append(corners[:, ::-1] if across else corners)
         depths.append(np.full(len(corners), 12.0 if k < passes else 14.0))
+        # half way it surfaces at the end of a lawnmower
         depths[-1][-2:] = 0.3 if k == passes - 1 else depths[-1][0]
     waypoints = np.vstack(legs)
     mission = drive(rng, waypoints, np.concatenate(depths), FLOOR_M, MANNER, STEP_S, sigmas)

@@ -76,6 +76,7 @@ def check_baseline(
         ends = ends[np.isfinite(ends[:, 0])]
         if not len(ends):
             continue
+        # distance of the hull along the camera's axis
         ahead_m = float(np.median(camera_from_dvl.apply(ends)[:, 2]))
         if ahead_m > 0 and np.isfinite(depth_m):
             ratio.append(depth_m / ahead_m)
