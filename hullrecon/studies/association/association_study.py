@@ -88,7 +88,10 @@ def draw_fields(name: str) -> list[Field]:
 
 
 def _compare(scores: dict[str, dict[str, Score]], sure: Score) -> tuple[ComparedValue, ...]:
-    """Compare shares of right pairs by method with what the thesis says of them."""
+    """Compare shares of right pairs by method with what the thesis says of them.
+
+    scores: by kind of field and method. sure: of JCBB on clear fields, with gates of 99 %.
+    """
     clear, large = scores[CLEAR], scores[LARGE]
     words = "the thesis prints no number"
     drawn = [by_method[RJC] for by_method in scores.values()]

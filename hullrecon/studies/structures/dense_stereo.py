@@ -155,7 +155,10 @@ def turn_image(image: Pixels, camera: CameraModel, rotation: Array, level: Camer
 
 
 def disparities(pair: RectifiedPair, distance_m: float) -> Floats32:
-    """Match the turned pair densely: v_T - v_B (h, w) px, NaN where it is not sure."""
+    """Match the turned pair densely: v_T - v_B (h, w) px, NaN where it is not sure.
+
+    distance_m: usual distance of the hull, about which distances are searched.
+    """
     import cv2
 
     most = pair.camera.fx * pair.rectification.baseline_m / (NEAR * distance_m)

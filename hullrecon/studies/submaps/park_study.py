@@ -197,7 +197,7 @@ def _recorded(recorded: RecordedPark) -> tuple[list[tuple[str, ...]], PublishedF
 
 
 def draw_track(driven: Drive, truth: Array, name: str, title: str) -> PublishedFigure:
-    """Draw track and submaps over the truth [Aulinas2011 Fig. 3.7]."""
+    """Draw track and submaps over the truth (n, 2) m [Aulinas2011 Fig. 3.7]."""
     canvas, rows = new_canvas(6.5, 7.5)
     axis = rows[0][0]
     axis.plot(*truth.T, color="#aab4bf", lw=3, label="truth")
