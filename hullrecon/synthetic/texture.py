@@ -136,13 +136,15 @@ def _draw_plates(
     """Draw a tone for each plate, and the welds between plates.
 
     Returns a function that gives the brightness (rows, columns) of some rows, so that the whole
-    never has to be in memory.
+    never has to be in memory. origin_m: along and girth of the first texel.
     """
-    g = origin_m[1] + texel_m * np.arange(shape[0])
-    a = origin_m[0] + texel_m * np.arange(shape[1])
-    row, column = np.floor(g / PLATE_M[1]).astype(int), np.floor(a / PLATE_M[0]).astype(int)
+    girth_m = origin_m[1] + texel_m * np.arange(shape[0])
+    along_m = origin_m[0] + texel_m * np.arange(shape[1])
+    # the plate of each row and of each column
+    row = np.floor(girth_m / PLATE_M[1]).astype(int)
+    column = np.floor(along_m / PLATE_M[0]).astype(int)
     tone = random.uniform(0.85, 1.12, (np.ptp(row) + 1, np.ptp(column) + 1)).astype(np.float32)
-    across, along = _seam(random, g, PLATE_M[1]), _seam(random, a, PLATE_M[0])
+    across, along = _seam(random, girth_m, PLATE_M[1]), _seam(random, along_m, PLATE_M[0])
 
     def brightness(rows: slice) -> Floats32:
         """Compute the brightness of some rows: the plates' tones, darker at the welds."""

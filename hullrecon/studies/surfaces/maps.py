@@ -148,7 +148,7 @@ def _survey(given: StudyDive, hull: InspectedHull) -> SurfaceInputs:
         rig=given.start.rig.with_mounts(solution.mounts),
         returns=given.start.returns,
         range_sigma_m=RANGE_SIGMA_M,
-        solution=None,
+        solution=None,  # no landmarks: the surface is that of the returns alone
         chart=hull.chart,
     )
 

@@ -91,6 +91,7 @@ def drive(
     truth = _track(waypoints, depth_m, manner, step_s)
     n = len(truth)
     floor = floor_m + 0.2 * np.sin(truth[:, 0] / 40) * np.cos(truth[:, 1] / 55)
+    # attitude, velocity, depth and altitude, as of `Sigmas.navigation`, which are variances
     exact = np.column_stack([truth[:, 3:9], truth[:, 2], floor - truth[:, 2]])
     measured = exact + np.sqrt(sigmas.navigation()) * rng.standard_normal((n, 8))
     return Mission(step_s=step_s, truth=truth, floor_m=floor, measured=measured)
