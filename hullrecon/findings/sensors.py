@@ -151,6 +151,27 @@ def _mended(
     return f"{said}; {DONE.get(fault, 'they were put right')}"
 
 
+def _wrong_in_part(
+    sensor: str,
+    fault: str,
+    value: str,
+    kind: str,
+    first: float,
+    second: float,
+    misfit: float,
+    time: str,
+    from_on: bool,
+) -> str:
+    """Name a fault that a sensor has from a time on or up to it, and how to leave that part out."""
+    since = f"from about {time} on" if from_on else f"until about {time}"
+    limit = "dive.to" if from_on else "dive.from"
+    return (
+        f"{sensor}: {since}, and in that part alone, {_fault(sensor, fault, value)} "
+        f"({_evidence(kind, first, second)}): was its driver started anew? {limit} = {time} leaves "
+        "this part out"
+    )
+
+
 def _contradict(
     sensors: Sequence[str], kind: str, first: float, second: float, misfit: float
 ) -> str:
@@ -304,6 +325,7 @@ ERRORS: dict[str, Words] = {
     "stamps-in-other-unit": _in_other_unit,
     "motions-apart": _motions_apart,
     "sensor-wrong": _wrong,
+    "sensor-wrong-in-part": _wrong_in_part,
     "sensors-contradict": _contradict,
     "pressure-unit-open": _unit_open,
     "images-blank": "none of {count} images, spread over the dive, shows a feature: they are "

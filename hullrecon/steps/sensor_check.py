@@ -23,6 +23,7 @@ from hullrecon.navigation.suspects.comparisons.comparison import LEAST_WINDOWS, 
 from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.depth_steps import depth_steps
 from hullrecon.navigation.suspects.faults.axes import Conventions
+from hullrecon.navigation.suspects.parts import judge_parts
 from hullrecon.navigation.suspects.shifted_imu import mend_shifted_imu
 from hullrecon.navigation.suspects.suspects import Judged, judge
 from hullrecon.records.clock import NS
@@ -37,6 +38,8 @@ from hullrecon.vision.odometry import ReadRow, TopImages
 
 # Pairs of neighbouring images whose motion is compared, features of each, least matches of a pair
 PAIRS, FEATURES, INLIERS = 12, 500, 20
+# Findings of contradictions that no fault of the whole dive explains
+UNEXPLAINED = {"sensors-contradict", "sensors-part"}
 NEIGHBOURS_S = 2.0  # longest time between the images of a pair
 
 
@@ -100,6 +103,9 @@ def judge_sensors(
         tray_offset_deg=_number(settings["tray.offset_deg"]),
     )
     judged = judge(records, rig, atmosphere_m, topics, flows, given)
+    if not {one.code for one in judged.findings} - UNEXPLAINED:
+        part = judge_parts(judged.records, rig, atmosphere_m, flows, given)
+        judged = judged if part is None else replace(judged, findings=[part])
     still = doubtful_angles(
         judged.records.tray,
         str(settings["tray.joint_unit"]),

@@ -4,6 +4,7 @@ import json
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from datetime import datetime
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.comparisons.motions import Motions, compare
 from hullrecon.navigation.suspects.faults.axes import Conventions
 from hullrecon.navigation.suspects.faults.hypothesis import Hypothesis
+from hullrecon.navigation.suspects.parts import judge_parts
 from hullrecon.navigation.suspects.shifted_imu import mend_shifted_imu
 from hullrecon.navigation.suspects.suspects import Tried, explain_best, judge, possible_orders
 from hullrecon.records.sensors import (
@@ -872,3 +874,58 @@ def test_orientation_that_stands_still_does_not_blame_the_rates_alone():
     (finding,) = judged(replace(true, imu=replace(true.imu, quaternion=still))).findings
     assert finding.severity == "error"
     assert "IMU's orientation" in finding.values.get("sensors", [finding.values.get("sensor")])
+
+
+CHANGE_S = 22.0  # when a driver starts anew
+
+
+def from_change_on(logged: np.ndarray, otherwise: np.ndarray, t_ns: np.ndarray) -> np.ndarray:
+    """What is logged by a driver that starts anew with other settings."""
+    return np.where(t_ns[:, None] >= CHANGE_S * NS, otherwise, logged)
+
+
+def part_of(records: SensorRecords, seen=()):
+    return judge_parts(records, RIG, AIR_M, seen)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_sensors_that_agree_in_all_parts_are_not_accused(seed):
+    assert part_of(dive(seed), flows()) is None
+
+
+def test_fault_of_a_whole_dive_is_no_fault_of_a_part():
+    assert part_of(with_velocity(dive(), [1, -1, 1])) is None
+
+
+@pytest.mark.parametrize("from_on", [True, False])
+def test_velocity_of_other_axes_in_a_part_is_named_with_the_time(from_on):
+    true = dive()
+    dvl, other = true.dvl, true.dvl.velocity * [-1, 1, 1]
+    velocities = (dvl.velocity, other) if from_on else (other, dvl.velocity)
+    velocity = from_change_on(*velocities, dvl.t_ns)
+    found = part_of(replace(true, dvl=replace(dvl, velocity=velocity)))
+    assert [found.values[key] for key in ("sensor", "value")] == ["DVL", "-x +y +z"]
+    assert found.severity == "error"
+    assert found.values["from_on"] == from_on
+    limit = datetime.fromisoformat(found.values["time"]).timestamp()
+    before_s = CHANGE_S - limit if from_on else limit - CHANGE_S
+    assert 0.0 <= before_s < 4.0  # what is left without the part has no fault in it
+    assert f"dive.{'to' if from_on else 'from'} = {found.values['time']}" in found.sentence
+
+
+def test_quaternion_of_another_order_in_a_part_is_named():
+    true = dive()
+    imu = true.imu
+    turned = from_change_on(imu.quaternion, np.roll(imu.quaternion, 1, axis=1), imu.t_ns)
+    found = part_of(replace(true, imu=replace(imu, quaternion=turned)))
+    assert [found.values[key] for key in ("sensor", "fault")] == ["IMU's orientation", "order"]
+
+
+def test_pictures_that_stand_on_their_head_in_a_part_blame_the_camera_alone():
+    upright, turned = flows(), flows(-np.eye(2))
+    seen = [
+        after if before.t_ns[0] >= CHANGE_S * NS else before
+        for before, after in zip(upright, turned, strict=True)
+    ]
+    found = part_of(dive(), seen)
+    assert [found.values[key] for key in ("sensor", "fault")] == ["camera", "picture"]

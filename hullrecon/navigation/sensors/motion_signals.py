@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.logs.streams.imu import GRAVITY_M_S2, LEAST_FELT_M_S2
+from hullrecon.dive.logs.streams.imu import GRAVITY_M_S2, is_without_gravity
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral
 from hullrecon.navigation.sensors.smoothing import running_median
 from hullrecon.records.clock import seconds
@@ -56,7 +56,7 @@ def acceleration_in_global(imu: ImuSamples) -> tuple[Ints, Array]:
     acceleration = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
     known = np.isfinite(acceleration).all(axis=1)
     t_ns, acceleration = imu.t_ns[known], acceleration[known]
-    if not len(acceleration) or np.linalg.norm(np.median(acceleration, axis=0)) < LEAST_FELT_M_S2:
+    if not len(acceleration) or is_without_gravity(acceleration):
         return t_ns[:0], acceleration[:0]
     return t_ns, acceleration
 

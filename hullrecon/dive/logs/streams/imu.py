@@ -232,9 +232,9 @@ def _with_gravity(acceleration: Array, rotation: Rotation, notes: list[Finding])
     if len(measured) >= LEAST_ATTITUDES and not measured[known].any():
         notes.append(Finding("accelerations-unfilled", {"count": int(known.sum())}, "imu"))
         return np.full_like(acceleration, np.nan)
-    mean = float(np.linalg.norm(np.median(measured[known], axis=0)))
-    if mean >= LEAST_FELT_M_S2:
+    if not is_without_gravity(measured[known]):
         return acceleration
+    mean = float(np.linalg.norm(np.median(measured[known], axis=0)))
     notes.append(Finding("gravity-taken-off", {"felt_m_s2": mean}, "imu"))
     # z of `global` is down, and an accelerometer at rest measures an acceleration upward
     return np.asarray(acceleration - rotation.inv().apply([0.0, 0.0, GRAVITY_M_S2]))
@@ -279,3 +279,15 @@ def _require_mount_of_dvl(
             "with its x forward, [0, 90, 0] where it looks ahead",
         )
     return mount_deg
+
+
+def is_without_gravity(acceleration: Array) -> bool:
+    """Tell whether a filter has taken gravity off accelerations (n, 3), m/s2, turned into `global`.
+
+    Gravity adds up there, and motion does not. Where it is in each reading but not in their median,
+    the orientation is wrong, or changes its convention amid the dive.
+    """
+    if np.linalg.norm(np.median(acceleration, axis=0)) >= LEAST_FELT_M_S2:
+        return False
+    felt = float(np.median(np.linalg.norm(acceleration, axis=1)))
+    return abs(felt - GRAVITY_M_S2) > NEAR_GRAVITY * GRAVITY_M_S2
