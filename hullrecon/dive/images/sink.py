@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from io import BytesIO
+from itertools import pairwise
 from pathlib import Path
 from typing import BinaryIO
 
@@ -27,6 +29,8 @@ from hullrecon.typing import Ints
 PATIENCE = 5  # images after which one of the calibration's size must have come
 RUN = 8  # neighbouring images that are sampled together, so that both cameras keep the same ones
 LEAST_STILL = 5  # images that are one picture, from which on a camera stands still
+LEAST_NAMES = 8  # fewer are in the order of text by chance
+WHOLE, DECIMAL = re.compile(r"\d+"), re.compile(r"\d+(?:\.\d+)?")  # numbers in a file's name
 MOST = 128  # images that are kept as samples: some tens of megabytes
 
 
@@ -139,9 +143,11 @@ class ImageSink:
         bits = significant_bits(self._largest)
         notes += line.notes + self._describe(usable, bits)
         rows = line.keep
+        files = np.array(file, np.str_)[rows]
+        self._refuse_order_of_text(files.tolist())
         return ImageIndex(
             t_ns=line.t_ns,
-            file=np.array(file, np.str_)[rows],
+            file=files,
             offset=np.array(offset, np.int64)[rows],
             size=np.array(size, np.int64)[rows],
             usable=np.array(is_usable, bool)[rows],
@@ -212,6 +218,22 @@ class ImageSink:
             remedy=WITHOUT_CAMERAS,
         )
 
+    def _refuse_order_of_text(self, files: Sequence[str]) -> None:
+        """Raise InputError for stamps that were given to files in the order of their names as text.
+
+        files: names of the images in order of time, "" for those of a log.
+        """
+        exchanged = out_of_numbers(files)
+        if exchanged is not None:
+            before, after = (printable(name) for name in exchanged)
+            raise InputError(
+                f"the stamps of {self._camera} follow its files in the order of their names as "
+                f"text, {after} after {before}, and not in that of their numbers",
+                where=f"{self._camera}.csv",
+                remedy="list the files in the order of their numbers, as `sort -V` does, and give "
+                "each the stamp of its exposure",
+            )
+
     def _describe(self, usable: list[bool], bits: int) -> list[Finding]:
         """Describe images that are left out, and how 16-bit images are read.
 
@@ -234,6 +256,34 @@ class ImageSink:
             deep = {"largest": self._largest, "bits": bits}
             out.append(Finding("images-deep", deep, self._camera))
         return out
+
+
+def out_of_numbers(files: Sequence[str]) -> tuple[str, str] | None:
+    """Find two neighbouring files that are in the order of text, against that of their numbers.
+
+    None where the names are not all in the order of text, or the numbers in them ascend, as whole
+    ones or with their decimals, as in names that are stamps. files: names in order of time.
+    """
+    if len(files) < LEAST_NAMES or any(a >= b for a, b in pairwise(files)):
+        return None
+    exchanged: list[tuple[str, str]] = []
+    for form in (WHOLE, DECIMAL):
+        keys = [_numbers(name, form) for name in files]
+        # text is compared by the order of text alone, which all names have
+        falls = [
+            (before, after)
+            for (a, before), (b, after) in pairwise(zip(keys, files, strict=True))
+            if a[0] == b[0] and a[1] > b[1]
+        ]
+        if not falls:
+            return None
+        exchanged = exchanged or falls
+    return exchanged[0]
+
+
+def _numbers(name: str, form: re.Pattern[str]) -> tuple[list[str], list[float]]:
+    """Split a name into what stands around its numbers, and these."""
+    return form.split(name), [float(number) for number in form.findall(name)]
 
 
 class SampledImages(BytesIO):

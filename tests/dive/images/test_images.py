@@ -140,6 +140,34 @@ def test_files_stay_where_they_are(tmp_path, jpegs):
     assert "missing or damaged" in notes[0].sentence
 
 
+def named(tmp_path, kit, names):
+    """Images in files, in the order of their stamps."""
+    for shade, name in enumerate(names):
+        (tmp_path / name).write_bytes(kit.jpeg(shade))
+    return [image(t, file=name) for t, name in enumerate(names)]
+
+
+def test_stamps_in_the_order_of_names_as_text_are_refused(tmp_path, kit):
+    names = [f"img{number}.jpg" for number in range(1, 13)]
+    take(sink(tmp_path)[0], *named(tmp_path, kit, names))
+    with pytest.raises(InputError, match=r"img2\.jpg after img12\.jpg"):
+        take(sink(tmp_path)[0], *named(tmp_path, kit, sorted(names)))
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        [f"img{number:04d}.jpg" for number in range(1, 13)],
+        [f"{second / 8}.jpg" for second in range(800, 812)],  # 100.5 comes after 100.375
+        [f"img{number}.jpg" for number in range(12, 0, -1)],  # counted down
+        [f"img{number}.jpg" for number in (10, 9)],
+    ],
+)
+def test_names_that_the_order_of_text_does_not_explain_are_taken(tmp_path, kit, names):
+    index, _ = take(sink(tmp_path)[0], *named(tmp_path, kit, names))
+    assert len(index) == len(names)
+
+
 def test_images_of_which_none_is_whole_are_refused_until_they_are(tmp_path, jpegs):
     with pytest.raises(InputError, match="the only image of camera_top cannot be read") as caught:
         take(sink(tmp_path)[0], image(10, jpegs[0][:200]))
