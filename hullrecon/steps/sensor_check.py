@@ -92,7 +92,8 @@ def judge_sensors(
         records = replace(records, pressure=stepped.mended)
         mended += [stepped.finding(topics.get(Sensor.PRESSURE, ""))]
 
-    # Contradictions of what is left. Useless angles of a tray widen its sigma.
+    # Contradictions of what is left. Angles that are off by less than is stated are none, and
+    # useless angles of a tray widen its sigma.
     density, gravity, atmosphere = (_number(settings[key]) for key in WATER_KEYS)
     atmosphere_m = atmosphere / (density * gravity)  # of water
     mount_deg = settings["imu.mount_deg"]
@@ -102,6 +103,9 @@ def judge_sensors(
         tray_positive=str(settings["tray.positive"]),
         tray_offset_deg=_number(settings["tray.offset_deg"]),
     )
+    tray_sigma_rad = float(np.radians(_number(settings["tray.sigma_deg"])))
+    if records.tray is not None:
+        rig = replace(rig, priors=replace(rig.priors, tray_sigma_rad=tray_sigma_rad))
     judged = judge(records, rig, atmosphere_m, topics, flows, given)
     if not {one.code for one in judged.findings} - UNEXPLAINED:
         part = judge_parts(judged.records, rig, atmosphere_m, flows, given)
@@ -109,7 +113,7 @@ def judge_sensors(
     still = doubtful_angles(
         judged.records.tray,
         str(settings["tray.joint_unit"]),
-        float(np.radians(_number(settings["tray.sigma_deg"]))),
+        tray_sigma_rad,
     )
     return replace(
         judged,

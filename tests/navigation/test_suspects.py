@@ -34,7 +34,7 @@ from hullrecon.records.sensors import (
     PressureSamples,
     SensorRecords,
 )
-from hullrecon.rig import Rig
+from hullrecon.rig import Rig, RigPriors
 
 NS = 1_000_000_000
 BOTH = ("first", "second")  # images of a flow
@@ -874,6 +874,17 @@ def test_orientation_that_stands_still_does_not_blame_the_rates_alone():
     (finding,) = judged(replace(true, imu=replace(true.imu, quaternion=still))).findings
     assert finding.severity == "error"
     assert "IMU's orientation" in finding.values.get("sensors", [finding.values.get("sensor")])
+
+
+@pytest.mark.parametrize(("stated_deg", "accused"), [(0.8, True), (1.5, False)])
+def test_backlash_within_the_stated_sigma_of_the_tray_accuses_nobody(stated_deg, accused):
+    seen = flows()
+    for k in (1, 4, 7, 10):  # the tray's load turned by 1.3 degrees that the angle does not show
+        across = RIG.tray_from_top.rotation.inv().apply([0.0, np.radians(1.3), 0.0])[0]
+        moved = np.cross(across, [0.0, 0.0, 1.0])[:2]
+        seen[k] = replace(seen[k], second=seen[k].second + moved)
+    rig = replace(RIG, priors=RigPriors(tray_sigma_rad=np.radians(stated_deg)))
+    assert bool(judge(dive(), rig, AIR_M, flows=seen).findings) == accused
 
 
 CHANGE_S = 22.0  # when a driver starts anew

@@ -33,6 +33,7 @@ from hullrecon.typing import Array, Ints
 # sigmas of the features' motion: a share of each motion, a share that all have in common (range,
 # curvature), and rad
 FLOW_SHARE, FLOW_SCALE, FLOW_RAD = 0.05, 0.03, 0.003
+USUAL_TRAY_RAD = np.radians(0.8)  # the default of tray.sigma_deg
 VIEW_RAD = np.radians(0.2)  # sigma of a turn between two images by the attitude, and by a good lens
 # sensors that the comparisons with images depend on
 SEEN = frozenset({Sensor.CAMERA, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY})
@@ -66,6 +67,8 @@ class Views:
     path_ns: Ints  # (m,) stamps of the path
     dvl_from_top: Poses  # mount of the upper camera
     tray_axis: Array  # (3,) in the camera
+    # rad, by which the tray's angle may be off in one image against the other; 0 without a tray
+    tray_sigma_rad: float
     away: Array  # (n, 3) normals of the planes of hull, in the axes of the first camera
     depth: Array  # (n,) m, distance of the planes from the first camera
 
@@ -100,7 +103,7 @@ def views_of(
     ping_ns, hull
         Stamps of all pings, and planes of those that show one.
     rig
-        Mounts of the sensors.
+        Mounts of the sensors, and the sigma of the tray's angles where it has one.
     flows
         Features of the pairs of images.
     track
@@ -121,6 +124,7 @@ def views_of(
         path=Poses(track.global_from_dvl.as_quat(), track.way.total),
         path_ns=track.t_ns,
         dvl_from_top=dvl_from_top,
+        tray_sigma_rad=float(np.nan_to_num(rig.priors.tray_sigma_rad)),
         tray_axis=rig.tray_from_top.rotation.inv().apply([0.0, 1.0, 0.0])[0],
         away=dvl_from_top.rotation.inv().apply(hull.normal[near]),
         depth=hull.distance[near] - hull.normal[near] @ dvl_from_top.translation[0],
@@ -150,11 +154,15 @@ def compare_flow(views: Views) -> Comparison | None:
         return None
     by_images, by_dvl = np.array(seen), np.array(predicted)
     size = np.linalg.norm(by_dvl, axis=1, keepdims=True) * np.ones(2)
+    # What a turn about the tray's axis moves in the middle of an image, by backlash beyond a usual
+    # tray's, for which the other sigmas hold
+    slop_rad = np.sqrt(max(views.tray_sigma_rad**2 - USUAL_TRAY_RAD**2, 0.0))
+    turned = slop_rad * cross(views.tray_axis, np.array([0.0, 0.0, 1.0]))[:2]
     return Comparison(
         kind="flow",
         sensors=SEEN,
         residual=(by_images - by_dvl).ravel(),
-        sigma=np.hypot(FLOW_SHARE * size, FLOW_RAD).ravel(),
+        sigma=np.sqrt((FLOW_SHARE * size) ** 2 + FLOW_RAD**2 + turned**2).ravel(),
         # all flows may be longer or shorter by one factor, of sigma FLOW_SCALE
         by_nuisance=FLOW_SCALE * by_dvl.reshape(-1, 1),
         first=by_images.ravel(),
