@@ -179,6 +179,8 @@ FOLLOWED = {
     "test_images_of_which_none_is_whole_are_refused_until_they_are",
     "dive/images/sink.py::_check_size": "dive/images/test_images.py::"
     "test_images_unlike_calibration_are_refused_early_with_sizes",
+    "dive/images/sink.py::_refuse_order_of_text": "dive/images/test_images.py::"
+    "test_stamps_in_the_order_of_names_as_text_are_refused",
     "dive/images/sink.py::_refuse_still": "dive/check/test_package_check.py::"
     "test_a_camera_that_shows_one_picture_all_dive_is_refused_until_left_out",
     "dive/images/store.py::_bytes": "dive/images/test_images.py::"
