@@ -140,6 +140,17 @@ def test_gravity_that_a_filter_took_off_is_added_by_the_orientation():
     assert "gravity taken off (their median is 0.1 m/s2)" in notes[0].sentence
 
 
+def test_gravity_is_not_added_where_the_orientation_turns_over_amid_the_dive():
+    upright, on_its_back = [0, 0, 0, 1], [1, 0, 0, 0]
+    samples = [
+        imu(t, upright if t < 10 else on_its_back, acceleration=(0, 0, -9.81)) for t in range(20)
+    ]
+    notes = []
+    found = imu_samples(samples, "ned", notes)
+    np.testing.assert_allclose(found.acceleration, np.tile([0, 0, -9.81], (20, 1)))
+    assert notes == []
+
+
 def test_accelerations_that_nobody_filled_in_are_left_out():
     still = [imu(t, [0, 0, 1e-4 * t, 1], acceleration=(0, 0, 0)) for t in range(50)]
     assert np.isnan(imu_samples(still, "ned", []).acceleration).all()
