@@ -19,9 +19,10 @@ The *form* is the deviation from the CAD model without offset and tilt of the su
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from itertools import chain
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -197,8 +198,15 @@ def relief_of(points: Array, form: Array) -> Array:
     radius = RADIUS_M * spacing / SPACING_M
     at, samples_form = points[samples], form[samples]
     tree = cKDTree(at)
-    medians = np.array([np.median(samples_form[near]) for near in _neighbours(tree, at, radius)])
-    smooth = np.array([medians[near].mean() for near in _neighbours(tree, at, radius / 2)])
+    medians = np.concatenate(
+        [_medians(samples_form[near], start) for near, start in _neighbours(tree, at, radius)]
+    )
+    smooth = np.concatenate(
+        [
+            np.add.reduceat(medians[near], start[:-1]) / np.diff(start)
+            for near, start in _neighbours(tree, at, radius / 2)
+        ]
+    )
     distance, nearest = tree.query(points, k=min(4, len(at)))
     distance, nearest = (np.reshape(values, (len(points), -1)) for values in (distance, nearest))
     # Of the four nearest samples, by inverse squares of distances that never become zero
@@ -206,12 +214,33 @@ def relief_of(points: Array, form: Array) -> Array:
     return np.asarray((smooth[nearest] * weight).sum(axis=1) / weight.sum(axis=1))
 
 
-def _neighbours(tree: cKDTree, points: Array, radius: float) -> Iterator[Ints]:
-    """Yield for each of the points (n, 3) the tree's rows within a radius, ascending."""
-    for start in range(0, len(points), SAMPLES_AT_A_TIME):
-        part = points[start : start + SAMPLES_AT_A_TIME]
-        for near in tree.query_ball_point(part, radius, return_sorted=True):
-            yield np.asarray(near, np.int64)
+def _neighbours(tree: cKDTree, points: Array, radius: float) -> Iterator[tuple[Ints, Ints]]:
+    """Find for points (n, 3), some at a time, the tree's rows within a radius: one group a point.
+
+    Yields
+    ------
+    rows (k,), start (m + 1,)
+        Rows of all groups, and where in them each of m groups begins and the last ends. The points
+        are in the tree, so none is empty.
+    """
+    for begin in range(0, len(points), SAMPLES_AT_A_TIME):
+        part = points[begin : begin + SAMPLES_AT_A_TIME]
+        groups = cast(
+            "Sequence[Sequence[int]]", tree.query_ball_point(part, radius, return_sorted=False)
+        )
+        start = np.cumsum([0, *map(len, groups)])
+        yield np.fromiter(chain.from_iterable(groups), np.int64, start[-1]), start
+
+
+def _medians(values: Array, start: Ints) -> Array:
+    """Compute the median (m,) of each group of values (k,), which begin at start (m + 1,)."""
+    count = np.diff(start)
+    # one row a group, filled up with infinity, which a sorted row has last
+    rows = np.full((len(count), int(count.max(initial=0))), np.inf)
+    rows[np.arange(rows.shape[1]) < count[:, None]] = values
+    rows.sort(axis=1)
+    each = np.arange(len(count))
+    return np.asarray((rows[each, (count - 1) // 2] + rows[each, count // 2]) / 2)
 
 
 def _one_per_cell(points: Array, spacing: float) -> Array:
