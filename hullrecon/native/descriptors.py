@@ -24,7 +24,7 @@ def describe_keypoints(levels: Sequence[Floats32], keypoints: Array, level: Ints
     level
         (n,) number of each keypoint's level.
     """
-    import hullrecon._native as _native  # compiled; loads the solver's libraries
+    from hullrecon.native.compiled import native  # loads the solver's libraries
 
-    descriptors: Pixels = _native.describe_keypoints(list(levels), keypoints, level)
+    descriptors: Pixels = native.describe_keypoints(list(levels), keypoints, level)
     return descriptors

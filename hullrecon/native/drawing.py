@@ -30,8 +30,8 @@ def draw_triangles(
     Floats32
         The picture (h, w, channels), NaN where nothing was drawn.
     """
-    import hullrecon._native as _native
+    from hullrecon.native.compiled import native
 
     picture = np.full((*shape, values.shape[1]), np.nan, np.float32)
-    _native.draw_triangles(picture, points, faces, values)
+    native.draw_triangles(picture, points, faces, values)
     return picture

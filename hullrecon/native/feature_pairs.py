@@ -26,10 +26,10 @@ def pairs_in_regions(
     points
         (k, 2) px.
     """
-    import hullrecon._native as _native  # compiled; loads the solver's libraries
+    from hullrecon.native.compiled import native  # loads the solver's libraries
 
     forms = np.zeros((len(center), 3)) if form is None else form
-    first, second = _native.pairs_in_regions(
+    first, second = native.pairs_in_regions(
         np.hstack([center, half_width, forms]), np.asarray(points, float)
     )
     return first, second
@@ -40,9 +40,9 @@ def descriptor_distances(a: Floats32, b: Floats32, first: Ints, second: Ints) ->
 
     Descriptors a are (n, w), b (k, w). Rows are (m,) each. Raises InputError for rows out of range.
     """
-    import hullrecon._native as _native
+    from hullrecon.native.compiled import native
 
-    distance: Floats32 = _native.descriptor_distances(a, b, first, second)
+    distance: Floats32 = native.descriptor_distances(a, b, first, second)
     return distance
 
 
@@ -54,7 +54,7 @@ def best_and_next(key: Ints, distance: Floats32) -> tuple[Ints, Floats32]:
 
     key (m,): not negative. distance (m,): of the same rows.
     """
-    import hullrecon._native as _native
+    from hullrecon.native.compiled import native
 
-    best, following = _native.best_and_next(key, distance)
+    best, following = native.best_and_next(key, distance)
     return best[best >= 0], following

@@ -47,9 +47,9 @@ class MeshIndex:
         corners = np.asarray(faces)
         if corners.dtype.kind not in "iu":
             raise InputError("faces must be integers", where="faces")
-        import hullrecon._native as _native  # compiled; loads the solver's libraries
+        from hullrecon.native.compiled import native  # loads the solver's libraries
 
-        self._index = _native.MeshIndex(np.asarray(vertices, float), corners)
+        self._index = native.MeshIndex(np.asarray(vertices, float), corners)
         self._threads = threads
 
     def __len__(self) -> int:

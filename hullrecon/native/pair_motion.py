@@ -30,9 +30,9 @@ def squared_reprojections(camera_from_points: Array, points: Array, xy: Array) -
     xy
         (n, 2) observations, NaN where there is none.
     """
-    import hullrecon._native as _native  # compiled; loads the solver's libraries
+    from hullrecon.native.compiled import native  # loads the solver's libraries
 
-    squared: Array = _native.squared_reprojections(camera_from_points, points, xy)
+    squared: Array = native.squared_reprojections(camera_from_points, points, xy)
     return squared
 
 
@@ -68,9 +68,9 @@ def normal_of_reprojections(
     counts
         (n,) points that are summed.
     """
-    import hullrecon._native as _native
+    from hullrecon.native.compiled import native
 
-    found: tuple[Array, Array, float] = _native.normal_of_reprojections(
+    found: tuple[Array, Array, float] = native.normal_of_reprojections(
         motion, points, xy, camera_from_node, backward, baseline_m, counts
     )
     return found
@@ -124,9 +124,9 @@ def linearise_stereo(
     seen
         (m, 8) observations, in the order of the residuals.
     """
-    import hullrecon._native as _native
+    from hullrecon.native.compiled import native
 
-    return StereoRows(**_native.linearise_stereo(motion, bottom_from_top, field, points, seen))
+    return StereoRows(**native.linearise_stereo(motion, bottom_from_top, field, points, seen))
 
 
 def reduce_stereo(
@@ -136,6 +136,6 @@ def reduce_stereo(
 
     Parameters are those of `linearise_stereo`. Raises InputError for shapes that do not fit.
     """
-    import hullrecon._native as _native
+    from hullrecon.native.compiled import native
 
-    return ReducedFeatures(**_native.reduce_stereo(motion, bottom_from_top, points, seen))
+    return ReducedFeatures(**native.reduce_stereo(motion, bottom_from_top, points, seen))

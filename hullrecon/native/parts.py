@@ -86,9 +86,9 @@ def solve_parts(
     OSError
         Where the folder's disk is full.
     """
-    import hullrecon._native as _native  # compiled; loads the solver's libraries
+    from hullrecon.native.compiled import native  # loads the solver's libraries
 
-    got = _native.solve_parts(parts, options, None if folder is None else str(folder))
+    got = native.solve_parts(parts, options, None if folder is None else str(folder))
     found = tuple(
         PartResult(unknowns=Unknowns(**part.pop("unknowns")), **part) for part in got.pop("parts")
     )
@@ -108,8 +108,8 @@ def covariance_parts(
     the part's own factors. `parts` and `folder` are as for `solve_parts`, `of_landmarks` as for
     `covariance`. Raises as `covariance`, and OSError.
     """
-    import hullrecon._native as _native
+    from hullrecon.native.compiled import native
 
     place = None if folder is None else str(folder)
-    found = _native.covariance_parts(parts, options, place, of_landmarks)
+    found = native.covariance_parts(parts, options, place, of_landmarks)
     return tuple(covariance_from(of_part) for of_part in found)

@@ -171,9 +171,9 @@ def solve(problem: Problem, options: Options = DEFAULTS) -> Result:
     right type are read in place, and never written to. Raises InputError or UsageError that names
     the table or option, and StageError when the start values cannot be evaluated.
     """
-    import hullrecon._native as _native  # compiled; loads the solver's libraries
+    from hullrecon.native.compiled import native  # loads the solver's libraries
 
-    got = _native.solve(problem, options)
+    got = native.solve(problem, options)
     unknowns, iterations = Unknowns(**got.pop("unknowns")), IterationRecord(**got.pop("iterations"))
     return Result(unknowns=unknowns, iterations=iterations, **got)
 
@@ -184,9 +184,9 @@ def evaluate(problem: Problem, options: Options = DEFAULTS, *, jacobian: bool = 
     jacobian: False leaves the Jacobian and `columns` empty, which takes a tenth of the memory.
     Raises as `solve`.
     """
-    import hullrecon._native as _native
+    from hullrecon.native.compiled import native
 
-    return Evaluation(**_native.evaluate(problem, options, jacobian))
+    return Evaluation(**native.evaluate(problem, options, jacobian))
 
 
 def covariance(
@@ -200,9 +200,9 @@ def covariance(
 
     of_landmarks: False leaves the covariances of landmarks out, which takes a third of the time.
     """
-    import hullrecon._native as _native
+    from hullrecon.native.compiled import native
 
-    return covariance_from(_native.covariance(problem, options, of_landmarks))
+    return covariance_from(native.covariance(problem, options, of_landmarks))
 
 
 def covariance_from(marginals: dict[str, Any]) -> Covariance:
@@ -229,6 +229,6 @@ def pair_covariance(problem: Problem, pairs: Ints32, options: Options = DEFAULTS
 
     Raises as `covariance`, and InputError that names "pairs".
     """
-    import hullrecon._native as _native
+    from hullrecon.native.compiled import native
 
-    return PairCovariance(**_native.pair_covariance(problem, pairs, options))
+    return PairCovariance(**native.pair_covariance(problem, pairs, options))

@@ -44,17 +44,17 @@ def project_into(
         (n,) distance from the image's middle over half its diagonal, NaN where the image does not
         show the point.
     """
-    import hullrecon._native as _native  # compiled; loads the solver's libraries
+    from hullrecon.native.compiled import native  # loads the solver's libraries
 
-    pixel, ratio = _native.project_into(points, camera_from_frame, center, lens, *size, widest)
+    pixel, ratio = native.project_into(points, camera_from_frame, center, lens, *size, widest)
     return pixel, ratio
 
 
 def incidence(points: Array, normals: Array, sensor: Array) -> Array:
     """Compute the cosine (n,) of a sensor's (3,) incidence at points (n, 3) with normals (n, 3)."""
-    import hullrecon._native as _native
+    from hullrecon.native.compiled import native
 
-    cosine: Array = _native.incidence(points, normals, sensor)
+    cosine: Array = native.incidence(points, normals, sensor)
     return cosine
 
 
@@ -71,9 +71,9 @@ def insert_view(best_view: Ints32, best_cost: Floats32, view: int, cost: Floats3
     view, cost
         Number of the view, and its cost (n,).
     """
-    import hullrecon._native as _native
+    from hullrecon.native.compiled import native
 
-    _native.insert_view(best_view, best_cost, view, cost)
+    native.insert_view(best_view, best_cost, view, cost)
 
 
 def least_tangents(
@@ -103,9 +103,9 @@ def least_tangents(
         the distance and an upper bound of the height. inf where no cell is high enough, and for a
         block without a point.
     """
-    import hullrecon._native as _native
+    from hullrecon.native.compiled import native
 
-    least: Array = _native.least_tangents(top, top_normal, *limits, points, normals)
+    least: Array = native.least_tangents(top, top_normal, *limits, points, normals)
     return least
 
 
@@ -152,9 +152,9 @@ class BlendSums:
         steepness
             k of B_k(r) = exp(-k r/R) / (1 + exp(-2 k r/R)), the weight in each band.
         """
-        import hullrecon._native as _native
+        from hullrecon.native.compiled import native
 
-        _native.add_view(
+        native.add_view(
             self.value,
             self.weight,
             self.moment,

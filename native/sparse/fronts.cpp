@@ -67,7 +67,7 @@ Fronts::Fronts(FrontTree tree, int threads, bool keeps_root, std::pmr::memory_re
       threads_(thread_count(threads)),
       keeps_root_(keeps_root),
       file_(keeps_root ? nullptr : dynamic_cast<const PageFile*>(pages)),
-      value_(static_cast<double*>(pages->allocate(sizeof(double) * tree_.values(), alignof(double))),
+      value_(static_cast<double*>(pages->allocate(sizeof(double) * tree_.values(), kAlignment)),
              Return{pages, sizeof(double) * tree_.values()}),
       rest_(tree_.fronts().size()),
       least_pivot_(tree_.fronts().size(), 1.0),

@@ -72,10 +72,12 @@ class Fronts {
   double grain_;  // work of a subtree that one thread does alone
   // In which the panels stand that are removed from memory one by one. null: none are. Those of a part are needed together.
   const PageFile* file_;
+  // Bytes. In a file and on the heap alike: OpenBLAS factors in another order of sums where a panel begins elsewhere.
+  static constexpr size_t kAlignment = 64;
   struct Return {
     std::pmr::memory_resource* pages;
     size_t bytes;
-    void operator()(double* values) const { pages->deallocate(values, bytes, alignof(double)); }
+    void operator()(double* values) const { pages->deallocate(values, bytes, kAlignment); }
   };
   std::unique_ptr<double[], Return> value_;
   std::vector<std::unique_ptr<double[]>> rest_;  // what a front leaves to its parent until that took it: lower half, by columns
