@@ -88,7 +88,7 @@ STAGES = (
         summary="compute the dead-reckoned trajectory",
         inputs=("ingest",),
         parameters=NoOptions,
-        version=41,
+        version=42,
         run=_later("navigate"),
         uses=(
             *SENSOR_KEYS,

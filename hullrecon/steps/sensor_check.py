@@ -23,6 +23,7 @@ from hullrecon.navigation.suspects.comparisons.comparison import LEAST_WINDOWS, 
 from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.depth_steps import depth_steps
 from hullrecon.navigation.suspects.faults.axes import Conventions
+from hullrecon.navigation.suspects.pairs import judge_pairs
 from hullrecon.navigation.suspects.parts import judge_parts
 from hullrecon.navigation.suspects.shifted_imu import mend_shifted_imu
 from hullrecon.navigation.suspects.suspects import Judged, judge
@@ -110,6 +111,12 @@ def judge_sensors(
     if not {one.code for one in judged.findings} - UNEXPLAINED:
         part = judge_parts(judged.records, rig, atmosphere_m, flows, given)
         judged = judged if part is None else replace(judged, findings=[part])
+    # what no single fault explains, or only a clock does, two faults may explain
+    last = judged.findings[-1].code if judged.findings else ""
+    if last in UNEXPLAINED | {"sensors-late"}:
+        pair = judge_pairs(records, rig, atmosphere_m, topics, flows, given)
+        if pair is not None and pair.cost < judged.cost:
+            judged = replace(pair, tried=[*judged.tried, *pair.tried])
     still = doubtful_angles(
         judged.records.tray,
         str(settings["tray.joint_unit"]),

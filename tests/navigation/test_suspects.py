@@ -24,6 +24,7 @@ from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.comparisons.motions import Motions, compare
 from hullrecon.navigation.suspects.faults.axes import Conventions
 from hullrecon.navigation.suspects.faults.hypothesis import Hypothesis
+from hullrecon.navigation.suspects.pairs import judge_pairs
 from hullrecon.navigation.suspects.parts import judge_parts
 from hullrecon.navigation.suspects.shifted_imu import mend_shifted_imu
 from hullrecon.navigation.suspects.suspects import Tried, explain_best, judge, possible_orders
@@ -940,3 +941,28 @@ def test_pictures_that_stand_on_their_head_in_a_part_blame_the_camera_alone():
     ]
     found = part_of(dive(), seen)
     assert [found.values[key] for key in ("sensor", "fault")] == ["camera", "picture"]
+
+
+def with_quaternion_from_w(records: SensorRecords) -> SensorRecords:
+    turned = np.roll(records.imu.quaternion, 1, axis=1)
+    return replace(records, imu=replace(records.imu, quaternion=turned))
+
+
+def test_two_faults_that_meet_in_one_comparison_are_both_put_right():
+    true = dive()
+    both = with_quaternion_from_w(with_velocity(true, [1, -1, 1]))
+    found = judge_pairs(both, RIG, AIR_M)
+    named = {(one.values["sensor"], one.values["value"]) for one in found.findings}
+    assert named == {("IMU's orientation", "w x y z"), ("DVL", "+x -y +z")}
+    assert {one.severity for one in found.findings} == {"warning"}
+    np.testing.assert_array_equal(found.records.dvl.velocity, true.dvl.velocity)
+    np.testing.assert_allclose(found.records.imu.quaternion, true.imu.quaternion)
+    assert found.cost < judged(both).cost  # of a pressure whose clock is 10 s off
+
+
+def test_pressure_in_another_unit_beside_other_axes_is_absolute():
+    true = dive()
+    logged = with_depth(true, (true.pressure.depth + AIR_M) / 1e4 - AIR_M)
+    found = judge_pairs(with_velocity(logged, [-1, 1, 1]), RIG, AIR_M)
+    assert {one.values["fault"] for one in found.findings} == {"unit", "axes"}
+    assert np.abs(found.records.pressure.depth - true.pressure.depth).max() < 0.3

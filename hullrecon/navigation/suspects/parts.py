@@ -23,7 +23,7 @@ from hullrecon.navigation.suspects.comparisons.comparison import Comparison, Sen
 from hullrecon.navigation.suspects.comparisons.images import Flow
 from hullrecon.navigation.suspects.comparisons.motions import DEPENDS_ON, Motions, compare
 from hullrecon.navigation.suspects.faults.axes import BY_DEFAULT, Conventions
-from hullrecon.navigation.suspects.faults.hypothesis import Hypothesis
+from hullrecon.navigation.suspects.faults.hypothesis import OF_DRIVERS, Hypothesis
 from hullrecon.navigation.suspects.hypotheses import hypotheses
 from hullrecon.navigation.suspects.suspects import judge
 from hullrecon.records.clock import NS, format_time
@@ -32,14 +32,6 @@ from hullrecon.rig import Rig
 from hullrecon.rows import Rows
 from hullrecon.typing import Ints, Mask
 
-# Faults that a driver's settings make. Scales, offsets and clocks may also differ from part to part
-# because the motion differs.
-OF_DRIVERS = frozenset(
-    {
-        *("unit", "gauge", "sign", "axes", "mirrored", "along", "order", "frame", "global"),
-        *("turn", "mount", "picture"),
-    }
-)
 STARTS = (0.5, 0.6, 0.7, 0.8)  # of a part that reaches to the end, as shares of the dive
 PARTS = (*((start, 1.0) for start in STARTS), *((0.0, 1.0 - start) for start in STARTS))
 COMPARED = ("dvl", "imu", "pressure", "tray")  # records that comparisons read

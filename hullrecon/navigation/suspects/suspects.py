@@ -84,6 +84,12 @@ class Judged:
     tried: list[Tried]  # for each contradiction, the hypotheses that explain most
     depth_offset_m: float = 0.0  # by which the level of depths may be off, where it stepped
     heading_drift_sigma_rad_s: float = 0.0  # of a heading that was taken from the rates
+    chi2: float = np.inf  # of all comparisons without the faults; infinite where none explain them
+
+    @property
+    def cost(self) -> float:
+        """Chi-square without the faults, and GAIN for each of them."""
+        return self.chi2 + GAIN * len(self.findings)
 
 
 def judge(
@@ -113,12 +119,13 @@ def judge(
     """
     findings: list[Finding] = []
     tried: list[Tried] = []
-    drift_sigma_rad_s = 0.0
+    drift_sigma_rad_s, chi2 = 0.0, np.inf
     for _ in range(FAULTS):
         motions = Motions(records, rig, flows)
         base = compare(motions)
         wrong = [c for c in base if c.accuses]
         if not wrong:
+            chi2 = sum(c.chi2 for c in base)
             break
         found = _try_all(motions, atmosphere_m, base, given)  # those that explain most first
         tried += [one for _, one in found[:SHOWN]]
@@ -131,33 +138,36 @@ def judge(
             least = min(late, key=lambda h: abs(h.late_s))
             values = {"sensor": str(least.sensor), "seconds": least.late_s}
             findings.append(Finding("sensors-late", values))
+            chi2 = best[0][1].chi2
         elif best and best[0][0].fault == "rate":
             values = {"sensors": [str(s) for s in sensors], "per_cent": float(best[0][0].value)}
             findings.append(Finding("sensors-drift", values))
         elif len(sensors) != 1:
             findings.append(_describe_unknown(records, [h for h, _ in best], wrong, base))
-        elif len(units := _possible_units([h for h, _ in best])) > 1:
+        elif len(units := possible_units([h for h, _ in best])) > 1:
             where = topics.get(Sensor.PRESSURE, "")
             findings.append(Finding("pressure-unit-open", {"readings": units}, where))
         elif best[0][0].exact:
             records = best[0][0].mended
             drift_sigma_rad_s = max(drift_sigma_rad_s, best[0][0].heading_drift_sigma_rad_s)
-            findings.append(_describe_fault("sensor-mended", best[0][0], wrong, topics))
+            findings.append(describe_fault("sensor-mended", best[0][0], wrong, topics))
             continue
         else:
-            found_wrong = _describe_fault("sensor-wrong", best[0][0], wrong, topics)
+            found_wrong = describe_fault("sensor-wrong", best[0][0], wrong, topics)
             one = best[0][0]
             remedy = find_remedy(one.sensor, one.fault, one.value, given, rig.tray_from_dvl)
             values = {**found_wrong.values, "remedy": remedy}
             if one.fault == "beams":
                 values["value"] = possible_orders([h for h, _ in best])
             findings.append(replace(found_wrong, values=values))
+            chi2 = best[0][1].chi2
         break
     return Judged(
         records=records,
         findings=findings,
         tried=tried,
         heading_drift_sigma_rad_s=drift_sigma_rad_s,
+        chi2=chi2,
     )
 
 
@@ -173,7 +183,7 @@ def explain_best(found: Sequence[tuple[Hypothesis, Tried]]) -> list[tuple[Hypoth
     best = [pair for pair in best if _explains_as_much(*pair, *best[0])]
     if any(h.fault in KNOWN_FACTOR for h, _ in best):
         best = [(h, one) for h, one in best if h.fault not in ANY_FACTOR]
-    return sorted(best, key=lambda pair: _rank_by_usualness(pair[0]))
+    return sorted(best, key=lambda pair: rank_by_usualness(pair[0]))
 
 
 def _explains_as_much(one: Hypothesis, tried: Tried, best: Hypothesis, least: Tried) -> bool:
@@ -189,7 +199,7 @@ def _explains_as_much(one: Hypothesis, tried: Tried, best: Hypothesis, least: Tr
     return tried.chi2 < least.chi2 + (GAIN if are_scales else ALIKE)
 
 
-def _rank_by_usualness(one: Hypothesis) -> int:
+def rank_by_usualness(one: Hypothesis) -> int:
     """Rank a hypothesis by how usual its fault is, 0 for the most usual.
 
     It orders faults of a pressure and of a tray, angles of mounts and axes of orientations.
@@ -206,7 +216,7 @@ def _rank_by_usualness(one: Hypothesis) -> int:
     return USUAL.get(one.fault, len(USUAL)) if one.sensor is Sensor.PRESSURE else 0
 
 
-def _possible_units(best: Sequence[Hypothesis]) -> list[list[object]]:
+def possible_units(best: Sequence[Hypothesis]) -> list[list[object]]:
     """List the units of a pressure that explain a contradiction equally well.
 
     With more than one, the user is asked which it is. Interpretations with the same depths count
@@ -262,16 +272,16 @@ def _try_all(
     suspects = frozenset().union(*(c.sensors for c in wrong))
     before = sum(c.chi2 for c in base)
     # with a lower bound of chi-square
-    solved: list[tuple[float, Hypothesis, _RepeatedComparisons]] = []
+    solved: list[tuple[float, Hypothesis, RepeatedComparisons]] = []
     # with the growth of the chi-square of a contradiction that remains
-    unsolved: list[tuple[float, Hypothesis, _RepeatedComparisons]] = []
+    unsolved: list[tuple[float, Hypothesis, RepeatedComparisons]] = []
     records, flows = motions.records, motions.flows
     for one in hypotheses(records, suspects, atmosphere_m, motions.rig, flows, given):
         own = [c for c in wrong if one.sensor in c.sensors]
         is_constant = one.fault == "constant"
         if not own or (is_constant and not all(c.stands_still for c in own if c.second.any())):
             continue
-        repeated = _RepeatedComparisons(one, motions)
+        repeated = RepeatedComparisons(one, motions)
         remaining = None if is_constant else next((c for c in own if not repeated.solves(c)), None)
         if remaining is None:
             # the chi-square of comparisons that are not repeated yet falls to zero at best
@@ -293,7 +303,7 @@ def _try_all(
     return sorted(tried, key=lambda pair: (not pair[1].explains, pair[1].chi2))
 
 
-class _RepeatedComparisons:
+class RepeatedComparisons:
     """Comparisons under a hypothesis, each made when it is asked for.
 
     before: motions as the dive was logged, of which unchanged parts are used again.
@@ -340,7 +350,7 @@ class _RepeatedComparisons:
 
 
 def _weigh_hypothesis(
-    one: Hypothesis, base: Sequence[Comparison], repeated: _RepeatedComparisons
+    one: Hypothesis, base: Sequence[Comparison], repeated: RepeatedComparisons
 ) -> Tried:
     """Tell whether a hypothesis explains the contradictions, by all comparisons of its sensor.
 
@@ -368,7 +378,7 @@ def _weigh_hypothesis(
     )
 
 
-def _describe_fault(
+def describe_fault(
     code: str, one: Hypothesis, wrong: Sequence[Comparison], topics: Mapping[Sensor, str]
 ) -> Finding:
     """Make the finding of what is wrong with a sensor, with the comparison that shows it most.

@@ -15,6 +15,13 @@ from hullrecon.records.sensors import SensorRecords
 
 # factors by which a length may be wrong, in steps so small that a comparison agrees at the nearest
 FACTORS = [*np.geomspace(0.5, 0.93, 10), *np.geomspace(1.07, 2.0, 10)]
+# Faults that a driver's settings make. Scales and offsets of any size, and clocks, explain more.
+OF_DRIVERS = frozenset(
+    {
+        *("unit", "gauge", "sign", "axes", "mirrored", "along", "order", "frame", "global"),
+        *("turn", "mount", "picture"),
+    }
+)
 
 
 @dataclass(frozen=True, kw_only=True)
