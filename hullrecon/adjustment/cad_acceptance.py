@@ -231,7 +231,7 @@ def _reasons_against_shape(shape: ShapeComparison, sigmas_off: float) -> Iterato
         yield (
             "stretched along its axes it fits the surveyed part better, by a chi-square of "
             f"{shape.scale_chi2:.0f} with three degrees of freedom: its proportions, its scale, "
-            "the path, the tray's angles or the DVL's ranges are wrong"
+            "hull.pose, the path, the tray's angles or the DVL's ranges are wrong"
         )
     if sigmas_off <= registration.GUESS_SIGMAS:
         return

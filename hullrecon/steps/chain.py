@@ -139,7 +139,7 @@ STAGES = (
         optional=("links", "matches"),
         uses=(*RIG_SECTIONS, "hull"),
         parameters=AdjustOptions,
-        version=44,
+        version=45,
         run=_later("adjust"),
     ),
     Stage(

@@ -141,7 +141,7 @@ def test_what_the_points_tell_of_the_ratios_is_their_sigma():
 def test_each_reason_names_what_speaks():
     assert refused(AGREES) is None
     assert "4.0 times hull.deviation_sigma" in refused(replace(AGREES, deviation=16.0))
-    assert "its proportions, its scale, the path, the tray's" in refused(
+    assert "its proportions, its scale, hull.pose, the path, the tray's" in refused(
         replace(AGREES, scale_chi2=20.0)
     )
     # contradicted, but a package may be mistaken by a factor of two
