@@ -185,6 +185,8 @@ FOLLOWED = {
     "test_a_camera_that_shows_one_picture_all_dive_is_refused_until_left_out",
     "dive/images/store.py::_bytes": "dive/images/test_images.py::"
     "test_an_image_file_that_is_gone_is_an_input_error",
+    "dive/ingest/refusals.py::refuse_same_files": "dive/images/test_images.py::"
+    "test_two_cameras_that_name_the_same_pictures_are_refused",
     "dive/ingest/refusals.py::_nothing_read": "dive/test_ingest.py::"
     "test_nothing_readable_is_an_input_error",
     "dive/ingest/refusals.py::_check_silence": "dive/check/test_package_check.py::"

@@ -14,12 +14,14 @@ from hullrecon.dive.ingest.request import JOINT_KEYS, IngestRequest
 from hullrecon.dive.ingest.result import IngestResult
 from hullrecon.dive.logs.read_streams import LogContents
 from hullrecon.dive.logs.readers.protocol import Loss
+from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.dive.logs.samples import JointSample
 from hullrecon.dive.logs.time_window import TimeWindow
 from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.records.clock import NS, format_time
+from hullrecon.records.sensors import ImageIndex
 
 # without a velocity; at a decimetre a second the vehicle may then be anywhere in a harbour
 LONG_SILENCE_S = 3600.0
@@ -148,4 +150,16 @@ def check_joints(joints: Mapping[str, str], found: LogContents, notes: list[Find
             f"joint {joint} is not in the log, which holds {', '.join(sorted(held))}",
             where=where,
             remedy=remedy,
+        )
+
+
+def refuse_same_files(images: Mapping[str, ImageIndex]) -> None:
+    """Raise InputError where two cameras' tables name the same pictures."""
+    named = [set(index.file.tolist()) - {""} for index in images.values()]
+    same = sorted(set.intersection(*named)) if len(named) > 1 else []
+    if same:
+        raise InputError(
+            f"{len(same)} pictures are of both cameras, the first is {printable(same[0])}",
+            where=" and ".join(f"{camera}.csv" for camera in images),
+            remedy="name each camera's own pictures in its table",
         )

@@ -14,6 +14,7 @@ from hullrecon.artifacts.writer import ArtifactWriter
 from hullrecon.dive.images.encoded import IMAGE_SUFFIXES, check_image, decode, jpeg_is_whole
 from hullrecon.dive.images.sink import ImageSink
 from hullrecon.dive.images.store import CAMERAS, ImageStore
+from hullrecon.dive.ingest.refusals import refuse_same_files
 from hullrecon.dive.logs.samples import ImageSample
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import sentences
@@ -166,6 +167,17 @@ def test_stamps_in_the_order_of_names_as_text_are_refused(tmp_path, kit):
 def test_names_that_the_order_of_text_does_not_explain_are_taken(tmp_path, kit, names):
     index, _ = take(sink(tmp_path)[0], *named(tmp_path, kit, names))
     assert len(index) == len(names)
+
+
+def test_two_cameras_that_name_the_same_pictures_are_refused(tmp_path, kit):
+    first, second = (
+        take(sink(tmp_path)[0], *named(tmp_path, kit, [f"{camera}{k}.jpg" for k in range(3)]))[0]
+        for camera in ("top", "bottom")
+    )
+    with pytest.raises(InputError, match="3 pictures are of both cameras, the first is top0"):
+        refuse_same_files({"camera_top": first, "camera_bottom": first})
+    refuse_same_files({"camera_top": first, "camera_bottom": second})
+    refuse_same_files({"camera_top": first})
 
 
 def test_images_of_which_none_is_whole_are_refused_until_they_are(tmp_path, jpegs):
