@@ -14,8 +14,16 @@ from hullrecon.report.content.page_context import (
     print_context,
 )
 from hullrecon.report.figures.hull_map import hull_map
+from hullrecon.report.figures.map_pictures import form_drawing
+from hullrecon.report.figures.plots import plot_drawings
 from hullrecon.report.figures.style import Plot
+from hullrecon.report.stream import draw
 from hullrecon.report.survey import Survey
+
+
+def draw_all_plots(survey: Survey) -> list[Plot]:
+    """Draw the plots of a survey, as `deliver` does."""
+    return [plot for plot in map(draw, plot_drawings(survey)) if plot is not None]
 
 
 def page_context(
@@ -26,5 +34,7 @@ def page_context(
 ) -> PageContext:
     """Build all variables of the page's template."""
     view = hull_map(survey)
-    printed = print_context(survey, view, plots, deliverables, photos)
+    drawing = form_drawing(survey, view)
+    form = draw(drawing) if drawing is not None else None
+    printed = print_context(survey, view, plots, form, deliverables, photos)
     return join_drawings(printed, draw_page(survey, view, deliverables))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from hullrecon.errors import HullreconError
 from hullrecon.report.deliverables import DELIVERABLES, Deliverable, Delivery
 from hullrecon.report.export.summary import summary_document
-from hullrecon.report.stream import Stream, one_by_one
+from hullrecon.report.stream import Stream, in_turn, one_by_one
 from hullrecon.report.survey import Survey
 from hullrecon.report.writer import FOLDER, DeliverableWriter, FileWriter
 
@@ -55,7 +55,7 @@ def deliver(
     HullreconError, MemoryError, OSError
         Faults of the input, the memory or the disk: they concern all deliverables.
     """
-    delivery = Delivery(survey, DeliverableWriter(out), stream)
+    delivery = Delivery(survey, DeliverableWriter(out), in_turn(stream))
 
     wanted = [
         entry

@@ -49,18 +49,27 @@ from hullrecon.report.export.tables import (
     trajectory_tum,
 )
 from hullrecon.report.figures.hull_map import HullMap, hull_map
+from hullrecon.report.figures.map_pictures import form_drawing
 from hullrecon.report.figures.map_tiles import FOLDER as TILES
 from hullrecon.report.figures.map_tiles import stream_tiles
-from hullrecon.report.figures.plots import draw_all_plots
+from hullrecon.report.figures.plots import plot_drawings
 from hullrecon.report.figures.style import Plot
 from hullrecon.report.foxglove.dive_result import dive_result_mcap
 from hullrecon.report.render import render_page, render_pdf, why_no_pdf
-from hullrecon.report.stream import Stream
+from hullrecon.report.stream import Stream, draw
 from hullrecon.report.survey import Survey
 from hullrecon.report.writer import DeliverableWriter
 
 SCHEMAS = "schemas"
 Required = TypeVar("Required")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pictures:
+    """What matplotlib draws for page and PDF."""
+
+    plots: Sequence[Plot] = ()
+    form: bytes | None = None  # the map of the deviation's form, PNG
 
 
 @dataclass
@@ -111,8 +120,15 @@ class Delivery:
         return object_crops(self.survey)
 
     @cached_property
-    def plots(self) -> Sequence[Plot]:
-        return draw_all_plots(self.survey)
+    def pictures(self) -> Pictures:
+        """What matplotlib draws, on several processes where there are."""
+        form = form_drawing(self.survey, self._view)
+        plots = plot_drawings(self.survey)
+        drawn = list(self.stream(draw, [*plots, *filter(None, [form])], "pictures"))
+        return Pictures(
+            plots=[plot for plot in drawn[: len(plots)] if plot is not None],
+            form=drawn[-1] if form is not None else None,
+        )
 
     @cached_property
     def chart_mesh(self) -> ChartMesh:
@@ -129,9 +145,15 @@ class Delivery:
 
     @cached_property
     def _printed(self) -> PageContext:
-        plots = [] if "plots/" in self.failed else self.plots
+        if "plots/" in self.failed:  # a plot is what failed: the map is drawn alone
+            form = form_drawing(self.survey, self._view)
+            pictures = Pictures(form=draw(form) if form is not None else None)
+        else:
+            pictures = self.pictures
         photos = {} if "objects/" in self.failed else self.photos
-        return print_context(self.survey, self._view, plots, self.out.entries, photos)
+        return print_context(
+            self.survey, self._view, pictures.plots, pictures.form, self.out.entries, photos
+        )
 
     @cached_property
     def drawn(self) -> Future[PageContext]:
@@ -396,7 +418,7 @@ def _write_photos(delivery: Delivery) -> None:
 
 
 def _write_plots(delivery: Delivery) -> None:
-    for plot in delivery.plots:
+    for plot in delivery.pictures.plots:
         delivery.out.write(f"plots/{plot.name}.png", plot.png)
         delivery.out.write(f"plots/{plot.name}.csv", csv_text(plot.table))
 
@@ -481,8 +503,8 @@ DELIVERABLES: tuple[Deliverable, ...] = (
     ),
     _copied("change/", _why_not_copied("change/", "change")),
     _written("dive_result.mcap", _never_absent, lambda d: dive_result_mcap(d.survey)),
-    Deliverable(name="plots/", why_absent=_never_absent, write=_write_plots),
     Deliverable(name=f"{TILES}/", why_absent=_never_absent, write=_write_tiles, waits=True),
+    Deliverable(name="plots/", why_absent=_never_absent, write=_write_plots, waits=True),
     Deliverable(
         name=f"{SCHEMAS}/", why_absent=_never_absent, write=_write_schemas, is_about_others=True
     ),

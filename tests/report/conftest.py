@@ -67,9 +67,9 @@ class FlatChart:
 
 
 PICTURES = {
-    page_context: ("form_png", "ship_svg"),
+    page_context: ("ship_svg",),
     plan_view: ("ground_png",),
-    map_pictures: ("field_layer",),
+    map_pictures: ("field_layer", "form_png"),
     plots: ("convergence", "labels", "residuals", "sigmas", "deviation_histogram"),
 }
 

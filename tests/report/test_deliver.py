@@ -228,7 +228,7 @@ def break_(monkeypatch: pytest.MonkeyPatch, function: str, error: Exception) -> 
         ("las_bytes", {"as_found.las"}),
         ("chart_mesh", {"chart.ply", "chart.json"}),
         ("object_crops", {"objects/"}),
-        ("draw_all_plots", {"plots/"}),
+        ("plot_drawings", {"plots/"}),
         ("print_context", {"report/index.html", "report/report.pdf"}),
         ("draw_page", {"report/index.html"}),
     ],

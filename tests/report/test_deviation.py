@@ -19,7 +19,7 @@ from hullrecon.report.content.deviation import (
     deviation_rows,
 )
 from hullrecon.report.figures.hull_map import hull_map
-from hullrecon.report.figures.map_pictures import form_png
+from hullrecon.report.figures.map_pictures import form_map, form_png
 from hullrecon.report.survey import Survey
 
 
@@ -107,7 +107,7 @@ def test_the_map_spans_the_bare_hull_and_not_its_structures(
     def colours(form: np.ndarray) -> np.ndarray:
         assert view is not None
         assert view.found is not None
-        png = form_png(view.found, replace(low, form=form), replace(view, objects=[]))
+        png = form_png(form_map(view.found, replace(low, form=form), replace(view, objects=[])))
         return np.asarray(Image.open(BytesIO(png)).convert("RGB"), int)
 
     before, after = colours(split.form), colours(one)
@@ -123,4 +123,4 @@ def test_the_map_of_a_hull_that_was_not_seen_is_empty(
     assert view is not None
     assert view.found is not None
     nothing = replace(split, form=np.full(15, np.nan), form_sigma=np.full(15, np.nan))
-    assert form_png(view.found, nothing, view).startswith(b"\x89PNG")
+    assert form_png(form_map(view.found, nothing, view)).startswith(b"\x89PNG")

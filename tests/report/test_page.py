@@ -10,7 +10,7 @@ from html.parser import HTMLParser
 from itertools import pairwise
 
 import numpy as np
-from report_pages import page_context
+from report_pages import draw_all_plots, page_context
 
 from hullrecon.dive.config.schema import Dive
 from hullrecon.geometry.frames import Camera
@@ -26,7 +26,6 @@ from hullrecon.report.content.headline import headline, weak_sentences
 from hullrecon.report.content.objects import object_crops, object_rows
 from hullrecon.report.content.page_context import coverage_rows
 from hullrecon.report.export.summary import FileEntry, counts, summary_document
-from hullrecon.report.figures.plots import draw_all_plots
 from hullrecon.report.render import render_html, render_page
 from hullrecon.report.survey import (
     AdjustSummary,

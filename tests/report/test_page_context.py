@@ -23,7 +23,6 @@ from hullrecon.records.deliverables import (
 from hullrecon.report.content.objects import card_context, object_crops
 from hullrecon.report.content.page_context import (
     coverage_rows,
-    deviation_map,
     hole_text,
     mosaic_context,
     percentile_text,
@@ -31,6 +30,7 @@ from hullrecon.report.content.page_context import (
     region_rows,
 )
 from hullrecon.report.figures.hull_map import hull_map
+from hullrecon.report.figures.map_pictures import form_drawing
 from hullrecon.report.figures.plan_view import survey_plan
 from hullrecon.report.survey import Mosaic, MosaicFacts, Survey
 
@@ -100,9 +100,10 @@ def test_an_object_stands_at_its_centre_on_the_chart(survey: Survey, found: Repo
 
 def test_without_a_cad_model_there_is_no_map_of_the_deviation(survey: Survey, bare: Survey) -> None:
     view = hull_map(survey)
-    assert view is not None
-    assert (deviation_map(survey, view) or "").startswith("data:image/png;base64,")
-    assert deviation_map(replace(survey, track=bare.track), view) is None
+    drawing = form_drawing(survey, view)
+    assert drawing is not None
+    assert drawing().startswith(b"\x89PNG")
+    assert form_drawing(replace(survey, track=bare.track), view) is None
 
 
 def test_a_recess_is_called_so(survey: Survey, found: ReportedObject) -> None:

@@ -11,13 +11,12 @@ from dataclasses import replace
 
 import pytest
 from pypdf import PdfReader
-from report_pages import page_context
+from report_pages import draw_all_plots, page_context
 
 from hullrecon import __version__
 from hullrecon.dive.config.schema import Dive
 from hullrecon.report.content.objects import object_crops
 from hullrecon.report.export.summary import FileEntry
-from hullrecon.report.figures.plots import draw_all_plots
 from hullrecon.report.options import ReportOptions
 from hullrecon.report.render import render_html, render_pdf
 from hullrecon.report.survey import Survey

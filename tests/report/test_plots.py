@@ -8,6 +8,7 @@ from io import BytesIO
 import numpy as np
 import pytest
 from PIL import Image
+from report_pages import draw_all_plots
 
 from hullrecon.records.sensors import DvlPings
 from hullrecon.records.solution import Solution
@@ -16,7 +17,7 @@ from hullrecon.report.figures.plots import (
     convergence,
     depth_and_standoff,
     deviation_histogram,
-    draw_all_plots,
+    deviation_shares,
     labels,
     residuals,
     standoff,
@@ -138,10 +139,11 @@ def test_a_distance_is_given_only_while_the_dvl_was_heard(dvl: DvlPings) -> None
 
 def test_the_histogram_weighs_a_surface_by_its_area(plate: Surface, split: DeviationSplit) -> None:
     deviation = np.where(plate.vertices[:, 0] < 0.5, 0.048, 0.0)
-    plot = deviation_histogram(
+    shares = deviation_shares(
         None, replace(plate, deviation=deviation), replace(split, form=deviation - 0.02)
     )
-    assert plot is not None
+    assert shares is not None
+    plot = deviation_histogram(shares)
     for column, first, second in (
         ("as_found_percent", "0.046", "-0.002"),
         ("form_percent", "0.026", "-0.022"),
@@ -155,8 +157,9 @@ def test_the_histogram_weighs_a_surface_by_its_area(plate: Surface, split: Devia
 def test_the_histogram_tells_the_offset_with_its_sigma(
     plate: Surface, split: DeviationSplit, solution: Solution
 ) -> None:
-    plot = deviation_histogram(solution, plate, split)
-    assert plot is not None
+    shares = deviation_shares(solution, plate, split)
+    assert shares is not None
+    plot = deviation_histogram(shares)
     assert "offset of the whole patch +6 mm, one sigma 20 mm" in plot.alt
     assert "median one sigma 2.0 mm" in plot.alt
     assert list(plot.table) == [
@@ -169,4 +172,4 @@ def test_the_histogram_tells_the_offset_with_its_sigma(
 
 
 def test_without_a_cad_model_there_is_no_histogram(plate: Surface, solution: Solution) -> None:
-    assert deviation_histogram(solution, plate, None) is None
+    assert deviation_shares(solution, plate, None) is None

@@ -21,6 +21,7 @@ from hullrecon.report.figures.hull_map import Extent, hull_map
 from hullrecon.report.figures.map_pictures import (
     MapLayer,
     field_step_m,
+    form_map,
     form_png,
     ground_png,
     mosaic_layer,
@@ -163,7 +164,7 @@ def test_plan_and_form_map_of_any_shape_are_drawn(
     shown = surveyed(survey, size)
     view = hull_map(shown)
     ground = pixels_of(ground_png(view.found, view.extent))
-    form = pixels_of(form_png(view.found, shown.surfaces.deviation, view))
+    form = pixels_of(form_png(form_map(view.found, shown.surfaces.deviation, view)))
     assert max(ground.shape + form.shape) <= PNG_SIDE_PX
     assert (ground[..., 3] > 0).any()
     assert len(np.unique(form.reshape(-1, 4), axis=0)) > 50

@@ -27,7 +27,7 @@ from hullrecon.report.content.phrases import area_words, length
 from hullrecon.report.content.quality import quality_tables
 from hullrecon.report.content.rejected import rejected_groups, settings_rows
 from hullrecon.report.figures.hull_map import HullMap
-from hullrecon.report.figures.map_pictures import form_png, survey_layers
+from hullrecon.report.figures.map_pictures import survey_layers
 from hullrecon.report.figures.map_tiles import index_tiles
 from hullrecon.report.figures.plan_view import survey_plan
 from hullrecon.report.figures.ship_view import ship_svg
@@ -58,6 +58,7 @@ def print_context(
     survey: Survey,
     view: HullMap | None,
     plots: Sequence[Plot],
+    form: bytes | None,
     deliverables: Mapping[str, object],
     photos: Mapping[int, Crop],
 ) -> PageContext:
@@ -71,6 +72,8 @@ def print_context(
         The map of the hull.
     plots
         Plots of the appendix.
+    form
+        The map of the deviation's form, PNG.
     deliverables
         Files written so far, by name.
     photos
@@ -99,7 +102,7 @@ def print_context(
         **_objects_context(survey, photos),
         **_change_context(survey),
         **_deviation_context(survey),
-        "deviation_map": deviation_map(survey, view) if view else None,
+        "deviation_map": picture_uri(form) if form is not None else None,
         "mosaics": [mosaic_context(name, m) for name, m in mosaics.items()],
         "gaps": any(m.facts.gap_area_m2 > 0 for m in mosaics.values()),
         **_coverage_context(survey),
@@ -255,14 +258,6 @@ def draw_ship(survey: Survey) -> tuple[str, str] | None:
         return None
     seen = surface.faces[(surface.support[surface.faces] > 0).all(axis=1)]
     return ship_svg(chart.mesh, Mesh(surface.vertices @ chart.axes.T, seen)) if len(seen) else None
-
-
-def deviation_map(survey: Survey, view: HullMap) -> str | None:
-    """Draw the deviation's form as a data URI. None without a CAD model or a hull as found."""
-    split = survey.surfaces.deviation
-    if split is None or view.found is None or not survey.is_in_hull_frame:
-        return None
-    return picture_uri(form_png(view.found, split, view)) if np.isfinite(split.form).any() else None
 
 
 def position_sentence(survey: Survey) -> str:

@@ -7,8 +7,9 @@ A layer fills a rectangle of the map coordinates. `survey_layers` makes all of t
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,6 +30,7 @@ from hullrecon.report.figures.hull_map import (
 )
 from hullrecon.report.figures.style import encode_png, new_figure, png_bytes
 from hullrecon.report.format_limits import WEBP_SIDE_PX, reduction
+from hullrecon.report.stream import Drawing
 from hullrecon.report.survey import Survey
 from hullrecon.typing import Array, Floats32, Mask, Pixels
 
@@ -302,26 +304,59 @@ def ground_png(found: ChartedSurface, extent: Extent, width_px: int = 1400) -> b
     return encode_png(_with_alpha(palette(shading.colours)[level], seen))
 
 
-def form_png(found: ChartedSurface, split: DeviationSplit, view: HullMap) -> bytes:
+def form_drawing(survey: Survey, view: HullMap | None) -> Drawing | None:
+    """Give the drawing of the deviation's form. None without a CAD model or a hull as found."""
+    split = survey.surfaces.deviation
+    if split is None or view is None or view.found is None or not survey.is_in_hull_frame:
+        return None
+    if not np.isfinite(split.form).any():
+        return None
+    return partial(form_png, form_map(view.found, split, view))
+
+
+@dataclass(frozen=True, kw_only=True)
+class FormMap:
+    """What the maps of the form and of its sigma show."""
+
+    fields: Sequence[tuple[Floats32, Shading]]  # pictures (h, w), mm, and how they are coloured
+    limits: tuple[tuple[float, float], tuple[float, float]]  # along and girth, m
+    objects: Sequence[tuple[float, float, int]]  # place on the map, m, and number
+
+
+def form_map(found: ChartedSurface, split: DeviationSplit, view: HullMap) -> FormMap:
+    """Lay the form and its sigma out on the map."""
+    extent = view.extent
+    width, height = extent.size
+    shrink = max(width, height) / FORM_PX
+    values, shadings = (1000 * split.form, 1000 * split.form_sigma), form_shadings(found, split)
+    return FormMap(
+        fields=[
+            (_draw(found, value, extent, width / shrink, height / shrink), shading)
+            for value, shading in zip(values, shadings or (), strict=False)
+        ],
+        limits=extent.limits,
+        objects=[(float(o.at[0]), float(o.at[1]), o.found.id) for o in view.objects],
+    )
+
+
+def form_png(shown: FormMap) -> bytes:
     """Draw maps of form (blue inward, red outward) and its sigma, mm, with the objects' numbers.
 
     The maps of a tall hull are side by side, else one below the other.
     """
-    extent = view.extent
-    width, height = extent.size
+    along, girth = shown.limits
+    width, height = along[1] - along[0], girth[1] - girth[0]
     if height > 1.5 * width:
         figure, axes = new_figure(7.6, min(9.0, max(4.0, 3.0 * height / width)), columns=2)
     else:
         figure, axes = new_figure(7.6, 2 * min(5.0, max(1.8, 6.0 * height / width + 0.6)), rows=2)
-    fields = (1000 * split.form, 1000 * split.form_sigma)
-    shrink = max(width, height) / FORM_PX
-    for axis, values, shading in zip(axes, fields, form_shadings(found, split) or (), strict=False):
+    for axis, (picture, shading) in zip(axes, shown.fields, strict=False):
         drawn = axis.imshow(
-            _draw(found, values, extent, width / shrink, height / shrink),
+            picture,
             cmap=shading.colours,
             vmin=shading.low,
             vmax=shading.high,
-            extent=(*extent.limits[0], *extent.limits[1]),
+            extent=(*along, *girth),
         )
         axis.grid(False)  # it would lie over the picture
         bar = figure.colorbar(drawn, ax=axis, shrink=0.9, pad=0.01, extend=shading.extend)
@@ -331,15 +366,13 @@ def form_png(found: ChartedSurface, split: DeviationSplit, view: HullMap) -> byt
     stretch = max(1.0, width / height / MOST_NARROW) / max(1.0, height / width / MOST_NARROW)
     for axis in axes:
         axis.set(
-            xlim=extent.limits[0],
-            ylim=extent.limits[1],
+            xlim=along,
+            ylim=girth,
             aspect="equal" if stretch == 1 else stretch,
             xlabel="along (m)" + (f", {1 / stretch:.0f} times as large" if stretch < 1 else ""),
             ylabel="girth (m)" + (f",\n{stretch:.0f} times as large" if stretch > 1 else ""),
         )
     style = {"boxstyle": "circle", "fc": "white", "lw": 0.8}
-    for placed in view.objects:
-        at = (float(placed.at[0]), float(placed.at[1]))
-        number = str(placed.found.id)
-        axes[0].annotate(number, at, fontsize=8, ha="center", va="center", bbox=style)
+    for x, y, number in shown.objects:
+        axes[0].annotate(str(number), (x, y), fontsize=8, ha="center", va="center", bbox=style)
     return png_bytes(figure)

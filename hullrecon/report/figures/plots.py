@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +32,7 @@ from hullrecon.report.figures.style import (
     label_log_axis,
     new_figure,
 )
+from hullrecon.report.stream import Drawing
 from hullrecon.report.survey import FactorResiduals, Survey
 from hullrecon.typing import Array, Arrays, Ints
 
@@ -37,6 +40,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 HEARD_S = 2.0  # longest gap between DVL pings over which the distance is interpolated
+# of the histogram's bins; on the CAD model is the middle of a bin, not a border
+EDGES_M = np.asarray(0.004 * (np.arange(-50, 52) - 0.5), float)
 NAMES = {  # of the histogram's curves
     "landmarks": "landmarks, offset included",
     "as_found": "area seen, offset included",
@@ -44,31 +49,35 @@ NAMES = {  # of the histogram's curves
 }
 
 
-def draw_all_plots(survey: Survey) -> list[Plot]:
-    """Draw the plots whose numbers a survey has, in the order of the page."""
+def plot_drawings(survey: Survey) -> list[Drawing]:
+    """List the drawings of the plots whose numbers a survey has, in the order of the page.
+
+    Each gives a Plot, or None where its numbers turn out to be missing.
+    """
     has_depth = survey.facts.has_depth
-    depth = depth_and_standoff(
-        survey.track.t_ns,
-        survey.trajectory.translation[:, 2] if has_depth else None,
-        survey.facts.dvl,
-    )
-    found = [sigmas(survey.track)] if depth is None else [depth, sigmas(survey.track)]
+    depth = survey.trajectory.translation[:, 2] if has_depth else None
+    found: list[Drawing] = [
+        partial(depth_and_standoff, survey.track.t_ns, depth, survey.facts.dvl),
+        partial(sigmas, survey.track),
+    ]
     adjusted = survey.adjusted
     if adjusted is not None:
         iterations, summary = adjusted.iterations, adjusted.summary
         if len(iterations.get("cost", ())):
-            found.append(convergence(iterations))
+            found.append(partial(convergence, iterations))
             if {"on_surface", "label_changes"} <= set(iterations) and adjusted.has_cad_model:
-                found.append(labels(iterations))
+                found.append(partial(labels, iterations))
         if set(summary.residuals_before) & set(summary.residuals_after):
-            found.append(residuals(summary.residuals_before, summary.residuals_after))
-    histogram = None
+            found.append(partial(residuals, summary.residuals_before, summary.residuals_after))
     if survey.is_in_hull_frame:
-        solution = adjusted.solution if adjusted is not None else None
-        histogram = deviation_histogram(
-            solution, survey.surfaces.as_found, survey.surfaces.deviation
+        shares = deviation_shares(
+            adjusted.solution if adjusted is not None else None,
+            survey.surfaces.as_found,
+            survey.surfaces.deviation,
         )
-    return [*found, histogram] if histogram else found
+        if shares is not None:
+            found.append(partial(deviation_histogram, shares))
+    return found
 
 
 def convergence(iterations: Arrays) -> Plot:
@@ -310,12 +319,23 @@ def sigmas(track: VehicleTrack) -> Plot:
     return finish_plot(figure, "position_sigma", "Uncertainty of position", alt, table)
 
 
-def deviation_histogram(
-    solution: Solution | None, as_found: Surface | None, split: DeviationSplit | None
-) -> Plot | None:
-    """Draw shares of landmarks and of the area seen by distance to the CAD model, and of its form.
+@dataclass(frozen=True, kw_only=True)
+class DeviationShares:
+    """How landmarks and the area seen spread about the CAD model."""
 
-    The offset is marked with its sigma. None without a form of the hull as found.
+    percent: Mapping[str, Array]  # of each curve of NAMES, in the bins between EDGES_M
+    offset_m: float  # of the whole patch, outward positive
+    offset_sigma_m: float
+    form: str  # how far the form spreads, in words
+
+
+def deviation_shares(
+    solution: Solution | None, as_found: Surface | None, split: DeviationSplit | None
+) -> DeviationShares | None:
+    """Count landmarks and the area seen by distance to the CAD model, and the area by its form.
+
+    What lies beyond the outermost bins is counted in them. None without a form of the hull as
+    found.
     """
     if as_found is None or split is None:
         return None
@@ -330,25 +350,30 @@ def deviation_histogram(
     shares = {n: (v, w / w.sum()) for n, (v, w) in shares.items() if w.sum() > 0}
     if "form" not in shares:
         return None
-    # on the CAD model is the middle of a bin, not a border
-    edges = np.asarray(0.004 * (np.arange(-50, 52) - 0.5), float)
+    inside = EDGES_M[0], EDGES_M[-1] - 1e-9
+    return DeviationShares(
+        percent={
+            name: np.asarray(100 * np.histogram(np.clip(v, *inside), EDGES_M, weights=w)[0], float)
+            for name, (v, w) in shares.items()
+        },
+        offset_m=float(split.offset),
+        offset_sigma_m=float(split.offset_sigma),
+        form=_form_words(*shares["form"], split),
+    )
+
+
+def deviation_histogram(shares: DeviationShares) -> Plot:
+    """Draw the shares by distance to the CAD model, with the offset and its sigma."""
     figure, (axis,) = new_figure()
-    table = {"from_m": numbers(edges[:-1], ".3f"), "to_m": numbers(edges[1:], ".3f")}
-    for (name, (values, weights)), color in zip(
-        shares.items(), (BLUE, ORANGE, GREEN), strict=False
-    ):
-        # what lies beyond the outermost bins is counted in them
-        share = (
-            100
-            * np.histogram(np.clip(values, edges[0], edges[-1] - 1e-9), edges, weights=weights)[0]
-        )
-        axis.stairs(share, 1000 * edges, color=color, linewidth=1.6, label=NAMES[name])
-        table[f"{name}_percent"] = numbers(np.asarray(share, float), ".6f")
-    offset, sigma = 1000 * float(split.offset), 1000 * float(split.offset_sigma)
+    table = {"from_m": numbers(EDGES_M[:-1], ".3f"), "to_m": numbers(EDGES_M[1:], ".3f")}
+    for (name, percent), color in zip(shares.percent.items(), (BLUE, ORANGE, GREEN), strict=False):
+        axis.stairs(percent, 1000 * EDGES_M, color=color, linewidth=1.6, label=NAMES[name])
+        table[f"{name}_percent"] = numbers(percent, ".6f")
+    offset_mm, sigma_mm = 1000 * shares.offset_m, 1000 * shares.offset_sigma_m
     axis.errorbar(
-        [offset],
+        [offset_mm],
         [60],
-        xerr=[sigma],
+        xerr=[sigma_mm],
         color=ORANGE,
         marker="o",
         markersize=4,
@@ -360,8 +385,8 @@ def deviation_histogram(
     axis.set_yscale("symlog", linthresh=0.1)
     axis.legend(fontsize=8, frameon=False)
     alt = (
-        f"{_form_words(*shares['form'], split)}; offset of the whole patch {offset:+.0f} mm, "
-        f"one sigma {sigma:.0f} mm."
+        f"{shares.form}; offset of the whole patch {offset_mm:+.0f} mm, "
+        f"one sigma {sigma_mm:.0f} mm."
     )
     return finish_plot(figure, "deviation_histogram", "Deviation from the CAD model", alt, table)
 
