@@ -1,4 +1,4 @@
-/*! hullrecon's report page, Apache-2.0, of sources 613cee3cd508af4b050eab3f0af53b25a461bde145a2324e196f5a27b66144c9. Bundled:
+/*! hullrecon's report page, Apache-2.0, of sources efddb39ad878004b41831ed25c91e6f02648071437d13d4791f0e497595ed6e9. Bundled:
 
 Leaflet 1.9.4
 
