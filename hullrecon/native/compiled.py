@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Load the compiled module, with the same kernels of OpenBLAS on all processors that have AVX2.
+"""Load the compiled module, with kernels of OpenBLAS that use what the processor has.
 
 As it is loaded, OpenBLAS chooses its kernels by the processor's model. For one that is newer than
 the library it takes those for SSE3: an adjustment of stereo pairs took 1.4 times as long on such a
-machine.
+machine. Chosen here is what the library takes for the processors that it knows.
 """
 
 from __future__ import annotations
@@ -15,7 +15,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 KERNELS = "OPENBLAS_CORETYPE"  # the variable by which OpenBLAS is told the processor
-FOR_AVX2 = "Haswell"
+# Its names of kernels, and the words of /proc/cpuinfo that a processor for them has, best first
+NEEDED = {
+    "SkylakeX": {"avx512f", "avx512dq", "avx512bw", "avx512vl"},
+    "Zen": {"AuthenticAMD", "avx2", "fma"},
+    "Haswell": {"avx2", "fma"},
+}
 CPUINFO = Path("/proc/cpuinfo")
 
 
@@ -25,20 +30,20 @@ def blas_kernels(cpuinfo: Path = CPUINFO) -> Iterator[None]:
 
     The variable is taken back, as NumPy's own OpenBLAS in child processes would follow it too.
     """
-    chosen = KERNELS not in os.environ and _has_avx2(cpuinfo)
-    if chosen:
-        os.environ[KERNELS] = FOR_AVX2
+    chosen = None if KERNELS in os.environ else best_kernels(cpuinfo)
+    if chosen is not None:
+        os.environ[KERNELS] = chosen
     try:
         yield
     finally:
-        if chosen:
+        if chosen is not None:
             del os.environ[KERNELS]
 
 
-def _has_avx2(cpuinfo: Path) -> bool:
-    """Tell whether the processor has AVX2 and fused multiply-add, which the kernels need."""
-    flags = cpuinfo.read_text(encoding="utf-8").split() if cpuinfo.exists() else []
-    return {"avx2", "fma"} <= set(flags)
+def best_kernels(cpuinfo: Path = CPUINFO) -> str | None:
+    """Name the best kernels that the processor can run. None leaves the choice to OpenBLAS."""
+    has = set(cpuinfo.read_text(encoding="utf-8").split()) if cpuinfo.exists() else set()
+    return next((name for name, needed in NEEDED.items() if needed <= has), None)
 
 
 with blas_kernels():

@@ -325,4 +325,6 @@ def near_outside(inside: Mask, most_px: int) -> Mask:
 
     distance = cv2.distanceTransform(inside.view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     # Squared distances are whole numbers. OpenCV gives their roots, rounded by some 1e-7.
-    return np.asarray(np.rint(np.square(distance)) <= most_px**2)
+    # Without a pixel outside they may be as large as a number can be.
+    near = np.minimum(distance, np.float32(most_px + 1))
+    return np.asarray(np.rint(np.square(near)) <= most_px**2)
