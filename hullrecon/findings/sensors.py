@@ -7,6 +7,7 @@ Functions here take the values of a finding by name and return its sentence, or 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from hullrecon.findings.logs import Words, duration, names
@@ -116,9 +117,11 @@ EVIDENCE = {
 
 def _evidence(kind: object, first: float, second: float) -> str:
     """Word what was compared, a key of EVIDENCE, and what either sensor measured, in SI units."""
-    degree = 57.29578  # degrees in a radian
     return EVIDENCE[str(kind)].format(
-        first=first, second=second, first_deg=degree * first, second_deg=degree * second
+        first=first,
+        second=second,
+        first_deg=math.degrees(first),
+        second_deg=math.degrees(second),
     )
 
 

@@ -10,8 +10,6 @@ from typing import Any
 
 # applies a function to items and yields the results in order, as Context.stream does
 Stream = Callable[[Callable[[Any], Any], Sequence[Any], str], Iterator[Any]]
-
-
 Drawing = Callable[[], Any]  # draws a picture, with what it needs bound to it
 
 

@@ -484,13 +484,12 @@ def test_ranges_that_are_too_long_are_named_before_the_camera():
     assert float(finding.values["value"]) == pytest.approx(1 / 1.3, rel=0.05)
 
 
-@pytest.mark.parametrize("order", [(1, 2, 4, 3), (2, 4, 1, 3)])
-def test_ranges_of_exchanged_beams_are_named_with_the_beams_that_they_are_of(order):
+def test_ranges_of_exchanged_beams_are_named_with_the_beams_that_they_are_of():
     true = dive()
-    logged = true.dvl.ranges[:, np.array(order) - 1]
+    logged = true.dvl.ranges[:, [1, 3, 0, 2]]
     (finding,) = judged(with_ranges(true, logged), flows()).findings
     assert (finding.severity, finding.values["sensor"]) == ("error", "DVL")
-    assert ", ".join(map(str, order)) in finding.values["value"]
+    assert "2, 4, 1, 3" in finding.values["value"]
 
 
 def test_clock_that_runs_slow_is_named_with_its_rate():

@@ -35,7 +35,7 @@ from hullrecon.navigation.suspects.suspects import (
 from hullrecon.records.sensors import SensorRecords
 from hullrecon.rig import Rig
 
-STARTS = 5  # faults that are corrected for once
+MOST_STARTS = 5  # faults that are corrected for once
 MOST_LATE_S = 5.0  # beyond, a sensor would hardly have been on at the same time
 
 
@@ -85,7 +85,7 @@ def _best_of_each_sensor(
 
     Of faults that take off as much it is the usual one. The best of the usual ones is another start
     where an unusual one takes off more. A pressure of which several units do is
-    left out. At most STARTS are returned, those that take most first.
+    left out. At most MOST_STARTS are returned, those that take most first.
     """
     base = compare(motions)
     suspects = frozenset().union(*(c.sensors for c in base if c.accuses))
@@ -106,4 +106,4 @@ def _best_of_each_sensor(
             alike = sorted((h for gain, h in usual if gain > most - ALIKE), key=rank_by_usualness)
             if len(possible_units(alike)) <= 1 and all(alike[0] is not one for _, one in best):
                 best.append((most, alike[0]))
-    return [one for _, one in sorted(best, key=lambda pair: -pair[0])[:STARTS]]
+    return [one for _, one in sorted(best, key=lambda pair: -pair[0])[:MOST_STARTS]]
