@@ -324,12 +324,13 @@ def _with_stated_sigmas(solved: RoundResult) -> native.Problem:
     error without them.
     """
     problem, weights = solved.problem, solved.weights
-    stated = solved.after.measured.rig.priors.tray_sigma_rad / weights.tray
-    depths = np.array([1 / max(weights.depth, LEAST_WEIGHT), 1.0, 1.0])
+    # Ratios of the stated sigmas to those of the round: of the tray, and of depth, roll and pitch
+    tray_ratio = solved.after.measured.rig.priors.tray_sigma_rad / weights.tray
+    attitude_ratio = np.array([1 / max(weights.depth, LEAST_WEIGHT), 1.0, 1.0])
     return replace(
         problem,
-        tray=replace(problem.tray, sigma=problem.tray.sigma * stated),
-        attitude=replace(problem.attitude, sigma=problem.attitude.sigma * depths),
+        tray=replace(problem.tray, sigma=problem.tray.sigma * tray_ratio),
+        attitude=replace(problem.attitude, sigma=problem.attitude.sigma * attitude_ratio),
     )
 
 

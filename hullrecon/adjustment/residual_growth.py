@@ -123,14 +123,17 @@ def _absorbed_chi2(without_cad: native.Covariance, with_cad: native.Covariance) 
 
 
 def stated_attitude_rms(found: RoundResult, settings: native.Options) -> float:
-    """Compute the RMS residual of depth, roll, pitch and tray in the sigmas that dive.toml states.
+    """Compute the RMS whitened residual of depth, roll, pitch and tray, by the tray's stated sigma.
 
-    The sigma of the tray's angle that the solve estimated is not used here. With one camera the
-    solve hardly separates the tray's angle from the pitch, and follows the noise of both. The
-    estimated sigma is then too small, and even a right CAD model seems to make the residuals grow.
+    The sigma of the tray's angle that the rounds estimated is replaced by that of dive.toml. With
+    one camera the solve hardly separates the tray's angle from the pitch, and follows the noise of
+    both. The estimated sigma is then too small, and even a right CAD model seems to make the
+    residuals grow. Roll and pitch have the sigmas of navigation in every round. That of depths
+    stays as estimated.
     """
-    stated = found.after.measured.rig.priors.tray_sigma_rad / found.weights.tray
-    tray = replace(found.problem.tray, sigma=found.problem.tray.sigma * stated)
+    stated_over_estimated = found.after.measured.rig.priors.tray_sigma_rad / found.weights.tray
+    tray = replace(found.problem.tray, sigma=found.problem.tray.sigma * stated_over_estimated)
+    # No surface factor is wanted, and "naive" spends no time on them
     cost = native.evaluate(
         replace(found.problem, tray=tray), replace(settings, method="naive"), jacobian=False
     ).cost_by_factor

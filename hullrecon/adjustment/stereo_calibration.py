@@ -251,20 +251,22 @@ def _with_rig(estimate: Estimate, rig: Rig) -> Estimate:
 
 
 def _free_contradicted(after: Estimate, calibrated: Rig, found: StereoContradiction) -> Estimate:
-    """Widen the priors of what the dive contradicts, by the size of the contradiction.
+    """Widen the priors of what the dive contradicts.
 
-    Where the images contradict the calibration, the whole stereo mount is freed: a baseline whose
-    direction is wrong may be as wrong in length. Where only lengths disagree, the DVL may be as
-    wrong as the rig. Then the baseline's length, the DVL's scale and the ranges are freed.
+    Where the images contradict the calibration, the whole stereo mount is freed: direction and
+    rotation, which images determine, as wide as in the trial (`free_contradicted_rig`), the length
+    by the size of the contradiction, as a baseline whose direction is wrong may be as wrong in
+    length. Where only lengths disagree, the DVL may be as wrong as the rig. Then the baseline's
+    length, the DVL's scale and the ranges are freed by the size of the contradiction.
 
     Parameters
     ----------
     after
-        The estimate after the trial.
+        The estimate after the trial, the round with a wide prior of the stereo mount.
     calibrated
         The rig with the priors of the package.
     found
-        The contradiction, whose size becomes the sigma of what is freed.
+        The contradiction, whose size becomes the sigma of lengths.
     """
     mount, length_m = calibrated.top_from_bottom, calibrated.baseline_m
     assert mount is not None
@@ -273,8 +275,9 @@ def _free_contradicted(after: Estimate, calibrated: Rig, found: StereoContradict
     along = np.diag(axes @ covariance[:3, :3] @ axes.T)
     least = np.maximum(np.sqrt(np.r_[along, np.diag(covariance[3:, 3:])]), HELD)
     if found.by_images:
+        # Shares of the baseline both: a turn by an angle shifts its end by as large a share
         length_sigma = max(abs(found.length), found.direction_rad)
-        loose = np.r_[
+        loose = np.r_[  # along the baseline, twice across it, m, and rotation, rad
             length_sigma * length_m, np.full(2, TRIAL_SHARE * length_m), np.full(3, TRIAL_TURN_RAD)
         ]
         rows = _sqrt_information(mount, np.maximum(loose, least))

@@ -120,7 +120,7 @@ class ChangedRegion:
     sigma: float  # m, of the change
     before: float  # m, height of the top above the hull around in the first survey
     after: float  # m, the same in the second survey
-    p_value: float  # of the change, corrected for the number of places tested
+    p_value: float  # of such a change by noise, corrected for the number of places tested
 
 
 def changed_regions(found: Difference, places: int, options: ChangeOptions) -> list[ChangedRegion]:
@@ -135,9 +135,9 @@ def changed_regions(found: Difference, places: int, options: ChangeOptions) -> l
     threshold = np.maximum(options.min_change_m, CELL_SIGMAS * found.sigma)
     near = np.ones((3, 3), bool)
     regions: list[ChangedRegion] = []
-    for side in (1.0, -1.0):
+    for sign in (1.0, -1.0):
         with np.errstate(invalid="ignore"):
-            off = found.both & (side * found.beyond > threshold)
+            off = found.both & (sign * found.beyond > threshold)
         label, count = ndimage.label(ndimage.binary_closing(off, near), near)
         for number, window in enumerate(ndimage.find_objects(label, count), start=1):
             part = (label[window] == number) & found.both[window]
@@ -146,7 +146,7 @@ def changed_regions(found: Difference, places: int, options: ChangeOptions) -> l
                 cells[window] = part
                 regions.append(
                     measure_change(
-                        found, cells, _near_largest(side * found.local, cells), places, options, off
+                        found, cells, _near_largest(sign * found.local, cells), places, options, off
                     )
                 )
     # Those whose change is large enough, and beyond chance
@@ -167,12 +167,12 @@ def _near_largest(values: Array, cells: Mask) -> Mask:
     return top if top.any() else cells
 
 
-def top_of(heights: Array, cells: Mask, side: float) -> Mask:
-    """Select the top of a structure, raised (side 1) or sunken (-1), on which its height is taken.
+def top_of(heights: Array, cells: Mask, sign: float) -> Mask:
+    """Select the top of a structure, raised (sign 1) or sunken (-1), on which its height is taken.
 
     heights: (a, g) m. cells: (a, g) those of the structure.
     """
-    above = side * heights
+    above = sign * heights
     return _near_largest(
         above - float(np.nanpercentile(above[cells], 2)), cells & np.isfinite(heights)
     )

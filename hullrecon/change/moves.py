@@ -16,6 +16,7 @@ from hullrecon.geometry.charts.lattice import Lattice
 from hullrecon.records.change import SurfaceMove, SurveyOffset
 from hullrecon.typing import Array, Mask
 
+MARGIN = 3  # cells around a changed structure that are not taken for bare hull
 MIN_SHARE = 0.5  # least share of a patch's cells that must be bare hull that both surveys saw
 
 
@@ -30,7 +31,8 @@ def surface_moves(
     """Find stretches of bare hull that moved beyond the errors, the largest move first.
 
     The hull is tested patch by patch. Patches of which too little was seen are left out, and
-    patches that moved to the same side and touch become one stretch. Empty if nothing moved.
+    patches that touch and all moved outward, or all inward, become one stretch. Empty if nothing
+    moved.
 
     Parameters
     ----------
@@ -47,26 +49,28 @@ def surface_moves(
     """
     from scipy import ndimage
 
-    # Bare hull: what no structure changed, with a margin
+    # Bare hull: cells that both surveys saw and where no structure changed, with a margin of MARGIN
     with np.errstate(invalid="ignore"):
         bare = found.both & (np.abs(found.local) < options.min_change_m)
     for region in regions:
-        bare &= ~ndimage.binary_dilation(region.cells, iterations=3)
+        bare &= ~ndimage.binary_dilation(region.cells, iterations=MARGIN)
     # Test each patch, with p-values corrected for the number of patches
-    move, sigma, size = _measure_patches(found, bare, chart, lattice, offset, options)
+    move, sigma, patch_cells = _measure_patches(found, bare, chart, lattice, offset, options)
     patches = int(np.isfinite(move).sum())
     p_value = np.ones(move.shape)
     for i, j in np.argwhere(np.isfinite(move)):
         p_value[i, j] = corrected_p_value(float(move[i, j]), float(sigma[i, j]), patches)
     moved = (p_value <= options.max_p_value) & (np.abs(np.nan_to_num(move)) >= options.min_move_m)
-    # Join patches that moved to the same side
+    # Join patches that moved outward, then those that moved inward
     rows = []
-    for side in (1.0, -1.0):
+    for sign in (1.0, -1.0):
         label, count = ndimage.label(
-            moved & (side * np.nan_to_num(move) > 0), np.ones((3, 3), bool)
+            moved & (sign * np.nan_to_num(move) > 0), np.ones((3, 3), bool)
         )
         for number in range(1, count + 1):
-            rows.append(_join_patches(label == number, move, sigma, p_value, bare, size, lattice))
+            rows.append(
+                _join_patches(label == number, move, sigma, p_value, bare, patch_cells, lattice)
+            )
     return tuple(sorted(rows, key=lambda row: -abs(row.move)))
 
 
@@ -83,10 +87,11 @@ def _measure_patches(
     Returns
     -------
     move
-        (i, j) by patch, m along the normal, NaN where too little bare hull was seen.
+        (i, j) by patch, m along the CAD model's normal, outward positive, NaN where too little bare
+        hull was seen.
     sigma
         (i, j) m.
-    size
+    patch_cells
         Cells along a side of a patch.
     """
     size = max(1, round(options.patch_m / options.cell_m))
@@ -107,9 +112,15 @@ def _measure_patches(
 
 
 def _join_patches(
-    which: Mask, move: Array, sigma: Array, p_value: Array, bare: Mask, size: int, lattice: Lattice
+    which: Mask,
+    move: Array,
+    sigma: Array,
+    p_value: Array,
+    bare: Mask,
+    patch_cells: int,
+    lattice: Lattice,
 ) -> SurfaceMove:
-    """Join neighbouring patches that moved to the same side to one stretch.
+    """Join neighbouring patches that moved the same way, outward or inward, to one stretch.
 
     Its move and sigma are the patches' medians, its p-value the least of theirs.
 
@@ -121,12 +132,15 @@ def _join_patches(
         Move and sigma, m, and p-value of every patch (i, j).
     bare
         Cells (a, g) of bare hull. The stretch has no others.
-    size
+    patch_cells
         Cells along a side of a patch.
     lattice
         Gives the cells' position and area.
     """
-    cells = np.kron(which, np.ones((size, size), bool))[: bare.shape[0], : bare.shape[1]] & bare
+    cells = (
+        np.kron(which, np.ones((patch_cells, patch_cells), bool))[: bare.shape[0], : bare.shape[1]]
+        & bare
+    )
     at = lattice.points()[cells].mean(axis=0)
     return SurfaceMove(
         along_girth=at,

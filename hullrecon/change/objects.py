@@ -44,14 +44,14 @@ class _MovedObject:
     """An object in the first survey's frame."""
 
     found: ReportedObject
-    center: Array  # (3,)
-    along_girth: Array  # of its center on the chart
-    outline: Array  # (k, 2)
+    center: Array  # (3,) m in M
+    along_girth: Array  # (2,) m, of its center on the chart; NaN off it
+    outline: Array  # (k, 2) m along and in girth; (0, 2): none on the chart
     footprint: Mask  # (a, g) on the lattice
 
     @property
-    def side(self) -> float:
-        """1 for a raised object, -1 for a recess."""
+    def sign(self) -> float:
+        """+1 for a raised object, -1 for a recess."""
         return 1.0 if self.found.height >= 0 else -1.0
 
 
@@ -193,7 +193,7 @@ def _candidates(
         # The two centres' own sigma, the offset's, and how far they lie apart: along, and in girth
         for b, new in enumerate(after):
             size = max(*old.found.extent, *new.found.extent)
-            if old.side != new.side or np.linalg.norm(old.center - new.center) > 2 * size + 0.5:
+            if old.sign != new.sign or np.linalg.norm(old.center - new.center) > 2 * size + 0.5:
                 continue
             own = np.hypot(MIDDLE_M, MIDDLE_SHARE * size)
             shared = offset_sigma(context.offset, np.stack([old.center] * 2), np.stack(tangents))
@@ -250,15 +250,17 @@ def _explain_change(
     """Decide what became of the object at a region that changed.
 
     An object in both surveys, or relief of similar height in both, has grown or shrunk. Else it is
-    new or gone. old, new: the object in either survey, None where it was not found.
+    new or gone. old, new: the object in either survey, None where it was not found. region: its
+    change and heights are in m, outward positive.
     """
     before, after = region.before, region.after
     if old is not None and new is not None:
-        status: Status = "grown" if new.side * region.change > 0 else "shrunk"
+        status: Status = "grown" if new.sign * region.change > 0 else "shrunk"
         cells = (old.footprint | new.footprint) & context.difference.both
         # The object's top measures its change best: its edges may differ between surveys. That
-        # something changed was shown by the region already: the smaller p-value is taken.
-        at_top = _measure_top(cells, new.side, context.places, context) if cells.any() else region
+        # something changed was shown by the region already: the smaller of the p-values (of no
+        # change) is taken.
+        at_top = _measure_top(cells, new.sign, context.places, context) if cells.any() else region
         if at_top.change * region.change > 0 and abs(at_top.change) >= context.options.min_change_m:
             region = replace(at_top, p_value=min(at_top.p_value, region.p_value))
     elif _is_in_both(before, after):
@@ -272,9 +274,9 @@ def _explain_change(
 
 
 def _with_whole_height(row: ObjectChange) -> ObjectChange:
-    """Take the whole height of an object that came or went as its change.
+    """Take an object's whole height, before or after, as the change of one that came or went.
 
-    The median over the top, as measured, is less for a dome.
+    The change as measured is the median over the top, which is less than the height of a dome.
     """
     change, sigma = (
         row.height_after - row.height_before,
@@ -288,7 +290,7 @@ def _with_whole_height(row: ObjectChange) -> ObjectChange:
 
 
 def _is_in_both(before: float, after: float) -> bool:
-    """Decide whether both surveys show a structure of similar height (m) and the same side."""
+    """Decide whether both surveys show a structure of similar height (m) and sign."""
     return before * after > 0 and min(abs(before), abs(after)) >= THERE_SHARE * max(
         abs(before), abs(after)
     )
@@ -326,7 +328,7 @@ def _compare_at_top(
     cells = footprint & context.difference.both
     if unseen is not None or not cells.any():
         return _row(unseen or "unchanged", None, old, new, context)
-    region = _measure_top(cells, there[0].side, compared, context)
+    region = _measure_top(cells, there[0].sign, compared, context)
     certain = (
         region.p_value <= context.options.max_p_value
         and abs(region.change) >= context.options.min_change_m
@@ -335,20 +337,20 @@ def _compare_at_top(
         return _explain_change(region, old, new, context)
     status: Status = "unchanged"
     if certain:
-        status = "grown" if there[0].side * region.change > 0 else "shrunk"
+        status = "grown" if there[0].sign * region.change > 0 else "shrunk"
     elif len(there) == 1 and not _is_in_both(region.before, region.after):
         status = "uncertain"
     return _row(status, region, old, new, context)
 
 
-def _measure_top(cells: Mask, side: float, places: int, context: ObjectComparison) -> ChangedRegion:
+def _measure_top(cells: Mask, sign: float, places: int, context: ObjectComparison) -> ChangedRegion:
     """Measure an object's change at cells that both surveys show as its top.
 
-    At its edges the surveys may differ without a change. cells: (a, g) of the object. side: 1 for a
-    raised object, -1 for a recess. places: as for `measure_change`.
+    At its edges the surveys may differ without a change. cells: (a, g) of the object. sign: +1 for
+    a raised object, -1 for a recess. places: number of places, or of objects, that were tested.
     """
     tops = [
-        top_of(relief.height, cells, side)
+        top_of(relief.height, cells, sign)
         for relief in (context.difference.first, context.difference.second)
     ]
     both = tops[0] & tops[1]

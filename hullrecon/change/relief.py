@@ -23,15 +23,16 @@ class Relief:
     """Heights of a survey over the CAD model, in cells (a, g) along the hull and in girth."""
 
     height: Array  # m, outward positive, NaN where unseen
-    sigma: Array  # m, of the form
+    sigma: Array  # m, of the form: without the error by which the whole survey may be off
     views: Ints  # images that saw the cell
 
 
 def seen_points(survey: HullSurvey, chart: Chart, move: Poses | None = None) -> tuple[Array, Ints]:
     """Convert a survey's seen vertices to chart coordinates.
 
-    Those without a sigma of the form, or off the chart, are left out. Returns along, girth and
-    offset (n, 3), and the row of each vertex. `move`: rigid motion in M that is applied to the
+    Those whose form (the deviation without the survey's offset and tilts) has no sigma cannot be
+    compared, and are left out, as are those off the chart. Returns along, girth and offset (n, 3)
+    m, and the row of each in `survey.as_found`. `move`: rigid motion in M that is applied to the
     vertices first.
     """
     found = survey.as_found

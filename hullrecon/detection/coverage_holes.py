@@ -129,8 +129,19 @@ def _hole_facts(
     """Measure a hole: centre, address and area, for coverage.json.
 
     The centre is the cell of the hole nearest to the mean of its cells, as the mean itself may lie
-    outside. The area counts unseen patches in the seen cells around the hole too. hole (a, g): its
-    cells.
+    outside. The area counts unseen patches in the seen cells around the hole too, as one
+    seen patch makes its cell seen.
+
+    Parameters
+    ----------
+    cells
+        The cells of the chart.
+    hole
+        (a, g) the hole's cells.
+    chart
+        From along and girth to positions in its frame, M or g.
+    locate
+        Computes address and sigmas from the center (3,) m in that frame.
     """
     from scipy import ndimage
 

@@ -32,8 +32,8 @@ OUTLIER_SIGMAS = 4.0
 class _Fit:
     """A linear fit of level (shift along the normal) and two tilts to deviations of n vertices."""
 
-    columns: Array  # (n, 3) deviations by one unit of level and of each tilt
-    solver: Array  # (3, n) from deviations to level and tilts
+    columns: Array  # (n, 3) m, deviations by a level of 1 m and by each tilt of 1 m in a metre
+    solver: Array  # (3, n) map from deviations, m, to level and tilts
 
 
 def split_deviation(
@@ -116,8 +116,8 @@ def _fit_patch(
     """Find the linear fit of a shift along the normal (level) and two tilts to a patch's deviation.
 
     Least squares, weighted by area, repeated three times without the vertices that were outliers
-    the time before. Returned is the map from deviations to level and tilts, not their values, as
-    the same map carries the hull pose's error.
+    the time before. Returned is the map from deviations to level (m) and tilts (m in a metre, about
+    the patch's middle), not their values, as the same map carries the hull pose's error.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def _fit_patch(
     chart
         Gives the directions of the two tilts: along, and in girth.
     """
-    columns = _rigid_columns(points, normals, weight, chart)
+    columns = _rigid_columns(points, normals, weight, chart)  # about the middle of the bare hull
     for _ in range(3):
         scaled = columns * weight[:, None]
         solver = np.linalg.pinv(columns.T @ scaled) @ scaled.T

@@ -77,24 +77,28 @@ def _motion_by_pose(points: Array, hull_pose: HullPose) -> Array:
 def shared_variance(position: Array, normal: Array, covariance: Array) -> Array:
     """Estimate the part (n,) m2 of variances along normals that neighbours have in common.
 
-    position, normal: (n, 3) m and unit vectors of the landmarks. covariance: (n, 3, 3) m2. An error
-    that moves all landmarks is in the covariance of every neighbour. So the common part is at most
-    the second smallest of the neighbours' variances along this landmark's normal. Their variances
-    along their own normals, which have other directions, would not compare: an error of tens of
-    metres, as of an unmeasured depth, enters them to a different degree.
+    An error that moves all landmarks is in the covariance of every neighbour, beside the
+    neighbour's own variance, MIN_SIGMA_M^2 or more. So the common part is at most the smallest of
+    the neighbours' variances along this landmark's normal, less that. The second smallest bounds it
+    too, and does not hang on a single landmark. Variances along the neighbours' own normals, which
+    have other directions, would not compare: an error of tens of metres, as of an unmeasured depth,
+    enters them to a different degree.
+
+    position, normal: (n, 3) m and unit vectors of the landmarks. covariance: (n, 3, 3) m2. All are
+    in one frame.
     """
     if not len(position):
         return np.zeros(0)
-    near, best = Nearest(position), np.empty(len(position))
+    near, bound = Nearest(position), np.empty(len(position))
     for rows in blocks_of_rows(len(position), AT_ONCE):
         _, row = near(position[rows], min(NEIGHBOURS, len(position)))
-        least = np.full((2, len(row)), np.inf)
+        two_least = np.full((2, len(row)), np.inf)
         for neighbour in row.T:
             variance = along_normals(normal[rows], covariance[neighbour])
-            least = np.sort([*least, variance], axis=0)[:2]
-        best[rows] = least[min(1, row.shape[1] - 1)]
+            two_least = np.sort([*two_least, variance], axis=0)[:2]
+        bound[rows] = two_least[min(1, row.shape[1] - 1)]
     return np.asarray(
-        np.maximum(best - MIN_SIGMA_M**2, 0.0).clip(max=along_normals(normal, covariance))
+        np.maximum(bound - MIN_SIGMA_M**2, 0.0).clip(max=along_normals(normal, covariance))
     )
 
 

@@ -87,7 +87,7 @@ def _edge_of_disc(found: HullAsFound, unseen: Unseen) -> tuple[OpenEdge, HullAsF
     cut = replace(
         found, measured=found.measured & ~hidden, height=np.where(hidden, 0.0, found.height)
     )
-    disc = next(region for region in find_regions(cut, DetectOptions()) if region.side > 0)
+    disc = next(region for region in find_regions(cut, DetectOptions()) if region.sign > 0)
     return find_open_edge(cut, disc, vertex_areas(cut.base), Around(cut.base.vertices)), cut
 
 

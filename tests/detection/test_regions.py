@@ -18,7 +18,7 @@ MIDDLE = np.array([30.0, 4.0, 1.0])
 
 def test_the_disc_and_the_recess_are_found_highest_first(found) -> None:
     regions = find_regions(found, OPTIONS)
-    assert [r.side for r in regions] == [1.0, -1.0]
+    assert [r.sign for r in regions] == [1.0, -1.0]
     assert regions[0].height == pytest.approx(0.10, abs=0.005)
     assert regions[1].height == pytest.approx(-0.05, abs=0.004)
 
@@ -75,8 +75,8 @@ def test_specks_are_not_even_candidates(found) -> None:
 def test_parts_with_a_gap_narrower_than_the_reach_are_one(found) -> None:
     x = found.base.vertices[:, 0]
     split = replace(found, height=np.where(np.abs(x - 1.2) < 0.02, 0.0, found.height))
-    assert sum(r.side > 0 for r in find_regions(split, OPTIONS)) == 1
-    assert sum(r.side > 0 for r in find_regions(split, DetectOptions(cluster_reach_m=0.02))) == 2
+    assert sum(r.sign > 0 for r in find_regions(split, OPTIONS)) == 1
+    assert sum(r.sign > 0 for r in find_regions(split, DetectOptions(cluster_reach_m=0.02))) == 2
 
 
 def _two_peaks(found, saddle_m: float):

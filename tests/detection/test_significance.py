@@ -37,7 +37,7 @@ def test_the_roughness_is_that_of_the_hull_not_of_its_structures(found) -> None:
 def test_a_height_is_as_certain_as_its_landmarks(found) -> None:
     for region in find_regions(found, DetectOptions())[:2]:
         assert 0.0005 < height_sigma(found, region) < 0.006
-        assert np.abs(abs(region.height) - (0.10 if region.side > 0 else 0.05)) < 3 * height_sigma(
+        assert np.abs(abs(region.height) - (0.10 if region.sign > 0 else 0.05)) < 3 * height_sigma(
             found, region
         )
 

@@ -92,20 +92,21 @@ def profile(valley: Valley, start: Poses, reach: float, count: int = 41) -> Prof
 def inflate_covariance(covariance: Array, found: Profile, global_from_hull: Poses) -> Array:
     """Raise the variance along the profiled direction to that of the profile.
 
-    What is added moves the pose along the valley (`Profile.tangent`), turns included. A covariance
-    whose variance along it is larger already is returned unchanged.
+    A metre along the direction moves the pose by `Profile.tangent`, turns included. What is added
+    is the covariance of such moves. A covariance whose variance along the direction is larger
+    already is returned unchanged.
 
     Parameters
     ----------
     covariance
-        (6, 6) of the hull's pose.
+        (6, 6) of the hull's pose: translation in g, rotation in M, about the profile's centre.
     found
-        The profile, with direction, variance, and the motion of the pose along the valley.
+        The profile. Its tangent has the covariance's order and frames.
     global_from_hull
         The pose, which turns the direction from M into g.
     """
-    to_hull = global_from_hull.rotation.as_matrix()[0].T
-    along = np.r_[to_hull.T @ found.direction, np.zeros(3)]  # the direction in g
+    rotation = global_from_hull.rotation.as_matrix()[0]
+    along = np.r_[rotation @ found.direction, np.zeros(3)]  # the direction in g
     lacking = found.sigma**2 - float(along @ covariance @ along)
     if lacking <= 0:
         return covariance

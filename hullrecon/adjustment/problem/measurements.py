@@ -33,7 +33,8 @@ class CadModel:
     mesh: Mesh  # in M
     chart: Chart  # of the hull, in M
     guess: Poses  # global_from_hull, a batch of one
-    guess_sigma: Array  # (6,) in M's axes, m and rad
+    # (6,) m and rad in M's axes, of the position of the survey's middle and of the rotation
+    guess_sigma: Array
     deviation_sigma: float  # m, of the hull's deviation from the CAD model
     deviation_length: tuple[float, float]  # m, correlation length of that along and in girth
     units: str = "m"  # in which the file was read; a refusal may name another unit that would fit

@@ -27,7 +27,7 @@ class HullState:
 
     cad_model: CadModel
     global_from_hull: Poses  # a batch of one
-    survey_center: Array  # (3,) m in M
+    survey_center: Array  # (3,) m in M, about which the hull's rotation is perturbed
     grid: DeviationGrid | None  # of the deviation field; None: no field
     field: Array  # (size,) m, deviation from the CAD model on the grid
     segments: Segments | None = None  # of a path that outages cut; None: the path is not cut
@@ -123,7 +123,7 @@ class Weights:
     pixel: float  # px, sigma of an image coordinate
     by_response: ResponseSigmas  # sigma of each observation
     depth: float  # ratio of the sigma of depths to that which navigation states
-    tray: float  # rad
+    tray: float  # rad, sigma of a reading of the tray's angle
     range_sigma: float  # m
     surface: Array  # (L,) weight of each landmark's surface factor
     tray_direction: Array  # (n,) +1 or -1: side of its backlash on which the tray hangs

@@ -55,7 +55,10 @@ def solve_warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
 
 
 def _placement_warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
-    """Warn where the CAD model was refused, or where its pose or shape contradicts the package."""
+    """Warn where the CAD model was refused, or where its pose or shape contradicts the package.
+
+    Empty without a CAD model.
+    """
     if not adjusted.verdict.accepted:
         sources = "images and navigation" if len(solution.landmarks) else "navigation"
         return [
@@ -68,7 +71,7 @@ def _placement_warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
     sentences = [*_shape_warnings(adjusted.placement), *_segment_warnings(adjusted.placement)]
     if found.sigmas_off <= 1:
         return sentences
-    if adjusted.placement.tray_offset is not None:
+    if adjusted.placement.tray_offset is not None:  # explains the distance from hull.pose as well
         off_deg = np.degrees(adjusted.placement.tray_offset)
         sentences.append(
             f"The tray's angles may be off by {off_deg:+.0f} degrees: put right by that, the CAD "

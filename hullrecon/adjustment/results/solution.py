@@ -174,16 +174,18 @@ def _covariances(
     state
         The solution.
     position
-        Landmarks (l, 3) m in g.
+        Landmarks (l, 3) m in g, at which derivatives are taken.
     marginals
-        Covariances in g.
+        Covariances in g. The seventh unknown of a node is the tray's angle, which no pose has.
     """
     if state.hull is None:
         return marginals.pose[:, :6, :6], marginals.landmark
+    # The covariance of the hull's pose turns about the survey's middle (M), as the solve does
     pose, center, hull = state.hull.global_from_hull, state.hull.survey_center, marginals.T_g_M
     nodes = poses_in_hull(
         marginals.pose[:, :6, :6], marginals.pose_T_g_M[:, :6], hull, state.nodes, pose, center
     )
+    # Landmarks may be millions, too many for memory at once
     landmarks = empty_array(marginals.landmark.shape, marginals.landmark.dtype)
     for first in range(0, len(landmarks), POINTS):
         some = slice(first, first + POINTS)

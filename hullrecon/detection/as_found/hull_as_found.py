@@ -44,7 +44,9 @@ class HullAsFound:
     sigma: Array  # (n,) m of the height
     measured: Mask  # (n,) whether landmarks determine the height
     agreement: Array  # (n,) share of landmarks that agree with the height
-    shapes: Ints  # (n,) number of views whose shapes show the vertex [Ozog2016 Algorithm 5]
+    # (n,) number of views in which an alpha shape of the features off the hull lies on the ray to
+    # the vertex [Ozog2016 Algorithm 5]
+    shapes: Ints
     seen: Visibility  # how the views saw the vertices
     # (n,) m: how far a curved hull may stand off the CAD model's flat facet. 0 off structures
     sagitta: Array

@@ -48,8 +48,8 @@ def detect_shapes(
         Largest circumradius of a triangle: wider gaps between features stay open.
     """
     shapes = []
-    for side in (1.0, -1.0):
-        off = np.flatnonzero(side * deviation > threshold_m)
+    for sign in (1.0, -1.0):
+        off = np.flatnonzero(sign * deviation > threshold_m)
         points = np.column_stack([in_camera[off, :2], np.abs(deviation[off])])
         label = dbscan(points, reach_m, least)
         for cluster in range(int(label.max(initial=-1)) + 1):

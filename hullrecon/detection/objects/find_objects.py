@@ -48,7 +48,7 @@ class _RegionEvidence:
     region: Region
     center: int  # vertex in the middle of its top
     seen: Ints  # views that show it, the best first
-    chance: float  # p-value: probability that bare hull reaches its height somewhere
+    p_value: float  # probability that bare hull reaches its height somewhere
     sigma: float  # m, of its height
 
 
@@ -212,7 +212,7 @@ def _collect_evidence(
     """
     sigma = height_sigma(found, region)
     places = float(area[found.measured].sum() / TOP_M2)
-    chance = p_value(region.height, sigma, rough, places)
+    by_bare_hull = p_value(region.height, sigma, rough, places)
     # The sigma of the height has four parts: that of the fit, the roughness of the hull, the
     # bluntness, by which a peak may be higher than was measured, and the relief between landmarks
     # that smoothing has removed.
@@ -220,7 +220,11 @@ def _collect_evidence(
     unresolved = unresolved_relief(over[stands], own[stands])
     sigma = float(np.sqrt(sigma**2 + rough**2 + region.bluntness**2 + unresolved**2))
     return _RegionEvidence(
-        region=region, center=_center(found, region, area), seen=seen, chance=chance, sigma=sigma
+        region=region,
+        center=_center(found, region, area),
+        seen=seen,
+        p_value=by_bare_hull,
+        sigma=sigma,
     )
 
 
@@ -245,18 +249,19 @@ def _rejection_reason(
         The limits of height, area, landmarks, images and p-value.
     """
     region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
-    shapes = _views_with_shape(found, region, area)
+    # A view counts that saw the region, and whose features make an alpha shape there
+    images = min(seen, _views_with_shape(found, region, area))
     core = float(area[region.core].sum())
-    facets = _height_of_facets(found, region)
+    facets = _height_of_facets(found, region)  # m that no structure has to explain
     checks = (
         (abs(region.height) < options.min_height_m + facets, _too_low(region.height, facets)),
         (core < options.min_area_m2, f"only {1e4 * core:.0f} cm2 above half its height"),
         (on < options.min_landmarks, f"only {on} landmark{'' if on == 1 else 's'}"),
         (agree < MIN_AGREEMENT, f"only {100 * agree:.0f} % of its landmarks agree"),
-        (min(seen, shapes) < options.min_views, f"only {min(seen, shapes)} images show it"),
+        (images < options.min_views, f"only {images} images show it"),
         (
-            evidence.chance > options.max_p_value,
-            f"bare hull does so with probability {evidence.chance:.2g}",
+            evidence.p_value > options.max_p_value,
+            f"bare hull does so with probability {evidence.p_value:.2g}",
         ),
     )
     return next((reason for failed, reason in checks if failed), "")
@@ -289,7 +294,7 @@ def _height_of_facets(found: HullAsFound, region: Region) -> float:
 
 
 def _views_with_shape(found: HullAsFound, region: Region, area: Array) -> int:
-    """Count the views whose shapes show the region.
+    """Count the views whose alpha shapes of features show the region (`as_found/shapes.py`).
 
     They must show at least TOP_M2 of its core, the area that its height comes from too. It is the
     largest number k so that vertices of TOP_M2 are each shown by k views or more.
@@ -308,7 +313,7 @@ def _supporting_landmarks(
 
 
 def _center(found: HullAsFound, region: Region, area: Array) -> int:
-    """Find the vertex nearest to the middle of a region's top."""
+    """Find the vertex nearest to the middle of a region's top. area: (n,) m2 of the vertices."""
     top = _top_rows(found, region)
     middle = np.average(found.base.vertices[top], axis=0, weights=np.maximum(area[top], 1e-12))
     return int(top[np.argmin(np.linalg.norm(found.base.vertices[top] - middle, axis=1))])
@@ -363,8 +368,8 @@ def _object(
     normal = np.average(found.normal[core], axis=0, weights=np.maximum(area[core], 1e-12))
     normal /= np.linalg.norm(normal)
     # The deviation of the top is a quantile, so that no single vertex decides it
-    deviation = region.side * weighted_quantile(
-        region.side * found.deviation_at(core), area[core], 0.98
+    deviation = region.sign * weighted_quantile(
+        region.sign * found.deviation_at(core), area[core], 0.98
     )
     open_edge = find_open_edge(found, region, area, around)
     size = measure_size(found, region, open_edge, area, evidence.sigma, normal, base.chart)
@@ -393,7 +398,7 @@ def _object(
         **asdict(size),
         open_edge=round(open_edge.share, 3),
         views=len(evidence.seen),
-        p_value=float(f"{evidence.chance:.3g}"),
+        p_value=float(f"{evidence.p_value:.3g}"),
         images=tuple(views.name[view] for view in evidence.seen[:IMAGES]),
         outline=tuple(rounded(point) for point in outline(found.mesh, footprint)),
         **position.members(base),

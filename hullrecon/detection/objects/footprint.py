@@ -70,8 +70,8 @@ def find_open_edge(found: HullAsFound, region: Region, area: Array, around: Arou
     return OpenEdge(
         share=float(area[gap].sum() / area[near[band]].sum()),
         beyond=hidden[is_near(at[gap], at[hidden], reach)],
-        # the rise is positive on the region's side, the height outward
-        height=region.side * float(np.mean(region.rise(found, footprint[beside]))),
+        # the rise is positive away from the hull around, the height outward
+        height=region.sign * float(np.mean(region.rise(found, footprint[beside]))),
     )
 
 
@@ -124,7 +124,7 @@ def measure_size(
     edge = float(np.sqrt(2) * EDGE_SIGMA_M)  # of two opposite edges, each on its own
     # Sigma of the area: that of the edge's position times the circumference of a disc of this area
     edge_area = SHARED_EDGE * 2 * float(np.sqrt(np.pi * size)) * EDGE_SIGMA_M
-    volume = region.side * float((region.rise(found, footprint) * area[footprint]).sum())
+    volume = region.sign * float((region.rise(found, footprint) * area[footprint]).sum())
     # By the height, by the edge (where the structure has about 0.6 of its height), and by what is
     # hidden
     volume_sigma = np.linalg.norm(

@@ -161,7 +161,7 @@ def fit_hull_around(ring: Array, offset: Array, weight: Array, normal: Array) ->
 class Region:
     """A part of the surface that stands off the hull around it."""
 
-    side: float  # +1 raised, -1 sunken
+    sign: float  # +1 raised, -1 sunken
     footprint: Ints  # its vertices
     core: Ints  # vertices of its part above half height
     ring: Ints  # vertices of the hull around it
@@ -172,16 +172,16 @@ class Region:
     def rise(self, found: HullAsFound, vertices: Ints) -> Array:
         """Compute the heights (k,) m of vertices (k,) above the hull around.
 
-        Positive on the region's side.
+        Positive away from it: outward if the region is raised, inward if it is a recess.
         """
         return self.rise_of(found.base.vertices[vertices], found.deviation_at(vertices))
 
     def rise_of(self, feet: Array, offset: Array) -> Array:
-        """Compute heights (n,) m of points above the hull around, positive on the region's side.
+        """Compute heights (n,) m of points above the hull around, with the sign of `rise`.
 
         `feet`: of the points on the base (n, 3). `offset`: of the points from the base (n,) m.
         """
-        return self.side * (offset - self.hull.offset(feet))
+        return self.sign * (offset - self.hull.offset(feet))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -195,7 +195,7 @@ class _Relief:
     options: DetectOptions
 
     def clusters(self, rows: Ints) -> list[Ints]:
-        """Cluster vertices, given by row, by DBSCAN with the radius `cluster_reach_m`.
+        """Cluster vertices, rows (k,) of the base, by DBSCAN with the radius `cluster_reach_m`.
 
         Vertices with too few others around are noise, and in no cluster.
         """
@@ -222,41 +222,42 @@ def find_regions(found: HullAsFound, options: DetectOptions) -> list[Region]:
         options=options,
     )
     regions = [
-        _measure_region(relief, seed, foreign, side)
-        for side in (1.0, -1.0)
-        for seed, foreign in _seeds(relief, side)
+        _measure_region(relief, seed, foreign, sign)
+        for sign in (1.0, -1.0)
+        for seed, foreign in _seeds(relief, sign)
     ]
     return sorted(
         (r for r in regions if r is not None), key=lambda r: (-abs(r.height), int(r.footprint[0]))
     )
 
 
-def _seeds(relief: _Relief, side: float) -> Iterator[tuple[Ints, Ints]]:
+def _seeds(relief: _Relief, sign: float) -> Iterator[tuple[Ints, Ints]]:
     """Yield for each structure its seed, and the vertices of those that were split from it.
 
     A seed is the vertices of a structure that stand off the hull by MIN_OFFSET_M. Seeds whose area
-    is below SPECK of the least of an object are noise and left out. side: +1 raised, -1 sunken.
+    is below SPECK of the least of an object are noise and left out. sign: +1 raised, -1 sunken.
     """
-    for cluster in relief.clusters(np.flatnonzero(relief.off & (side * relief.found.height > 0))):
-        parts = _split_at_saddles(relief, cluster, side)
+    for cluster in relief.clusters(np.flatnonzero(relief.off & (sign * relief.found.height > 0))):
+        parts = _split_at_saddles(relief, cluster, sign)
         for k, seed in enumerate(parts):
             if relief.area[seed].sum() >= SPECK * relief.options.min_area_m2:
                 yield seed, np.concatenate([np.zeros(0, np.int64), *parts[:k], *parts[k + 1 :]])
 
 
-def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
+def _split_at_saddles(relief: _Relief, rows: Ints, sign: float) -> list[Ints]:
     """Split a cluster of vertices between peaks that are at least twice as high as the saddle.
 
     Smoothing fills the gap between two neighbouring structures, so that one cluster may have both.
-    A cluster without such a saddle is returned as it is. side: +1 raised, -1 sunken.
+    A cluster without such a saddle is returned as it is. rows: the cluster's vertices (k,). sign:
+    +1 raised, -1 sunken.
     """
     # Raise the height above which vertices are kept (level) until two or more peaks are apart.
     # Each vertex then goes to the nearest peak, and each part is split again.
-    height, vertices = side * relief.found.height[rows], relief.found.base.vertices
+    height, vertices = sign * relief.found.height[rows], relief.found.base.vertices
     level = SADDLE_STEP * MIN_OFFSET_M
     while level < 0.5 * height.max():
         peaks = [
-            p for p in relief.clusters(rows[height > level]) if _is_peak(relief, p, side, level)
+            p for p in relief.clusters(rows[height > level]) if _is_peak(relief, p, sign, level)
         ]
         if len(peaks) > 1:
             gap = np.stack([nearest(vertices[p], vertices[rows], 1)[0][:, 0] for p in peaks])
@@ -264,26 +265,26 @@ def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
             return [
                 part
                 for k in range(len(peaks))
-                for part in _split_at_saddles(relief, rows[owner == k], side)
+                for part in _split_at_saddles(relief, rows[owner == k], sign)
             ]
         level *= SADDLE_STEP
     return [rows]
 
 
-def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
+def _is_peak(relief: _Relief, rows: Ints, sign: float, level: float) -> bool:
     """Tell whether a part of a cluster is a peak: no speck, and its top twice as high as the level.
 
-    rows: vertices of the part. side: +1 raised, -1 sunken. level: m, height above which all of them
+    rows: vertices of the part. sign: +1 raised, -1 sunken. level: m, height above which all of them
     lie.
     """
     area = relief.area[rows]
     wide = area.sum() >= SPECK * relief.options.min_area_m2
     return bool(
-        wide and _height_of_top(side * relief.found.height[rows], area, TOP_M2) >= 2 * level
+        wide and _height_of_top(sign * relief.found.height[rows], area, TOP_M2) >= 2 * level
     )
 
 
-def _measure_region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region | None:
+def _measure_region(relief: _Relief, seed: Ints, foreign: Ints, sign: float) -> Region | None:
     """Measure a structure at a seed: the bare hull around it, its height above that, its vertices.
 
     Footprint and core are the vertices near the seed above a quarter and a half of the height.
@@ -296,7 +297,7 @@ def _measure_region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> 
         Vertices of the structure that stand off the hull by MIN_OFFSET_M.
     foreign
         Vertices of structures that were split from it at a saddle. They are left out.
-    side
+    sign
         +1 raised, -1 sunken.
 
     Returns
@@ -322,7 +323,7 @@ def _measure_region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> 
     # A structure may rise gently: vertices of the ring weigh more, the farther from it they are
     clear = (distance[bare] - RING_GAP_M) / width
     hull = fit_hull_around(base[ring], found.deviation_at(ring), area[ring] * clear**2, normal)
-    above = side * (found.deviation_at(near) - hull.offset(base[near]))
+    above = sign * (found.deviation_at(near) - hull.offset(base[near]))
     within = np.isin(near, seed)
     # How much lower a three times larger area lies shows how pointed the top is: a pointed one may
     # be higher than was measured
@@ -340,12 +341,12 @@ def _measure_region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> 
     if not len(core):
         return None
     return Region(
-        side=side,
+        sign=sign,
         footprint=footprint,
         core=core,
         ring=ring,
         hull=hull,
-        height=side * height,
+        height=sign * height,
         bluntness=height - shoulder,
     )
 

@@ -20,7 +20,7 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class OutsideMap:
-    """Map coordinates x = x_sign along, y = y_sign girth, metres."""
+    """The chart as a map of the hull seen from the water: x = x_sign along, y = y_sign girth, m."""
 
     x_sign: int
     y_sign: int

@@ -88,8 +88,10 @@ def change_csv(change: HullChange) -> str:
 def change_layer(change: HullChange, outside: OutsideMap) -> Layer:
     """Outline all objects, unchanged ones included, and the bare hull that moved.
 
-    Those without a place on the map are left out.
+    Those off the hull chart, whose coordinates are NaN, are left out. outside: the hull chart's
+    map, with the hull seen from the water.
     """
+    # In the order of `_rows`: the objects, then the moves
     shapes = [_ring(row.outline, row.along_girth, outside) for row in change.objects]
     shapes += [_ring(move.outline, move.along_girth, outside) for move in change.moves]
     fields = [_fields(row) for row in _rows(change)]
@@ -121,7 +123,10 @@ def _fields(row: dict[str, object]) -> Fields:
 
 
 def _ring(outline: Array, at: Array, outside: OutsideMap) -> Array:
-    """Convert an outline (n, 2) to map coordinates, a square about `at` (2,) if it has none."""
+    """Convert an outline (n, 2) to map coordinates, a square about `at` (2,) if it has none.
+
+    outline, at: along and girth, m.
+    """
     if len(outline) >= 3:
         return outside.to_map(outline)
     square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * LEAST_M
