@@ -91,7 +91,7 @@ class PointSets:
         return float(off @ np.linalg.solve(self.spread_of(firsts, seconds), off))
 
     def part(self, firsts: Ints, seconds: Ints) -> PointSets:
-        """Select points of either set by their numbers, with their covariances."""
+        """Select points of either set by their numbers (k,) and (l,), with their covariances."""
         rows, columns = (rows_of(side.tolist(), self.dimension) for side in (firsts, seconds))
         cross = self.cross_covariance
         return PointSets(

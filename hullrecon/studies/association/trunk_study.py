@@ -165,7 +165,10 @@ def _tree(distance: float, rng: np.random.Generator) -> Array:
 
 
 def error_m(trunk: Trunk, tree: Array) -> float:
-    """Measure how far a trunk's middle is from the true one, seen from the origin."""
+    """Measure how far a trunk's middle is from the true one, seen from the origin.
+
+    tree: (3,) x, y and radius, m.
+    """
     return float(np.linalg.norm(_middle(trunk) - tree[:2]))
 
 

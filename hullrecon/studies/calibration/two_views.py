@@ -4,8 +4,9 @@
 
 [Ozog2016 D.1.2, D.1.3]: what the features leave open, and what the nine intrinsics add to it, to
 first order (D.8) or by the unscented transform (D.9, Algorithm 6). Both of a camera's views share
-the errors of its calibration. Motions are those of `vision.pairs.mono_motion`: five numbers, the
-rotation perturbed on the right and the direction of the translation.
+the errors of its calibration. Motions second_from_first are (4, 4) with |t| = 1. Their differences
+are the five numbers of `vision.pairs.mono_motion`: the rotation perturbed on the right and the
+direction of the translation.
 """
 
 from __future__ import annotations
@@ -89,8 +90,10 @@ def sampled(
     rng: np.random.Generator,
     noise_px: float = 0.0,
 ) -> Array:
-    """Fit the motion with calibrations drawn of a covariance (9, 9): its five numbers (draws, 5).
+    """Fit the motion with calibrations drawn of a covariance (9, 9).
 
+    Returns how each fit differs from `motion`, the fit with the calibration as it is: five numbers
+    (draws, 5) as of `five_numbers`. motion: (4, 4) second_from_first, at which fits start.
     `noise_px`: sigma of the features, drawn as well.
     """
     errors = rng.standard_normal((draws, len(covariance))) @ _columns(covariance).T

@@ -185,7 +185,11 @@ def _compared(found: Mapping[str, Sequence[ComparedPair]]) -> list[ComparedValue
 def pair_inliers(
     dive: OneCameraDive, pair: ComparedPair, rows: Sequence[tuple[str, ...]]
 ) -> PublishedFigure:
-    """Draw the inliers of both models on the pair with the most false ones along the lines."""
+    """Draw the inliers of both models on the pair with the most false ones along the lines.
+
+    rows: as the result's table has them, by search and model: name, pairs, matches, outside, wrong.
+    The caption quotes `outside` of the two models inside the ellipses, then over the whole image.
+    """
     images = [dive.image(node) for node in pair.nodes]
     height, width = images[0].shape
     figure, axes = new_canvas(10.0, 10.0 * height / (2 * width) + 0.5)
@@ -204,7 +208,7 @@ def pair_inliers(
             label=f"inliers of the {name}: {of.sum():,}",
         )
     for k, (a, b) in enumerate((pair.nodes, pair.nodes[::-1])):
-        outline = dive.camera.outline_of(b, a)
+        outline = dive.camera.outline_of(b, a)  # of the image at b, in the image at a
         closed = np.vstack([outline, outline[:1]])
         axis.plot(
             np.clip(closed[:, 0], 1, width - 2) + k * width,

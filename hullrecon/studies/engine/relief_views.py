@@ -1,6 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The surface of [KimEustice2009 Fig. 2(a)] in its two views, and where the choice turns."""
+"""The surface of [KimEustice2009 Fig. 2(a)] in its two views, and which model is chosen for it.
+
+The geometric information criterion (GIC) chooses between a homography, which holds for a plane, and
+an essential matrix, which holds for any scene: the model whose criterion is smaller.
+"""
 
 from __future__ import annotations
 
@@ -16,19 +20,22 @@ GRID = 45  # points of the surface along either side
 
 
 def study() -> StudyResult:
-    """Draw the surface in both views, and compare where either criterion turns."""
+    """Draw the surface in both views, and compare the relief at which the choice changes."""
     return StudyResult(
         figures=(relief_views(),),
         compared=tuple(
             value
             for name, trials in scenes.criterion_trials().items()
-            for value in _turning(name, trials)
+            for value in _compare_choice(name, trials)
         ),
     )
 
 
-def _turning(name: str, trials: CriterionTrials) -> list[ComparedValue]:
-    """Tell at which relief the criteria are equal and what is chosen at either end."""
+def _compare_choice(name: str, trials: CriterionTrials) -> list[ComparedValue]:
+    """Set the relief at which both models' criteria are equal, and what is chosen on a plane.
+
+    They stand beside what the paper says. name: of the trials' way to score the models.
+    """
     share, crossing = trials.share_of_homography(), trials.crossing_m()
     return [
         ComparedValue(

@@ -205,7 +205,10 @@ def _settled_after(solve: SolveHistory) -> int:
 
 
 def _compare_labels(solves: Sequence[SolveHistory]) -> tuple[ComparedValue, ...]:
-    """Set labels as the source prints them beside those of a solve as published."""
+    """Set labels as the source prints them beside those of the solves as published.
+
+    solves: last rounds alone, of which row 0 is the first labelled iteration.
+    """
     return tuple(
         value
         for solve in solves

@@ -46,7 +46,7 @@ class Tree:
 class Moment:
     """The frames of a graph of submaps at a moment of the mission."""
 
-    frames: Array  # (n, 3)
+    frames: Array  # (n, 3) x, y m and heading rad
     covariances: Array  # (n, 2, 2) of their places
     loops: int
 
@@ -88,7 +88,11 @@ def study() -> StudyResult:
 
 
 def tree_of_joins(submaps: list[EkfMap]) -> Tree:
-    """Join maps two by two, and the same maps one after the other."""
+    """Join maps two by two, and the same maps one after the other.
+
+    The effort of a level is that of its joins alone.
+    """
+    # Association draws samples. With the seed anew, a level does not depend on the ones before
     levels, efforts = [[plain_map(built) for built in submaps]], [0.0]
     while len(levels[-1]) > 1:
         effort, rng, last = Effort(), np.random.default_rng(SEED), levels[-1]

@@ -75,7 +75,10 @@ def information(rows: list[tuple[str, str, Array, float]], start: bool) -> tuple
 
 
 def solved(matrix: Array, vector: Array, kept: Ints) -> Normal:
-    """Solve for some of the places, given by row, with all others left out."""
+    """Solve for some of the places, rows `kept` (k,), with all others left out.
+
+    matrix, vector: as of `information`.
+    """
     covariance = np.asarray(np.linalg.inv(matrix[np.ix_(kept, kept)]), float)
     return Normal(mean=covariance @ vector[kept], covariance=covariance)
 

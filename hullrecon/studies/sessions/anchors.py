@@ -24,13 +24,15 @@ from hullrecon.typing import Array, Ints
 class Anchored:
     """The graph of several sessions: anchors first, then the sessions' poses in their order."""
 
-    state: State
-    anchor: Ints  # (n,) of each pose the number of its anchor; of an anchor its own
-    plane_anchor: Ints  # (p,)
-    first_pose: Ints  # (sessions,)
+    state: State  # anchors in the common frame; poses and planes in their sessions' frames
+    anchor: Ints  # (n,) row in `state.poses` of each pose's anchor; of an anchor its own
+    plane_anchor: Ints  # (p,) the same of each plane
+    first_pose: Ints  # (sessions,) row of each session's first pose
     within: tuple[Factors, ...]  # of single sessions, their first poses' priors not among them
-    held: tuple[Priors | None, ...]  # by session, of its first pose
-    anchored: Priors  # of the anchors
+    # by session, the prior of its first pose, which holds the session in its own frame. Kept apart,
+    # as a graph in one common frame has that of the first session alone (`merged`)
+    held: tuple[Priors | None, ...]
+    anchored: Priors  # of the anchors, which hold the sessions' frames in the common one
     across: tuple[Encounters, ...] = ()
 
     @property
@@ -52,16 +54,16 @@ def join(
 ) -> Anchored:
     """Put sessions into one graph [Ozog2016 eq. 2.7].
 
-    A session that is not yet in the common frame has a prior on its first pose.
-
     Parameters
     ----------
     states
         Poses and planes of each session, in its own frame.
     factors
-        Tables of factors of each session, which count its own poses and planes.
+        Tables of factors of each session, which count its own poses and planes. At most one of them
+        is of priors: that of the session's first pose in its own frame. A map whose first pose was
+        removed has none.
     anchors
-        (sessions) where each session's frame is believed to lie in the common one.
+        (sessions) common_from_session, where each session's frame is believed to lie.
     anchor_sigma
         (sessions, 6) sigmas of that, of translation, m, and rotation, rad.
     """
@@ -73,13 +75,13 @@ def join(
     within: list[Factors] = []
     held: list[Priors | None] = [None] * count  # prior of each session in its own frame
     for k, tables in enumerate(factors):
-        names = first_pose[k] + np.arange(sizes[k]), first_plane[k] + np.arange(planes[k])
+        rows = first_pose[k] + np.arange(sizes[k]), first_plane[k] + np.arange(planes[k])
         for table in tables:
-            named = table.renamed(*names)
-            if isinstance(named, Priors):
-                held[k] = named
+            in_joint = table.renumbered(*rows)
+            if isinstance(in_joint, Priors):
+                held[k] = in_joint
             else:
-                within.append(named)
+                within.append(in_joint)
     return Anchored(
         state=State(
             poses=stacked([anchors, *(s.poses for s in states)]),
@@ -135,14 +137,14 @@ def merged(joint: Anchored) -> tuple[Graph, State]:
     anchor may move it: along the sea's surface and about the vertical, if they see depth and level.
     """
     count, state = joint.sessions, in_common_frame(joint)
-    without = np.arange(len(joint.state.poses)) - count  # anchors stand first
+    without = np.arange(len(joint.state.poses)) - count  # row of each pose without the anchors
     planes = np.arange(len(state.planes))
     held = []
     if (first := joint.held[0]) is not None:
         moved = replace(first, measured=joint.state.poses[0] @ first.measured)
-        held.append(moved.renamed(without, planes))
-    tables = [table.renamed(without, planes) for table in joint.within]
-    links = [table.as_links().renamed(without, planes) for table in joint.across]
+        held.append(moved.renumbered(without, planes))
+    tables = [table.renumbered(without, planes) for table in joint.within]
+    links = [table.as_links().renumbered(without, planes) for table in joint.across]
     return whole([*held, *tables, *links], state), state
 
 
@@ -156,5 +158,8 @@ def laid_on(joint: Anchored) -> State:
 
 
 def path_errors(poses: Poses, truth: Poses) -> Array:
-    """Compute errors of poses (n, 6): translation m and rotation rad in the true pose's frame."""
+    """Compute errors of poses (n, 6): translation m and rotation rad in the true pose's frame.
+
+    poses, truth: (n) in one frame.
+    """
     return errors(truth, poses)[0]

@@ -25,8 +25,9 @@ from hullrecon.typing import Array, Ints
 class State:
     """What a graph estimates: poses in one frame, or in those of their sessions, and planes."""
 
-    poses: Poses  # (n)
-    planes: Array  # (p, 3) m
+    poses: Poses  # (n) of the vehicle in g, or in its session's frame; anchors first, if there are
+    # (p, 3) m in the same frames: unit normal towards the origin times distance, as in `motions`
+    planes: Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,15 +43,18 @@ class Linear:
 class Factors(Rows, ABC):
     """Factors of one kind."""
 
-    poses: Ints  # (m, k)
-    planes: Ints  # (m, l)
+    poses: Ints  # (m, k) row in `State.poses` of each pose that a factor sees
+    planes: Ints  # (m, l) row in `State.planes` of each plane
 
     @abstractmethod
     def linearise(self, state: State) -> Linear:
         """Compute whitened residuals and their derivatives at a state."""
 
-    def renamed(self, poses: Ints, planes: Ints) -> Self:
-        """Renumber the poses and planes: pose k becomes poses[k], plane k becomes planes[k]."""
+    def renumbered(self, poses: Ints, planes: Ints) -> Self:
+        """Renumber the poses and planes: pose k becomes poses[k], plane k becomes planes[k].
+
+        An empty array leaves the numbers as they are.
+        """
         return replace(
             self,
             poses=poses[self.poses] if len(poses) else self.poses,
@@ -63,7 +67,7 @@ class Priors(Factors):
     """Poses that are known."""
 
     measured: Poses  # (m)
-    sqrt_information: Array  # (m, 6, 6)
+    sqrt_information: Array  # (m, 6, 6) of translation m and rotation rad in the measured frame
 
     def linearise(self, state: State) -> Linear:
         """Compute residuals (m, 6) of poses against what they are known to be."""
@@ -75,7 +79,7 @@ class Priors(Factors):
 class Levels(Factors):
     """Depth, roll and pitch of poses, as a pressure sensor and an IMU measure them."""
 
-    depth: Array  # (m,) m
+    depth: Array  # (m,) m, z of the pose's frame
     down: Array  # (m, 3) unit, in the vehicle's frame
     sigma: Array  # (2,) of the depth m and of the direction rad
 
@@ -143,8 +147,8 @@ class Encounters(Factors):
 class Sightings(Factors):
     """Planes fitted to the DVL's points of a pose [Ozog2016 eq. 2.2]."""
 
-    measured: Array  # (m, 3) m in the vehicle's frame
-    sigma_m: float
+    measured: Array  # (m, 3) m in the vehicle's frame: unit normal towards it times distance
+    sigma_m: float  # of each of the three numbers
 
     SHARED = frozenset({"sigma_m"})
 
@@ -196,7 +200,8 @@ class Beams(Factors):
         )
         towards = np.sum(self.ray * seen, axis=1)
         squared = np.sum(seen**2, axis=1)
-        length = -squared / towards  # the print has neither the square nor the sign
+        # From pi . x = -|pi|^2 on the plane. The print has neither the square nor the sign
+        length = -squared / towards
         by_seen = (-2 * seen / towards[:, None] + (squared / towards**2)[:, None] * self.ray)[
             :, None
         ] / self.sigma_m

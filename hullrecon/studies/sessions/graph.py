@@ -73,9 +73,9 @@ def whole(factors: Sequence[Factors], state: State) -> Graph:
 
 def compacted(graph: Graph, state: State) -> tuple[Graph, State]:
     """Leave removed poses and planes out of a graph's state, and number the rest anew."""
-    names = [np.cumsum(live) - 1 for live in (graph.live_poses, graph.live_planes)]
+    numbers = [np.cumsum(live) - 1 for live in (graph.live_poses, graph.live_planes)]
     left = State(poses=state.poses[graph.live_poses], planes=state.planes[graph.live_planes])
-    return whole([table.renamed(*names) for table in graph.factors], left), left
+    return whole([table.renumbered(*numbers) for table in graph.factors], left), left
 
 
 def linear_system(graph: Graph, state: State) -> tuple[csc_matrix, Array]:

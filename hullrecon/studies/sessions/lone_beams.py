@@ -23,7 +23,8 @@ from hullrecon.studies.study import ComparedValue, StudyResult
 from hullrecon.typing import Array
 
 FROM_M, TO_M, BELOW_M, SURFACED_M = -9.0, 9.0, 1.6, 0.7
-RAYS = np.array([[0.75**0.5, 0.5, 0.0], [0.75**0.5, -0.5, 0.0]])  # of the beams that come back
+# unit, in the vehicle's frame, of the beams that come back
+RAYS = np.array([[0.75**0.5, 0.5, 0.0], [0.75**0.5, -0.5, 0.0]])
 RANGE_SIGMA_M = 0.02
 BEND_M = 0.04  # by how much the hull leaves the plane of the leg below, from its curvature
 DRAWS = 12

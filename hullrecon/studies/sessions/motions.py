@@ -62,7 +62,7 @@ def errors(measured: Poses, poses: Poses) -> tuple[Array, Array]:
 
 
 def plane_in(poses: Poses, planes: Array) -> tuple[Array, Array, Array]:
-    """Compute planes (n, 3), given in the poses' parent frame, in the poses' frames: x ⊟ pi.
+    """Compute planes (n, 3) m, given in the poses' parent frame, in the poses' frames: x ⊟ pi.
 
     Returns them with their derivatives by pose (n, 3, 6) and by plane (n, 3, 3).
     """

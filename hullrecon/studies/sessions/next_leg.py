@@ -64,7 +64,7 @@ def legs_to_choose() -> dict[str, Poses]:
     """
 
     def at(x_m: Array, depth_m: float | Array) -> Poses:
-        """Face the hull at places along it, x, and at their depths."""
+        """Face the hull at places (n,) m along it, x, and at their depths."""
         return facing(*surface(x_m, np.broadcast_to(depth_m, x_m.shape)))
 
     x = np.arange(FROM_M, TO_M + 1e-9)

@@ -29,7 +29,7 @@ class PlaneMap:
     """Poses of an old graph and the plane that each of them saw, in the map's frame."""
 
     poses: Poses  # (n)
-    planes: Array  # (n, 3) m
+    planes: Array  # (n, 3) m, unit normal towards the origin times distance, as in `motions`
 
     @cached_property
     def tree(self) -> cKDTree:
@@ -43,9 +43,10 @@ class PlaneMap:
 
 
 def spread(known: PlaneMap, depth_m: float, count: int, rng: np.random.Generator) -> Array:
-    """Draw particles (count, 3) at a depth uniformly over free water before the map, with any yaw.
+    """Draw particles at a depth uniformly over free water before the map, with any yaw.
 
-    Free is what is outside of the nearest pose's plane, and nearer to it than FREE_M.
+    Returns (count, 3), x and y in m, yaw in rad. Free is what is outside of the nearest pose's
+    plane, and nearer to it than FREE_M.
     """
     low, high = (of(known.poses.translation[:, :2], axis=0) for of in (np.min, np.max))
     found: list[Array] = []
@@ -79,7 +80,7 @@ def moved_on(particles: Array, step: Array, sigma: Array, rng: np.random.Generat
 
 
 def plane_distances(known: PlaneMap, poses: Poses, seen: Array) -> tuple[Array, Array]:
-    """Compare a plane seen (3,) m with what poses (m) should see.
+    """Compare a plane seen (3,) m, in the vehicle's frame, with what poses (m) should see.
 
     Returns squared distances (m,), in sigmas, and logarithms of the sigmas (m,), m.
 
@@ -116,5 +117,8 @@ def area_m2(particles: Array) -> float:
 
 
 def candidates(known: PlaneMap, particles: Array, depth_m: float) -> Ints:
-    """Collect the key frames that are nearest to a particle [Ozog2016 Algorithm 1]."""
+    """Collect the key frames that are nearest to a particle [Ozog2016 Algorithm 1].
+
+    particles: (m, 3) x, y m and yaw rad. depth_m: of all of them.
+    """
     return np.unique(known.nearest(as_poses(particles, depth_m).translation)[0])

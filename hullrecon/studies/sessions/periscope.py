@@ -31,26 +31,31 @@ CALIBRATION = np.array([[FOCAL_PX, 0, WIDTH / 2], [0, FOCAL_PX, HEIGHT / 2], [0,
 WALL_M = 15.0  # from the ship's side above water to the vehicle
 # second camera in the first: to the side, down, ahead m; about these axes rad
 SIDE_SIGMA = np.array([1.5, 0.05, 0.3, 0.005, 0.02, 0.005])
-PLANE_SIGMA_M, PIXEL_SIGMA = np.array([0.4, 0.2, 0.8]), 1.0
+PLANE_SIGMA_M, PIXEL_SIGMA_PX = np.array([0.4, 0.2, 0.8]), 1.0  # plane: x, y, z of the camera
 DRAWS, SHARE = 4000, 0.99
 SCALES = (0.25, 0.5, 1.0, 2.0)  # of the way to the side
 
 
 @dataclass(frozen=True, kw_only=True)
 class Transfer:
-    """The uncertain inputs of a transfer: eleven numbers and their covariance."""
+    """The uncertain inputs of a transfer, as of `transferred`."""
 
-    mean: Array  # (11,) pose of j in i, plane in i, pixel in i
+    mean: Array  # (11,)
     covariance: Array  # (11, 11)
 
 
-def transferred(numbers: Array) -> Array:
-    """Transfer pixels over a plane (D.12): numbers (n, 11) to the second camera's pixels (n, 2)."""
-    turn = Rotation.from_rotvec(numbers[:, 3:6]).inv()
-    plane, pixel = numbers[:, 6:9], np.column_stack([numbers[:, 9:], np.ones(len(numbers))])
+def transferred(inputs: Array) -> Array:
+    """Transfer pixels of a first image over a plane into a second image: (n, 2) px (D.12).
+
+    inputs: (n, 11), the pose first_from_second (translation m, rotation vector rad), the plane in
+    the first camera's frame (m: unit normal towards the camera times distance), and the pixel.
+    """
+    shift, turn = inputs[:, :3], Rotation.from_rotvec(inputs[:, 3:6]).inv()
+    plane, pixel = inputs[:, 6:9], np.column_stack([inputs[:, 9:], np.ones(len(inputs))])
     ray = pixel @ np.linalg.inv(CALIBRATION).T
+    # The point depth * ray lies on the plane, pi . x = -|pi|^2
     depth = -np.sum(plane**2, axis=1) / np.sum(ray * plane, axis=1)
-    there = turn.apply(depth[:, None] * ray - numbers[:, :3]) @ CALIBRATION.T
+    there = turn.apply(depth[:, None] * ray - shift) @ CALIBRATION.T
     return np.asarray(there[:, :2] / there[:, 2:])
 
 
@@ -76,7 +81,7 @@ def transfer_of(pixel: Array, scale: float = 1.0) -> Transfer:
     sigma = SIDE_SIGMA * np.r_[scale, np.ones(5)]
     return Transfer(
         mean=np.r_[np.zeros(6), 0.0, 0.0, -WALL_M, pixel],
-        covariance=np.diag(np.r_[sigma, PLANE_SIGMA_M, PIXEL_SIGMA, PIXEL_SIGMA]) ** 2,
+        covariance=np.diag(np.r_[sigma, PLANE_SIGMA_M, PIXEL_SIGMA_PX, PIXEL_SIGMA_PX]) ** 2,
     )
 
 

@@ -34,8 +34,8 @@ class Clique:
 
     poses: Ints  # (k,)
     planes: Ints  # (l,)
-    information: Array  # target information
-    gradient: Array  # of half the cost
+    information: Array  # (s, s) target information; s = 6 k + 3 l
+    gradient: Array  # (s,) of half the cost
     most: float  # largest information before the removal: eigenvalues far below it are rounding
 
     def blocks(self) -> list[slice]:

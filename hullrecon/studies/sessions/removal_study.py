@@ -66,7 +66,7 @@ class Map:
     graph: Graph
     state: State
     number: Ints  # (n,) of each pose, counted through all sessions
-    truth: Poses  # (n)
+    truth: Poses  # (n) true global_from_vehicle
     seer: Ints  # (p,) of each plane, the number of the pose that sees it
 
 

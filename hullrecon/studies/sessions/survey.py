@@ -38,7 +38,7 @@ PLANE_EVERY = 3  # poses
 ODOMETRY_SIGMA = np.array([0.02, 0.02, 0.01, 0.002, 0.002, 0.005])
 LINK_SIGMA = np.repeat([0.01, 0.003], 3)
 LEVEL_SIGMA = np.array([0.03, 0.004])  # depth m, roll and pitch rad
-PLANE_SIGMA_M = 0.02
+PLANE_SIGMA_M = 0.02  # of each of a plane's three numbers
 PAIR_REACH_M = 3.5  # between poses whose planes are tied to each other
 PAIR_FLOOR_M, PAIR_SHARE = 0.03, 0.3  # of the difference by curvature, which the radii give roughly
 START_SIGMA = np.full(6, 1e-3)  # of a session's first pose in its own frame
@@ -58,7 +58,7 @@ class Session:
     truth: Poses  # (n) global_from_vehicle
     start: State  # in the session's frame, dead reckoned
     factors: tuple[Factors, ...]
-    seen_from: Ints  # (p,) pose that sees each plane
+    seen_from: Ints  # (p,) row of the pose that sees each plane
 
     @property
     def truth_in_session(self) -> Poses:
@@ -107,7 +107,10 @@ def ranges(places: Array, rays: Array, axes_m: Array = AXES_M) -> Array:
 
 
 def planes_before(poses: Poses, axes_m: Array = AXES_M) -> Array:
-    """Compute the planes (n, 3) m tangent to the hull where poses look ahead, in their frames."""
+    """Compute the planes tangent to the hull where poses in g look ahead.
+
+    Returns planes (n, 3) m in the poses' frames: unit normal towards the pose times distance.
+    """
     ahead = poses.rotation.apply(np.tile([1.0, 0, 0], (len(poses), 1)))
     points = poses.translation + ranges(poses.translation, ahead, axes_m)[:, None] * ahead
     normal = points / axes_m**2
@@ -163,9 +166,10 @@ def plane_factors(seers: Ints, seen: Array, truth: Poses) -> list[Factors]:
     seers
         (p,) numbers of the poses that see a plane.
     seen
-        (p, 3) m planes as measured, in those poses' frames.
+        (p, 3) m planes as measured, in those poses' frames: unit normal towards the pose times
+        distance.
     truth
-        True poses of the session, which tell what is near.
+        True poses of the session in g, which tell what is near.
     """
     sightings = Sightings(
         poses=seers[:, None],
@@ -175,6 +179,7 @@ def plane_factors(seers: Ints, seen: Array, truth: Poses) -> list[Factors]:
     )
     tree = cKDTree(truth.translation[seers])
     pairs = np.array(sorted(tree.query_pairs(PAIR_REACH_M)), int).reshape(-1, 2)
+    # By true poses, where a vehicle would have its estimates
     return [sightings, plane_pairs(pairs, seers, truth[seers], truth[seers], seen)]
 
 
@@ -190,7 +195,8 @@ def plane_pairs(pairs: Ints, poses: Ints, first: Poses, second: Poses, seen: Arr
     poses
         (p,) number of the pose that sees each plane.
     first, second
-        (p) poses that see the planes, for the first and for the second plane of a pair.
+        (p) poses in one frame that see the planes. Those of the first plane of a pair are looked up
+        in `first`, those of the second in `second`.
     seen
         (p, 3) m planes as measured, in those poses' frames.
     """

@@ -26,12 +26,12 @@ from hullrecon.studies.figure_style import (
 from hullrecon.studies.study import ComparedValue, StudyResult
 from hullrecon.typing import Array, Ints
 
-RANGE_SIGMA_M, BEARING_SIGMA, SURFACE_SIGMA_M = 0.01, np.radians(0.2), 0.01
-OFFSET = np.radians(1.5)  # of the servo, true
-OFFSET_PRIOR = np.radians(2.0)
+RANGE_SIGMA_M, BEARING_SIGMA_RAD, SURFACE_SIGMA_M = 0.01, np.radians(0.2), 0.01
+OFFSET_RAD = np.radians(1.5)  # of the servo, true
+OFFSET_SIGMA_RAD = np.radians(2.0)  # of its prior, which is zero
 FEATURES, PINGS, SEED, DRAWS = 40, 12, 0, 6
-TILT = np.radians(35.0)  # of the sonar's middle below level
-BEARING_LIMIT, ELEVATION_LIMIT = np.radians(14.5), np.radians(7.0)
+TILT_RAD = np.radians(35.0)  # of the sonar's middle below level
+BEARING_LIMIT_RAD, ELEVATION_LIMIT_RAD = np.radians(14.5), np.radians(7.0)
 RADIUS_M = 8.0  # of the hull, about an axis along x
 CASES = ("servo as logged", "servo unknown", "servo unknown, on the hull's surface")
 
@@ -58,7 +58,7 @@ def sighted(places: Array, points: Array, offset: float) -> tuple[Array, Array]:
     offset: of the servo, rad. Returns range m and bearing rad (m, 2), and elevation (m,) rad, which
     a sonar does not measure.
     """
-    turn = Rotation.from_euler("x", TILT + offset).inv()
+    turn = Rotation.from_euler("x", TILT_RAD + offset).inv()
     local = turn.apply(points - places)
     reach = np.linalg.norm(local, axis=1)
     bearing = np.arctan2(local[:, 0], local[:, 1])
@@ -74,12 +74,12 @@ def simulate(rng: np.random.Generator) -> Survey:
         [rng.uniform(-2, 2, FEATURES), 2 + RADIUS_M * (1 - np.cos(angle)), RADIUS_M * np.sin(angle)]
     )
     ping, feature = (k.ravel() for k in np.meshgrid(np.arange(PINGS), np.arange(FEATURES)))
-    exact, elevation = sighted(places[ping], features[feature], OFFSET)
-    seen = (np.abs(exact[:, 1]) < BEARING_LIMIT) & (np.abs(elevation) < ELEVATION_LIMIT)
+    exact, elevation = sighted(places[ping], features[feature], OFFSET_RAD)
+    seen = (np.abs(exact[:, 1]) < BEARING_LIMIT_RAD) & (np.abs(elevation) < ELEVATION_LIMIT_RAD)
     often = np.bincount(feature[seen], minlength=FEATURES) >= 2
     seen &= often[feature]
     names = np.cumsum(often) - 1
-    noise = rng.standard_normal((int(seen.sum()), 2)) * [RANGE_SIGMA_M, BEARING_SIGMA]
+    noise = rng.standard_normal((int(seen.sum()), 2)) * [RANGE_SIGMA_M, BEARING_SIGMA_RAD]
     return Survey(
         places=places, features=features[often], ping=ping[seen],
         feature=np.asarray(names[feature[seen]], int), measured=exact[seen] + noise,
@@ -91,8 +91,8 @@ class Structure:
     """Features and servo as estimated."""
 
     features: Array  # (n, 3) m
-    offset: float  # rad
-    offset_sigma: float
+    offset: float  # rad, of the servo
+    offset_sigma: float  # rad
 
 
 def estimate(survey: Survey, case: str) -> Structure:
@@ -101,14 +101,19 @@ def estimate(survey: Survey, case: str) -> Structure:
     count = len(survey.features)
 
     def residuals(numbers: Array) -> Array:
-        """Whiten the residuals at features (n, 3), row by row, then the servo's offset."""
+        """Compute the whitened residuals.
+
+        numbers (3 n + 1,): the features' positions m, then the servo's offset rad.
+        """
         points, offset = numbers[:-1].reshape(-1, 3), numbers[-1]
         seen, elevation = sighted(
             survey.places[survey.ping], points[survey.feature], float(offset) if free else 0.0
         )
-        off = (seen - survey.measured) / [RANGE_SIGMA_M, BEARING_SIGMA]
-        # of elevation it is only known that it is within the beam
-        parts = [off.ravel(), elevation / ELEVATION_LIMIT, [offset / OFFSET_PRIOR]]
+        off = (seen - survey.measured) / [RANGE_SIGMA_M, BEARING_SIGMA_RAD]
+        # Of elevation it is only known that it is within the beam. A Gaussian as wide stands in for
+        # that. The offset has its prior in every case: without one the Jacobian would be singular
+        # where the offset is not free
+        parts = [off.ravel(), elevation / ELEVATION_LIMIT_RAD, [offset / OFFSET_SIGMA_RAD]]
         if on_hull:
             parts.append(hull_distance(points) / SURFACE_SIGMA_M)
         return np.concatenate(parts)
@@ -131,7 +136,7 @@ def _start(survey: Survey) -> Array:
         [reach * np.sin(bearing), reach * np.cos(bearing), np.zeros(len(first))]
     )
     return np.asarray(
-        Rotation.from_euler("x", TILT).apply(local) + survey.places[survey.ping[first]]
+        Rotation.from_euler("x", TILT_RAD).apply(local) + survey.places[survey.ping[first]]
     )
 
 

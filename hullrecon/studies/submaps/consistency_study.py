@@ -1,6 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Consistency of one filter and of submaps [Aulinas2011 Fig. 2.2, eq (3.21)]."""
+"""Consistency of one filter and of submaps [Aulinas2011 Fig. 2.2, eq (3.21)].
+
+A car maps trees by a laser. A reading is the range and the bearing of one of them, a landmark.
+NEES is the normalised estimation error squared, and the consistency index is its mean over runs by
+the 95 % bound of that mean.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +54,7 @@ CAUSES = {
     "with a tenth of the odometry's noise": (SQUARE, FINE_ODOMETRY),
     "with a tenth of the laser's noise": (SQUARE, FINE_LASER),
 }
-READ_M = (0.5, 1.0, 2.0, 4.0)
+READ_FROM_M = (0.5, 1.0, 2.0, 4.0)  # distances of a landmark at which it is read
 READINGS = 300  # over which a NEES is averaged
 SUBMAPS = "our submaps, each in its own frame"  # Jacobians at first estimates
 PRINTED = "submaps as printed"  # Jacobians at the newest estimates
@@ -117,7 +122,7 @@ def study_consistency() -> StudyResult:
 
 
 def nees_after_reading(range_m: float) -> float:
-    """Average the NEES of car and landmark, 5 degrees of freedom, after one reading of it.
+    """Average the NEES of car and landmark, 5 degrees of freedom, after one reading of the latter.
 
     They are as unsure before it as within a submap; readings are those of the thesis.
     """
@@ -139,13 +144,21 @@ def nees_after_reading(range_m: float) -> float:
 
 
 def _compare(at_end: dict[str, float], nees: dict[str, Array]) -> tuple[ComparedValue, ...]:
-    """Compare consistency after the loop, and the NEES after a reading, with those printed.
+    """Compare consistency after the loop, and that of submaps' ends, with those printed.
 
-    at_end: consistency index after the loop, by method. nees: NEES (n,) of where submaps ended, by
-    variant.
+    A note says the mean NEES after a single reading.
+
+    Parameters
+    ----------
+    at_end
+        Consistency index after the loop, by method.
+    nees
+        NEES (n,) of where submaps ended: of ours (SUBMAPS), as printed (PRINTED), and of the latter
+        under each of CAUSES, whose words follow PRINTED and a comma.
     """
     ours = nees[SUBMAPS]
-    low, high = mean_band(len(ours))
+    low, high = mean_band(len(ours))  # 95 % of such a mean
+    # As "2.34" or "2.34 with a tenth of the laser's noise"
     printed = [
         f"{of.mean():.2f}{name.removeprefix(PRINTED).replace(',', '')}"
         for name, of in nees.items()
@@ -172,7 +185,7 @@ def _compare(at_end: dict[str, float], nees: dict[str, Array]) -> tuple[Compared
             "[Huang2010]. As printed, at the newest, (3.8) and (3.9), they have "
             f"{', '.join(printed)}. One reading of a landmark leaves car and landmark, of 5 "
             "degrees of freedom, with a mean NEES of "
-            + ", ".join(f"{nees_after_reading(r):.1f} at {r} m" for r in READ_M)
+            + ", ".join(f"{nees_after_reading(r):.1f} at {r} m" for r in READ_FROM_M)
             + ": nearer than 2 m, where the car would run over it, nothing is read",
         ),
     )

@@ -38,8 +38,8 @@ class Track:
     """The car as estimated at each scan, with the information up to then."""
 
     steps: Array  # (n,)
-    poses: Array  # (n, 3) in the mission's frame
-    covariances: Array  # (n, 3, 3)
+    poses: Array  # (n, 3) x, y m and heading rad in the mission's frame
+    covariances: Array  # (n, 3, 3), translation in the mission's frame
 
     def errors(self, world: World) -> Array:
         """Compute errors (n, 3) in x, y and heading."""

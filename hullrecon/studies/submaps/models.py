@@ -119,7 +119,8 @@ class Car:
     def axle_speed(self, wheel_speed: Array, steering: Array) -> Array:
         """Compute the speed of the axle's middle from that of the left wheel, m/s.
 
-        In a curve the wheel is slower or faster than the axle. steering: rad, positive to the left.
+        In a curve the wheel is slower or faster than the axle. wheel_speed: (n,) m/s. steering:
+        (n,) rad, positive to the left.
         """
         lever = self.encoder_m / self.wheelbase_m
         return np.asarray(wheel_speed / (1.0 - lever * np.tan(steering)))

@@ -60,7 +60,7 @@ class WendlandKernel(Kernel):
 
 
 def wendland(r: Array) -> Array:
-    """Evaluate Wendland's C2 function [Wendland1995], positive definite up to 3-D."""
+    """Evaluate Wendland's C2 function [Wendland1995], positive definite up to 3-D, of r (k,)."""
     return np.asarray(np.maximum(0.0, 1 - r) ** 4 * (4 * r + 1))
 
 

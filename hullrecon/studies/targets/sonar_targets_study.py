@@ -192,7 +192,7 @@ def simulate(rng: np.random.Generator, sigmas: Sigmas) -> Survey:
 
 
 def _shoals(rng: np.random.Generator, lanes: Array) -> Array:
-    """Draw where along the track a pass meets shoals, m."""
+    """Draw where along the track a pass meets shoals, m. lanes: numbers (n,) of those to use."""
     off = rng.uniform(-0.25, 0.25, FISH)  # of a lane, so that none covers another thing
     return np.asarray((rng.choice(lanes, FISH, replace=False) + off) * LANE_M)
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from hullrecon.studies.sonar.structure import (
     CASES,
-    OFFSET,
-    TILT,
+    OFFSET_RAD,
+    TILT_RAD,
     estimate,
     hull_distance,
     sighted,
@@ -30,12 +30,12 @@ def test_the_hull_resolves_elevation() -> None:
 
 def test_the_servo_is_found_within_its_sigma() -> None:
     found = estimate(simulate(np.random.default_rng(2)), CASES[2])
-    assert abs(found.offset - OFFSET) < 3 * found.offset_sigma
+    assert abs(found.offset - OFFSET_RAD) < 3 * found.offset_sigma
     assert found.offset_sigma < np.radians(1.0)
 
 
 def test_a_point_ahead_is_seen_at_its_range_and_no_bearing() -> None:
-    ahead = np.array([[0.0, 3 * np.cos(TILT), 3 * np.sin(TILT)]])
+    ahead = np.array([[0.0, 3 * np.cos(TILT_RAD), 3 * np.sin(TILT_RAD)]])
     seen, elevation = sighted(np.zeros((1, 3)), ahead, 0.0)
     np.testing.assert_allclose(seen, [[3.0, 0.0]], atol=1e-12)
     np.testing.assert_allclose(elevation, 0.0, atol=1e-12)
