@@ -133,7 +133,7 @@ def stated_attitude_rms(found: RoundResult, settings: native.Options) -> float:
     """
     stated_over_estimated = found.after.measured.rig.priors.tray_sigma_rad / found.weights.tray
     tray = replace(found.problem.tray, sigma=found.problem.tray.sigma * stated_over_estimated)
-    # No surface factor is wanted, and "naive" spends no time on them
+    # The surface factor has no part in this sum, and "naive" leaves it out
     cost = native.evaluate(
         replace(found.problem, tray=tray), replace(settings, method="naive"), jacobian=False
     ).cost_by_factor

@@ -275,9 +275,9 @@ def _free_contradicted(after: Estimate, calibrated: Rig, found: StereoContradict
     along = np.diag(axes @ covariance[:3, :3] @ axes.T)
     least = np.maximum(np.sqrt(np.r_[along, np.diag(covariance[3:, 3:])]), HELD)
     if found.by_images:
-        # Shares of the baseline both: a turn by an angle shifts its end by as large a share
+        # Both are shares of the baseline: turned by a small angle, its end moves by that share
         length_sigma = max(abs(found.length), found.direction_rad)
-        loose = np.r_[  # along the baseline, twice across it, m, and rotation, rad
+        loose = np.r_[  # m along the baseline, m along two axes across it, rad of rotation
             length_sigma * length_m, np.full(2, TRIAL_SHARE * length_m), np.full(3, TRIAL_TURN_RAD)
         ]
         rows = _sqrt_information(mount, np.maximum(loose, least))

@@ -16,7 +16,7 @@ from hullrecon.geometry.charts.lattice import Lattice
 from hullrecon.records.change import SurfaceMove, SurveyOffset
 from hullrecon.typing import Array, Mask
 
-MARGIN = 3  # cells around a changed structure that are not taken for bare hull
+MARGIN_CELLS = 3  # around a changed structure, which are not taken for bare hull
 MIN_SHARE = 0.5  # least share of a patch's cells that must be bare hull that both surveys saw
 
 
@@ -49,11 +49,11 @@ def surface_moves(
     """
     from scipy import ndimage
 
-    # Bare hull: cells that both surveys saw and where no structure changed, with a margin of MARGIN
+    # Bare hull: cells that both surveys saw and where no structure changed, nor close by
     with np.errstate(invalid="ignore"):
         bare = found.both & (np.abs(found.local) < options.min_change_m)
     for region in regions:
-        bare &= ~ndimage.binary_dilation(region.cells, iterations=MARGIN)
+        bare &= ~ndimage.binary_dilation(region.cells, iterations=MARGIN_CELLS)
     # Test each patch, with p-values corrected for the number of patches
     move, sigma, patch_cells = _measure_patches(found, bare, chart, lattice, offset, options)
     patches = int(np.isfinite(move).sum())
@@ -94,21 +94,23 @@ def _measure_patches(
     patch_cells
         Cells along a side of a patch.
     """
-    size = max(1, round(options.patch_m / options.cell_m))
-    shape = [-(-n // size) for n in found.total.shape]
+    patch_cells = max(1, round(options.patch_m / options.cell_m))
+    shape = [-(-n // patch_cells) for n in found.total.shape]
     move, sigma = np.full(shape, np.nan), np.full(shape, np.nan)
     own, middles = np.hypot(found.first.sigma, found.second.sigma), lattice.points()
     for i, j in np.ndindex(*shape):
-        block = np.s_[i * size : (i + 1) * size, j * size : (j + 1) * size]
+        block = np.s_[
+            i * patch_cells : (i + 1) * patch_cells, j * patch_cells : (j + 1) * patch_cells
+        ]
         cells = bare[block]
-        if cells.sum() < MIN_SHARE * size**2:
+        if cells.sum() < MIN_SHARE * patch_cells**2:
             continue
         point, normal = chart.from_chart(middles[block][cells].mean(axis=0)[None])
         if not np.isfinite(point).all():
             continue
         move[i, j] = np.median(found.total[block][cells])
         sigma[i, j] = np.hypot(np.median(own[block][cells]), offset_sigma(offset, point, normal)[0])
-    return move, sigma, size
+    return move, sigma, patch_cells
 
 
 def _join_patches(

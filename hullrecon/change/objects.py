@@ -258,8 +258,7 @@ def _explain_change(
         status: Status = "grown" if new.sign * region.change > 0 else "shrunk"
         cells = (old.footprint | new.footprint) & context.difference.both
         # The object's top measures its change best: its edges may differ between surveys. That
-        # something changed was shown by the region already: the smaller of the p-values (of no
-        # change) is taken.
+        # something changed was shown by the region already: the smaller p-value is taken.
         at_top = _measure_top(cells, new.sign, context.places, context) if cells.any() else region
         if at_top.change * region.change > 0 and abs(at_top.change) >= context.options.min_change_m:
             region = replace(at_top, p_value=min(at_top.p_value, region.p_value))

@@ -32,7 +32,7 @@ OUTLIER_SIGMAS = 4.0
 class _Fit:
     """A linear fit of level (shift along the normal) and two tilts to deviations of n vertices."""
 
-    columns: Array  # (n, 3) m, deviations by a level of 1 m and by each tilt of 1 m in a metre
+    columns: Array  # (n, 3) m, deviations by a level of 1 m and by each tilt of 1 m per metre
     solver: Array  # (3, n) map from deviations, m, to level and tilts
 
 
@@ -116,7 +116,7 @@ def _fit_patch(
     """Find the linear fit of a shift along the normal (level) and two tilts to a patch's deviation.
 
     Least squares, weighted by area, repeated three times without the vertices that were outliers
-    the time before. Returned is the map from deviations to level (m) and tilts (m in a metre, about
+    the time before. Returned is the map from deviations to level (m) and tilts (m per metre, about
     the patch's middle), not their values, as the same map carries the hull pose's error.
 
     Parameters

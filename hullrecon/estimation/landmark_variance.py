@@ -78,11 +78,11 @@ def shared_variance(position: Array, normal: Array, covariance: Array) -> Array:
     """Estimate the part (n,) m2 of variances along normals that neighbours have in common.
 
     An error that moves all landmarks is in the covariance of every neighbour, beside the
-    neighbour's own variance, MIN_SIGMA_M^2 or more. So the common part is at most the smallest of
-    the neighbours' variances along this landmark's normal, less that. The second smallest bounds it
-    too, and does not hang on a single landmark. Variances along the neighbours' own normals, which
-    have other directions, would not compare: an error of tens of metres, as of an unmeasured depth,
-    enters them to a different degree.
+    neighbour's own variance, which is taken to be MIN_SIGMA_M^2 or more. So the common part is at
+    most the smallest of the neighbours' variances along this landmark's normal, less that. The
+    second smallest bounds it too, and does not hang on a single landmark. Variances along the
+    neighbours' own normals, which have other directions, would not compare: an error of tens of
+    metres, as of an unmeasured depth, enters them to a different degree.
 
     position, normal: (n, 3) m and unit vectors of the landmarks. covariance: (n, 3, 3) m2. All are
     in one frame.

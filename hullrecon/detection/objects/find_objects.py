@@ -249,10 +249,10 @@ def _rejection_reason(
         The limits of height, area, landmarks, images and p-value.
     """
     region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
-    # A view counts that saw the region, and whose features make an alpha shape there
+    # An image shows the region if it saw it and its features make an alpha shape there
     images = min(seen, _views_with_shape(found, region, area))
     core = float(area[region.core].sum())
-    facets = _height_of_facets(found, region)  # m that no structure has to explain
+    facets = _height_of_facets(found, region)  # m, which a bare curved hull may seem to have
     checks = (
         (abs(region.height) < options.min_height_m + facets, _too_low(region.height, facets)),
         (core < options.min_area_m2, f"only {1e4 * core:.0f} cm2 above half its height"),

@@ -32,9 +32,9 @@ def study() -> StudyResult:
 
 
 def _compare_choice(name: str, trials: CriterionTrials) -> list[ComparedValue]:
-    """Set the relief at which both models' criteria are equal, and what is chosen on a plane.
+    """Compare the relief at which both models' criteria are equal, and the choice on a plane.
 
-    They stand beside what the paper says. name: of the trials' way to score the models.
+    name: of how the trials score the models.
     """
     share, crossing = trials.share_of_homography(), trials.crossing_m()
     return [

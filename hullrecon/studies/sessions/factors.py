@@ -25,7 +25,8 @@ from hullrecon.typing import Array, Ints
 class State:
     """What a graph estimates: poses in one frame, or in those of their sessions, and planes."""
 
-    poses: Poses  # (n) of the vehicle in g, or in its session's frame; anchors first, if there are
+    # (n) of the vehicle in g, or in its session's frame; anchors stand first, if there are any
+    poses: Poses
     # (p, 3) m in the same frames: unit normal towards the origin times distance, as in `motions`
     planes: Array
 

@@ -60,7 +60,10 @@ class WendlandKernel(Kernel):
 
 
 def wendland(r: Array) -> Array:
-    """Evaluate Wendland's C2 function [Wendland1995], positive definite up to 3-D, of r (k,)."""
+    """Evaluate Wendland's C2 function [Wendland1995], positive definite up to 3-D.
+
+    r: (k,) distance over the radius, beyond which the function is zero.
+    """
     return np.asarray(np.maximum(0.0, 1 - r) ** 4 * (4 * r + 1))
 
 
